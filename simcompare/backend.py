@@ -1,0 +1,224 @@
+"""WHO simulates: the contract between a scenario and an engine.
+
+A backend is one file ``backends/<engine>_.py`` with a ``BACKEND`` object. It names no scenario, and
+it imports its engine only when a scene is opened.
+"""
+
+from __future__ import annotations
+
+import enum
+import importlib
+import importlib.metadata
+import time
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from types import ModuleType
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
+
+from simcompare.errors import EngineBroken, EngineMissing, Unsupported
+from simcompare.scenario import Scenario
+
+if TYPE_CHECKING:
+    from simcompare.simulation import Simulation
+    from simcompare.trajectory import Trajectory
+
+#: contact modes that every backend knows
+DEFAULT, MAPPED = "default", "mapped"
+CONTACT_MODES = (DEFAULT, MAPPED)
+
+
+class Feature(enum.StrEnum):
+    """What a scenario may need of an engine; the value is how it is shown to people."""
+
+    SPATIAL = "motion out of the x-z plane"
+    FREE_BODY = "free bodies"
+    PLANE = "plane shapes"
+    SPHERE = "sphere shapes"
+    BOX = "box shapes"
+    CYLINDER = "cylinder shapes"
+    CAPSULE = "capsule shapes"
+    RESTITUTION = "restitution"
+    FRICTION = "Coulomb friction between bodies"
+    DRAG = "quadratic air drag"
+    HINGE = "hinge joints"
+    SLIDER = "slider joints"
+    FIXED_JOINT = "fixed joints"
+    BALL_JOINT = "ball joints"
+    ACTUATOR = "actuators"
+    SENSOR = "sensors"
+
+
+@dataclass(frozen=True)
+class KnownLimit:
+    """A peculiarity of an engine that a user will meet, with a reference.
+
+    Attributes:
+        text: what happens, in one sentence.
+        reference: where it is documented or how it was measured.
+    """
+
+    text: str
+    reference: str
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a scenario is run.
+
+    Attributes:
+        contact: contact mode: the engine's own "default", or the scenario's physics "mapped".
+        seed: seed of every random number in the run.
+    """
+
+    contact: str = MAPPED
+    seed: int = 0
+
+
+@runtime_checkable
+class Backend(Protocol):
+    """What every engine offers; other people's backends need nothing more."""
+
+    name: str
+    features: frozenset[Feature]
+    known_limits: tuple[KnownLimit, ...]
+    mapping: str
+
+    def version(self) -> str:
+        """Version of the installed engine; raises :class:`EngineMissing` where it is absent."""
+
+    def open(self, scenario: Scenario, settings: Settings) -> Simulation:
+        """Builds the scene, reads every value back, and returns it ready to step."""
+
+    def simulate(self, scenario: Scenario, settings: Settings) -> Trajectory:
+        """Runs the scenario to its end and returns what happened."""
+
+
+class EngineBackend(ABC):
+    """A backend over a Python package: loading, versions, refusing and ``simulate`` are here.
+
+    Attributes:
+        name: the engine's name on the command line.
+        module: Python module that is imported.
+        distribution: package that ``pip`` installs.
+        install: the command that installs it.
+        features: what the backend can do.
+        known_limits: what a user should know, each with its reference.
+        mapping: how ``mapped`` translates the scenario's contact into the engine's parameters.
+    """
+
+    name: str
+    module: str
+    distribution: str
+    install: str
+    features: frozenset[Feature]
+    known_limits: tuple[KnownLimit, ...]
+    mapping: str
+
+    def version(self) -> str:
+        """Version of the installed package, without importing it."""
+        try:
+            return importlib.metadata.version(self.distribution)
+        except importlib.metadata.PackageNotFoundError:
+            raise EngineMissing(self.name, self.module, self.install) from None
+
+    def load(self) -> ModuleType:
+        """Imports the engine.
+
+        Raises:
+            EngineMissing: it is not installed.
+            EngineBroken: it is installed and its import fails; the message quotes why.
+        """
+        try:
+            return importlib.import_module(self.module)
+        except ModuleNotFoundError as error:
+            if error.name == self.module:
+                raise EngineMissing(self.name, self.module, self.install) from None
+            raise EngineBroken(f"{self.name} cannot be imported: {error}") from error
+        except Exception as error:
+            raise EngineBroken(
+                f"{self.name} cannot be imported: {type(error).__name__}: {error}"
+            ) from error
+
+    def open(self, scenario: Scenario, settings: Settings) -> Simulation:
+        """Refuses what the engine cannot do, builds the scene and reads every value back."""
+        refuse(self, scenario, settings)
+        started = time.perf_counter()
+        engine = self.load()
+        loaded = time.perf_counter()
+        simulation = self.build(engine, scenario, settings)
+        simulation.wall_s = {
+            "import": loaded - started,
+            "build": time.perf_counter() - loaded,
+        }
+        return simulation
+
+    @abstractmethod
+    def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
+        """Builds the scene in the imported engine and reads every physical value back."""
+
+    def simulate(self, scenario: Scenario, settings: Settings) -> Trajectory:
+        """Runs the scenario to its end through the engine's fastest recording loop."""
+        simulation = self.open(scenario, settings)
+        try:
+            return simulation.run(self.name, self.version())
+        finally:
+            simulation.close()
+
+
+def needs(scenario: Scenario) -> frozenset[Feature]:
+    """Features that a scenario needs, derived from its content."""
+    found = {Feature.FREE_BODY} if scenario.moving_bodies() else set()
+    for body in scenario.bodies.values():
+        found.update(Feature[shape.type.upper()] for shape in body.shapes)
+        if body.drag is not None and body.drag.factor_kg_m > 0:
+            found.add(Feature.DRAG)
+    for contact in scenario.contacts:
+        if contact.restitution > 0:
+            found.add(Feature.RESTITUTION)
+        if contact.friction > 0:
+            found.add(Feature.FRICTION)
+    joints = {"hinge": Feature.HINGE, "slider": Feature.SLIDER, "ball": Feature.BALL_JOINT}
+    found.update(joints.get(joint.type, Feature.FIXED_JOINT) for joint in scenario.joints.values())
+    if scenario.actuators:
+        found.add(Feature.ACTUATOR)
+    if scenario.sensors:
+        found.add(Feature.SENSOR)
+    if not is_planar(scenario):
+        found.add(Feature.SPATIAL)
+    return frozenset(found)
+
+
+def is_planar(scenario: Scenario) -> bool:
+    """Whether all motion stays in the x-z plane, so that a two-dimensional engine can run it."""
+    if scenario.world.gravity_m_s2[1] != 0:
+        return False
+    for body in scenario.bodies.values():
+        w, x, _, z = body.orientation_wxyz
+        in_plane = (
+            body.position_m[1] == 0
+            and body.velocity_m_s[1] == 0
+            and body.rate_rad_s[0] == body.rate_rad_s[2] == 0
+            and x == z == 0
+            and (w != 0 or body.orientation_wxyz[2] != 0)
+        )
+        flat = all(shape.type != "plane" or shape.normal[1] == 0 for shape in body.shapes)
+        if not (in_plane and flat):
+            return False
+    return all(joint.axis[0] == joint.axis[2] == 0 for joint in scenario.joints.values())
+
+
+def refuse(backend: Backend, scenario: Scenario, settings: Settings) -> None:
+    """Raises :class:`Unsupported` if the backend lacks what the scenario needs.
+
+    Restitution is needed only where the mode is to apply it.
+    """
+    wanted = needs(scenario)
+    if settings.contact == DEFAULT:
+        wanted -= {Feature.RESTITUTION, Feature.FRICTION}
+    elif settings.contact != MAPPED:
+        raise Unsupported(
+            f"{backend.name} knows no contact mode {settings.contact!r}; known: default, mapped"
+        )
+    lacking = sorted(wanted - backend.features)
+    if lacking:
+        raise Unsupported(f"{backend.name} has no {', no '.join(lacking)}")

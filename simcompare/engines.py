@@ -1,0 +1,81 @@
+"""Which engines there are: one file each in ``backends/``, and other packages' entry points.
+
+Names are found without importing anything; a backend is imported when it is asked for.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib
+import importlib.metadata
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from simcompare.errors import EngineBroken, UnknownName
+
+if TYPE_CHECKING:
+    from simcompare.backend import Backend
+
+ENTRY_POINT_GROUP = "simcompare.backends"
+_FOLDER = Path(__file__).parent / "backends"
+
+
+@functools.cache
+def _built_in() -> dict[str, str]:
+    """Engine -> ``module:attribute`` for every file ``<engine>_.py`` of the backends' folder."""
+    return {
+        path.stem[:-1]: f"simcompare.backends.{path.stem}:BACKEND"
+        for path in sorted(_FOLDER.glob("[a-z]*_.py"))
+    }
+
+
+def targets() -> dict[str, str]:
+    """Every known engine and where its backend is, as ``module:attribute``."""
+    found = dict(_built_in())
+    for point in importlib.metadata.entry_points(group=ENTRY_POINT_GROUP):
+        found.setdefault(point.name, point.value)
+    return found
+
+
+def names() -> list[str]:
+    """Names of all known engines: the built-in ones first, then other packages', sorted."""
+    built_in = list(_built_in())
+    return built_in + sorted(set(targets()) - set(built_in))
+
+
+def get(name: str) -> Backend:
+    """The backend of that name.
+
+    Raises:
+        UnknownName: no such engine; names the nearest.
+        EngineBroken: the backend's own code cannot be imported.
+    """
+    known = targets()
+    if name not in known:
+        raise UnknownName("engine", name, known)
+    module, _, attribute = known[name].partition(":")
+    try:
+        found = getattr(importlib.import_module(module), attribute)
+    except Exception as error:
+        raise EngineBroken(
+            f"the backend of {name} ({known[name]}) cannot be loaded:"
+            f" {type(error).__name__}: {error}"
+        ) from error
+    backend: Backend = found() if isinstance(found, type) else found
+    return backend
+
+
+def select(text: str) -> list[str]:
+    """Engine names from a command-line argument: ``all`` or a list with commas.
+
+    Raises:
+        UnknownName: one of them does not exist.
+    """
+    if text.strip() == "all":
+        return names()
+    wanted = [part.strip() for part in text.split(",") if part.strip()]
+    known = names()
+    for name in wanted or [text]:
+        if name not in known:
+            raise UnknownName("engine", name, [*known, "all"])
+    return list(dict.fromkeys(wanted))

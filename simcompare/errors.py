@@ -1,0 +1,104 @@
+"""One tree of errors; every message says what was found, what was expected and what to do.
+
+Every error that a user can cause derives from :class:`SimcompareError` and carries the exit code
+with which the command line ends (2: usage or file, 3: an engine is missing or broken).
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+
+
+class SimcompareError(Exception):
+    """Anything simcompare reports to its user in one sentence.
+
+    Attributes:
+        exit_code: exit code of the command line.
+    """
+
+    exit_code = 2
+
+
+class InputError(SimcompareError):
+    """A file or an argument is not what it must be.
+
+    Args:
+        where: file (and place) or argument in which the faults stand.
+        faults: every fault found, one sentence each.
+    """
+
+    def __init__(self, where: str, faults: Sequence[str]) -> None:
+        self.where = where
+        self.faults = tuple(faults)
+        if len(self.faults) == 1:
+            message = f"{where}: {self.faults[0]}"
+        else:
+            lines = "".join(f"\n  - {fault}" for fault in self.faults)
+            message = f"{where}: {len(self.faults)} faults{lines}"
+        super().__init__(message)
+
+
+class UnknownName(SimcompareError):
+    """A scenario, engine, parameter or preset of that name does not exist.
+
+    Args:
+        kind: what was looked for ("scenario", "engine", …).
+        name: the name that was given.
+        known: the names that exist.
+    """
+
+    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+        self.kind, self.name, self.known = kind, name, tuple(sorted(known))
+        near = difflib.get_close_matches(name, self.known, n=3, cutoff=0.5)
+        hint = f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(self.known)}"
+        super().__init__(f"no {kind} is called {name!r}; {hint}")
+
+
+class OutputError(SimcompareError):
+    """The results could not be written; nothing half-written is left behind."""
+
+
+class BackendError(SimcompareError):
+    """An engine cannot do what was asked of it."""
+
+    exit_code = 3
+
+
+class EngineMissing(BackendError):
+    """The engine's package is not installed.
+
+    Args:
+        engine: name of the engine.
+        module: the Python module that was not found.
+        install: the command that cures it.
+    """
+
+    def __init__(self, engine: str, module: str, install: str) -> None:
+        self.engine, self.module, self.install = engine, module, install
+        super().__init__(f"{engine} is not installed (no module {module!r}); cure: {install}")
+
+
+class EngineBroken(BackendError):
+    """The engine's package is installed and cannot be loaded."""
+
+
+class Unsupported(BackendError):
+    """The engine has no such feature; the scenario cannot run on it as it is."""
+
+
+class ReadBackMismatch(BackendError):
+    """The engine holds another value than the one that was set.
+
+    Args:
+        engine: name of the engine.
+        rows: one sentence for each value that differs.
+    """
+
+    def __init__(self, engine: str, rows: Sequence[str]) -> None:
+        self.engine, self.rows = engine, tuple(rows)
+        super().__init__(f"{engine} did not take what was set: " + "; ".join(rows))
+
+
+class SimulationDiverged(BackendError):
+    """The engine produced numbers that are not finite."""

@@ -1,0 +1,99 @@
+"""``${…}`` expressions over parameters, evaluated by the ``simpleeval`` library, never by ``eval``."""
+
+from __future__ import annotations
+
+import functools
+import math
+import re
+from collections.abc import Mapping
+from typing import Any
+
+#: everything an expression may call
+FUNCTIONS = {
+    "sqrt": math.sqrt,
+    "exp": math.exp,
+    "log": math.log,
+    "sin": math.sin,
+    "cos": math.cos,
+    "tan": math.tan,
+    "atan2": math.atan2,
+    "abs": abs,
+    "min": min,
+    "max": max,
+}
+CONSTANTS = {"pi": math.pi}
+_EXPRESSION = re.compile(r"^\s*\$\{(.*)\}\s*$", re.DOTALL)
+
+
+class ExpressionError(ValueError):
+    """An expression that cannot be evaluated; the message says why."""
+
+
+def is_expression(value: object) -> bool:
+    """Whether a value from YAML is a ``${…}`` expression."""
+    return isinstance(value, str) and _EXPRESSION.match(value) is not None
+
+
+@functools.cache
+def _evaluator() -> Any:  # noqa: ANN401
+    import simpleeval
+
+    return simpleeval.SimpleEval(functions=FUNCTIONS)
+
+
+@functools.lru_cache(maxsize=4096)
+def _parsed(source: str) -> Any:  # noqa: ANN401
+    return _evaluator().parse(source)
+
+
+def evaluate(text: str, names: Mapping[str, float]) -> float:
+    """Evaluates ``"${a + b}"`` with the given names.
+
+    Args:
+        text: the expression with its ``${`` and ``}``.
+        names: values that the expression may use, in SI units.
+
+    Returns:
+        The finite number.
+
+    Raises:
+        ExpressionError: a syntax error, an unknown name, or a result that is not a finite number.
+    """
+    match = _EXPRESSION.match(text)
+    if match is None:
+        raise ExpressionError(f"{text!r} is not of the form ${{…}}")
+    evaluator = _evaluator()
+    evaluator.names = {**CONSTANTS, **names}
+    try:
+        source = match[1].strip()
+        value = evaluator.eval(source, previously_parsed=_parsed(source))
+    except Exception as error:  # noqa: BLE001  (simpleeval raises many kinds; all mean the same here)
+        raise ExpressionError(f"{text} cannot be evaluated: {error}") from None
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ExpressionError(f"{text} gives {value!r}, not a finite number")
+    return float(value)
+
+
+def resolve(node: Any, names: Mapping[str, float], path: str, faults: dict[str, str]) -> Any:  # noqa: ANN401
+    """A copy of a YAML tree with every ``${…}`` replaced by its number.
+
+    Args:
+        node: mapping, list or scalar as read from YAML.
+        names: values that expressions may use.
+        path: dotted place of ``node``, for the faults.
+        faults: every fault is added here as place -> sentence.
+    """
+    if isinstance(node, Mapping):
+        return {
+            key: resolve(child, names, f"{path}.{key}" if path else str(key), faults)
+            for key, child in node.items()
+        }
+    if isinstance(node, list):
+        return [resolve(child, names, f"{path}.{i}", faults) for i, child in enumerate(node)]
+    if is_expression(node):
+        try:
+            return evaluate(node, names)
+        except ExpressionError as error:
+            faults[path] = str(error)
+            return 0.0
+    return node

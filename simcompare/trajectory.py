@@ -1,0 +1,88 @@
+"""WHAT comes out: a trajectory, the same value for engines and closed forms."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simcompare.audit import AuditRow
+from simcompare.errors import SimulationDiverged
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+
+#: what is recorded of every moving body, with its number of components
+BODY_SIGNALS = {
+    "position_m": 3,
+    "orientation_wxyz": 4,
+    "velocity_m_s": 3,
+    "rate_rad_s": 3,
+}
+_COMPONENTS = {3: ("x", "y", "z"), 4: ("w", "x", "y", "z")}
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Signals over time from one source.
+
+    Attributes:
+        source: name of the engine, or what else produced the signals.
+        time_s: sample times (n,), increasing, from the scenario's start [s].
+        signals: name -> values, (n,) or (n, k); world frame, SI, the unit is in the name.
+            Velocities are those that the source itself stores; a semi-implicit engine stores
+            them half a step away from the positions.
+        version: version of the source, empty for mathematics.
+        contact: contact mode ("default", "mapped", …), empty for mathematics.
+        wall_s: wall time by stage [s] ("import", "build", "step").
+        audit: what was set in the engine and what it held afterwards.
+        notes: what the reader should know about this run.
+    """
+
+    source: str
+    time_s: Array
+    signals: Mapping[str, Array]
+    version: str = ""
+    contact: str = ""
+    wall_s: Mapping[str, float] = field(default_factory=dict)
+    audit: tuple[AuditRow, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        times = np.asarray(self.time_s, dtype=float)
+        if times.ndim != 1 or len(times) == 0 or np.any(np.diff(times) <= 0):
+            raise ValueError(f"{times.shape=}: time_s must be one increasing row of times")
+        for name, values in self.signals.items():
+            if len(values) != len(times):
+                raise ValueError(f"{name} has {len(values)} samples but {len(times)=}")
+            bad = ~np.isfinite(values).reshape(len(values), -1).all(axis=1)
+            if bad.any():
+                first = float(times[np.argmax(bad)])
+                raise SimulationDiverged(
+                    f"{self.source}: {name} is not finite from t = {first:g} s on; "
+                    "try a smaller --step"
+                )
+            values.setflags(write=False)
+        times.setflags(write=False)
+
+    def to_columns(self) -> dict[str, Array]:
+        """One flat column per component: ``ball.position_m.z`` and so on, time first."""
+        columns = {"time_s": self.time_s}
+        for name, values in self.signals.items():
+            if values.ndim == 1:
+                columns[name] = values
+                continue
+            for i, component in enumerate(_COMPONENTS[values.shape[1]]):
+                columns[f"{name}.{component}"] = values[:, i]
+        return columns
+
+    def to_frame(self) -> pd.DataFrame:
+        """The trajectory as a tidy pandas table, one column per component."""
+        import pandas as pd
+
+        return pd.DataFrame(self.to_columns())

@@ -1,0 +1,127 @@
+"""Units at the rim: inside the program everything is SI and the unit is in the name.
+
+``drop_height_m`` is a height in metres. A user may write ``drop_height=30cm``; it becomes
+``drop_height_m = 0.3`` here and nowhere else.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+from typing import TYPE_CHECKING, Any
+
+from simcompare.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+#: name suffix -> unit as pint reads it; the longest suffix that fits wins
+UNITS_BY_SUFFIX = {
+    "_m": "m",
+    "_m2": "m**2",
+    "_kg": "kg",
+    "_s": "s",
+    "_m_s": "m/s",
+    "_m_s2": "m/s**2",
+    "_kg_m2": "kg*m**2",
+    "_kg_m3": "kg/m**3",
+    "_rad": "rad",
+    "_rad_s": "rad/s",
+    "_N": "N",
+    "_N_m": "N*m",
+    "_N_s_m": "N*s/m",
+    "_N_m_s_rad": "N*m*s/rad",
+    "_J": "J",
+    "_Hz": "Hz",
+    "_V": "V",
+    "_A": "A",
+    "_Ohm": "ohm",
+    "_H": "H",
+    "_K": "K",
+    "_Pa": "Pa",
+}
+
+_SYMBOLS = {"**2": "²", "**3": "³", "*": "·", "ohm": "Ω"}
+_QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
+
+
+def suffix_of(name: str) -> str:
+    """Unit suffix of a name, the longest that fits (``""`` for a number without unit)."""
+    fitting = (suffix for suffix in UNITS_BY_SUFFIX if name.endswith(suffix))
+    return max(fitting, key=len, default="")
+
+
+def unit_of(name: str) -> str:
+    """Unit that a name carries, as pint writes it (``"1"`` for a number without unit)."""
+    return UNITS_BY_SUFFIX.get(suffix_of(name), "1")
+
+
+def symbol(unit: str) -> str:
+    """Unit as people write it: ``m/s**2`` becomes ``m/s²``."""
+    for plain, pretty in _SYMBOLS.items():
+        unit = unit.replace(plain, pretty)
+    return unit
+
+
+def find_name(given: str, known: Iterable[str]) -> str | None:
+    """The known name that ``given`` means, with or without its unit suffix, else ``None``."""
+    names = list(known)
+    if given in names:
+        return given
+    return next((name for name in names if name.removesuffix(suffix_of(name)) == given), None)
+
+
+@functools.cache
+def _registry() -> Any:  # noqa: ANN401  (pint.UnitRegistry; pint is slow to import and rarely needed)
+    import pint
+
+    return pint.UnitRegistry()
+
+
+def to_si(text: str | float, unit: str, where: str) -> float:
+    """Reads ``"30cm"``, ``"0.3"`` or ``0.3`` as a number in the given SI unit.
+
+    Args:
+        text: number, or number with a unit; without a unit it is in ``unit`` already.
+        unit: the SI unit wanted, ``"1"`` for a plain number.
+        where: the argument or place named in the error.
+
+    Returns:
+        The value in ``unit``.
+
+    Raises:
+        InputError: not a number, an unknown unit, or a unit of another dimension.
+    """
+    if isinstance(text, int | float):
+        return float(text)
+    match = _QUANTITY.match(text)
+    wanted = "a number without unit" if unit == "1" else f"a number in {symbol(unit)}"
+    if match is None:
+        raise InputError(where, [f"{text!r} is not a number; expected {wanted}"])
+    number, given_unit = float(match[1]), match[2]
+    if not given_unit or given_unit == unit:
+        return number
+    return number * conversion_factor(given_unit, unit, where)
+
+
+def conversion_factor(given: str, unit: str, where: str) -> float:
+    """Factor by which a value in unit ``given`` is multiplied to be in the SI unit ``unit``.
+
+    Raises:
+        InputError: ``given`` is unknown or of another dimension.
+    """
+    import pint
+
+    scale = "" if unit == "1" else unit
+    try:
+        factor = _registry().Quantity(1.0, given).to(scale).magnitude
+    except pint.UndefinedUnitError:
+        raise InputError(
+            where, [f"{given!r} is not a unit; expected {symbol(unit)} or a multiple of it"]
+        ) from None
+    except pint.DimensionalityError:
+        wanted = "a plain number, no unit" if unit == "1" else f"{symbol(unit)} or a multiple of it"
+        raise InputError(where, [f"the unit {given!r} does not fit; expected {wanted}"]) from None
+    except (pint.errors.PintError, ValueError, TypeError, AttributeError, SyntaxError) as error:
+        raise InputError(where, [f"{given!r} is not a unit ({error})"]) from None
+    return float(factor)
