@@ -7,6 +7,7 @@ it imports its engine only when a scene is opened.
 from __future__ import annotations
 
 import enum
+import functools
 import importlib
 import importlib.metadata
 import time
@@ -116,10 +117,10 @@ class EngineBackend(ABC):
 
     def version(self) -> str:
         """Version of the installed package, without importing it."""
-        try:
-            return importlib.metadata.version(self.distribution)
-        except importlib.metadata.PackageNotFoundError:
-            raise EngineMissing(self.name, self.module, self.install) from None
+        found = installed_version(self.distribution)
+        if found is None:
+            raise EngineMissing(self.name, self.module, self.install)
+        return found
 
     def load(self) -> ModuleType:
         """Imports the engine.
@@ -165,6 +166,15 @@ class EngineBackend(ABC):
             simulation.close()
 
 
+@functools.cache
+def installed_version(distribution: str) -> str | None:
+    """Version of an installed package, ``None`` where it is not installed."""
+    try:
+        return importlib.metadata.version(distribution)
+    except importlib.metadata.PackageNotFoundError:
+        return None
+
+
 def needs(scenario: Scenario) -> frozenset[Feature]:
     """Features that a scenario needs, derived from its content."""
     found = {Feature.FREE_BODY} if scenario.moving_bodies() else set()
@@ -193,13 +203,12 @@ def is_planar(scenario: Scenario) -> bool:
     if scenario.world.gravity_m_s2[1] != 0:
         return False
     for body in scenario.bodies.values():
-        w, x, _, z = body.orientation_wxyz
+        _, x, _, z = body.orientation_wxyz
         in_plane = (
             body.position_m[1] == 0
             and body.velocity_m_s[1] == 0
             and body.rate_rad_s[0] == body.rate_rad_s[2] == 0
             and x == z == 0
-            and (w != 0 or body.orientation_wxyz[2] != 0)
         )
         flat = all(shape.type != "plane" or shape.normal[1] == 0 for shape in body.shapes)
         if not (in_plane and flat):

@@ -1,0 +1,329 @@
+"""MuJoCo, built from an MJCF text; stepped natively wherever no impact is near."""
+
+from __future__ import annotations
+
+import math
+from types import ModuleType
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from simcompare.audit import Audit
+from simcompare.backend import (
+    MAPPED,
+    EngineBackend,
+    Feature,
+    KnownLimit,
+    Settings,
+    installed_version,
+)
+from simcompare.dashpot import damping_ratio
+from simcompare.errors import SimulationDiverged
+from simcompare.landing import ContactSteps
+from simcompare.pairs import touching_pairs
+from simcompare.scenario import Body, Contact, Scenario, Shape, Vector
+from simcompare.simulation import BodyState, Simulation, has_drag
+from simcompare.trajectory import Array
+
+#: √(k/m) of a bouncing contact [rad/s]: it lasts 0.03 ms, far below any step that is recorded
+CONTACT_FREQUENCY_RAD_S = 1.0e5
+#: largest ω·dt during an impact
+IMPACT_PHASE = 0.01
+#: largest ζ·ω·dt during an impact: where in a step the damper sets in moves the bounce by this much
+IMPACT_DAMPING = 0.0007
+#: impedance of the contact; at 1 the acceleration would be exactly that of spring and damper
+IMPEDANCE = 0.9999
+
+
+class MujocoSimulation(Simulation):
+    """A compiled MJCF model and its data."""
+
+    def __init__(
+        self, engine: ModuleType, scenario: Scenario, model: Any, audit: Audit, mapped: bool  # noqa: ANN401
+    ) -> None:
+        super().__init__(scenario, audit.finish(), contact_steps(scenario) if mapped else None)
+        self._mujoco, self._model, self._data = engine, model, engine.MjData(model)
+        self._step = engine.mj_step
+        self._dragged = any(has_drag(body) for body in self._bodies.values())
+        self._slots = {name: 6 * i for i, name in enumerate(self._bodies)}
+        self._nq, self._nv = model.nq, model.nv
+        self._full = engine.mjtState.mjSTATE_FULLPHYSICS
+        self._state_size = engine.mj_stateSize(model, self._full)
+        for name, body in self._bodies.items():
+            rate = _body_frame(body.orientation_wxyz, body.rate_rad_s)
+            slot = self._slots[name]
+            self._data.qvel[slot : slot + 6] = [*body.velocity_m_s, *rate]
+
+    def advance(self, count: int) -> None:
+        if not self._dragged:
+            self._step(self._model, self._data, count)
+            return
+        for name, force in self.drag_forces():
+            self._data.body(name).xfrc_applied[:3] = force
+        self._step(self._model, self._data, count)
+
+    def set_engine_step(self, step_s: float) -> None:
+        self._model.opt.timestep = step_s
+
+    def stored_motion(self, body: str) -> tuple[Vector, Vector]:
+        slot = self._slots[body]
+        at = slot // 6 * 7
+        x, y, z = self._data.qpos[at : at + 3].tolist()
+        vx, vy, vz = self._data.qvel[slot : slot + 3].tolist()
+        return (x, y, z), (vx, vy, vz)
+
+    def add_velocity(self, body: str, change_m_s: Vector) -> None:
+        slot = self._slots[body]
+        self._data.qvel[slot : slot + 3] += change_m_s
+
+    def place(self, body: str, state: BodyState) -> None:
+        slot = self._slots[body]
+        at = slot // 6 * 7
+        self._data.qpos[at : at + 7] = [*state.position_m, *state.orientation_wxyz]
+        rate = _body_frame(state.orientation_wxyz, state.rate_rad_s)
+        self._data.qvel[slot : slot + 6] = [*state.velocity_m_s, *rate]
+
+    def row(self) -> Any:  # noqa: ANN401
+        return np.concatenate((self._data.qpos, self._data.qvel))
+
+    def record(self, count: int) -> Any:  # noqa: ANN401
+        """Native rollout; it keeps no forces from Python, so drag takes the plain loop."""
+        if self._dragged or count < 4:  # a rollout call costs as much as some steps
+            return super().record(count)
+        from mujoco import rollout
+
+        start = np.empty(self._state_size)
+        self._mujoco.mj_getState(self._model, self._data, start, self._full)
+        states, _ = rollout.rollout(self._model, self._data, start[None], nstep=count)
+        self._mujoco.mj_setState(self._model, self._data, states[0, -1], self._full)
+        if self._data.warning.number.any():
+            self._raise_warning()
+        return states[0, :, 1 : 1 + self._nq + self._nv]
+
+    def signals(self, rows: Array) -> dict[str, Array]:
+        found: dict[str, Array] = {}
+        for i, name in enumerate(self._bodies):
+            q = rows[:, 7 * i : 7 * i + 7]
+            v = rows[:, self._nq + 6 * i : self._nq + 6 * i + 6]
+            found[f"{name}.position_m"] = q[:, :3].copy()
+            found[f"{name}.orientation_wxyz"] = q[:, 3:].copy()
+            found[f"{name}.velocity_m_s"] = v[:, :3].copy()
+            found[f"{name}.rate_rad_s"] = _rotate(q[:, 3:], v[:, 3:])
+        return found
+
+    def _raise_warning(self) -> None:
+        for kind in self._mujoco.mjtWarning.__members__.values():
+            if self._data.warning[int(kind)].number:
+                raise SimulationDiverged(f"MuJoCo warned: {kind.name}; try a smaller --step")
+
+
+class MujocoBackend(EngineBackend):
+    """MuJoCo through the package ``mujoco-core``."""
+
+    name = "mujoco"
+    module = "mujoco"
+    distribution = "mujoco-core"
+    install = "pip install 'simcompare[mujoco]'"
+    features = frozenset(
+        {
+            Feature.SPATIAL, Feature.FREE_BODY, Feature.PLANE, Feature.SPHERE, Feature.BOX,
+            Feature.CYLINDER, Feature.CAPSULE, Feature.RESTITUTION, Feature.FRICTION, Feature.DRAG,
+        }
+    )  # fmt: skip
+    known_limits = (
+        KnownLimit(
+            "There is no coefficient of restitution: a contact is a spring and damper, and the"
+            " default one is so soft and damped that nothing bounces.",
+            "MuJoCo documentation, Modeling, Solver parameters; google-deepmind/mujoco issue 2080",
+        ),
+        KnownLimit(
+            "A stiff contact gains energy if the step is long: above ω·dt ≈ 2 it explodes.",
+            "measured: ω = 316 rad/s at 10 ms threw the ball to 7.9 m",
+        ),
+        KnownLimit(
+            "Friction is convex: a sliding body is lifted a little by its friction.",
+            "MuJoCo documentation, Computation, Convex contact model",
+        ),
+    )
+    mapping = (
+        "solref = (-k, -b) with k = ω²/(1+ζω·dt), b = 2ζω/(1+ζω·dt), ω = 1e5 rad/s; ζ from the"
+        " force-clipped dashpot e = exp(-2ζ·arccos ζ/√(1-ζ²)) (Schwager and Pöschel, Granular Matter"
+        " 9 (2007) 465); the divisor allows for the damper acting on a velocity half a step old;"
+        " ω·dt = min(0.01, 0.0007/ζ) during an impact, √(1+ζ²) - ζ at rest; solimp = 0.9999"
+    )
+
+    def version(self) -> str:
+        """Version of ``mujoco-core``, or of the full package where that is installed instead."""
+        return installed_version("mujoco") or super().version()
+
+    def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
+        mapped = settings.contact == MAPPED
+        text = mjcf(scenario, mapped)
+        model = engine.MjModel.from_xml_string(text)
+        return MujocoSimulation(
+            engine, scenario, model, _audit(engine, model, scenario, mapped), mapped
+        )
+
+
+BACKEND = MujocoBackend()
+
+
+def mjcf(scenario: Scenario, mapped: bool) -> str:
+    """The scene as MJCF; in default mode it says nothing about contact."""
+    root = ET.Element("mujoco", model=scenario.name)
+    ET.SubElement(root, "compiler", angle="radian", autolimits="true")
+    # dense: the sparse Cholesky of 4.0.0 could give a wrong Hessian (google-deepmind/mujoco 3767)
+    option = {"timestep": repr(scenario.world.step_s), "jacobian": "dense"}
+    if mapped:
+        option["cone"] = "elliptic"
+    ET.SubElement(root, "option", gravity=_text(scenario.world.gravity_m_s2), **option)
+    worldbody = ET.SubElement(root, "worldbody")
+    for name, body in scenario.bodies.items():
+        pose = {"pos": _text(body.position_m), "quat": _text(body.orientation_wxyz)}
+        element = ET.SubElement(worldbody, "body", name=name, **pose)
+        if not body.fixed:
+            ET.SubElement(element, "freejoint", name=name)
+            ET.SubElement(
+                element, "inertial", pos=_text(body.center_of_mass_m), mass=repr(body.mass_kg),
+                diaginertia=_text(body.inertia_kg_m2 or ()),
+            )  # fmt: skip
+        for i, shape in enumerate(body.shapes):
+            ET.SubElement(element, "geom", name=_geom(name, i), **_shape(shape))
+    if mapped:
+        contacts = ET.SubElement(root, "contact")
+        for contact in touching_pairs(scenario):
+            _add_pairs(contacts, scenario, contact)
+    return ET.tostring(root, encoding="unicode")
+
+
+def solref(contact: Contact) -> tuple[float, float]:
+    """MuJoCo's two numbers for a pair: (-stiffness, -damping), both per unit of mass."""
+    if contact.restitution == 0:
+        return (0.005, 1.0)  # critically damped within 5 ms: MuJoCo's own form for no bounce
+    zeta, omega = damping_ratio(contact.restitution), CONTACT_FREQUENCY_RAD_S
+    lag = 1 + zeta * impact_phase(contact.restitution)
+    return (-(omega**2) / lag, -2 * zeta * omega / lag)
+
+
+def contact_steps(scenario: Scenario) -> ContactSteps:
+    """Steps during impacts and at rest, short enough for the most damped pair."""
+    values = [contact.restitution for contact in scenario.contacts if contact.restitution > 0]
+    zeta = max((damping_ratio(e) for e in values), default=0.0)
+    impact = min((impact_phase(e) for e in values), default=IMPACT_PHASE)
+    # half of ω·dt = 2·(√(1+ζ²) - ζ), up to which a resting spring and damper is stable
+    rest = math.hypot(1, zeta) - zeta
+    return ContactSteps(
+        stagger=-0.5,
+        contact_step_s=impact / CONTACT_FREQUENCY_RAD_S,
+        frequency_rad_s=CONTACT_FREQUENCY_RAD_S,
+        rest_step_s=rest / CONTACT_FREQUENCY_RAD_S,
+        chunk=16,
+    )
+
+
+def impact_phase(e: float) -> float:
+    """ω·dt during an impact with restitution ``e``; shorter steps for stronger dampers."""
+    return min(IMPACT_PHASE, IMPACT_DAMPING / damping_ratio(e)) if e > 0 else IMPACT_PHASE
+
+
+def _add_pairs(contacts: ET.Element, scenario: Scenario, contact: Contact) -> None:
+    first, second = contact.pair
+    mu = contact.friction
+    for i in range(len(scenario.bodies[first].shapes)):
+        for j in range(len(scenario.bodies[second].shapes)):
+            ET.SubElement(
+                contacts, "pair", geom1=_geom(first, i), geom2=_geom(second, j),
+                condim="3" if mu > 0 else "1", friction=_text((mu, mu, 0.005, 0.0001, 0.0001)),
+                solref=_text(solref(contact)), solimp=_text((IMPEDANCE, IMPEDANCE, 0.001)),
+            )  # fmt: skip
+
+
+def _shape(shape: Shape) -> dict[str, str]:
+    pose = {"pos": _text(shape.position_m), "quat": _text(shape.orientation_wxyz)}
+    match shape.type:
+        case "plane":
+            del pose["quat"]
+            return {"type": "plane", "size": "0 0 1", "zaxis": _text(shape.normal), **pose}
+        case "sphere":
+            return {"type": "sphere", "size": repr(shape.radius_m), **pose}
+        case "box":
+            return {"type": "box", "size": _text([edge / 2 for edge in shape.size_m]), **pose}
+        case _:
+            size = _text((shape.radius_m, shape.length_m / 2))
+            return {"type": shape.type, "size": size, **pose}
+
+
+def _audit(engine: ModuleType, model: Any, scenario: Scenario, mapped: bool) -> Audit:  # noqa: ANN401
+    audit = Audit("mujoco")
+    world = scenario.world
+    audit.add("step_s", world.step_s, "opt.timestep", (world.step_s, model.opt.timestep), "s")
+    for axis, wanted, held in zip("xyz", world.gravity_m_s2, model.opt.gravity, strict=True):
+        audit.add(f"gravity_m_s2.{axis}", wanted, "opt.gravity", (wanted, held), "m/s²")
+    for name, body in scenario.moving_bodies().items():
+        _audit_body(audit, model, name, body)
+    for i, contact in enumerate(touching_pairs(scenario)):
+        _audit_contact(engine, audit, model, contact, i if mapped else None)
+    return audit
+
+
+def _audit_body(audit: Audit, model: Any, name: str, body: Body) -> None:  # noqa: ANN401
+    held = model.body(name)
+    audit.add(f"{name}.mass_kg", body.mass_kg, "body_mass", (body.mass_kg, held.mass[0]), "kg")
+    # MuJoCo may order the principal axes anew, so the moments are compared sorted
+    moments = zip("123", sorted(body.inertia_kg_m2 or ()), sorted(held.inertia), strict=True)
+    for axis, wanted, got in moments:
+        quantity = f"{name}.inertia_kg_m2.{axis}"
+        audit.add(quantity, wanted, "body_inertia", (wanted, got), "kg·m²")
+    for axis, wanted, got in zip("xyz", body.position_m, held.pos, strict=True):
+        audit.add(f"{name}.position_m.{axis}", wanted, "body_pos", (wanted, got), "m")
+    for i, shape in enumerate(body.shapes):
+        if shape.type == "sphere":
+            radius, held_radius = shape.radius_m, model.geom(_geom(name, i)).size[0]
+            audit.add(f"{name}.radius_m", radius, "geom_size", (radius, held_radius), "m")
+
+
+def _audit_contact(
+    engine: ModuleType, audit: Audit, model: Any, contact: Contact, pair: int | None  # noqa: ANN401
+) -> None:
+    label = "-".join(contact.pair)
+    if pair is None:
+        reference = tuple(engine.MjModel.from_xml_string(_NEUTRAL).geom("g").solref)
+        for part, held in zip(("time constant", "damping ratio"), reference, strict=True):
+            quantity, wanted = f"{label} restitution", contact.restitution
+            audit.add(quantity, wanted, f"solref {part}", (None, held), "s, 1", "engine's default")
+        return
+    stiffness, damping = solref(contact)
+    note = f"ζ = {-damping / 2 / math.sqrt(-stiffness):.6g}" if stiffness < 0 else "no bounce"
+    held = model.pair_solref[pair]
+    quantity = f"{label} restitution"
+    audit.add(quantity, contact.restitution, "solref[0]", (stiffness, held[0]), "1/s²", note)
+    audit.add(quantity, contact.restitution, "solref[1]", (damping, held[1]), "1/s", note)
+    mu = contact.friction
+    audit.add(f"{label} friction", mu, "pair_friction", (mu, model.pair_friction[pair][0]), "1")
+
+
+_NEUTRAL = '<mujoco><worldbody><geom name="g" size="1"/></worldbody></mujoco>'
+
+
+def _geom(body: str, index: int) -> str:
+    return f"{body}.{index}"
+
+
+def _text(values: Any) -> str:  # noqa: ANN401
+    return " ".join(repr(float(value)) for value in values)
+
+
+def _body_frame(orientation: Any, rate: Any) -> list[float]:  # noqa: ANN401
+    """World rate in the body's frame, in which MuJoCo's free joint stores it."""
+    w, x, y, z = orientation
+    rows = np.asarray([[w, -x, -y, -z]])
+    rotated: list[float] = _rotate(rows, np.asarray([rate], dtype=float))[0].tolist()
+    return rotated
+
+
+def _rotate(orientation_wxyz: Array, vectors: Array) -> Array:
+    """Rotates vectors (n, 3) by quaternions (n, 4): body frame to world frame."""
+    w, u = orientation_wxyz[:, :1], orientation_wxyz[:, 1:]
+    t = 2.0 * np.cross(u, vectors)
+    return np.asarray(vectors + w * t + np.cross(u, t), dtype=float)

@@ -1,0 +1,1 @@
+"""One folder a scenario: ``<name>.yaml``, ``reference.py`` (the truth) and ``README.md``."""

@@ -1,0 +1,1 @@
+"""A ball dropped on a floor."""

@@ -1,0 +1,117 @@
+"""Impacts, restitution, apexes, energy and rest of something that bounces on a floor at height 0."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from simcompare.measures import Measured, observe
+from simcompare.measures.arcs import Arc, find
+from simcompare.scenario import Probe
+from simcompare.trajectory import Array, Trajectory
+
+#: impacts whose times are judged; each carries the errors of all before it
+TIMED_IMPACTS = 6
+#: at rest: within this part of the drop height of the final height, for good
+REST_PART = 1e-3
+
+UNITS = {
+    "restitution": "1",
+    "impact_time": "s",
+    "impact_time_error": "s",
+    "impact_speed": "m/s",
+    "rebound_height": "m",
+    "rest_time": "s",
+    "energy_gain": "1",
+    "penetration": "m",
+    "resolved_bounces": "1",
+}
+
+
+def measure(trajectory: Trajectory, probe: Probe) -> Measured:
+    """Measures every bounce that the samples resolve.
+
+    Series, one entry per impact: ``impact_time``, ``impact_speed``; one per resolved bounce:
+    ``restitution`` (speed after over speed before, both where the arcs cross the floor),
+    ``rebound_height``. Values: ``resolved_bounces``, ``energy_gain`` (largest relative gain of kinetic
+    energy at a bounce, or of height after the last resolved one; never below 0), ``penetration`` (largest depth), ``rest_time``.
+
+    Args:
+        trajectory: the source.
+        probe: height of the lowest point above the floor.
+    """
+    height = observe(trajectory, probe)
+    arcs = find(trajectory.time_s, height)
+    downs = [arc for arc in arcs if arc.end_s <= trajectory.time_s[-1]]
+    bounces = list(zip(arcs[:-1], arcs[1:], strict=True))
+    restitution = np.array([after.start_speed_m_s / before.end_speed_m_s for before, after in bounces])
+    notes: tuple[str, ...] = ()
+    if len(arcs) == 1 and downs:
+        # the ball came down and no flight followed
+        restitution = np.zeros(1)
+        notes = ("does not bounce: no flight is resolved after the first impact",)
+    times = [(before.end_s + after.start_s) / 2 for before, after in bounces]
+    times += [arc.end_s for arc in downs[len(times) :]]
+    gains = [*(restitution**2 - 1), _late_gain(trajectory.time_s, height, arcs)]
+    return Measured(
+        values={
+            "resolved_bounces": float(len(bounces)),
+            "energy_gain": max(0.0, *map(float, gains)),
+            "penetration": max(0.0, -float(height.min())),
+            "rest_time": rest_time(trajectory.time_s, height),
+        },
+        series={
+            "impact_time": np.array(times),
+            "impact_speed": np.array([arc.end_speed_m_s for arc in downs]),
+            "restitution": restitution,
+            "rebound_height": np.array([after.apex_m for _, after in bounces]),
+        },
+        units=UNITS,
+        notes=notes,
+    )
+
+
+def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
+    """What is judged: name -> (value of the source, value of the truth).
+
+    ``restitution`` is the mean over the bounces that both resolve, ``impact_time_error`` the largest
+    deviation of the first six impacts as far as both resolve them; ``resolved_bounces`` tells how
+    many the source is short of.
+    """
+    ours, theirs = measured.series["restitution"], truth.series["restitution"]
+    both = min(len(ours), len(theirs))
+    found: dict[str, tuple[float | None, float]] = {}
+    if both:
+        found["restitution"] = (float(ours[:both].mean()), float(theirs[:both].mean()))
+    times, true_times = measured.series["impact_time"], truth.series["impact_time"]
+    timed = min(len(times), len(true_times), TIMED_IMPACTS)
+    if timed:
+        found["impact_time_error"] = (float(np.abs(times[:timed] - true_times[:timed]).max()), 0.0)
+    for name in ("rest_time", "energy_gain", "penetration", "resolved_bounces"):
+        true_value = truth.values[name]
+        if true_value is not None:
+            found[name] = (measured.values[name], true_value)
+    return found
+
+
+def _late_gain(time_s: Array, height_m: Array, arcs: list[Arc]) -> float:
+    """Relative gain of height after the last resolved flight: a resting ball must not jump up."""
+    if not arcs:
+        return 0.0
+    later = height_m[time_s > arcs[-1].end_s]
+    return float(later.max()) / arcs[-1].apex_m - 1 if len(later) else 0.0
+
+
+def rest_time(time_s: Array, height_m: Array) -> float | None:
+    """Time from which the height stays within a thousandth of the drop height of its last value [s].
+
+    ``None`` if the record ends while it still moves.
+    """
+    band = REST_PART * abs(float(height_m[0] - height_m.min()))
+    moving = np.flatnonzero(np.abs(height_m - height_m[-1]) > band)
+    if len(moving) == 0:
+        return float(time_s[0])
+    last = int(moving[-1])
+    # a record that ends in flight looks still for as long as it stays within the band
+    if last + 1 + len(height_m) // 200 >= len(time_s):
+        return None
+    return float(time_s[last + 1])

@@ -1,0 +1,50 @@
+"""Contact per pair, for engines that hold it per body and multiply the two values."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import Literal
+
+from simcompare.errors import Unsupported
+from simcompare.scenario import Contact, Scenario
+
+
+def touching_pairs(scenario: Scenario) -> list[Contact]:
+    """Contact of every pair of bodies that can touch: with shapes, not both fixed, not jointed."""
+    jointed = {frozenset((joint.parent, joint.child)) for joint in scenario.joints.values()}
+    found = []
+    for (first, a), (second, b) in combinations(scenario.bodies.items(), 2):
+        can_touch = a.shapes and b.shapes and not (a.fixed and b.fixed)
+        if can_touch and frozenset((first, second)) not in jointed:
+            found.append(scenario.contact_of(first, second))
+    return found
+
+
+def per_body_product(
+    scenario: Scenario, prop: Literal["restitution", "friction"], engine: str
+) -> dict[str, float]:
+    """Per-body values whose products are the scenario's values of the pairs.
+
+    Fixed bodies hold 1 and moving bodies the value of their pairs with fixed ones, so what is set is
+    what the scenario says. Two moving bodies must then agree with the product of their values.
+
+    Raises:
+        Unsupported: no such values exist.
+    """
+    values = {name: 1.0 for name, body in scenario.bodies.items() if body.fixed}
+    pairs = touching_pairs(scenario)
+    for contact in pairs:
+        moving = [name for name in contact.pair if not scenario.bodies[name].fixed]
+        if len(moving) == 1:
+            values.setdefault(moving[0], float(getattr(contact, prop)))
+    for name in scenario.bodies:
+        values.setdefault(name, 0.0)
+    for contact in pairs:
+        first, second = contact.pair
+        wanted, got = getattr(contact, prop), values[first] * values[second]
+        if abs(wanted - got) > 1e-12:
+            raise Unsupported(
+                f"{engine} holds {prop} per body and multiplies: no values give"
+                f" {first}-{second} = {wanted:g} together with the other pairs"
+            )
+    return values
