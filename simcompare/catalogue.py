@@ -1,0 +1,116 @@
+"""Which scenarios there are: the project's, and those in a user's folders.
+
+A scenario is a folder ``<name>/<name>.yaml`` with an optional ``reference.py``. Names are found by
+looking at folders only; a file is parsed when it is asked for.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
+
+from simcompare.errors import InputError, UnknownName
+
+if TYPE_CHECKING:
+    from simcompare.scenario_file import ScenarioFile
+    from simcompare.trajectory import Array
+
+    Reference = Callable[[Mapping[str, float], Array], dict[str, Array]]
+
+#: environment variable with folders of more scenarios, separated as in PATH
+FOLDERS_VARIABLE = "SIMCOMPARE_SCENARIOS"
+_BUILT_IN = Path(__file__).parent / "scenarios"
+
+
+def folders() -> list[Path]:
+    """Folders that are searched, the project's own first."""
+    more = os.environ.get(FOLDERS_VARIABLE, "").split(os.pathsep)
+    return [_BUILT_IN, *(Path(part) for part in more if part)]
+
+
+def files() -> dict[str, Path]:
+    """Name -> file of every scenario; a name in an earlier folder hides later ones."""
+    found: dict[str, Path] = {}
+    for folder in folders():
+        for path in sorted(folder.glob("*/*.yaml")):
+            if path.stem == path.parent.name:
+                found.setdefault(path.stem, path)
+    return found
+
+
+def names() -> list[str]:
+    """Names of all scenarios."""
+    return sorted(files())
+
+
+def summaries() -> list[tuple[str, str]]:
+    """Name and one line of every scenario, for ``simcompare list``."""
+    return [(name, _title(path)) for name, path in sorted(files().items())]
+
+
+def _title(path: Path) -> str:
+    """The ``title`` and ``question`` of a file, read without parsing all of it."""
+    found = {}
+    for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
+        key, colon, value = line.partition(":")
+        if colon and key in ("title", "question"):
+            found[key] = value.strip().strip("\"'")
+    return ": ".join(found[key] for key in ("title", "question") if key in found)
+
+
+def find(name: str) -> Path:
+    """The file of a scenario given by name, folder or file.
+
+    Raises:
+        UnknownName: no scenario of that name.
+        InputError: a folder without its YAML file.
+    """
+    known = files()
+    if name in known:
+        return known[name]
+    path = Path(name)
+    if path.is_file():
+        return path
+    if path.is_dir():
+        inside = path / f"{path.resolve().name}.yaml"
+        if not inside.is_file():
+            raise InputError(str(path), [f"a scenario folder holds {inside.name}, this one does not"])
+        return inside
+    raise UnknownName("scenario", name, known)
+
+
+def load(name: str) -> ScenarioFile:
+    """Reads the scenario of that name, folder or file."""
+    from simcompare.scenario_file import read
+
+    return read(find(name))
+
+
+def reference_of(path: Path) -> Reference | None:
+    """The function ``reference`` beside a scenario file, ``None`` where there is no such module.
+
+    Raises:
+        InputError: the module cannot be imported or has no such function.
+    """
+    source = path.with_name("reference.py")
+    if not source.is_file():
+        return None
+    name = f"simcompare_reference_{path.stem}"
+    spec = importlib.util.spec_from_file_location(name, source)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    # dataclasses look their module up by name while it is being executed
+    import sys
+
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        raise InputError(str(source), [f"cannot be imported: {type(error).__name__}: {error}"]) from error
+    if not callable(getattr(module, "reference", None)):
+        raise InputError(str(source), ["has no function reference(parameters, time_s)"])
+    return cast("Reference", module.reference)

@@ -1,0 +1,223 @@
+"""Running jobs: one process per engine, so that a crash, a hang or noise stays with its engine."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import queue
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+from typing import IO
+
+from simcompare.jobs import FAILED, Job, Outcome
+from simcompare.worker import read_frame
+
+#: longest time that one job may take, the engine's import included [s]
+TIME_LIMIT_S = 120.0
+_NOISE_KEPT = 4000
+
+Progress = Callable[[str, int, int], None]
+
+
+@dataclass(eq=False)
+class _Worker:
+    """One engine's process and what is still expected of it."""
+
+    engine: str
+    jobs: list[Job]
+    deadline: float = 0.0
+    process: subprocess.Popen[bytes] | None = None
+    stderr: IO[bytes] = field(default_factory=tempfile.TemporaryFile)
+    done: int = 0
+
+    def start(self, inbox: queue.Queue[tuple[_Worker, tuple[int, Outcome] | None]]) -> None:
+        """Starts the process, feeds it, and has a thread put its outcomes into ``inbox``."""
+        # the child gets this process' import path, wherever simcompare and the engines come from
+        code = f"import sys; sys.path[:] = {sys.path!r}; from simcompare.worker import main; main()"
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", code],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self.stderr,
+            # Ctrl-C reaches the runner alone, which then ends its workers
+            start_new_session=True,
+        )
+        threading.Thread(target=self._talk, args=(inbox,), daemon=True).start()
+
+    def _talk(self, inbox: queue.Queue[tuple[_Worker, tuple[int, Outcome] | None]]) -> None:
+        process = self.process
+        assert process is not None
+        assert process.stdin is not None
+        assert process.stdout is not None
+        try:
+            with process.stdin as stdin:
+                pickle.dump(self.jobs, stdin, protocol=5)
+        except BrokenPipeError:
+            pass  # it died at once; the end of its output says so
+        while (payload := read_frame(process.stdout)) is not None:
+            inbox.put((self, pickle.loads(payload)))  # noqa: S301  (from our own child)
+        inbox.put((self, None))
+
+    def stop(self) -> None:
+        """Ends the process and everything that it started."""
+        if self.process is None or self.process.poll() is not None:
+            return
+        if hasattr(os, "killpg"):
+            try:
+                os.killpg(self.process.pid, signal.SIGKILL)
+            except ProcessLookupError:
+                return
+        else:  # pragma: no cover  (Windows)
+            self.process.kill()
+        self.process.wait()
+
+    def noise(self) -> str:
+        """What the process printed, the end of it where it is long."""
+        self.stderr.seek(0)
+        text = self.stderr.read().decode("utf-8", errors="replace").strip()
+        return text if len(text) <= _NOISE_KEPT else "… " + text[-_NOISE_KEPT:]
+
+    def how_it_died(self) -> str:
+        """One sentence on the end of a process that owed outcomes."""
+        assert self.process is not None
+        code = self.process.wait()
+        if code < 0:
+            return f"{self.engine}: its process was killed by {signal.Signals(-code).name}"
+        return f"{self.engine}: its process ended early with exit code {code}"
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during a run; carries what had finished.
+
+    Attributes:
+        outcomes: outcomes of all jobs, those that had not finished as failed.
+    """
+
+    def __init__(self, outcomes: list[Outcome]) -> None:
+        super().__init__("interrupted")
+        self.outcomes = outcomes
+
+
+def run_jobs(
+    jobs: Iterable[Job],
+    *,
+    time_limit_s: float = TIME_LIMIT_S,
+    processes: int | None = None,
+    progress: Progress | None = None,
+) -> list[Outcome]:
+    """Runs jobs, each engine's in a process of its own.
+
+    Args:
+        jobs: what to run; jobs of one engine run one after another in the given order.
+        time_limit_s: longest time for one job [s].
+        processes: engines at the same time; as many as there are processors where ``None``.
+        progress: called as ``progress(engine, done, total)`` when a job ends.
+
+    Returns:
+        One outcome for every job, in the order of the jobs.
+
+    Raises:
+        Interrupted: on Ctrl-C, with the outcomes so far; no process is left behind.
+    """
+    by_engine: dict[str, list[Job]] = {}
+    for job in (ordered := list(jobs)):
+        by_engine.setdefault(job.engine, []).append(job)
+    waiting = [_Worker(engine, own) for engine, own in by_engine.items()]
+    results: dict[tuple[str, int], Outcome] = {}
+    crew = _Crew(waiting, processes or os.cpu_count() or 1, time_limit_s)
+    try:
+        crew.work(results, progress, len(ordered))
+    except KeyboardInterrupt:
+        raise Interrupted(_collect(by_engine, ordered, results)) from None
+    finally:
+        crew.stop()
+    return _collect(by_engine, ordered, results)
+
+
+class _Crew:
+    """The workers of one run."""
+
+    def __init__(self, waiting: list[_Worker], processes: int, time_limit_s: float) -> None:
+        self._waiting, self._processes, self._limit_s = waiting, processes, time_limit_s
+        self._running: list[_Worker] = []
+        self._all = list(waiting)
+        self._inbox: queue.Queue[tuple[_Worker, tuple[int, Outcome] | None]] = queue.Queue()
+
+    def work(
+        self, results: dict[tuple[str, int], Outcome], progress: Progress | None, total: int
+    ) -> None:
+        """Starts workers as places become free and gathers outcomes until all are in."""
+        while self._waiting or self._running:
+            while self._waiting and len(self._running) < self._processes:
+                worker = self._waiting.pop(0)
+                worker.start(self._inbox)
+                worker.deadline = time.monotonic() + self._limit_s
+                self._running.append(worker)
+            wait = min(worker.deadline for worker in self._running) - time.monotonic()
+            try:
+                worker, message = self._inbox.get(timeout=max(wait, 0.01))
+            except queue.Empty:
+                self._end_late_ones(results)
+                continue
+            if worker not in self._running:
+                continue  # ended for being late; this is the end of its output
+            if message is None:
+                self._close(worker, results, worker.how_it_died())
+                continue
+            index, outcome = message
+            results[worker.engine, index] = outcome
+            worker.done += 1
+            worker.deadline = time.monotonic() + self._limit_s
+            if progress is not None:
+                progress(worker.engine, len(results), total)
+            if worker.done == len(worker.jobs):
+                self._close(worker, results, "")
+
+    def _end_late_ones(self, results: dict[tuple[str, int], Outcome]) -> None:
+        now = time.monotonic()
+        for worker in [worker for worker in self._running if worker.deadline <= now]:
+            worker.stop()
+            reason = f"{worker.engine}: no answer within {self._limit_s:g} s; its process was ended"
+            self._close(worker, results, reason)
+
+    def _close(
+        self, worker: _Worker, results: dict[tuple[str, int], Outcome], reason: str
+    ) -> None:
+        """Takes a worker off the list; the jobs that it still owes have failed for ``reason``."""
+        self._running.remove(worker)
+        if worker.process is not None and not reason:
+            worker.process.wait()
+        noise = worker.noise()
+        if reason and noise:
+            reason += f"; it last printed: {noise.splitlines()[-1]}"
+        for index, job in enumerate(worker.jobs):
+            found = results.get((worker.engine, index))
+            results[worker.engine, index] = (
+                Outcome(job, FAILED, reason, noise=noise)
+                if found is None
+                else replace(found, noise=noise)
+            )
+        worker.stderr.close()
+
+    def stop(self) -> None:
+        """Ends every process that still runs."""
+        for worker in self._all:
+            worker.stop()
+
+
+def _collect(
+    by_engine: dict[str, list[Job]],
+    ordered: list[Job],
+    results: dict[tuple[str, int], Outcome],
+) -> list[Outcome]:
+    places = {id(job): (job.engine, i) for own in by_engine.values() for i, job in enumerate(own)}
+    return [
+        results.get(places[id(job)], Outcome(job, FAILED, "interrupted before it ran"))
+        for job in ordered
+    ]
