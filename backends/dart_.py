@@ -11,6 +11,7 @@ from simcompare.audit import Audit
 from simcompare.backend import MAPPED, EngineBackend, Feature, KnownLimit, Settings
 from simcompare.landing import ContactSteps
 from simcompare.pairs import per_body_product, touching_pairs
+from simcompare.rotations import matrix_of, quaternions_of, rotate, rotation_vector_of
 from simcompare.scenario import Body, Scenario, Shape, Vector
 from simcompare.simulation import BodyState, Simulation, has_drag
 from simcompare.trajectory import Array
@@ -77,17 +78,15 @@ class DartSimulation(Simulation):
         return rows
 
     def signals(self, rows: Array) -> dict[str, Array]:
-        from scipy.spatial.transform import Rotation
-
         found: dict[str, Array] = {}
         for i, name in enumerate(self._bodies):
             q, v = rows[:, 12 * i : 12 * i + 6], rows[:, 12 * i + 6 : 12 * i + 12]
-            turned = Rotation.from_rotvec(q[:, :3])
+            turned = quaternions_of(q[:, :3])
             found[f"{name}.position_m"] = q[:, 3:].copy()
-            found[f"{name}.orientation_wxyz"] = turned.as_quat(scalar_first=True)
+            found[f"{name}.orientation_wxyz"] = turned
             # the free joint's velocities are in the body's frame, turning first
-            found[f"{name}.velocity_m_s"] = turned.apply(v[:, 3:])
-            found[f"{name}.rate_rad_s"] = turned.apply(v[:, :3])
+            found[f"{name}.velocity_m_s"] = rotate(turned, v[:, 3:])
+            found[f"{name}.rate_rad_s"] = rotate(turned, v[:, :3])
         return found
 
 
@@ -164,7 +163,7 @@ def _skeleton(engine: ModuleType, name: str, body: Body) -> Any:  # noqa: ANN401
         joint, node = skeleton.createWeldJointAndBodyNodePair()
         pose = engine.math.Isometry3()
         pose.set_translation(body.position_m)
-        pose.set_rotation(_matrix(body.orientation_wxyz))
+        pose.set_rotation(matrix_of(body.orientation_wxyz))
         joint.setTransformFromParentBodyNode(pose)
     else:
         _, node = skeleton.createFreeJointAndBodyNodePair()
@@ -179,7 +178,7 @@ def _skeleton(engine: ModuleType, name: str, body: Body) -> Any:  # noqa: ANN401
         solid = node.createShapeNode(_shape(engine, shape))
         pose = engine.math.Isometry3()
         pose.set_translation(shape.position_m)
-        pose.set_rotation(_matrix(shape.orientation_wxyz))
+        pose.set_rotation(matrix_of(shape.orientation_wxyz))
         solid.setRelativeTransform(pose)
         solid.createCollisionAspect()
         solid.createDynamicsAspect()
@@ -264,10 +263,7 @@ def _world_velocity(skeleton: Any) -> Array:  # noqa: ANN401
 
 
 def _set_pose(skeleton: Any, position: Any, orientation: Any) -> None:  # noqa: ANN401
-    from scipy.spatial.transform import Rotation
-
-    turned = Rotation.from_quat(orientation, scalar_first=True).as_rotvec()
-    skeleton.setPositions(np.concatenate((turned, position)))
+    skeleton.setPositions(np.concatenate((rotation_vector_of(orientation), position)))
 
 
 def _set_velocity(skeleton: Any, world_velocity: Array) -> None:  # noqa: ANN401
@@ -275,9 +271,3 @@ def _set_velocity(skeleton: Any, world_velocity: Array) -> None:  # noqa: ANN401
     back = skeleton.getBodyNode(0).getWorldTransform().rotation().T
     turning, linear = world_velocity[:3], world_velocity[3:]
     skeleton.setVelocities(np.concatenate((back @ turning, back @ linear)))
-
-
-def _matrix(orientation_wxyz: Any) -> Array:  # noqa: ANN401
-    from scipy.spatial.transform import Rotation
-
-    return np.asarray(Rotation.from_quat(orientation_wxyz, scalar_first=True).as_matrix())

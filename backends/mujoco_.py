@@ -23,6 +23,7 @@ from simcompare.errors import SimulationDiverged
 from simcompare.landing import ContactSteps
 from simcompare.pairs import touching_pairs
 from simcompare.scenario import Body, Contact, Scenario, Shape, Vector
+from simcompare.rotations import rotate
 from simcompare.simulation import BodyState, Simulation, has_drag
 from simcompare.trajectory import Array
 
@@ -109,7 +110,7 @@ class MujocoSimulation(Simulation):
             found[f"{name}.position_m"] = q[:, :3].copy()
             found[f"{name}.orientation_wxyz"] = q[:, 3:].copy()
             found[f"{name}.velocity_m_s"] = v[:, :3].copy()
-            found[f"{name}.rate_rad_s"] = _rotate(q[:, 3:], v[:, 3:])
+            found[f"{name}.rate_rad_s"] = rotate(q[:, 3:], v[:, 3:])
         return found
 
     def _raise_warning(self) -> None:
@@ -318,12 +319,5 @@ def _body_frame(orientation: Any, rate: Any) -> list[float]:  # noqa: ANN401
     """World rate in the body's frame, in which MuJoCo's free joint stores it."""
     w, x, y, z = orientation
     rows = np.asarray([[w, -x, -y, -z]])
-    rotated: list[float] = _rotate(rows, np.asarray([rate], dtype=float))[0].tolist()
+    rotated: list[float] = rotate(rows, np.asarray([rate], dtype=float))[0].tolist()
     return rotated
-
-
-def _rotate(orientation_wxyz: Array, vectors: Array) -> Array:
-    """Rotates vectors (n, 3) by quaternions (n, 4): body frame to world frame."""
-    w, u = orientation_wxyz[:, :1], orientation_wxyz[:, 1:]
-    t = 2.0 * np.cross(u, vectors)
-    return np.asarray(vectors + w * t + np.cross(u, t), dtype=float)

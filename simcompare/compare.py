@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -88,67 +88,70 @@ def scores_of(repeats: Sequence[Repeat]) -> list[Score]:
     return found
 
 
+class _Found(NamedTuple):
+    value: float | None
+    u: float | None
+    unit: str
+    repeats: int
+
+
 def _judged(
     nominal: Repeat,
     pairs: Sequence[Mapping[str, tuple[float | None, float]]],
     units: Mapping[str, str],
 ) -> list[Score]:
-    found = []
+    scores = []
     for name, (_, truth) in pairs[len(pairs) // 2].items():
         both = [pair[name] for pair in pairs if name in pair]
         deviations = [value - true for value, true in both if value is not None]
-        complete = len(deviations) == len(pairs)
-        value, u = _mean_and_sd(truth, deviations) if complete else (None, None)
+        found = _mean_and_sd(truth, deviations, units[name], of=len(pairs))
         tolerance = nominal.scenario.tolerances.get(name)
-        found.append(_score(nominal, (name, None), (value, u, units[name]), truth, tolerance))
-        found[-1] = _with_repeats(found[-1], len(deviations))
-    return found
+        scores.append(_score(nominal, name, None, found, truth, tolerance))
+    return scores
 
 
 def _series(nominal: Repeat, ours: Sequence[Measured], theirs: Sequence[Measured]) -> list[Score]:
     """One score per event, for the events that every repeat of the source resolves."""
-    found = []
-    true_nominal = theirs[len(theirs) // 2]
-    for name, unit in ((name, ours[0].units[name]) for name in ours[0].series):
-        events = min(len(measured.series[name]) for measured in ours)
-        for k in range(events):
-            both = [(a.series[name], b.series[name]) for a, b in zip(ours, theirs, strict=True)]
-            known = all(k < len(true) for _, true in both)
-            if known:
-                truth = float(true_nominal.series[name][k])
-                value, u = _mean_and_sd(truth, [float(a[k] - b[k]) for a, b in both])
-            else:
-                truth = None
-                value, u = _mean_and_sd(0.0, [float(a[k]) for a, _ in both])
-            score = _score(nominal, (name, k + 1), (value, u, unit), truth, None)
-            found.append(_with_repeats(score, len(ours)))
-    return found
+    scores = []
+    for name in ours[0].series:
+        unit, truths = ours[0].units[name], [measured.series[name] for measured in theirs]
+        values = [measured.series[name] for measured in ours]
+        for k in range(min(map(len, values))):
+            known = all(k < len(true) for true in truths)
+            true = [float(row[k]) if known else 0.0 for row in truths]
+            truth = true[len(true) // 2]
+            deviations = [float(a[k]) - b for a, b in zip(values, true, strict=True)]
+            found = _mean_and_sd(truth, deviations, unit, of=len(ours))
+            scores.append(_score(nominal, name, k + 1, found, truth if known else None, None))
+    return scores
 
 
 def _without_truth(nominal: Repeat, ours: Sequence[Measured]) -> list[Score]:
-    found = []
+    scores = []
     for name in ours[0].values:
-        values = [measured.values[name] for measured in ours]
-        known = [value for value in values if value is not None]
-        value, u = _mean_and_sd(0.0, known) if len(known) == len(values) else (None, None)
-        score = _score(nominal, (name, None), (value, u, ours[0].units[name]), None, None)
-        found.append(_with_repeats(score, len(known)))
-    return found
+        known = [value for m in ours if (value := m.values[name]) is not None]
+        found = _mean_and_sd(0.0, known, ours[0].units[name], of=len(ours))
+        scores.append(_score(nominal, name, None, found, None, None))
+    return scores
 
 
-def _mean_and_sd(offset: float, deviations: Sequence[float]) -> tuple[float, float | None]:
-    mean = offset + float(np.mean(deviations))
-    return mean, float(np.std(deviations, ddof=1)) if len(deviations) > 1 else None
+def _mean_and_sd(offset: float, deviations: Sequence[float], unit: str, *, of: int) -> _Found:
+    """Mean and standard deviation; no value unless all ``of`` repeats have one."""
+    if len(deviations) < of:
+        return _Found(None, None, unit, len(deviations))
+    sd = float(np.std(deviations, ddof=1)) if of > 1 else None
+    return _Found(offset + float(np.mean(deviations)), sd, unit, of)
 
 
 def _score(
     nominal: Repeat,
-    name: tuple[str, int | None],
-    found: tuple[float | None, float | None, str],
+    measure: str,
+    index: int | None,
+    found: _Found,
     truth: float | None,
     tolerance: Tolerance | None,
 ) -> Score:
-    value, u, unit = found
+    value, u, unit, repeats = found
     source, contact = nominal.trajectory.source, nominal.trajectory.contact
     width, verdict = None, INFO
     # what an engine does by default is shown, not judged: nobody gave it the scenario's physics
@@ -156,9 +159,6 @@ def _score(
         width = tolerance.width(truth)
         within = value is not None and math.isfinite(value) and abs(value - truth) <= width
         verdict = PASS if within else FAIL
-    return Score(source, contact, name[0], name[1], value, u, unit, 1, truth, width, verdict)
-
-
-def _with_repeats(score: Score, repeats: int) -> Score:
-    values = score.to_dict()
-    return Score(**{**values, "repeats": repeats})
+    return Score(
+        source, contact, measure, index, value, u, unit, repeats, truth, width, verdict
+    )

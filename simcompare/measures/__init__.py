@@ -36,14 +36,11 @@ class Measured:
     notes: tuple[str, ...] = field(default=())
 
 
-class Against(Protocol):
-    """Turns what was measured in a source and in the truth into deviations; part of a measure."""
-
-    def __call__(self, measured: Measured, truth: Measured) -> dict[str, tuple[float, float]]: ...
-
-
 class MeasureModule(Protocol):
-    """What a module in this folder offers."""
+    """What a module in this folder offers: units of all names, and which are one per event."""
+
+    UNITS: Mapping[str, str]
+    SERIES: tuple[str, ...]
 
     def measure(self, trajectory: Trajectory, probe: Probe) -> Measured:
         """Measures one trajectory."""

@@ -14,6 +14,8 @@ TIMED_IMPACTS = 6
 #: at rest: within this part of the drop height of the final height, for good
 REST_PART = 1e-3
 
+#: measured once per event; the rest once per run
+SERIES = ("impact_time", "impact_speed", "restitution", "rebound_height")
 UNITS = {
     "restitution": "1",
     "impact_time": "s",

@@ -1,0 +1,1 @@
+"""Everything about real devices: logs, and published facts."""

@@ -1,0 +1,252 @@
+"""Tables of measured bounces: CSV with one row per bounce and a head of ``# key: value`` lines.
+
+    # title: Table-tennis ball on a stone plate
+    # citation: A. Author, Journal 1 (2020) 2
+    # preset: table_tennis
+    # drop_height: 31.5 cm
+    bounce,rebound_height_cm,u_rebound_height_cm
+    1,24.4,0.2
+
+A column is a measured quantity of the scenario with its unit in its name or in brackets
+(``rebound height [cm]``). Beside it stands its standard uncertainty ``u_…``, or the two limits
+``…_low`` and ``…_high`` within which the value is certain; limits mean a rectangular distribution,
+u = half-width/√3 (JCGM 100:2008, 4.3.7).
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import io
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from simcompare import units
+from simcompare.errors import InputError, UnknownName
+
+FACTS_FOLDER = Path(__file__).parent.parent / "recordings"
+
+#: head lines that describe the table rather than set a parameter
+HEAD_KEYS = ("title", "citation", "url", "note", "preset", "scenario", "seen")
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One measured number.
+
+    Attributes:
+        name: quantity as the scenario's measures name it ("rebound_height").
+        bounce: number of the bounce, first is 1.
+        value: measured value, SI.
+        u: its standard uncertainty, ``None`` where none is stated.
+        low: smallest value that is certain, where limits are given.
+        high: largest value that is certain.
+    """
+
+    name: str
+    bounce: int
+    value: float
+    u: float | None
+    low: float | None = None
+    high: float | None = None
+
+
+@dataclass(frozen=True)
+class BounceTable:
+    """Measured bounces with their source.
+
+    Attributes:
+        path: the file.
+        sha256: of the file.
+        head: title, citation and so on.
+        parameters: scenario parameters that the head sets, as text with units.
+        quantities: the measured numbers.
+    """
+
+    path: Path
+    sha256: str
+    head: Mapping[str, str]
+    parameters: Mapping[str, str]
+    quantities: tuple[Quantity, ...]
+
+    @property
+    def preset(self) -> str | None:
+        """Preset of the scenario that the table was measured with."""
+        return self.head.get("preset")
+
+
+def facts() -> dict[str, Path]:
+    """Name -> file of the published facts that ship with simcompare."""
+    return {path.stem: path for path in sorted(FACTS_FOLDER.glob("*.csv"))}
+
+
+def find(name: str) -> Path:
+    """A table given by file or by the name of a published fact.
+
+    Raises:
+        UnknownName: neither exists.
+    """
+    path = Path(name)
+    if path.is_file():
+        return path
+    known = facts()
+    if name in known:
+        return known[name]
+    raise UnknownName("file or published table", name, known)
+
+
+def read(path: Path, known: Mapping[str, str]) -> BounceTable:
+    """Reads a table.
+
+    Args:
+        path: the CSV file.
+        known: measured quantities of the scenario and their SI units.
+
+    Raises:
+        InputError: every fault of the file, each with its line.
+    """
+    try:
+        raw = path.read_bytes()
+        text = raw.decode("utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(str(path), [f"cannot be read as UTF-8 text: {error}"]) from None
+    head, parameters, body = _split(text)
+    faults: list[str] = []
+    quantities = _quantities(body, known, faults)
+    if not quantities and not faults:
+        faults.append("holds no measured values; expected a header row and at least one row below it")
+    if faults:
+        raise InputError(str(path), faults)
+    digest = hashlib.sha256(raw).hexdigest()
+    return BounceTable(path, digest, head, parameters, tuple(quantities))
+
+
+def _split(text: str) -> tuple[dict[str, str], dict[str, str], list[tuple[int, str]]]:
+    """Head, parameters, and the remaining lines with their numbers."""
+    head: dict[str, str] = {}
+    parameters: dict[str, str] = {}
+    body = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        if line.startswith("#"):
+            key, colon, value = line.lstrip("# ").partition(":")
+            key = key.strip()
+            if colon and re.fullmatch(r"\w+", key):
+                (head if key in HEAD_KEYS else parameters)[key] = value.strip()
+        elif line.strip():
+            body.append((number, line))
+    return head, parameters, body
+
+
+@dataclass(frozen=True)
+class _Column:
+    name: str
+    role: str  # "value", "u", "low", "high" or "bounce"
+    factor: float
+
+
+def _quantities(
+    body: list[tuple[int, str]], known: Mapping[str, str], faults: list[str]
+) -> list[Quantity]:
+    if not body:
+        return []
+    separator = _separator(body[0][1])
+    number, header = body[0]
+    columns = []
+    for text in next(csv.reader([header], delimiter=separator)):
+        try:
+            columns.append(_column(text.strip(), known))
+        except InputError as error:
+            faults.extend(f"line {number}, {error.where}: {fault}" for fault in error.faults)
+    names = [column.name for column in columns if column.role == "value"]
+    if faults:
+        return []
+    if not names:
+        faults.append(f"line {number}: no measured quantity; known: {', '.join(known)}")
+    found = []
+    for row_number, line in body[1:]:
+        cells = next(csv.reader(io.StringIO(line), delimiter=separator))
+        if len(cells) != len(columns):
+            faults.append(
+                f"line {row_number}: {len(cells)} cells but the header has {len(columns)} columns"
+            )
+            continue
+        found += _row(row_number, cells, columns, faults, len(found) + 1)
+    return found
+
+
+def _separator(header: str) -> str:
+    return max(",;\t", key=header.count)
+
+
+def _column(text: str, known: Mapping[str, str]) -> _Column:
+    """What a column's heading says: quantity, role and factor to SI."""
+    match = re.fullmatch(r"(.*?)\s*[\[(](.*)[\])]", text)
+    name, unit = (match[1], match[2]) if match else (text, "")
+    name = re.sub(r"[\s-]+", "_", name.strip())
+    if name == "bounce":
+        return _Column("bounce", "bounce", 1.0)
+    role = "value"
+    if name.startswith("u_"):
+        name, role = name[2:], "u"
+    for ending in ("low", "high"):
+        if name.endswith(f"_{ending}"):
+            name, role = name.removesuffix(f"_{ending}"), ending
+    for quantity, si_unit in known.items():
+        if name == quantity or name.startswith(f"{quantity}_"):
+            given = unit or name.removeprefix(quantity).removeprefix("_")
+            for ending in ("low", "high"):  # "rebound_height_low_cm"
+                if given.startswith(f"{ending}_"):
+                    given, role = given.removeprefix(f"{ending}_"), ending
+            if not given and si_unit != "1":
+                raise InputError(
+                    f"column {text!r}", [f"has no unit; write {quantity}_{si_unit} or {quantity}_cm"]
+                )
+            factor = units.conversion_factor(given, si_unit, f"column {text!r}") if given else 1.0
+            return _Column(quantity, role, factor)
+    raise InputError(f"column {text!r}", [str(UnknownName("measured quantity", name, known))])
+
+
+def _row(
+    number: int, cells: list[str], columns: list[_Column], faults: list[str], next_bounce: int
+) -> list[Quantity]:
+    values: dict[tuple[str, str], float] = {}
+    for cell, column in zip(cells, columns, strict=True):
+        if not cell.strip():
+            continue
+        try:
+            value = float(cell) * column.factor
+        except ValueError:
+            hint = "; write decimals with a point" if "," in cell else ""
+            faults.append(f"line {number}: {cell!r} is not a number{hint}")
+            continue
+        if not math.isfinite(value):
+            faults.append(f"line {number}: {cell!r} is not finite")
+        elif column.role == "u" and value <= 0:
+            faults.append(f"line {number}: an uncertainty must be above 0, found {cell}")
+        else:
+            values[column.name, column.role] = value
+    bounce = values.get(("bounce", "bounce"), float(next_bounce))
+    if bounce < 1 or bounce != int(bounce):
+        faults.append(f"line {number}: a bounce is numbered 1, 2, 3, …, found {bounce:g}")
+    found = []
+    for column in columns:
+        if column.role == "value" and (column.name, "value") in values:
+            limits = [values.get((column.name, role)) for role in ("value", "u", "low", "high")]
+            found.append(_quantity(number, column.name, int(bounce), limits, faults))
+    return found
+
+
+def _quantity(
+    number: int, name: str, bounce: int, limits: list[float | None], faults: list[str]
+) -> Quantity:
+    value, u, low, high = limits
+    assert value is not None
+    if low is not None and high is not None:
+        if not low <= value <= high or low == high:
+            faults.append(f"line {number}: {name} = {value:g} is not within {low:g} … {high:g}")
+        elif u is None:
+            u = (high - low) / 2 / math.sqrt(3)
+    return Quantity(name, bounce, value, u, low, high)

@@ -1,0 +1,1 @@
+"""Published facts as small tables, each with its citation and uncertainty."""

@@ -1,0 +1,1 @@
+"""Sections of a report: a template name and a dictionary."""

@@ -1,0 +1,32 @@
+"""simcompare: one scene, many physics engines, and the truth.
+
+The verbs of the command line are functions of the same names here; nothing heavy is imported until
+one of them is used.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+_PUBLIC = {
+    "run": "simcompare.experiment",
+    "Run": "simcompare.experiment",
+    "load_run": "simcompare.store",
+    "Scenario": "simcompare.scenario",
+    "Trajectory": "simcompare.trajectory",
+    "Settings": "simcompare.backend",
+    "SimcompareError": "simcompare.errors",
+}
+__all__ = list(_PUBLIC)
+
+
+def __getattr__(name: str) -> Any:  # noqa: ANN401
+    if name not in _PUBLIC:
+        raise AttributeError(f"module 'simcompare' has no attribute {name!r}")
+    module = importlib.import_module(_PUBLIC[name])
+    return getattr(module, "load" if name == "load_run" else name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_PUBLIC])

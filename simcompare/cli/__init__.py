@@ -1,0 +1,1 @@
+"""One small file a verb: it parses, calls the API and prints."""

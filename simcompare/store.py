@@ -1,0 +1,172 @@
+"""A run on disk: ``runs/<id>/{run.json, trajectories.parquet, scores.csv}``.
+
+A run is written into a hidden folder beside its place and renamed when it is complete, so a full disk
+or Ctrl-C leaves nothing half-written behind.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import shutil
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from simcompare.compare import Score
+from simcompare.errors import InputError, OutputError
+from simcompare.experiment import FORMAT, Run, Stored
+from simcompare.trajectory import Trajectory
+
+RECORD, TRAJECTORIES, SCORES = "run.json", "trajectories.parquet", "scores.csv"
+#: signals that are kept; the rest can be simulated again
+_INDEX = ("source", "contact", "repeat")
+
+
+def save(run: Run, folder: Path) -> Run:
+    """Writes a run below ``folder`` and returns it with its place filled in.
+
+    Raises:
+        OutputError: it cannot be written; nothing is left behind.
+    """
+    identifier = _free_identifier(folder, run.record)
+    place = folder / identifier
+    record = {**run.record, "run": str(place)}
+    partial = folder / f".{identifier}.partial"
+    try:
+        partial.mkdir(parents=True)
+        (partial / RECORD).write_text(to_json(record, indent=1) + "\n", encoding="utf-8")
+        _write_scores(partial / SCORES, run.scores)
+        _write_trajectories(partial / TRAJECTORIES, run.trajectories)
+        partial.rename(place)
+    except OSError as error:
+        raise OutputError(
+            f"{place}: the run cannot be written ({error.strerror or error});"
+            " nothing was kept, free some space or choose another --out"
+        ) from None
+    finally:
+        shutil.rmtree(partial, ignore_errors=True)
+    return replace(run, record=record, folder=place)
+
+
+def to_json(record: Mapping[str, Any], indent: int | None = None) -> str:
+    """JSON text; a number that is not finite is an error, not ``NaN``."""
+    return json.dumps(record, indent=indent, ensure_ascii=False, allow_nan=False)
+
+
+def load(place: Path) -> Run:
+    """Reads a stored run.
+
+    Raises:
+        InputError: there is none, or its files are damaged; names the file.
+    """
+    path = place / RECORD
+    if not path.is_file():
+        raise InputError(str(place), [f"is not a stored run: it holds no {RECORD}"])
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+        known = {field.name for field in fields(Score)}
+        scores = [Score(**{k: v for k, v in row.items() if k in known}) for row in record["scores"]]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(str(path), [f"cannot be read: {error}"]) from None
+    if record.get("format") != FORMAT:
+        raise InputError(str(path), [f"format {record.get('format')!r} is not known; expected {FORMAT}"])
+    stored = _read_trajectories(place / TRAJECTORIES)
+    return Run(record, tuple(scores), tuple(stored), place, bool(record.get("interrupted")))
+
+
+def _free_identifier(folder: Path, record: Mapping[str, Any]) -> str:
+    stamp = str(record["created"])[:19].replace("-", "").replace(":", "").replace("T", "-")
+    base = f"{stamp}-{record['scenario']}"
+    identifier, number = base, 2
+    while (folder / identifier).exists() or (folder / f".{identifier}.partial").exists():
+        identifier, number = f"{base}-{number}", number + 1
+    return identifier
+
+
+def _write_scores(path: Path, scores: tuple[Score, ...]) -> None:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, [field.name for field in fields(Score)])
+        writer.writeheader()
+        writer.writerows(score.to_dict() for score in scores)
+
+
+def _write_trajectories(path: Path, stored: tuple[Stored, ...]) -> None:
+    """One table: source, contact, repeat, time and one column per component.
+
+    Raises:
+        OSError: DuckDB could not write; its own message is kept.
+    """
+    if not stored:
+        return
+    import duckdb
+
+    blocks = [item.trajectory.to_columns() for item in stored]
+    names = list(dict.fromkeys(name for block in blocks for name in block))
+    lengths = [len(item.trajectory.time_s) for item in stored]
+    labels = [(item.source, item.contact, item.repeat) for item in stored]
+    table: dict[str, np.ndarray[Any, Any]] = {
+        "entry": np.repeat(np.arange(len(stored)), lengths),
+        **{name: _column(blocks, lengths, name) for name in names},
+    }
+    rows = ", ".join(["(?, ?, ?, ?)"] * len(labels))
+    values = [value for i, label in enumerate(labels) for value in (i, *label)]
+    columns = ", ".join(f'nullif("{name}", \'nan\'::double) as "{name}"' for name in names)
+    try:
+        with duckdb.connect() as connection:
+            connection.register("samples", table)
+            connection.execute(f"create table labels as select * from (values {rows}) t(entry, source, contact, repeat)", values)  # noqa: S608, E501
+            connection.execute(
+                f"copy (select source, contact, repeat, {columns} from samples join labels using (entry)"  # noqa: S608, E501
+                f" order by entry, time_s) to '{_quoted(path)}' (format parquet, compression zstd)"
+            )
+    except duckdb.Error as error:
+        raise OSError(f"writing {path.name}: {str(error).splitlines()[0]}") from None
+
+
+def _column(blocks: list[dict[str, Any]], lengths: list[int], name: str) -> np.ndarray[Any, Any]:
+    empty = [np.full(length, np.nan) for length in lengths]
+    return np.concatenate([block.get(name, nan) for block, nan in zip(blocks, empty, strict=True)])
+
+
+def _read_trajectories(path: Path) -> list[Stored]:
+    if not path.is_file():
+        return []
+    import duckdb
+
+    try:
+        with duckdb.connect() as connection:
+            query = f"select * from '{_quoted(path)}'"  # noqa: S608
+            columns = connection.execute(query).fetchnumpy()
+    except duckdb.Error as error:
+        raise InputError(str(path), [f"cannot be read: {str(error).splitlines()[0]}"]) from None
+    keys = list(zip(*(columns[name].tolist() for name in _INDEX), strict=True))
+    signals = [name for name in columns if name not in _INDEX]
+    starts = [i for i, key in enumerate(keys) if i == 0 or key != keys[i - 1]]
+    stored = []
+    for start, end in zip(starts, [*starts[1:], len(keys)], strict=True):
+        source, contact, repeat = keys[start]
+        block = {name: np.ma.filled(columns[name][start:end], np.nan) for name in signals}
+        stored.append(Stored(source, contact, int(repeat), _from_columns(source, contact, block)))
+    return stored
+
+
+def _from_columns(source: str, contact: str, columns: dict[str, Any]) -> Trajectory:
+    signals: dict[str, list[Any]] = {}
+    for name, values in columns.items():
+        if name == "time_s" or np.isnan(values).all():
+            continue
+        base, dot, component = name.rpartition(".")
+        signals.setdefault(base if dot and component in "wxyz" else name, []).append(values)
+    stacked = {
+        name: np.column_stack(parts) if len(parts) > 1 else parts[0]
+        for name, parts in signals.items()
+    }
+    return Trajectory(source, columns["time_s"], stacked, contact=contact)
+
+
+def _quoted(path: Path) -> str:
+    return str(path).replace("'", "''")
