@@ -1,1 +1,1 @@
-"""One file an engine: ``<engine>_.py`` with a ``BACKEND`` object; ``conformance`` is their contract."""
+"""One file an engine, ``<engine>_.py`` with a ``BACKEND``; ``conformance`` is their contract."""

@@ -11,7 +11,7 @@ from simcompare.audit import Audit
 from simcompare.backend import MAPPED, EngineBackend, Feature, KnownLimit, Settings
 from simcompare.landing import ContactSteps
 from simcompare.pairs import per_body_product, touching_pairs
-from simcompare.rotations import matrix_of, quaternions_of, rotate, rotation_vector_of
+from simcompare.rotations import matrix_of, quaternions_of, rotation_vector_of
 from simcompare.scenario import Body, Scenario, Shape, Vector
 from simcompare.simulation import BodyState, Simulation, has_drag
 from simcompare.trajectory import Array
@@ -24,7 +24,12 @@ class DartSimulation(Simulation):
     """A world with one skeleton for every body."""
 
     def __init__(
-        self, world: Any, skeletons: dict[str, Any], scenario: Scenario, audit: Audit, mapped: bool  # noqa: ANN401
+        self,
+        world: Any,
+        skeletons: dict[str, Any],
+        scenario: Scenario,
+        audit: Audit,
+        mapped: bool,
     ) -> None:
         steps = ContactSteps(stagger=-0.5, contact_step_s=CONTACT_STEP_S) if mapped else None
         super().__init__(scenario, audit.finish(), steps)
@@ -46,25 +51,25 @@ class DartSimulation(Simulation):
     def stored_motion(self, body: str) -> tuple[Vector, Vector]:
         skeleton = self._skeletons[body]
         _, _, _, x, y, z = skeleton.getPositions().tolist()
-        vx, vy, vz = skeleton.getBodyNode(0).getLinearVelocity().tolist()
+        _, _, _, vx, vy, vz = skeleton.getVelocities().tolist()
         return (x, y, z), (vx, vy, vz)
 
     def add_velocity(self, body: str, change_m_s: Vector) -> None:
         skeleton = self._skeletons[body]
-        _set_velocity(skeleton, _world_velocity(skeleton) + np.array([0, 0, 0, *change_m_s]))
+        skeleton.setVelocities(skeleton.getVelocities() + np.array((0, 0, 0, *change_m_s)))
 
     def place(self, body: str, state: BodyState) -> None:
         skeleton = self._skeletons[body]
         _set_pose(skeleton, state.position_m, state.orientation_wxyz)
-        _set_velocity(skeleton, np.array([*state.rate_rad_s, *state.velocity_m_s]))
+        skeleton.setVelocities([*state.rate_rad_s, *state.velocity_m_s])
 
-    def row(self) -> Any:  # noqa: ANN401
-        parts = []
+    def row(self) -> Any:
+        parts: list[Array] = []
         for skeleton in self._moving:
             parts += (skeleton.getPositions(), skeleton.getVelocities())
         return np.concatenate(parts)
 
-    def record(self, count: int) -> Any:  # noqa: ANN401
+    def record(self, count: int) -> Any:
         if self._dragged or len(self._moving) != 1:
             return super().record(count)
         step, skeleton = self._world.step, self._moving[0]
@@ -81,12 +86,11 @@ class DartSimulation(Simulation):
         found: dict[str, Array] = {}
         for i, name in enumerate(self._bodies):
             q, v = rows[:, 12 * i : 12 * i + 6], rows[:, 12 * i + 6 : 12 * i + 12]
-            turned = quaternions_of(q[:, :3])
             found[f"{name}.position_m"] = q[:, 3:].copy()
-            found[f"{name}.orientation_wxyz"] = turned
-            # the free joint's velocities are in the body's frame, turning first
-            found[f"{name}.velocity_m_s"] = rotate(turned, v[:, 3:])
-            found[f"{name}.rate_rad_s"] = rotate(turned, v[:, :3])
+            found[f"{name}.orientation_wxyz"] = quaternions_of(q[:, :3])
+            # a free joint's velocities are in the world's frame, turning first (measured with 6.20)
+            found[f"{name}.velocity_m_s"] = v[:, 3:].copy()
+            found[f"{name}.rate_rad_s"] = v[:, :3].copy()
         return found
 
 
@@ -157,7 +161,7 @@ class DartBackend(EngineBackend):
 BACKEND = DartBackend()
 
 
-def _skeleton(engine: ModuleType, name: str, body: Body) -> Any:  # noqa: ANN401
+def _skeleton(engine: ModuleType, name: str, body: Body) -> Any:
     skeleton = engine.dynamics.Skeleton(name)
     if body.fixed:
         joint, node = skeleton.createWeldJointAndBodyNodePair()
@@ -173,7 +177,7 @@ def _skeleton(engine: ModuleType, name: str, body: Body) -> Any:  # noqa: ANN401
         inertia.setLocalCOM(body.center_of_mass_m)
         node.setInertia(inertia)
         _set_pose(skeleton, body.position_m, body.orientation_wxyz)
-        _set_velocity(skeleton, np.array([*body.rate_rad_s, *body.velocity_m_s]))
+        skeleton.setVelocities([*body.rate_rad_s, *body.velocity_m_s])
     for shape in body.shapes:
         solid = node.createShapeNode(_shape(engine, shape))
         pose = engine.math.Isometry3()
@@ -185,7 +189,7 @@ def _skeleton(engine: ModuleType, name: str, body: Body) -> Any:  # noqa: ANN401
     return skeleton
 
 
-def _shape(engine: ModuleType, shape: Shape) -> Any:  # noqa: ANN401
+def _shape(engine: ModuleType, shape: Shape) -> Any:
     match shape.type:
         case "plane":
             return engine.dynamics.PlaneShape(shape.normal, 0.0)
@@ -199,7 +203,7 @@ def _shape(engine: ModuleType, shape: Shape) -> Any:  # noqa: ANN401
             return engine.dynamics.CapsuleShape(shape.radius_m, shape.length_m)
 
 
-def _aspects(skeleton: Any) -> list[Any]:  # noqa: ANN401
+def _aspects(skeleton: Any) -> list[Any]:
     node = skeleton.getBodyNode(0)
     return [node.getShapeNode(i).getDynamicsAspect() for i in range(node.getNumShapeNodes())]
 
@@ -215,7 +219,7 @@ def _set_friction(scenario: Scenario, skeletons: dict[str, Any]) -> None:
             aspect.setFrictionCoeff(largest[name])
 
 
-def _audit_world(audit: Audit, world: Any, scenario: Scenario) -> None:  # noqa: ANN401
+def _audit_world(audit: Audit, world: Any, scenario: Scenario) -> None:
     step_s = scenario.world.step_s
     audit.add("step_s", step_s, "World.timeStep", (step_s, world.getTimeStep()), "s")
     for axis, wanted, held in zip(
@@ -224,9 +228,11 @@ def _audit_world(audit: Audit, world: Any, scenario: Scenario) -> None:  # noqa:
         audit.add(f"gravity_m_s2.{axis}", wanted, "World.gravity", (wanted, held), "m/s²")
 
 
-def _audit_body(audit: Audit, name: str, body: Body, skeleton: Any) -> None:  # noqa: ANN401
+def _audit_body(audit: Audit, name: str, body: Body, skeleton: Any) -> None:
     node = skeleton.getBodyNode(0)
-    audit.add(f"{name}.mass_kg", body.mass_kg, "BodyNode.mass", (body.mass_kg, node.getMass()), "kg")
+    audit.add(
+        f"{name}.mass_kg", body.mass_kg, "BodyNode.mass", (body.mass_kg, node.getMass()), "kg"
+    )
     moments = np.diag(node.getInertia().getMoment())
     for axis, wanted, got in zip("123", body.inertia_kg_m2 or (), moments, strict=True):
         quantity = f"{name}.inertia_kg_m2.{axis}"
@@ -257,17 +263,5 @@ def _audit_contacts(
         audit.add(f"{pair} friction", contact.friction, parameter, values, "1", note)
 
 
-def _world_velocity(skeleton: Any) -> Array:  # noqa: ANN401
-    node = skeleton.getBodyNode(0)
-    return np.concatenate((node.getAngularVelocity(), node.getLinearVelocity()))
-
-
-def _set_pose(skeleton: Any, position: Any, orientation: Any) -> None:  # noqa: ANN401
+def _set_pose(skeleton: Any, position: Any, orientation: Any) -> None:
     skeleton.setPositions(np.concatenate((rotation_vector_of(orientation), position)))
-
-
-def _set_velocity(skeleton: Any, world_velocity: Array) -> None:  # noqa: ANN401
-    """Sets turning and linear velocity given in the world's frame."""
-    back = skeleton.getBodyNode(0).getWorldTransform().rotation().T
-    turning, linear = world_velocity[:3], world_velocity[3:]
-    skeleton.setVelocities(np.concatenate((back @ turning, back @ linear)))

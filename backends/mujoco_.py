@@ -22,8 +22,8 @@ from simcompare.dashpot import damping_ratio
 from simcompare.errors import SimulationDiverged
 from simcompare.landing import ContactSteps
 from simcompare.pairs import touching_pairs
-from simcompare.scenario import Body, Contact, Scenario, Shape, Vector
 from simcompare.rotations import rotate
+from simcompare.scenario import Body, Contact, Scenario, Shape, Vector
 from simcompare.simulation import BodyState, Simulation, has_drag
 from simcompare.trajectory import Array
 
@@ -41,7 +41,12 @@ class MujocoSimulation(Simulation):
     """A compiled MJCF model and its data."""
 
     def __init__(
-        self, engine: ModuleType, scenario: Scenario, model: Any, audit: Audit, mapped: bool  # noqa: ANN401
+        self,
+        engine: ModuleType,
+        scenario: Scenario,
+        model: Any,
+        audit: Audit,
+        mapped: bool,
     ) -> None:
         super().__init__(scenario, audit.finish(), contact_steps(scenario) if mapped else None)
         self._mujoco, self._model, self._data = engine, model, engine.MjData(model)
@@ -85,10 +90,10 @@ class MujocoSimulation(Simulation):
         rate = _body_frame(state.orientation_wxyz, state.rate_rad_s)
         self._data.qvel[slot : slot + 6] = [*state.velocity_m_s, *rate]
 
-    def row(self) -> Any:  # noqa: ANN401
+    def row(self) -> Any:
         return np.concatenate((self._data.qpos, self._data.qvel))
 
-    def record(self, count: int) -> Any:  # noqa: ANN401
+    def record(self, count: int) -> Any:
         """Native rollout; it keeps no forces from Python, so drag takes the plain loop."""
         if self._dragged or count < 4:  # a rollout call costs as much as some steps
             return super().record(count)
@@ -151,7 +156,8 @@ class MujocoBackend(EngineBackend):
         "solref = (-k, -b) with k = ω²/(1+ζω·dt), b = 2ζω/(1+ζω·dt), ω = 1e5 rad/s; ζ from the"
         " force-clipped dashpot e = exp(-2ζ·arccos ζ/√(1-ζ²)) (Schwager and Pöschel, Granular Matter"
         " 9 (2007) 465); the divisor allows for the damper acting on a velocity half a step old;"
-        " ω·dt = min(0.01, 0.0007/ζ) during an impact, √(1+ζ²) - ζ at rest; solimp = 0.9999"
+        " ω·dt = min(0.01, 0.0007/ζ) during an impact, √(1+ζ²) - ζ at rest; solimp ="
+        " 0.9999"
     )
 
     def version(self) -> str:
@@ -175,13 +181,13 @@ def mjcf(scenario: Scenario, mapped: bool) -> str:
     root = ET.Element("mujoco", model=scenario.name)
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
     # dense: the sparse Cholesky of 4.0.0 could give a wrong Hessian (google-deepmind/mujoco 3767)
-    option = {"timestep": repr(scenario.world.step_s), "jacobian": "dense"}
+    option: dict[str, Any] = {"timestep": repr(scenario.world.step_s), "jacobian": "dense"}
     if mapped:
         option["cone"] = "elliptic"
     ET.SubElement(root, "option", gravity=_text(scenario.world.gravity_m_s2), **option)
     worldbody = ET.SubElement(root, "worldbody")
     for name, body in scenario.bodies.items():
-        pose = {"pos": _text(body.position_m), "quat": _text(body.orientation_wxyz)}
+        pose: dict[str, Any] = {"pos": _text(body.position_m), "quat": _text(body.orientation_wxyz)}
         element = ET.SubElement(worldbody, "body", name=name, **pose)
         if not body.fixed:
             ET.SubElement(element, "freejoint", name=name)
@@ -240,7 +246,7 @@ def _add_pairs(contacts: ET.Element, scenario: Scenario, contact: Contact) -> No
             )  # fmt: skip
 
 
-def _shape(shape: Shape) -> dict[str, str]:
+def _shape(shape: Shape) -> dict[str, Any]:
     pose = {"pos": _text(shape.position_m), "quat": _text(shape.orientation_wxyz)}
     match shape.type:
         case "plane":
@@ -255,7 +261,7 @@ def _shape(shape: Shape) -> dict[str, str]:
             return {"type": shape.type, "size": size, **pose}
 
 
-def _audit(engine: ModuleType, model: Any, scenario: Scenario, mapped: bool) -> Audit:  # noqa: ANN401
+def _audit(engine: ModuleType, model: Any, scenario: Scenario, mapped: bool) -> Audit:
     audit = Audit("mujoco")
     world = scenario.world
     audit.add("step_s", world.step_s, "opt.timestep", (world.step_s, model.opt.timestep), "s")
@@ -268,7 +274,7 @@ def _audit(engine: ModuleType, model: Any, scenario: Scenario, mapped: bool) -> 
     return audit
 
 
-def _audit_body(audit: Audit, model: Any, name: str, body: Body) -> None:  # noqa: ANN401
+def _audit_body(audit: Audit, model: Any, name: str, body: Body) -> None:
     held = model.body(name)
     audit.add(f"{name}.mass_kg", body.mass_kg, "body_mass", (body.mass_kg, held.mass[0]), "kg")
     # MuJoCo may order the principal axes anew, so the moments are compared sorted
@@ -285,7 +291,11 @@ def _audit_body(audit: Audit, model: Any, name: str, body: Body) -> None:  # noq
 
 
 def _audit_contact(
-    engine: ModuleType, audit: Audit, model: Any, contact: Contact, pair: int | None  # noqa: ANN401
+    engine: ModuleType,
+    audit: Audit,
+    model: Any,
+    contact: Contact,
+    pair: int | None,
 ) -> None:
     label = "-".join(contact.pair)
     if pair is None:
@@ -311,11 +321,11 @@ def _geom(body: str, index: int) -> str:
     return f"{body}.{index}"
 
 
-def _text(values: Any) -> str:  # noqa: ANN401
+def _text(values: Any) -> str:
     return " ".join(repr(float(value)) for value in values)
 
 
-def _body_frame(orientation: Any, rate: Any) -> list[float]:  # noqa: ANN401
+def _body_frame(orientation: Any, rate: Any) -> list[float]:
     """World rate in the body's frame, in which MuJoCo's free joint stores it."""
     w, x, y, z = orientation
     rows = np.asarray([[w, -x, -y, -z]])

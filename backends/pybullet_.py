@@ -16,7 +16,8 @@ from simcompare.scenario import Body, Scenario, Shape, Vector
 from simcompare.simulation import BodyState, Simulation, has_drag
 from simcompare.trajectory import Array
 
-#: longest step during an impact [s]; keeps the bias g·dt/v of reduced coordinates below 1e-4 at 0.2 m/s
+#: longest step during an impact [s]; the bias g·dt/v of reduced coordinates stays below 1e-4 down
+#: to 0.2 m/s
 CONTACT_STEP_S = 2.0e-6
 
 
@@ -87,7 +88,7 @@ class PybulletSimulation(Simulation):
             values += (*position, *orientation, *linear, *angular)
         return values
 
-    def record(self, count: int) -> Any:  # noqa: ANN401
+    def record(self, count: int) -> Any:
         if self._dragged or len(self._moving) != 1:
             return super().record(count)
         bullet, client, uid = self._bullet, self._client, self._moving[0]
@@ -137,8 +138,8 @@ class PybulletBackend(EngineBackend):
             "Bullet Physics SDK, btMultiBody; PyBullet Quickstart Guide, changeDynamics",
         ),
         KnownLimit(
-            "With its defaults the restitution depends on where in the step the impact falls:"
-            " 0.42 to 0.85 for a nominal 0.8, because it acts on contacts that are still apart.",
+            "With a restitution set and all else left alone, the bounce depends on where in the"
+            " step the impact falls: 0.42 to 0.85 for 0.8, because contacts act that are still apart.",
             "measured over the impact phase; bulletphysics/bullet3 issues 1530, 3094",
         ),
         KnownLimit(
@@ -146,8 +147,8 @@ class PybulletBackend(EngineBackend):
             "measured: e = 0.5 gave 0.21 at 20 µs until contactSlop was set to 0",
         ),
         KnownLimit(
-            "Bodies in reduced coordinates bounce with e·(1 + g·dt/v); bodies in maximal coordinates"
-            " do not, but then neither restitution nor friction can be read back.",
+            "Bodies in reduced coordinates bounce with e·(1 + g·dt/v); bodies in maximal"
+            " coordinates do not, but then neither restitution nor friction can be read back.",
             "measured; getDynamicsInfo returns the defaults for them whatever was set",
         ),
         KnownLimit(
@@ -183,7 +184,7 @@ def _build(engine: ModuleType, client: int, scenario: Scenario, mapped: bool) ->
     if mapped:
         bounces = any(contact.restitution > 0 for contact in scenario.contacts)
         engine.setPhysicsEngineParameter(
-            # without error reduction a bounce gets no energy from penetration; resting stacks need it
+            # without error reduction a bounce gets no energy from penetration; stacks need it
             **({"erp": 0, "contactERP": 0} if bounces else {}),
             contactSlop=0,
             restitutionVelocityThreshold=0,
@@ -277,7 +278,8 @@ def _audit_body(
     for axis, wanted, got in zip("xyz", body.position_m, position, strict=True):
         audit.add(f"{name}.position_m.{axis}", wanted, "basePosition", (wanted, got), "m")
     if len(body.shapes) == 1 and body.shapes[0].type == "sphere":
-        radius, held = body.shapes[0].radius_m, engine.getCollisionShapeData(uid, -1, client)[0][3][0]
+        radius = body.shapes[0].radius_m
+        held = engine.getCollisionShapeData(uid, -1, client)[0][3][0]
         audit.add(f"{name}.radius_m", radius, "getCollisionShapeData", (radius, held), "m")
 
 

@@ -28,7 +28,12 @@ class PymunkSimulation(Simulation):
     """A space with its bodies."""
 
     def __init__(
-        self, space: Any, bodies: dict[str, Any], scenario: Scenario, audit: Audit, mapped: bool  # noqa: ANN401
+        self,
+        space: Any,
+        bodies: dict[str, Any],
+        scenario: Scenario,
+        audit: Audit,
+        mapped: bool,
     ) -> None:
         # Chipmunk advances positions before velocities, hence the stagger of +1/2
         steps = ContactSteps(
@@ -78,7 +83,7 @@ class PymunkSimulation(Simulation):
             values += (*body.position, *body.velocity, body.angle, body.angular_velocity)
         return values
 
-    def record(self, count: int) -> Any:  # noqa: ANN401
+    def record(self, count: int) -> Any:
         if self._dragged or len(self._moving) != 1:
             return super().record(count)
         step, step_s, body = self._space.step, self._step_s, self._moving[0]
@@ -167,7 +172,7 @@ class PymunkBackend(EngineBackend):
 BACKEND = PymunkBackend()
 
 
-def _add_body(engine: ModuleType, space: Any, body: Body) -> tuple[Any, list[Any]]:  # noqa: ANN401
+def _add_body(engine: ModuleType, space: Any, body: Body) -> tuple[Any, list[Any]]:
     if body.fixed:
         held = engine.Body(body_type=engine.Body.STATIC)
     else:
@@ -183,7 +188,7 @@ def _add_body(engine: ModuleType, space: Any, body: Body) -> tuple[Any, list[Any
     return held, shapes
 
 
-def _shape(engine: ModuleType, held: Any, shape: Shape) -> Any:  # noqa: ANN401
+def _shape(engine: ModuleType, held: Any, shape: Shape) -> Any:
     x, z = shape.position_m[0], shape.position_m[2]
     match shape.type:
         case "plane":
@@ -206,7 +211,7 @@ def _shape(engine: ModuleType, held: Any, shape: Shape) -> Any:  # noqa: ANN401
             return engine.Poly(held, [(-a, -b), (a, -b), (a, b), (-a, b)], turned)
 
 
-def _audit_world(audit: Audit, space: Any, scenario: Scenario, mapped: bool) -> None:  # noqa: ANN401
+def _audit_world(audit: Audit, space: Any, scenario: Scenario, mapped: bool) -> None:
     gx, _, gz = scenario.world.gravity_m_s2
     audit.add("gravity_m_s2.x", gx, "Space.gravity.x", (gx, space.gravity[0]), "m/s²")
     audit.add("gravity_m_s2.z", gz, "Space.gravity.y", (gz, space.gravity[1]), "m/s²")
@@ -254,6 +259,6 @@ def _audit_contacts(
             audit.add(f"{pair} friction", contact.friction, parameter, values, "1", note)
 
 
-def _angle(orientation_wxyz: Any) -> float:  # noqa: ANN401
+def _angle(orientation_wxyz: Any) -> float:
     """Angle in pymunk's plane of a turn about y; from x towards z is positive there."""
     return -2 * math.atan2(orientation_wxyz[2], orientation_wxyz[0])

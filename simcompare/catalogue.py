@@ -77,7 +77,9 @@ def find(name: str) -> Path:
     if path.is_dir():
         inside = path / f"{path.resolve().name}.yaml"
         if not inside.is_file():
-            raise InputError(str(path), [f"a scenario folder holds {inside.name}, this one does not"])
+            raise InputError(
+                str(path), [f"a scenario folder holds {inside.name}, this one does not"]
+            )
         return inside
     raise UnknownName("scenario", name, known)
 
@@ -110,7 +112,9 @@ def reference_of(path: Path) -> Reference | None:
     try:
         spec.loader.exec_module(module)
     except Exception as error:
-        raise InputError(str(source), [f"cannot be imported: {type(error).__name__}: {error}"]) from error
+        raise InputError(
+            str(source), [f"cannot be imported: {type(error).__name__}: {error}"]
+        ) from error
     if not callable(getattr(module, "reference", None)):
         raise InputError(str(source), ["has no function reference(parameters, time_s)"])
     return cast("Reference", module.reference)

@@ -1,7 +1,7 @@
 """Comparison: every score of every source, tidy.
 
-A score is the mean over the dithered repeats and its standard deviation; each repeat is held against
-the truth for its own parameters, so the dither itself is not in the deviation.
+A score is the mean over the dithered repeats and its standard deviation; each repeat is held
+against the truth for its own parameters, so the dither itself is not in the deviation.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ from simcompare.scenario import Scenario, Tolerance
 from simcompare.trajectory import Trajectory
 
 PASS, FAIL, INFO = "pass", "fail", "info"
+#: relative size below which a difference of two doubles is rounding
+ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -139,8 +141,12 @@ def _mean_and_sd(offset: float, deviations: Sequence[float], unit: str, *, of: i
     """Mean and standard deviation; no value unless all ``of`` repeats have one."""
     if len(deviations) < of:
         return _Found(None, None, unit, len(deviations))
+    value = offset + float(np.mean(deviations))
     sd = float(np.std(deviations, ddof=1)) if of > 1 else None
-    return _Found(offset + float(np.mean(deviations)), sd, unit, of)
+    # what the subtraction and addition of the truth leave behind is rounding, not a spread
+    rounding = ROUNDING * max(abs(offset), abs(value))
+    value = value if abs(value) > rounding else 0.0
+    return _Found(value, 0.0 if sd is not None and sd <= rounding else sd, unit, of)
 
 
 def _score(
@@ -159,6 +165,4 @@ def _score(
         width = tolerance.width(truth)
         within = value is not None and math.isfinite(value) and abs(value - truth) <= width
         verdict = PASS if within else FAIL
-    return Score(
-        source, contact, measure, index, value, u, unit, repeats, truth, width, verdict
-    )
+    return Score(source, contact, measure, index, value, u, unit, repeats, truth, width, verdict)

@@ -59,11 +59,14 @@ class Run:
 
     @property
     def exit_code(self) -> int:
-        """0 fine, 1 a tolerance failed, 3 an engine that was asked for is missing or broken."""
-        asked = self.record["engines_asked"]
-        for source in self.record["sources"]:
-            if source["status"] == FAILED or (source["status"] == MISSING and asked != "all"):
-                return 3
+        """0 fine, 1 a tolerance failed, 3 an engine is broken or none of those asked for ran.
+
+        With ``all``, an engine that is not installed is a row with its reason and no failure.
+        """
+        statuses = {source["status"] for source in self.record["sources"]}
+        named = self.record["engines_asked"] != "all"
+        if FAILED in statuses or OK not in statuses or (named and MISSING in statuses):
+            return 3
         return 1 if any(score.verdict == FAIL for score in self.scores) else 0
 
 
@@ -162,9 +165,7 @@ def repeats_of(
         if i == (count - 1) / 2:
             found.append(nominal)
             continue
-        scenario = file.resolve(
-            {**values, dither.parameter: shifted}, preset=preset, step_s=step_s
-        )
+        scenario = file.resolve({**values, dither.parameter: shifted}, preset=preset, step_s=step_s)
         world = scenario.world.model_copy(update={"duration_s": nominal.world.duration_s})
         found.append(scenario.model_copy(update={"world": world}))
     return found
@@ -257,7 +258,7 @@ def _gather(
 
 
 def _truths(path: Path, scenarios: Sequence[Scenario]) -> list[Trajectory | None]:
-    import numpy as np
+    from simcompare.simulation import sample_times
 
     reference = catalogue.reference_of(path)
     found: list[Trajectory | None] = []
@@ -265,8 +266,7 @@ def _truths(path: Path, scenarios: Sequence[Scenario]) -> list[Trajectory | None
         if reference is None:
             found.append(None)
             continue
-        world = scenario.world
-        times = np.arange(round(world.duration_s / world.step_s) + 1) * world.step_s
+        times = sample_times(scenario)
         found.append(Trajectory(TRUTH, times, reference(scenario.parameters, times)))
     return found
 

@@ -1,4 +1,4 @@
-"""``${…}`` expressions over parameters, evaluated by the ``simpleeval`` library, never by ``eval``."""
+"""``${…}`` expressions over parameters, evaluated by the library ``simpleeval``, never ``eval``."""
 
 from __future__ import annotations
 

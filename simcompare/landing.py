@@ -1,16 +1,16 @@
 """Landing on impacts: the engine's own steps are cut so that one of them ends just before contact.
 
 A time-stepping engine detects an impact up to one step late, so its bounce depends on where within
-the step the impact falls, and some engines take the bounce speed from the velocity after gravity has
-acted for a whole step, e·(1 + g·dt/v). Both errors are proportional to the step in which the impact
-happens. So a recorded step that contains an impact is divided into ``parts`` equal parts; flights
-inside it take as many parts at once as are certainly free of contact, the impact itself one part at a
-time. All partial steps are whole multiples of one part, so an engine never changes its step while two
-bodies touch (pymunk scales the impulses that it remembers by the ratio of steps).
+the step the impact falls, and some engines take the bounce speed from the velocity after gravity
+has acted for a whole step, e·(1 + g·dt/v). Both errors are proportional to the step in which the
+impact happens. So a recorded step that contains an impact is divided into ``parts`` equal parts;
+flights inside it take as many parts at once as are certainly free of contact, the impact itself one
+part at a time. All partial steps are whole multiples of one part, so an engine never changes its
+step while two bodies touch (pymunk scales the impulses that it remembers by the ratio of steps).
 
-Semi-implicit Euler stores velocities half a step away from positions (v_k belongs to t_k + s·dt with
-``stagger`` s = -1/2, or +1/2 where positions are advanced first). Changing the step from dt to dt'
-therefore moves the stored velocity by a·s·(dt' - dt); without that the parabola breaks and the
+Semi-implicit Euler stores velocities half a step away from positions (v_k belongs to t_k + s·dt
+with ``stagger`` s = -1/2, or +1/2 where positions are advanced first). Changing the step from dt to
+dt' therefore moves the stored velocity by a·s·(dt' - dt); without that the parabola breaks and the
 restitution is biased by up to g·dt/v.
 """
 
@@ -138,7 +138,8 @@ class Landing:
         self._rest_speed = max(pull * step_s / 16, 2 * pull * self.part_s * steps.chunk)
         if steps.frequency_rad_s is None:
             self._rest_depth = math.inf
-        else:  # a spring is at rest only if it is not compressed: its turning point has no speed either
+        else:
+            # a spring rests only where it is not compressed: its turning point has no speed either
             omega = steps.frequency_rad_s
             self._rest_depth = 2 * (pull / omega**2 + self._rest_speed / omega)
 

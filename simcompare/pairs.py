@@ -25,8 +25,8 @@ def per_body_product(
 ) -> dict[str, float]:
     """Per-body values whose products are the scenario's values of the pairs.
 
-    Fixed bodies hold 1 and moving bodies the value of their pairs with fixed ones, so what is set is
-    what the scenario says. Two moving bodies must then agree with the product of their values.
+    Fixed bodies hold 1 and moving bodies the value of their pairs with fixed ones, so what is set
+    is what the scenario says. Two moving bodies must then agree with the product of their values.
 
     Raises:
         Unsupported: no such values exist.

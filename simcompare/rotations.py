@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from simcompare.trajectory import Array
@@ -14,13 +16,13 @@ def quaternions_of(rotation_vectors_rad: Array) -> Array:
     return np.hstack((np.cos(half), rotation_vectors_rad * np.sinc(half / np.pi) / 2))
 
 
-def rotation_vector_of(orientation_wxyz: Array) -> Array:
+def rotation_vector_of(orientation_wxyz: Sequence[float]) -> Array:
     """Rotation vector (3,) [rad] of one unit quaternion wxyz (4,)."""
     w, axis = float(orientation_wxyz[0]), np.asarray(orientation_wxyz[1:], dtype=float)
     sine = float(np.linalg.norm(axis))
     if sine == 0:
         return np.zeros(3)
-    return axis * (2 * np.arctan2(sine, w) / sine)
+    return np.asarray(axis * (2 * np.arctan2(sine, w) / sine), dtype=float)
 
 
 def rotate(orientation_wxyz: Array, vectors: Array) -> Array:
@@ -30,7 +32,7 @@ def rotate(orientation_wxyz: Array, vectors: Array) -> Array:
     return np.asarray(vectors + w * t + np.cross(u, t), dtype=float)
 
 
-def matrix_of(orientation_wxyz: Array) -> Array:
+def matrix_of(orientation_wxyz: Sequence[float]) -> Array:
     """Rotation matrix (3, 3) of one quaternion wxyz (4,)."""
     four = np.repeat(np.asarray([orientation_wxyz], dtype=float), 3, axis=0)
     return rotate(four, np.eye(3)).T

@@ -61,7 +61,7 @@ class _Worker:
         except BrokenPipeError:
             pass  # it died at once; the end of its output says so
         while (payload := read_frame(process.stdout)) is not None:
-            inbox.put((self, pickle.loads(payload)))  # noqa: S301  (from our own child)
+            inbox.put((self, pickle.loads(payload)))
         inbox.put((self, None))
 
     def stop(self) -> None:
@@ -186,9 +186,7 @@ class _Crew:
             reason = f"{worker.engine}: no answer within {self._limit_s:g} s; its process was ended"
             self._close(worker, results, reason)
 
-    def _close(
-        self, worker: _Worker, results: dict[tuple[str, int], Outcome], reason: str
-    ) -> None:
+    def _close(self, worker: _Worker, results: dict[tuple[str, int], Outcome], reason: str) -> None:
         """Takes a worker off the list; the jobs that it still owes have failed for ``reason``."""
         self._running.remove(worker)
         if worker.process is not None and not reason:

@@ -8,7 +8,7 @@ those of its frame, whose origin is its centre of mass unless ``center_of_mass_m
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, model_validator
@@ -87,7 +87,7 @@ class Drag(Frozen):
 
     @property
     def factor_kg_m(self) -> float:
-        """c = ½·ρ·C_d·A in F = -c·|v|·v [kg/m]."""
+        """C = ½·ρ·C_d·A in F = -c·|v|·v [kg/m]."""
         return 0.5 * self.air_density_kg_m3 * self.coefficient * self.area_m2
 
 
@@ -326,30 +326,36 @@ def dangling_references(scenario: Scenario) -> dict[str, str]:
     """Names in a scenario that point to nothing, as place -> sentence."""
     faults: dict[str, str] = {}
 
-    def check(place: str, name: str | None, kind: str, known: Mapping[str, object]) -> None:
+    for place, name, kind, known in _references(scenario):
         if name is not None and name not in known:
             have = ", ".join(known) or "none"
             faults[place] = f"no {kind} is called {name!r} (there are: {have})"
+    return faults
 
+
+def _references(
+    scenario: Scenario,
+) -> Iterator[tuple[str, str | None, str, Mapping[str, object]]]:
+    """Every use of a name: place, name, kind of thing, and the things of that kind."""
+    bodies, joints = ("body", scenario.bodies), ("joint", scenario.joints)
     for name, joint in scenario.joints.items():
-        check(f"joints.{name}.parent", joint.parent, "body", scenario.bodies)
-        check(f"joints.{name}.child", joint.child, "body", scenario.bodies)
+        yield f"joints.{name}.parent", joint.parent, *bodies
+        yield f"joints.{name}.child", joint.child, *bodies
     for name, actuator in scenario.actuators.items():
-        check(f"actuators.{name}.joint", actuator.joint, "joint", scenario.joints)
-        check(f"actuators.{name}.input", actuator.input, "input", scenario.inputs)
+        yield f"actuators.{name}.joint", actuator.joint, *joints
+        yield f"actuators.{name}.input", actuator.input, "input", scenario.inputs
     for name, sensor in scenario.sensors.items():
-        check(f"sensors.{name}.body", sensor.body, "body", scenario.bodies)
-        check(f"sensors.{name}.joint", sensor.joint, "joint", scenario.joints)
+        yield f"sensors.{name}.body", sensor.body, *bodies
+        yield f"sensors.{name}.joint", sensor.joint, *joints
     for i, contact in enumerate(scenario.contacts):
         for body in contact.pair:
-            check(f"contacts.{i}.pair", body, "body", scenario.bodies)
+            yield f"contacts.{i}.pair", body, *bodies
     observable = {**scenario.bodies, **scenario.joints, **scenario.sensors}
     for name, probe in scenario.probes.items():
         owner = probe.observe.partition(".")[0]
-        check(f"probes.{name}.observe", owner, "body, joint or sensor", observable)
+        yield f"probes.{name}.observe", owner, "body, joint or sensor", observable
     for i, measure in enumerate(scenario.measures):
-        check(f"measures.{i}.probe", measure.probe, "probe", scenario.probes)
-        check(f"measures.{i}.body", measure.body, "body", scenario.bodies)
+        yield f"measures.{i}.probe", measure.probe, "probe", scenario.probes
+        yield f"measures.{i}.body", measure.body, *bodies
     if scenario.dither is not None:
-        check("dither.parameter", scenario.dither.parameter, "parameter", scenario.parameters)
-    return faults
+        yield "dither.parameter", scenario.dither.parameter, "parameter", scenario.parameters

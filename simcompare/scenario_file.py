@@ -1,4 +1,4 @@
-"""Scenario files: YAML with parameters and ``${…}`` expressions, and every fault of them at once."""
+"""Scenario files: YAML with parameters and ``${…}`` expressions; all faults of one at once."""
 
 from __future__ import annotations
 
@@ -173,7 +173,9 @@ def read(path: Path) -> ScenarioFile:
     """
     tree, lines = read_yaml(path)
     if not isinstance(tree, dict):
-        raise InputError(str(path), ["the file is not a mapping; expected keys such as name, bodies"])
+        raise InputError(
+            str(path), ["the file is not a mapping; expected keys such as name, bodies"]
+        )
     try:
         head = _Head.model_validate({key: tree[key] for key in HEAD_KEYS if key in tree})
     except ValidationError as error:

@@ -159,7 +159,9 @@ class Simulation(ABC):
         """The present state; ``set_state`` brings it back."""
         signals = self.signals(np.array([self.row()], dtype=float))
         bodies = {
-            name: BodyState(*(tuple(signals[f"{name}.{part}"][0].tolist()) for part in BODY_SIGNALS))
+            name: BodyState(
+                *(tuple(signals[f"{name}.{part}"][0].tolist()) for part in BODY_SIGNALS)
+            )
             for name in self._bodies
         }
         return State(self.time_s, bodies, self._engine_step_s)
@@ -247,13 +249,19 @@ class Simulation(ABC):
         stepped = {"step": time.perf_counter() - started}
         return Trajectory(
             source=source,
-            time_s=np.arange(count + 1) * world.step_s,
+            time_s=sample_times(self.scenario),
             signals=self.signals(rows),
             version=version,
             wall_s={**self.wall_s, **stepped},
             audit=self.audit,
             notes=self.notes,
         )
+
+
+def sample_times(scenario: Scenario) -> Array:
+    """Times of all samples of a scenario [s], the start included."""
+    count = round(scenario.world.duration_s / scenario.world.step_s)
+    return np.asarray(np.arange(count + 1) * scenario.world.step_s, dtype=float)
 
 
 def has_drag(body: Body) -> bool:

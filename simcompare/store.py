@@ -1,7 +1,7 @@
 """A run on disk: ``runs/<id>/{run.json, trajectories.parquet, scores.csv}``.
 
-A run is written into a hidden folder beside its place and renamed when it is complete, so a full disk
-or Ctrl-C leaves nothing half-written behind.
+A run is written into a hidden folder beside its place and renamed when it is complete, so a full
+disk or Ctrl-C leaves nothing half-written behind.
 """
 
 from __future__ import annotations
@@ -73,7 +73,9 @@ def load(place: Path) -> Run:
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(str(path), [f"cannot be read: {error}"]) from None
     if record.get("format") != FORMAT:
-        raise InputError(str(path), [f"format {record.get('format')!r} is not known; expected {FORMAT}"])
+        raise InputError(
+            str(path), [f"format {record.get('format')!r} is not known; expected {FORMAT}"]
+        )
     stored = _read_trajectories(place / TRAJECTORIES)
     return Run(record, tuple(scores), tuple(stored), place, bool(record.get("interrupted")))
 
@@ -118,9 +120,14 @@ def _write_trajectories(path: Path, stored: tuple[Stored, ...]) -> None:
     try:
         with duckdb.connect() as connection:
             connection.register("samples", table)
-            connection.execute(f"create table labels as select * from (values {rows}) t(entry, source, contact, repeat)", values)  # noqa: S608, E501
             connection.execute(
-                f"copy (select source, contact, repeat, {columns} from samples join labels using (entry)"  # noqa: S608, E501
+                "create table labels as select * from"
+                f" (values {rows}) t(entry, source, contact, repeat)",
+                values,
+            )
+            connection.execute(
+                f"copy (select source, contact, repeat, {columns}"
+                " from samples join labels using (entry)"
                 f" order by entry, time_s) to '{_quoted(path)}' (format parquet, compression zstd)"
             )
     except duckdb.Error as error:
@@ -139,7 +146,7 @@ def _read_trajectories(path: Path) -> list[Stored]:
 
     try:
         with duckdb.connect() as connection:
-            query = f"select * from '{_quoted(path)}'"  # noqa: S608
+            query = f"select * from '{_quoted(path)}'"
             columns = connection.execute(query).fetchnumpy()
     except duckdb.Error as error:
         raise InputError(str(path), [f"cannot be read: {str(error).splitlines()[0]}"]) from None

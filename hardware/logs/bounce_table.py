@@ -117,7 +117,9 @@ def read(path: Path, known: Mapping[str, str]) -> BounceTable:
     faults: list[str] = []
     quantities = _quantities(body, known, faults)
     if not quantities and not faults:
-        faults.append("holds no measured values; expected a header row and at least one row below it")
+        faults.append(
+            "holds no measured values; expected a header row and at least one row below it"
+        )
     if faults:
         raise InputError(str(path), faults)
     digest = hashlib.sha256(raw).hexdigest()
@@ -165,7 +167,7 @@ def _quantities(
         return []
     if not names:
         faults.append(f"line {number}: no measured quantity; known: {', '.join(known)}")
-    found = []
+    found: list[Quantity] = []
     for row_number, line in body[1:]:
         cells = next(csv.reader(io.StringIO(line), delimiter=separator))
         if len(cells) != len(columns):
@@ -202,7 +204,8 @@ def _column(text: str, known: Mapping[str, str]) -> _Column:
                     given, role = given.removeprefix(f"{ending}_"), ending
             if not given and si_unit != "1":
                 raise InputError(
-                    f"column {text!r}", [f"has no unit; write {quantity}_{si_unit} or {quantity}_cm"]
+                    f"column {text!r}",
+                    [f"has no unit; write {quantity}_{si_unit} or {quantity}_cm"],
                 )
             factor = units.conversion_factor(given, si_unit, f"column {text!r}") if given else 1.0
             return _Column(quantity, role, factor)

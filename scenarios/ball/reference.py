@@ -26,10 +26,9 @@ class Flight:
     """One flight from impact (or release) to impact.
 
     Attributes:
-        start_s: when it leaves the floor (for the first: when it would have, before the release) [s].
-        apex_s: when it is highest [s].
-        apex_m: how high [m].
-        end_s: when it hits the floor [s].
+        start_s: when it leaves the floor (for the first: when it would have, before the release)
+        [s]. apex_s: when it is highest [s]. apex_m: how high [m]. end_s: when it hits the floor
+        [s].
     """
 
     start_s: float

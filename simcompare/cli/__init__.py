@@ -1,1 +1,67 @@
-"""One small file a verb: it parses, calls the API and prints."""
+"""The command line: one small file a verb; it parses, calls the API and prints.
+
+Nothing heavy is imported here: ``--help``, ``list`` and completion must answer at once.
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+from simcompare.errors import SimcompareError
+
+
+class _Verbs(TyperGroup):
+    """Turns our own errors into one sentence on stderr and the right exit code."""
+
+    def invoke(self, ctx: Any) -> Any:  # noqa: ANN401
+        try:
+            return super().invoke(ctx)
+        except SimcompareError as error:
+            typer.echo(f"simcompare: {error}", err=True)
+            raise typer.Exit(error.exit_code) from None
+        except KeyboardInterrupt:
+            typer.echo("simcompare: interrupted", err=True)
+            raise typer.Exit(130) from None
+
+
+app = typer.Typer(
+    name="simcompare",
+    cls=_Verbs,
+    help="One scene, many physics engines, and the truth.",
+    epilog="Exit codes: 0 fine, 1 a tolerance failed, 2 usage or file, 3 engine missing or broken.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+@app.callback(invoke_without_command=True)
+def _version(
+    version: bool = typer.Option(False, "--version", help="Show the version and exit."),
+) -> None:
+    if version:
+        import importlib.metadata
+
+        typer.echo(importlib.metadata.version("simcompare"))
+        raise typer.Exit
+
+
+def main() -> None:
+    """Entry point of the ``simcompare`` command."""
+    from simcompare.cli import doctor, list_, report, run, show
+
+    app.command("run")(run.run)
+    app.command("list")(list_.list_)
+    app.command("show")(show.show)
+    app.command("doctor")(doctor.doctor)
+    app.command("report")(report.report)
+    try:
+        app()
+    except BrokenPipeError:  # the reader of a pipe went away, as in ``simcompare list | head -1``
+        sys.stderr.close()
+        sys.exit(0)

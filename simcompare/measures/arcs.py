@@ -1,8 +1,8 @@
 """Flight arcs between impacts, rebuilt from positions only.
 
 Engines store velocities half a step away from positions, so speeds and apexes are never taken from
-stored velocities. Positions of a semi-implicit engine lie exactly on a parabola in free flight; a cubic
-through a short window describes that, and flight with air drag to well below a micrometre.
+stored velocities. Positions of a semi-implicit engine lie exactly on a parabola in free flight; a
+cubic through a short window describes that, and flight with air drag to well below a micrometre.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
-"""Impacts, restitution, apexes, energy and rest of something that bounces on a floor at height 0."""
+"""Impacts, restitution, apexes, energy and rest of a body that bounces on a floor at height 0."""
 
 from __future__ import annotations
+
+import itertools
 
 import numpy as np
 
@@ -34,8 +36,9 @@ def measure(trajectory: Trajectory, probe: Probe) -> Measured:
 
     Series, one entry per impact: ``impact_time``, ``impact_speed``; one per resolved bounce:
     ``restitution`` (speed after over speed before, both where the arcs cross the floor),
-    ``rebound_height``. Values: ``resolved_bounces``, ``energy_gain`` (largest relative gain of kinetic
-    energy at a bounce, or of height after the last resolved one; never below 0), ``penetration`` (largest depth), ``rest_time``.
+    ``rebound_height``. Values: ``resolved_bounces``, ``energy_gain`` (largest relative gain of
+    kinetic energy at a bounce, or of height after the last resolved one; never below 0),
+    ``penetration`` (largest depth), ``rest_time``.
 
     Args:
         trajectory: the source.
@@ -44,8 +47,10 @@ def measure(trajectory: Trajectory, probe: Probe) -> Measured:
     height = observe(trajectory, probe)
     arcs = find(trajectory.time_s, height)
     downs = [arc for arc in arcs if arc.end_s <= trajectory.time_s[-1]]
-    bounces = list(zip(arcs[:-1], arcs[1:], strict=True))
-    restitution = np.array([after.start_speed_m_s / before.end_speed_m_s for before, after in bounces])
+    bounces = list(itertools.pairwise(arcs))
+    restitution = np.array(
+        [after.start_speed_m_s / before.end_speed_m_s for before, after in bounces]
+    )
     notes: tuple[str, ...] = ()
     if len(arcs) == 1 and downs:
         # the ball came down and no flight followed
@@ -75,9 +80,9 @@ def measure(trajectory: Trajectory, probe: Probe) -> Measured:
 def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
     """What is judged: name -> (value of the source, value of the truth).
 
-    ``restitution`` is the mean over the bounces that both resolve, ``impact_time_error`` the largest
-    deviation of the first six impacts as far as both resolve them; ``resolved_bounces`` tells how
-    many the source is short of.
+    ``restitution`` is the mean over the bounces that both resolve, ``impact_time_error`` the
+    largest deviation of the first six impacts as far as both resolve them; ``resolved_bounces``
+    tells how many the source is short of.
     """
     ours, theirs = measured.series["restitution"], truth.series["restitution"]
     both = min(len(ours), len(theirs))
@@ -96,7 +101,7 @@ def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None
 
 
 def _late_gain(time_s: Array, height_m: Array, arcs: list[Arc]) -> float:
-    """Relative gain of height after the last resolved flight: a resting ball must not jump up."""
+    """Relative gain of height after the last resolved flight: what rests must not jump up."""
     if not arcs:
         return 0.0
     later = height_m[time_s > arcs[-1].end_s]

@@ -1,0 +1,36 @@
+"""Shell completion of names; it runs at every press of the key, so it only looks at folders."""
+
+from __future__ import annotations
+
+
+def scenarios(incomplete: str) -> list[str]:
+    """Names of scenarios."""
+    from simcompare import catalogue
+
+    return [name for name in catalogue.names() if name.startswith(incomplete)]
+
+
+def engines(incomplete: str) -> list[str]:
+    """Names of engines, also as the next one of a list with commas."""
+    from simcompare import engines as known
+
+    before, comma, last = incomplete.rpartition(",")
+    taken = before.split(",")
+    names = [name for name in known.names() if name not in taken]
+    if not comma:
+        names.append("all")
+    return [f"{before}{comma}{name}" for name in names if name.startswith(last)]
+
+
+def contact_modes(incomplete: str) -> list[str]:
+    """Contact modes."""
+    modes = ("default", "mapped", "default,mapped")
+    return [mode for mode in modes if mode.startswith(incomplete)]
+
+
+def tables(incomplete: str) -> list[str]:
+    """Published tables of measured bounces; the shell itself adds files."""
+    from pathlib import Path
+
+    folder = Path(__file__).parent.parent / "hardware" / "recordings"
+    return [path.stem for path in sorted(folder.glob("*.csv")) if path.stem.startswith(incomplete)]

@@ -1,0 +1,68 @@
+"""Printing for people: numbers with their uncertainty, progress on stderr."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from simcompare.runner import Progress
+
+
+def print_json(value: object) -> None:
+    """Prints exactly one JSON object to stdout."""
+    typer.echo(json.dumps(value, ensure_ascii=False, allow_nan=False))
+
+
+def table(*columns: str) -> Any:  # noqa: ANN401
+    """An empty rich table with these columns."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    made = Table(box=SIMPLE_HEAD, pad_edge=False)
+    for column in columns:
+        made.add_column(column, overflow="fold")
+    return made
+
+
+def show_table(made: Any) -> None:  # noqa: ANN401
+    """Prints a table to stdout; colours obey NO_COLOR and are left out of pipes."""
+    from rich.console import Console
+
+    width = None if sys.stdout.isatty() else 140
+    Console(width=width, markup=False).print(made)  # a unit in brackets is no markup
+
+
+def number(value: float | None, u: float | None = None) -> str:
+    """A value to the digit that its uncertainty leaves: ``0.80000 ± 0.00012``; ``–`` if unknown."""
+    if value is None:
+        return "–"
+    if u is None or u == 0 or not math.isfinite(u):
+        return f"{value:.6g}"
+    places = max(0, 1 - math.floor(math.log10(u)))
+    return f"{value:.{places}f} ± {u:.{places}f}" if places < 9 else f"{value:.9f} ± {u:.1g}"
+
+
+@contextmanager
+def progress_bar(what: str) -> Iterator[Progress | None]:
+    """A progress bar on stderr, nothing where stderr is not a terminal."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(what, total=None)
+
+        def update(engine: str, done: int, total: int) -> None:
+            bar.update(task, description=f"{what}: {engine}", completed=done, total=total)
+
+        yield update

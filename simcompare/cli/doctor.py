@@ -1,0 +1,28 @@
+"""``simcompare doctor``."""
+
+from __future__ import annotations
+
+import typer
+
+
+def doctor(
+    as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
+) -> None:
+    """Engines found, versions, features, known limits, a self-test, and what is missing."""
+    from simcompare import doctor as examination
+    from simcompare.cli import console
+    from simcompare.jobs import FAILED
+
+    found = examination.doctor()
+    if as_json:
+        console.print_json({"engines": [diagnosis.to_dict() for diagnosis in found]})
+    else:
+        for diagnosis in found:
+            typer.echo(f"{diagnosis.engine} {diagnosis.version or ''}: {diagnosis.message}")
+            if diagnosis.features:
+                typer.echo(f"  can do: {', '.join(diagnosis.features)}")
+            for text, reference in diagnosis.known_limits:
+                typer.echo(f"  limit: {text} [{reference}]")
+            if diagnosis.mapping:
+                typer.echo(f"  mapped: {diagnosis.mapping}")
+    raise typer.Exit(3 if any(diagnosis.status == FAILED for diagnosis in found) else 0)

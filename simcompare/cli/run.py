@@ -1,0 +1,156 @@
+"""``simcompare run``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from simcompare.cli import complete
+
+if TYPE_CHECKING:
+    from simcompare.experiment import Run
+
+#: scores of the whole run that the table shows, in this order, where the scenario measures them
+_SHOWN = 4
+
+
+def run(
+    scenario: str = typer.Argument(
+        help="Name, folder or file of a scenario.", autocompletion=complete.scenarios
+    ),
+    engine: str = typer.Option(
+        "all", help="'all' or names with commas.", autocompletion=complete.engines
+    ),
+    contact: str = typer.Option(
+        "default,mapped",
+        help="'default': the engine as it comes; 'mapped': the scenario's physics translated.",
+        autocompletion=complete.contact_modes,
+    ),
+    settings: list[str] = typer.Option(
+        [], "--set", metavar="P=V", help="Change a parameter, such as drop_height=30cm."
+    ),
+    preset: str = typer.Option(None, help="Named set of parameters, applied before --set."),
+    step: str = typer.Option(None, help="Time between samples, such as 1ms."),
+    seeds: int = typer.Option(None, help="Number of dithered repeats (the scenario's own: 9)."),
+    against: str = typer.Option(
+        None,
+        help="Measured bounces: a CSV file or a published table.",
+        autocompletion=complete.tables,
+    ),
+    out: Path = typer.Option(Path("runs"), help="Folder for the run's own folder."),
+    report: bool = typer.Option(True, help="Write report.html into the run's folder."),
+    as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
+    time_limit: float = typer.Option(120.0, help="Longest time for one simulation, in seconds."),
+) -> None:
+    """Simulate a scenario on engines, compare, store, and write a report."""
+    from simcompare import experiment
+    from simcompare.cli import console
+
+    with console.progress_bar(scenario) as progress:
+        result = experiment.run(
+            scenario,
+            engine=engine,
+            contact=contact,
+            set=_pairs(settings),
+            preset=preset,
+            step=step,
+            seeds=seeds,
+            against=against,
+            out=out,
+            time_limit_s=time_limit,
+            progress=progress,
+        )
+    written = _write_report(result) if report else None
+    if as_json:
+        console.print_json({**result.record, "exit_code": result.exit_code})
+    else:
+        _print(result, written)
+    raise typer.Exit(130 if result.interrupted else result.exit_code)
+
+
+def _pairs(settings: list[str]) -> dict[str, str | float]:
+    from simcompare.errors import InputError
+
+    found: dict[str, str | float] = {}
+    for text in settings:
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip() or not value.strip():
+            raise InputError("--set", [f"{text!r} is not of the form parameter=value"])
+        found[name.strip()] = value.strip()
+    return found
+
+
+def _write_report(result: Run) -> Path | None:
+    from simcompare.reports import builder
+
+    if result.folder is None:
+        return None
+    return builder.write_html([result], result.folder / "report.html")
+
+
+def _print(result: Run, written: Path | None) -> None:
+    from simcompare.cli import console
+
+    record = result.record
+    judged = list(dict.fromkeys(s.measure for s in result.scores if s.index is None))[:_SHOWN]
+    units = {s.measure: s.unit for s in result.scores}
+    heads = [f"{name} [{units[name]}]" for name in judged]
+    made = console.table("engine", "version", "contact", *heads, "verdict")
+    for source in record["sources"]:
+        made.add_row(*_row(result, source, judged))
+    truths = {s.measure: s.truth for s in result.scores if s.index is None and s.truth is not None}
+    if record["truth"] is not None and truths:
+        cells = [console.number(truths.get(name)) for name in judged]
+        made.add_row(record["truth"], "", "", *cells, "")
+    console.show_table(made)
+    if record["against"] is not None:
+        _print_against(record["against"])
+    if result.interrupted:
+        typer.echo("Interrupted: what had finished is kept.", err=True)
+    if result.folder is not None:
+        typer.echo(f"Stored in {result.folder}")
+    if written is not None:
+        typer.echo(f"Report: {written}")
+
+
+def _row(result: Run, source: dict[str, Any], judged: list[str]) -> list[str]:
+    from simcompare.cli import console
+    from simcompare.compare import FAIL, PASS
+
+    start = [source["name"], source["version"] or "–", source["contact"]]
+    if source["status"] != "ok":
+        return [*start, *[""] * len(judged), f"{source['status']}: {source['reason']}"]
+    own = {
+        score.measure: score
+        for score in result.scores
+        if score.index is None
+        and (score.source, score.contact) == (source["name"], source["contact"])
+    }
+    cells = [console.number(own[n].value, own[n].u) if n in own else "–" for n in judged]
+    verdicts = [score.verdict for score in own.values()]
+    failed = [score.measure for score in own.values() if score.verdict == FAIL]
+    verdict = f"fail: {', '.join(failed)}" if failed else "pass" if PASS in verdicts else "info"
+    return [*start, *cells, verdict]
+
+
+def _print_against(against: dict[str, Any]) -> None:
+    from simcompare.cli import console
+
+    head = against["head"]
+    typer.echo(f"Against {head.get('title', against['file'])}")
+    typer.echo(f"  {head.get('citation', 'no citation given')}")
+    made = console.table("engine", "contact", "quantity", "simulated", "measured", "E_n", "inside")
+    for match in against["matches"]:
+        inside = {True: "yes", False: "no", None: "no uncertainty is known"}[match["inside"]]
+        made.add_row(
+            match["source"],
+            match["contact"],
+            f"{match['quantity']} {match['bounce']} [{match['unit']}]",
+            console.number(match["value"], match["u"]),
+            console.number(match["measured"], match["u_measured"]),
+            "–" if match["e_n"] is None else f"{match['e_n']:+.2f}",
+            inside,
+        )
+    console.show_table(made)

@@ -1,0 +1,91 @@
+"""``simcompare show``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from simcompare.cli import complete
+
+if TYPE_CHECKING:
+    from simcompare.scenario_file import ScenarioFile
+
+
+def show(
+    scenario: str = typer.Argument(
+        help="Name, folder or file of a scenario.", autocompletion=complete.scenarios
+    ),
+    as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
+) -> None:
+    """One scenario: question, parameters and bounds, presets, world, truth, tolerances, needs."""
+    from simcompare import catalogue
+    from simcompare.cli import console
+
+    file = catalogue.load(scenario)
+    facts = _facts(file)
+    if as_json:
+        console.print_json(facts)
+        return
+    typer.echo(f"{facts['title']} ({facts['name']}): {facts['question']}")
+    _show_parameters(facts)
+    for name, preset in facts["presets"].items():
+        values = ", ".join(f"{key} = {value:g}" for key, value in preset["set"].items())
+        typer.echo(f"--preset {name}: {preset['text']}\n    {values}")
+    world = facts["world"]
+    typer.echo(
+        f"World: gravity {world['gravity_m_s2']} m/s²,"
+        f" {world['duration_s']:g} s in steps of {world['step_s']:g} s"
+    )
+    for name, body in facts["bodies"].items():
+        typer.echo(f"Body {name}: {body}")
+    typer.echo(f"Needs: {', '.join(facts['needs'])}")
+    for engine, lacking in facts["engines"].items():
+        typer.echo(f"  {engine}: {'can run it' if not lacking else 'lacks ' + ', '.join(lacking)}")
+    typer.echo(f"Truth: {facts['truth']}")
+    for measure, tolerance in facts["tolerances"].items():
+        bound = tolerance["relative"] or tolerance["absolute"]
+        kind = "relative" if tolerance["relative"] else "absolute"
+        typer.echo(f"Tolerance of {measure}: {bound:g} {kind}. {tolerance['reason']}")
+
+
+def _facts(file: ScenarioFile) -> dict[str, Any]:
+    from simcompare import catalogue, engines, units
+    from simcompare.backend import needs
+
+    scenario = file.resolve()
+    wanted = needs(scenario)
+    plain = scenario.model_dump(mode="json")
+    return {
+        "name": scenario.name,
+        "title": scenario.title,
+        "question": scenario.question,
+        "file": str(file.path),
+        "parameters": {
+            name: {**parameter.model_dump(), "unit": units.symbol(units.unit_of(name))}
+            for name, parameter in file.parameters.items()
+        },
+        "presets": {name: preset.model_dump(mode="json") for name, preset in file.presets.items()},
+        "world": plain["world"],
+        "bodies": {
+            name: "fixed" if body.fixed else f"{body.mass_kg:g} kg at {list(body.position_m)} m"
+            for name, body in scenario.bodies.items()
+        },
+        "needs": sorted(wanted),
+        "engines": {name: sorted(wanted - engines.get(name).features) for name in engines.names()},
+        "truth": "closed form or reference in reference.py"
+        if catalogue.reference_of(file.path)
+        else "none: engines are compared with each other only",
+        "tolerances": plain["tolerances"],
+    }
+
+
+def _show_parameters(facts: dict[str, Any]) -> None:
+    from simcompare.cli import console
+
+    made = console.table("parameter", "value", "unit", "from", "to", "what it is")
+    for name, parameter in facts["parameters"].items():
+        cells = (f"{parameter[key]:.6g}" for key in ("value", "min", "max"))
+        value, low, high = cells
+        made.add_row(name, value, parameter["unit"], low, high, parameter["text"])
+    console.show_table(made)
