@@ -154,10 +154,9 @@ class MujocoBackend(EngineBackend):
     )
     mapping = (
         "solref = (-k, -b) with k = ω²/(1+ζω·dt), b = 2ζω/(1+ζω·dt), ω = 1e5 rad/s; ζ from the"
-        " force-clipped dashpot e = exp(-2ζ·arccos ζ/√(1-ζ²)) (Schwager and Pöschel, Granular Matter"
-        " 9 (2007) 465); the divisor allows for the damper acting on a velocity half a step old;"
-        " ω·dt = min(0.01, 0.0007/ζ) during an impact, √(1+ζ²) - ζ at rest; solimp ="
-        " 0.9999"
+        " force-clipped dashpot e = exp(-2ζ·arccos ζ/√(1-ζ²)) (Schwager and Pöschel, Granular"
+        " Matter 9 (2007) 465); the divisor allows for the damper acting on a velocity half a step"
+        " old; ω·dt = min(0.01, 0.0007/ζ) during an impact, √(1+ζ²) - ζ at rest; solimp = 0.9999"
     )
 
     def version(self) -> str:

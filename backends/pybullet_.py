@@ -19,6 +19,8 @@ from simcompare.trajectory import Array
 #: longest step during an impact [s]; the bias g·dt/v of reduced coordinates stays below 1e-4 down
 #: to 0.2 m/s
 CONTACT_STEP_S = 2.0e-6
+#: longest step at rest [s]: without error reduction a body rests up to g·dt² deep
+REST_STEP_S = 2.5e-4
 
 
 class PybulletSimulation(Simulation):
@@ -33,7 +35,7 @@ class PybulletSimulation(Simulation):
         audit: Audit,
         mapped: bool,
     ) -> None:
-        steps = ContactSteps(stagger=-0.5, contact_step_s=CONTACT_STEP_S) if mapped else None
+        steps = ContactSteps(-0.5, CONTACT_STEP_S, rest_step_s=REST_STEP_S) if mapped else None
         super().__init__(scenario, audit.finish(), steps)
         self._bullet, self._client, self._ids = engine, client, ids
         self._moving = [ids[name] for name in self._bodies]
@@ -139,7 +141,7 @@ class PybulletBackend(EngineBackend):
         ),
         KnownLimit(
             "With a restitution set and all else left alone, the bounce depends on where in the"
-            " step the impact falls: 0.42 to 0.85 for 0.8, because contacts act that are still apart.",
+            " step the impact falls: 0.42 to 0.85 for 0.8, as contacts act that are still apart.",
             "measured over the impact phase; bulletphysics/bullet3 issues 1530, 3094",
         ),
         KnownLimit(

@@ -8,6 +8,7 @@ cubic through a short window describes that, and flight with air drag to well be
 from __future__ import annotations
 
 import functools
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,8 +29,8 @@ class Arc:
     Attributes:
         start_s: time at which its extension downwards leaves the floor [s].
         start_speed_m_s: upward speed there [m/s].
-        end_s: time at which its extension reaches the floor [s].
-        end_speed_m_s: downward speed there [m/s], positive.
+        end_s: time at which its extension reaches the floor [s]; infinite if the record ends first.
+        end_speed_m_s: downward speed there [m/s], positive; NaN if the record ends first.
         apex_s: time of the highest point [s].
         apex_m: height of the highest point [m].
     """
@@ -117,9 +118,8 @@ def find(time_s: Array, height_m: Array) -> list[Arc]:
         first, last = first + int(above[0]), first + int(above[-1])
         if np.ptp(height_m[first : last + 1]) <= least_rise:
             break
-        arcs.append(_arc(time_s, height_m, first, last))
-        if end > len(height_m) - 2:  # still in the air when the record ends
-            break
+        landed = end < len(height_m)  # else it is still in the air when the record ends
+        arcs.append(_arc(time_s, height_m, first, last, landed=landed))
     return arcs
 
 
@@ -130,7 +130,7 @@ def _local_minima(height_m: Array) -> list[int]:
     return found
 
 
-def _arc(time_s: Array, height_m: Array, first: int, last: int) -> Arc:
+def _arc(time_s: Array, height_m: Array, first: int, last: int, *, landed: bool) -> Arc:
     head = _Cubic.through(time_s, height_m, first, min(first + WINDOW - 1, last))
     tail = _Cubic.through(time_s, height_m, max(last - WINDOW + 1, first), last)
     highest = first + int(np.argmax(height_m[first : last + 1]))
@@ -138,7 +138,7 @@ def _arc(time_s: Array, height_m: Array, first: int, last: int) -> Arc:
     if high - low + 1 < LEAST_SAMPLES:
         low, high = first, last
     start_s, start_speed = head.root(float(time_s[first]))
-    end_s, end_speed = tail.root(float(time_s[last]))
+    end_s, end_speed = tail.root(float(time_s[last])) if landed else (math.inf, math.nan)
     if highest == first:  # released, not thrown: the highest point is the first sample
         apex_s, apex_m = float(time_s[first]), float(height_m[first])
     else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 
 import numpy as np
 
@@ -46,7 +47,7 @@ def measure(trajectory: Trajectory, probe: Probe) -> Measured:
     """
     height = observe(trajectory, probe)
     arcs = find(trajectory.time_s, height)
-    downs = [arc for arc in arcs if arc.end_s <= trajectory.time_s[-1]]
+    downs = [arc for arc in arcs if math.isfinite(arc.end_s)]
     bounces = list(itertools.pairwise(arcs))
     restitution = np.array(
         [after.start_speed_m_s / before.end_speed_m_s for before, after in bounces]
@@ -109,7 +110,7 @@ def _late_gain(time_s: Array, height_m: Array, arcs: list[Arc]) -> float:
 
 
 def rest_time(time_s: Array, height_m: Array) -> float | None:
-    """Time from which the height stays within a thousandth of the drop height of its last value [s].
+    """Time from which the height stays within 1/1000 of the drop height of its last value [s].
 
     ``None`` if the record ends while it still moves.
     """

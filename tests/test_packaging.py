@@ -1,0 +1,86 @@
+"""What is installed: every folder that ships is listed, and a wheel holds all that they hold."""
+
+import subprocess
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+OUTER = ("backends", "hardware", "reports", "scenarios")
+
+
+def configuration():
+    return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+
+
+def folders_with_code():
+    for top in ("simcompare", *OUTER):
+        for path in (ROOT / top).rglob("*"):
+            linked = top == "simcompare" and path.relative_to(ROOT / top).parts[0] in OUTER
+            if path.is_file() and not linked and "__pycache__" not in path.parts:
+                yield path
+
+
+def package_of(folder):
+    parts = folder.relative_to(ROOT).parts
+    return ".".join(parts if parts[0] == "simcompare" else ("simcompare", *parts))
+
+
+def test_every_folder_that_holds_files_is_listed():
+    listed = set(configuration()["tool"]["setuptools"]["packages"])
+    present = {package_of(path.parent) for path in folders_with_code()}
+    assert present == listed
+
+
+def test_every_package_has_an_init():
+    for path in {path.parent for path in folders_with_code()}:
+        assert (path / "__init__.py").is_file(), path
+
+
+def test_outer_folders_are_linked_relatively():
+    for name in OUTER:
+        link = ROOT / "simcompare" / name
+        assert link.is_symlink()
+        assert link.readlink() == Path("..") / name
+
+
+def test_files_are_short_and_say_what_they_are():
+    for path in folders_with_code():
+        if path.suffix != ".py":
+            continue
+        text = path.read_text(encoding="utf-8")
+        assert text.lstrip().startswith('"""'), f"{path} has no docstring"
+        # two backends carry four shapes and their audit; they are one job each
+        assert text.count("\n") <= 420, f"{path} is too long to read in one go"
+
+
+def test_a_wheel_holds_every_file(tmp_path):
+    subprocess.run(
+        [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "-w", tmp_path, ROOT],
+        check=True,
+        capture_output=True,
+    )
+    (wheel,) = tmp_path.glob("*.whl")
+    inside = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info" not in name}
+    expected = set()
+    for path in folders_with_code():
+        parts = path.relative_to(ROOT).parts
+        expected.add("/".join(parts if parts[0] == "simcompare" else ("simcompare", *parts)))
+    assert inside == expected
+
+
+def test_every_engine_has_an_extra_of_its_name():
+    from simcompare import engines
+
+    extras = configuration()["project"]["optional-dependencies"]
+    for name in engines.names():
+        assert name in extras
+        assert name in extras["engines"][0]
+
+
+@pytest.mark.parametrize("name", ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE"])
+def test_the_papers_are_there(name):
+    assert (ROOT / name).stat().st_size > 200
