@@ -1,0 +1,162 @@
+"""What the tests of input handling share: toy engines as packages, a toy scenario, the CLI."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+#: a backend over the plain protocol, as somebody else's package would hold it; exact free fall
+ENGINE = '''
+import os, sys, time
+import numpy as np
+from simcompare.backend import Feature, KnownLimit
+from simcompare.trajectory import Trajectory
+{on_import}
+
+class Toy:
+    name = "{name}"
+    features = frozenset(Feature)
+    known_limits = (KnownLimit("It only falls.", "this file"),)
+    mapping = "none"
+
+    def version(self):
+        return "1.0"
+
+    def open(self, scenario, settings):
+        raise NotImplementedError
+
+    def simulate(self, scenario, settings):
+        world = scenario.world
+        times = np.arange(round(world.duration_s / world.step_s) + 1) * world.step_s
+        signals = {{}}
+        gravity = np.array(world.gravity_m_s2)
+        for name, body in scenario.moving_bodies().items():
+            t = times[:, None]
+            start = np.array(body.position_m) + t * np.array(body.velocity_m_s)
+            signals[name + ".position_m"] = start + gravity * t * t / 2
+            signals[name + ".velocity_m_s"] = np.array(body.velocity_m_s) + gravity * t
+        extra = {{}}
+        {during}
+        return Trajectory("{name}", times, signals, version="1.0", **extra)
+
+BACKEND = Toy()
+'''
+
+FALL_YAML = """\
+name: fall
+title: Free fall
+question: Does it fall as Galilei said?
+parameters:
+  height_m: {value: 1.0, min: 0.9, max: 20, text: "Height at release."}
+world: {duration_s: 0.4, step_s: 0.001}
+bodies:
+  ball:
+    mass_kg: 1
+    inertia_kg_m2: [0.1, 0.1, 0.1]
+    position_m: [0, 0, "${height_m}"]
+    shapes: [{type: sphere, radius_m: 0.1}]
+probes:
+  height_m: {observe: ball.position_m, component: 2, label: Height, unit: m}
+measures:
+  - {function: bounces, probe: height_m, body: ball}
+tolerances:
+  penetration: {absolute: 0.001, reason: "A body above the floor is not in it."}
+"""
+
+FALL_REFERENCE = """\
+import numpy as np
+
+def reference(parameters, time_s):
+    zero = np.zeros(len(time_s))
+    height = parameters["height_m"] - 9.80665 * time_s**2 / 2
+    return {"ball.position_m": np.column_stack((zero, zero, height))}
+"""
+
+
+@pytest.fixture
+def add_engine(tmp_path, monkeypatch):
+    """Installs a toy engine as a separate package: a module and its dist-info with entry point."""
+    site = tmp_path / "site"
+    site.mkdir()
+    monkeypatch.syspath_prepend(str(site))
+    inherited = os.environ.get("PYTHONPATH")
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(filter(None, (str(site), inherited))))
+
+    def add(name: str, during: str = "pass", *, on_import: str = "", code: str | None = None):
+        module = f"{name}_engine"
+        text = code or ENGINE.format(name=name, during=during, on_import=on_import)
+        (site / f"{module}.py").write_text(text, encoding="utf-8")
+        info = site / f"{module}-1.0.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}\nVersion: 1.0\n")
+        (info / "entry_points.txt").write_text(
+            f"[simcompare.backends]\n{name} = {module}:BACKEND\n"
+        )
+
+    yield add
+    for module in [m for m in sys.modules if m.endswith("_engine")]:
+        if str(site) in str(getattr(sys.modules[module], "__file__", "")):
+            del sys.modules[module]
+
+
+@pytest.fixture
+def fall(tmp_path) -> Path:
+    """A user's scenario folder with a reference, on which every exact engine passes."""
+    folder = tmp_path / "mine" / "fall"
+    folder.mkdir(parents=True)
+    (folder / "fall.yaml").write_text(FALL_YAML, encoding="utf-8")
+    (folder / "reference.py").write_text(FALL_REFERENCE, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Writes a text file and returns its path."""
+
+    def to(name: str, text: str | bytes) -> Path:
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return path
+
+    return to
+
+
+@pytest.fixture
+def call(monkeypatch, capsys, tmp_path):
+    """Runs the command line in this process: ``call("list") -> (exit code, stdout, stderr)``."""
+    from simcompare.cli import main
+
+    def run(*words: object) -> tuple[Any, str, str]:
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(sys, "argv", ["simcompare", *map(str, words)])
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as stop:
+            main()
+        out, err = capsys.readouterr()
+        return stop.value.code or 0, out, err
+
+    return run
+
+
+@pytest.fixture
+def command(tmp_path):
+    """Runs the command line in a process of its own."""
+
+    def run(*words: object, timeout: float = 50, **more: Any) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, "-m", "simcompare", *map(str, words)],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            timeout=timeout,
+            check=False,
+            **more,
+        )
+
+    return run

@@ -1,0 +1,307 @@
+"""The scenario model: frozen values, checked once, and what a backend needs is derived from them."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+
+import pytest
+import yaml
+from pydantic import ValidationError
+
+from simcompare import scenario_file
+from simcompare.backend import Feature, is_planar, needs
+from simcompare.scenario import (
+    Body,
+    Plane,
+    Pose,
+    Ramp,
+    Scenario,
+    Table,
+    Tolerance,
+    dangling_references,
+)
+
+ROBOT = """\
+name: two_wheels
+title: Differential drive
+question: How fast does the robot turn after a step of torque?
+parameters:
+  torque_N_m: {value: 0.02, min: 0, max: 1, text: "Height of the step."}
+  wheel_radius_m: {value: 3e-2, min: 1e-3, max: 1, text: "Radius of both wheels."}
+world: {duration_s: 2, step_s: 0.001}
+bodies:
+  floor:
+    fixed: true
+    shapes: [{type: plane}]
+  chassis:
+    mass_kg: 1.2
+    inertia_kg_m2: [0.01, 0.02, 0.02]
+    position_m: [0, 0, "${wheel_radius_m}"]
+    shapes: [{type: box, size_m: [0.2, 0.1, 0.05], position_m: [0, 0, 0.02]}]
+  left_wheel: &wheel
+    mass_kg: 0.05
+    inertia_kg_m2: [2e-5, 2e-5, 4e-5]
+    position_m: [0, 0.08, "${wheel_radius_m}"]
+    # the cylinder's own z axis is turned to y
+    orientation_wxyz: [0.7071067811865476, 0.7071067811865476, 0, 0]
+    shapes: [{type: cylinder, radius_m: "${wheel_radius_m}", length_m: 0.02}]
+  right_wheel:
+    <<: *wheel
+    position_m: [0, -0.08, "${wheel_radius_m}"]
+joints:
+  left: {type: hinge, parent: chassis, child: left_wheel, anchor_m: [0, 0.08, 0], axis: [0, 1, 0]}
+  right:
+    {type: hinge, parent: chassis, child: right_wheel, anchor_m: [0, -0.08, 0], axis: [0, 1, 0],
+     damping: 1e-4}
+actuators:
+  left_motor: {type: torque, joint: left, input: left_torque}
+  right_motor: {type: torque, joint: right, input: right_torque}
+inputs:
+  left_torque: {signal: step, after: "${torque_N_m}", time_s: 0.5}
+  right_torque: {signal: step, after: "${-torque_N_m}", time_s: 0.5}
+sensors:
+  imu: {type: accelerometer, body: chassis, position_m: [0, 0, 0.03]}
+  left_encoder: {type: encoder, joint: left}
+contacts:
+  - {pair: [left_wheel, floor], friction: 0.8}
+  - {pair: [right_wheel, floor], friction: 0.8}
+probes:
+  yaw_rate_rad_s: {observe: chassis.rate_rad_s, component: 2, label: Yaw rate, unit: rad/s}
+"""
+
+
+def plain(**changes):
+    """A smallest scenario as a tree, with changes."""
+    return {
+        "name": "toy",
+        "title": "Toy",
+        "question": "Does it move?",
+        "world": {"duration_s": 1.0},
+        "bodies": {"ball": {"mass_kg": 1.0, "inertia_kg_m2": [1.0, 1.0, 1.0]}},
+        **changes,
+    }
+
+
+@pytest.fixture
+def robot(write):
+    return scenario_file.read(write("two_wheels.yaml", ROBOT)).resolve()
+
+
+def test_a_robot_loads(robot):
+    assert robot.bodies["chassis"].position_m == (0.0, 0.0, 0.03)
+    assert robot.bodies["right_wheel"].shapes[0].radius_m == 0.03
+    assert robot.inputs["right_torque"].after == -0.02
+    assert robot.contact_of("floor", "left_wheel").friction == 0.8
+    assert robot.contact_of("floor", "chassis").friction == 0.0
+    assert list(robot.moving_bodies()) == ["chassis", "left_wheel", "right_wheel"]
+
+
+def test_what_a_robot_needs_is_derived_from_its_content(robot):
+    assert needs(robot) == {
+        Feature.SPATIAL,
+        Feature.FREE_BODY,
+        Feature.PLANE,
+        Feature.BOX,
+        Feature.CYLINDER,
+        Feature.FRICTION,
+        Feature.HINGE,
+        Feature.ACTUATOR,
+        Feature.SENSOR,
+    }
+
+
+def test_needs_shrink_with_the_content():
+    ball = {"mass_kg": 1.0, "inertia_kg_m2": [1.0] * 3, "shapes": [{"type": "sphere", "radius_m": 1}]}
+    drag = {"coefficient": 0.5, "area_m2": 1.0, "air_density_kg_m3": 0.0}
+    scenario = Scenario.model_validate(plain(bodies={"ball": {**ball, "drag": drag}}))
+    assert needs(scenario) == {Feature.FREE_BODY, Feature.SPHERE}, "no air, no drag"
+    drag["air_density_kg_m3"] = 1.2
+    contacts = [{"pair": ["ball", "floor"], "restitution": 0.5}]
+    bodies = {"ball": {**ball, "drag": drag}, "floor": {"fixed": True, "shapes": [{"type": "plane"}]}}
+    scenario = Scenario.model_validate(plain(bodies=bodies, contacts=contacts))
+    assert needs(scenario) == {
+        Feature.FREE_BODY,
+        Feature.SPHERE,
+        Feature.PLANE,
+        Feature.DRAG,
+        Feature.RESTITUTION,
+    }
+
+
+@pytest.mark.parametrize(
+    ("body", "planar"),
+    [
+        ({}, True),
+        ({"velocity_m_s": [1, 0, 1], "rate_rad_s": [0, 5, 0]}, True),
+        ({"velocity_m_s": [0, 1, 0]}, False),
+        ({"position_m": [0, 0.1, 0]}, False),
+        ({"rate_rad_s": [1, 0, 0]}, False),
+        ({"orientation_wxyz": [0.6, 0, 0.8, 0]}, True),
+        ({"orientation_wxyz": [0.6, 0.8, 0, 0]}, False),
+    ],
+)
+def test_motion_in_the_x_z_plane_is_seen(body, planar):
+    whole = {"mass_kg": 1.0, "inertia_kg_m2": [1.0] * 3, **body}
+    assert is_planar(Scenario.model_validate(plain(bodies={"ball": whole}))) is planar
+
+
+def test_a_scenario_is_frozen():
+    scenario = Scenario.model_validate(plain())
+    with pytest.raises(ValidationError, match="frozen"):
+        scenario.title = "other"
+    with pytest.raises(ValidationError, match="frozen"):
+        scenario.bodies["ball"].mass_kg = 2.0
+    with pytest.raises(ValidationError, match="frozen"):
+        scenario.world.step_s = 1.0
+
+
+def test_a_scenario_keeps_nothing_of_the_tree_it_came_from():
+    tree = plain(parameters={"a_m": 1.0})
+    before = copy.deepcopy(tree)
+    scenario = Scenario.model_validate(tree)
+    tree["parameters"]["a_m"] = 2.0
+    tree["bodies"].clear()
+    assert scenario == Scenario.model_validate(before)
+
+
+def test_a_scenario_travels_to_another_process(robot):
+    assert pickle.loads(pickle.dumps(robot)) == robot
+
+
+def test_all_faults_are_reported_at_once():
+    tree = plain(
+        name="Toy",
+        world={"duration_s": -1, "gravity_m_s2": [0, 0]},
+        bodies={"ball": {"mass_kg": float("nan"), "inertia_kg_m2": [1, 1, 1], "colour": "red"}},
+    )
+    with pytest.raises(ValidationError) as error:
+        Scenario.model_validate(tree)
+    assert set(scenario_file.faults_of(error.value)) == {
+        "name",
+        "world.duration_s",
+        "world.gravity_m_s2.2",
+        "bodies.ball.mass_kg",
+        "bodies.ball.colour",
+    }
+
+
+@pytest.mark.parametrize("wxyz", [(1, 1, 0, 0), (0, 0, 0, 0), (0.999, 0, 0, 0)])
+def test_an_orientation_that_is_no_rotation_is_refused(wxyz):
+    with pytest.raises(ValidationError, match="a rotation has length 1"):
+        Pose(orientation_wxyz=wxyz)
+    assert Pose(orientation_wxyz=(0.6, 0, 0, -0.8)).orientation_wxyz[3] == -0.8
+
+
+@pytest.mark.parametrize("given", [{}, {"relative": 0.1, "absolute": 0.1}])
+def test_a_tolerance_needs_exactly_one_of_relative_and_absolute(given):
+    with pytest.raises(ValidationError, match="either relative or absolute"):
+        Tolerance(reason="because it is so", **given)
+
+
+def test_a_tolerance_needs_a_reason_and_has_a_width():
+    with pytest.raises(ValidationError, match="reason"):
+        Tolerance(relative=0.1, reason="so")
+    assert Tolerance(relative=0.1, reason="because it is so").width(-5.0) == 0.5
+    assert Tolerance(absolute=0.1, reason="because it is so").width(-5.0) == 0.1
+
+
+def test_a_signal_table_is_sorted_and_complete():
+    assert Table(signal="table", time_s=(0, 1), value=(5, 6)).value == (5.0, 6.0)
+    with pytest.raises(ValidationError, match=r"time_s\[2\] = 0.5 is not later"):
+        Table(signal="table", time_s=(0, 1, 0.5), value=(1, 2, 3))
+    with pytest.raises(ValidationError, match=r"time_s\[1\]"):
+        Table(signal="table", time_s=(0, 0), value=(1, 2))
+    with pytest.raises(ValidationError, match="2 times but 3 values"):
+        Table(signal="table", time_s=(0, 1), value=(1, 2, 3))
+    with pytest.raises(ValidationError, match="must be later"):
+        Ramp(signal="ramp", end=1, start_s=2, end_s=1)
+
+
+def test_a_moving_body_needs_mass_and_inertia():
+    with pytest.raises(ValidationError, match="needs mass_kg and inertia_kg_m2"):
+        Body(mass_kg=1.0)
+    assert Body(fixed=True).mass_kg is None
+
+
+def test_every_dangling_reference_is_named_with_its_place():
+    tree = yaml.safe_load(ROBOT.replace("${wheel_radius_m}", "0.03").replace("torque_N_m}", ""))
+    del tree["parameters"], tree["inputs"]
+    tree["inputs"] = {"left_torque": {"signal": "constant", "value": 1}}
+    tree["joints"]["left"]["child"] = "wheel"
+    tree["actuators"]["left_motor"]["joint"] = "middle"
+    tree["sensors"]["imu"]["body"] = "head"
+    tree["contacts"][1]["pair"] = ["right_wheel", "flour"]
+    tree["probes"]["yaw_rate_rad_s"]["observe"] = "chasis.rate_rad_s"
+    tree["measures"] = [{"function": "bounces", "probe": "yaw", "body": "head"}]
+    tree["dither"] = {"parameter": "height_m", "span": 1, "reason": "none"}
+    faults = dangling_references(Scenario.model_validate(tree))
+    assert set(faults) == {
+        "joints.left.child",
+        "actuators.left_motor.joint",
+        "actuators.right_motor.input",
+        "sensors.imu.body",
+        "contacts.1.pair",
+        "probes.yaw_rate_rad_s.observe",
+        "measures.0.probe",
+        "measures.0.body",
+        "dither.parameter",
+    }
+    assert "'flour'" in faults["contacts.1.pair"]
+    assert "floor" in faults["contacts.1.pair"], "what there is instead"
+
+
+def wheel(**changes):
+    return {"type": "hinge", "parent": "floor", "child": "ball", **changes}
+
+
+@pytest.mark.parametrize(
+    ("place", "changes"),
+    [
+        ("joints.j.axis", {"joints": {"j": wheel(axis=[0, 0, 0])}}),
+        ("joints.j", {"joints": {"j": wheel(lower=1.0, upper=-1.0)}}),
+        ("joints.j", {"joints": {"j": wheel(parent="ball")}}),
+        ("contacts.0", {"contacts": [{"pair": ["ball", "ball"]}]}),
+        (
+            "contacts.1",
+            {
+                "contacts": [
+                    {"pair": ["ball", "floor"], "restitution": 0.1},
+                    {"pair": ["floor", "ball"], "restitution": 0.9},
+                ]
+            },
+        ),
+        ("sensors.s", {"sensors": {"s": {"type": "accelerometer"}}}),
+        ("sensors.s", {"sensors": {"s": {"type": "encoder", "body": "ball"}}}),
+        (
+            "measures.0.function",
+            {
+                "probes": {"h": {"observe": "ball.position_m", "component": 2, "label": "h", "unit": "m"}},
+                "measures": [{"function": "bounce", "probe": "h", "body": "ball"}],
+            },
+        ),
+        ("probes.h.observe", {"probes": {"h": {"observe": "ball.hight_m", "label": "h", "unit": "m"}}}),
+        ("probes.h", {"probes": {"h": {"observe": "ball.position_m", "component": 3, "label": "h", "unit": "m"}}}),
+        ("tolerances.restitutoin", {"tolerances": {"restitutoin": {"relative": 0.1, "reason": "because it is so"}}}),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)  # fmt: skip
+def test_what_no_engine_could_run_or_no_score_could_meet_is_refused_on_reading(
+    place, changes, write
+):
+    """Else it is found after all engines have run, or a mistyped tolerance is never judged."""
+    tree = plain(**changes)
+    tree["bodies"]["floor"] = {"fixed": True, "shapes": [{"type": "plane"}]}
+    with pytest.raises(scenario_file.InputError, match=place.replace(".", r"\.")):
+        scenario_file.read(write("toy.yaml", yaml.safe_dump(tree)))
+
+
+def test_a_plane_needs_a_normal():
+    with pytest.raises(ValidationError):
+        Plane(type="plane", normal=(0, 0, 0))
+
+
+def test_moments_of_inertia_obey_the_triangle_inequality():
+    """No distribution of mass has I_z > I_x + I_y; engines reject it or go wrong in silence."""
+    with pytest.raises(ValidationError):
+        Body(mass_kg=1.0, inertia_kg_m2=(1.0, 1.0, 5.0))
