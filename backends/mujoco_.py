@@ -148,6 +148,11 @@ class MujocoBackend(EngineBackend):
             "measured: ω = 316 rad/s at 10 ms threw the ball to 7.9 m",
         ),
         KnownLimit(
+            "No contact is perfectly inelastic: a restitution of 0 becomes a critically damped"
+            " contact of 5 ms, which gives back about a tenth of the speed.",
+            "force-clipped dashpot at ζ = 1: e⁻² = 0.135; measured 0.09",
+        ),
+        KnownLimit(
             "Friction is convex: a sliding body is lifted a little by its friction.",
             "MuJoCo documentation, Computation, Convex contact model",
         ),

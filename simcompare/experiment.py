@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 TRUTH = "closed form"
 FORMAT = 1
+#: samples below which a run shows nothing
+LEAST_SAMPLES = 100
 
 
 @dataclass(frozen=True)
@@ -113,8 +115,8 @@ def run(
     values = file.read_settings(given)
     preset = preset or (table.preset if table else None)
     step_s = None if step is None else units.to_si(step, "s", "--step")
-    if step_s is not None and step_s <= 0:
-        raise InputError("--step", [f"{step!r} is not a time above 0"])
+    if step_s is not None:
+        _check_step(file.resolve(values, preset=preset), step_s)
     if seeds is not None and seeds < 1:
         raise InputError("--seeds", [f"{seeds} is not a number of repeats; expected 1 or more"])
     scenarios = repeats_of(file, values, preset, step_s, seeds)
@@ -186,6 +188,20 @@ def check_writable(folder: Path) -> None:
         raise OutputError(
             f"--out {folder}: cannot be written to ({error.strerror}); choose another folder"
         ) from None
+
+
+def _check_step(scenario: Scenario, step_s: float) -> None:
+    if step_s <= 0:
+        raise InputError("--step", [f"{step_s:g} s is not a time above 0"])
+    longest = scenario.world.duration_s / LEAST_SAMPLES
+    if step_s > longest:
+        raise InputError(
+            "--step",
+            [
+                f"{step_s:g} s leaves {scenario.world.duration_s / step_s:.0f} samples in"
+                f" {scenario.world.duration_s:.3g} s; use at most {longest:.2g} s"
+            ],
+        )
 
 
 def _modes(contact: str | Sequence[str]) -> list[str]:

@@ -5,6 +5,7 @@ Nothing heavy is imported here: ``--help``, ``list`` and completion must answer 
 
 from __future__ import annotations
 
+import signal
 import sys
 from typing import Any
 
@@ -51,10 +52,16 @@ def _version(
         raise typer.Exit
 
 
+def _interrupt(*_: object) -> None:
+    raise KeyboardInterrupt
+
+
 def main() -> None:
     """Entry point of the ``simcompare`` command."""
     from simcompare.cli import doctor, list_, report, run, show
 
+    # an ended terminal or batch job stops a run as Ctrl-C does: workers ended, results kept
+    signal.signal(signal.SIGTERM, _interrupt)
     app.command("run")(run.run)
     app.command("list")(list_.list_)
     app.command("show")(show.show)

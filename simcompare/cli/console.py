@@ -46,7 +46,9 @@ def number(value: float | None, u: float | None = None) -> str:
     if u is None or u == 0 or not math.isfinite(u):
         return f"{value:.6g}"
     places = max(0, 1 - math.floor(math.log10(u)))
-    return f"{value:.{places}f} ± {u:.{places}f}" if places < 9 else f"{value:.9f} ± {u:.1g}"
+    if places > 9:
+        return f"{value:.2g} ± {u:.1g}"
+    return f"{value:.{places}f} ± {u:.{places}f}"
 
 
 @contextmanager

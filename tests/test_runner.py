@@ -1,0 +1,352 @@
+"""One engine that crashes, hangs, prints or is absent never spoils another's result."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from simcompare import catalogue, engines
+from simcompare.backend import Settings
+from simcompare.jobs import FAILED, MISSING, OK, UNSUPPORTED, Job
+from simcompare.runner import run_jobs
+
+LIMIT_S = 4.0
+#: what each toy engine does inside ``simulate``
+BAD = {
+    "aborts": "os.abort()",
+    "segfaults": "import ctypes; ctypes.string_at(0)",
+    "exits": "sys.exit('no licence')",
+    "leaves": "os._exit(7)",
+    "hangs": "time.sleep(600)",
+    "raises": "raise RuntimeError('the solver gave up')",
+    "diverges": "signals['ball.position_m'] = signals['ball.position_m'] * np.nan",
+    "short": "signals['ball.position_m'] = signals['ball.position_m'][:-3]",
+    "returns_nothing": "return None",
+    "cannot_travel": "extra = dict(notes=(lambda: 0,))",
+}
+NOISY = (
+    "os.write(1, b'C to stdout\\n'); os.write(2, b'C to stderr\\n');"
+    "print('Python to stdout'); print('Python to stderr', file=sys.stderr)"
+)
+ABSENT = (
+    "from simcompare.backend import EngineBackend, Feature\n"
+    "class Backend(EngineBackend):\n"
+    "    name = 'absent'; module = 'no_such_engine'; distribution = 'no-such-engine'\n"
+    "    install = \"pip install 'simcompare[absent]'\"; known_limits = (); mapping = ''\n"
+    "    features = frozenset(Feature)\n"
+    "    def build(self, engine, scenario, settings): raise NotImplementedError\n"
+    "BACKEND = Backend()\n"
+)
+
+
+def jobs_for(names, fall, repeats=1):
+    scenario = catalogue.load(str(fall)).resolve()
+    return [Job(name, scenario, Settings(), i) for name in names for i in range(repeats)]
+
+
+@pytest.fixture
+def outcomes(add_engine, fall):
+    """Outcomes by engine, of one run with every kind of bad engine between two good ones."""
+    add_engine("good")
+    add_engine("noisy", NOISY)
+    add_engine("broken", on_import="import no_such_module")
+    add_engine("absent", code=ABSENT)
+    for name, during in BAD.items():
+        add_engine(name, during)
+    names = ["good", *BAD, "broken", "absent", "noisy"]
+    started = time.monotonic()
+    found = run_jobs(jobs_for(names, fall), time_limit_s=LIMIT_S)
+    assert time.monotonic() - started < LIMIT_S + 25
+    assert [o.job.engine for o in found] == names
+    return {o.job.engine: o for o in found}
+
+
+def test_every_fault_stays_with_its_engine(outcomes):
+    assert {name: o.status for name, o in outcomes.items()} == {
+        **dict.fromkeys(BAD, FAILED),
+        "good": OK,
+        "noisy": OK,
+        "broken": FAILED,
+        "absent": MISSING,
+    }
+    heights = outcomes["good"].trajectory.signals["ball.position_m"][:, 2]
+    assert heights[-1] == pytest.approx(1 - 9.80665 * 0.4**2 / 2)
+    reasons = {name: o.reason for name, o in outcomes.items() if o.status != OK}
+    for name, expected in {
+        "aborts": "killed by SIGABRT",
+        "segfaults": "killed by SIGSEGV",
+        "exits": "no licence",
+        "leaves": "exit code 7",
+        "hangs": f"no answer within {LIMIT_S:g} s",
+        "raises": "RuntimeError: the solver gave up",
+        "diverges": "ball.position_m is not finite from t = 0 s",
+        "short": "398 samples",
+        "returns_nothing": "returns_nothing",
+        "cannot_travel": "cannot_travel",
+        "broken": "no_such_module",
+        "absent": "pip install 'simcompare[absent]'",
+    }.items():
+        assert expected in reasons[name], (name, reasons[name])
+        assert name in reasons[name]
+    noise = outcomes["noisy"].noise
+    for line in ("C to stdout", "C to stderr", "Python to stdout", "Python to stderr"):
+        assert line in noise
+
+
+def test_jobs_after_a_crash_are_told_and_jobs_before_it_are_kept(add_engine, fall, tmp_path):
+    count = tmp_path / "count"
+    add_engine(
+        "second",
+        f"with open({str(count)!r}, 'a') as f: f.write('x')\n"
+        f"        if os.path.getsize({str(count)!r}) == 2: os.abort()",
+    )
+    found = run_jobs(jobs_for(["second"], fall, repeats=3))
+    assert [o.status for o in found] == [OK, FAILED, FAILED]
+    assert [o.job.repeat for o in found] == [0, 1, 2]
+
+
+def test_progress_counts_every_job_that_ends(add_engine, fall):
+    add_engine("good")
+    add_engine("raises", BAD["raises"])
+    seen = []
+    run_jobs(jobs_for(["good", "raises"], fall, 2), progress=lambda *step: seen.append(step))
+    assert sorted(done for _, done, _ in seen) == [1, 2, 3, 4]
+    assert {total for _, _, total in seen} == {4}
+
+
+def test_more_engines_than_places_all_get_their_turn(add_engine, fall):
+    for name in ("one", "two", "three"):
+        add_engine(name)
+    found = run_jobs(jobs_for(["one", "two", "three"], fall), processes=1)
+    assert [o.status for o in found] == [OK, OK, OK]
+
+
+def test_very_much_noise_neither_blocks_nor_fills_the_record(add_engine, fall):
+    add_engine("loud", "os.write(1, b'x' * 3_000_000 + b' the end')")
+    (outcome,) = run_jobs(jobs_for(["loud"], fall))
+    assert outcome.status == OK
+    assert outcome.noise.endswith("the end")
+    assert len(outcome.noise) < 10_000
+
+
+def test_what_an_engine_lacks_is_unsupported_and_no_failure(fall):
+    (outcome,) = run_jobs([Job("pymunk", spatial(fall), Settings())])
+    assert outcome.status == UNSUPPORTED
+    assert "motion out of the x-z plane" in outcome.reason
+
+
+def spatial(fall):
+    scenario = catalogue.load(str(fall)).resolve()
+    ball = scenario.bodies["ball"].model_copy(update={"velocity_m_s": (0.0, 1.0, 0.0)})
+    return scenario.model_copy(update={"bodies": {"ball": ball}})
+
+
+def test_a_missing_engine_names_its_cure(add_engine):
+    add_engine("absent", code=ABSENT)
+    from simcompare.errors import EngineMissing
+
+    with pytest.raises(EngineMissing) as error:
+        engines.get("absent").version()
+    assert "pip install 'simcompare[absent]'" in str(error.value)
+    assert "no_such_engine" in str(error.value)
+
+
+@pytest.mark.parametrize("limit", [float("inf"), 1e11])
+def test_no_time_limit_is_possible(add_engine, fall, limit):
+    add_engine("good")
+    (outcome,) = run_jobs(jobs_for(["good"], fall), time_limit_s=limit)
+    assert outcome.status == OK
+
+
+# --- through the command line, where a fault may also reach the parent process ---------------
+
+
+def records(done: subprocess.CompletedProcess[str]):
+    assert "Traceback" not in done.stderr, done.stderr[-2000:]
+    record = json.loads(done.stdout)  # one object and nothing else
+    return record, {source["name"]: source for source in record["sources"]}
+
+
+@pytest.mark.parametrize(
+    ("kind", "arguments"),
+    [
+        ("noise on import", {"on_import": "print('hello'); os.write(1, b'hello\\n')"}),
+        ("noise in version", {"on_import": "import atexit; atexit.register(print, 'bye')"}),
+    ],
+)
+def test_noise_of_an_engines_module_never_reaches_the_json(
+    add_engine, fall, command, kind, arguments
+):
+    add_engine("noisy", **arguments)
+    add_engine("good")
+    done = command(
+        "run", fall, "--engine", "good,noisy", "--contact", "mapped", "--json", "--no-report"
+    )
+    _, sources = records(done)
+    assert sources["good"]["status"] == "ok"
+    assert sources["noisy"]["status"] == "ok"
+    assert done.returncode == 0
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {"on_import": "os.abort()"},
+        {"on_import": "sys.exit(0)"},
+        {"on_import": "import no_such_module"},
+        {"code": "class BACKEND:\n    def __init__(self): raise RuntimeError('no licence')\n"},
+        {"code": "class BACKEND:\n    pass\n"},
+        {"during": "signals = {'ball.hight_m': times}"},
+        {"during": "extra = dict(wall_s={'step': np.float32(1), 'build': np.nan})"},
+        {"during": "times = times[:1]; signals = {k: v[:1] for k, v in signals.items()}"},
+        {"during": "signals['ball.flow'] = np.zeros((len(times), 2))"},
+        {"during": "return None"},
+    ],
+    ids=[
+        "abort on import",
+        "exit on import",
+        "broken import",
+        "constructor",
+        "no contract",
+        "other signals",
+        "odd numbers",
+        "one sample",
+        "two components",
+        "no trajectory",
+    ],
+)
+def test_whatever_an_engine_does_the_others_are_kept(add_engine, fall, command, arguments):
+    add_engine("good")
+    add_engine("odd", **arguments)
+    done = command(
+        "run", fall, "--engine", "good,odd", "--contact", "mapped", "--json", "--no-report"
+    )
+    record, sources = records(done)
+    assert sources["good"]["status"] == "ok"
+    assert [s for s in record["scores"] if s["source"] == "good" and s["verdict"] == "pass"]
+    assert (Path(done.args[-1]).parent / "x").name == "x"
+    if sources["odd"]["status"] != "ok":
+        assert sources["odd"]["reason"]
+        assert done.returncode == 3
+
+
+def test_a_broken_engine_spoils_neither_show_nor_doctor(add_engine, fall, call):
+    add_engine("broken", on_import="import no_such_module")
+    code, out, _ = call("show", fall, "--json")
+    assert code == 0
+    assert "broken" in json.loads(out)["engines"]
+    code, out, err = call("doctor", "--json")
+    found = {d["engine"]: d for d in json.loads(out)["engines"]}
+    assert found["broken"]["status"] == "failed"
+    assert "no_such_module" in found["broken"]["message"]
+    assert found["pymunk"]["status"] == "ok"
+    assert code == 3
+
+
+def test_an_engine_that_hangs_when_its_process_ends_does_not_hang_the_run(
+    add_engine, fall, command
+):
+    """Its results are in; native threads that are never joined are a common fault of engines."""
+    add_engine("sticky", "import atexit; atexit.register(time.sleep, 25)")
+    started = time.monotonic()
+    try:
+        done = command(
+            "run", fall, "--engine", "sticky", "--contact", "mapped", "--time-limit", "3",
+            "--json", "--no-report", timeout=15,
+        )  # fmt: skip
+    except subprocess.TimeoutExpired:
+        pytest.fail("the run waits for a process whose results it has")
+    _, sources = records(done)
+    assert sources["sticky"]["status"] == "ok"
+    assert time.monotonic() - started < 15
+
+
+# --- Ctrl-C -----------------------------------------------------------------------------------
+
+
+def alive(pid: int) -> bool:
+    """Whether a process runs; one that has ended and was not yet collected does not."""
+    try:
+        text = Path(f"/proc/{pid}/stat").read_text()
+    except OSError:
+        return False
+    return text.rpartition(")")[2].split()[0] not in "ZX"
+
+
+def wait_for(condition, seconds: float) -> bool:
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if condition():
+            return True
+        time.sleep(0.02)
+    return bool(condition())
+
+
+@pytest.fixture
+def slow_run(add_engine, fall, tmp_path):
+    """A run whose first engine has finished and whose second hangs, with a child of its own."""
+    quick, slow = tmp_path / "quick", tmp_path / "slow"
+    add_engine("quick", f"open({str(quick)!r}, 'w').close()")
+    add_engine(
+        "slow",
+        "import subprocess; child = subprocess.Popen(['sleep', '40']);"
+        f"open({str(slow)!r} + '.part', 'w').write(f'{{os.getpid()}} {{child.pid}}');"
+        f"os.rename({str(slow)!r} + '.part', {str(slow)!r}); time.sleep(40)",
+    )
+    words = ["run", str(fall), "--engine", "quick,slow", "--contact", "mapped", "--json"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "simcompare", *words, "--no-report", "--out", "kept"],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert wait_for(lambda: quick.exists() and slow.exists(), 20), process.communicate()
+    time.sleep(0.7)  # the quick one's result is on its way through a pipe
+    pids = [int(word) for word in slow.read_text().split()]
+    assert all(map(alive, pids))
+    yield process, pids
+    for pid in [*pids, process.pid]:
+        if alive(pid):
+            os.kill(pid, signal.SIGKILL)
+    process.communicate()
+
+
+needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
+
+
+@needs_proc
+def test_ctrl_c_leaves_no_process_and_keeps_what_had_finished(slow_run, tmp_path):
+    process, pids = slow_run
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=15)
+    assert process.returncode == 130, err
+    assert "Traceback" not in err
+    assert wait_for(lambda: not any(map(alive, pids)), 2), "no orphan"
+    record = json.loads(out)
+    assert record["interrupted"] is True
+    sources = {source["name"]: source for source in record["sources"]}
+    assert sources["quick"]["status"] == "ok"
+    assert sources["slow"]["status"] == "failed"
+    assert "interrupted" in sources["slow"]["reason"]
+    (folder,) = (tmp_path / "kept").iterdir()
+    stored = json.loads((folder / "run.json").read_text())
+    assert stored["interrupted"] is True
+    assert [s for s in stored["scores"] if s["source"] == "quick"]
+
+
+@needs_proc
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGKILL])
+def test_no_worker_outlives_the_command_however_it_ends(slow_run, number):
+    """``timeout 60 simcompare run`` sends SIGTERM, a terminal that is closed SIGHUP."""
+    process, (worker, _) = slow_run
+    process.send_signal(number)
+    process.wait(timeout=10)
+    assert wait_for(lambda: not alive(worker), 4), "a worker was left behind"
