@@ -1,1 +1,1 @@
-"""Comparison reports."""
+"""Comparison reports: the same figures and tables as HTML, PDF, Markdown and pictures."""

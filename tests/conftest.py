@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any
 import pytest
 
 #: a backend over the plain protocol, as somebody else's package would hold it; exact free fall
-ENGINE = '''
+ENGINE = """
 import os, sys, time
 import numpy as np
 from simcompare.backend import Feature, KnownLimit
@@ -45,7 +46,7 @@ class Toy:
         return Trajectory("{name}", times, signals, version="1.0", **extra)
 
 BACKEND = Toy()
-'''
+"""
 
 FALL_YAML = """\
 name: fall
@@ -105,7 +106,7 @@ def add_engine(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def fall(tmp_path) -> Path:
+def fall(tmp_path: Path) -> Path:
     """A user's scenario folder with a reference, on which every exact engine passes."""
     folder = tmp_path / "mine" / "fall"
     folder.mkdir(parents=True)
@@ -115,7 +116,7 @@ def fall(tmp_path) -> Path:
 
 
 @pytest.fixture
-def write(tmp_path):
+def write(tmp_path: Path):
     """Writes a text file and returns its path."""
 
     def to(name: str, text: str | bytes) -> Path:
@@ -136,8 +137,12 @@ def call(monkeypatch, capsys, tmp_path):
         monkeypatch.chdir(tmp_path)
         monkeypatch.setattr(sys, "argv", ["simcompare", *map(str, words)])
         capsys.readouterr()
-        with pytest.raises(SystemExit) as stop:
-            main()
+        handler = signal.getsignal(signal.SIGTERM)  # the command line takes it over
+        try:
+            with pytest.raises(SystemExit) as stop:
+                main()
+        finally:
+            signal.signal(signal.SIGTERM, handler)
         out, err = capsys.readouterr()
         return stop.value.code or 0, out, err
 

@@ -1,4 +1,4 @@
-"""The scenario model: frozen values, checked once, and what a backend needs is derived from them."""
+"""The scenario model: frozen values, checked once; what a backend needs is derived from them."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from simcompare import scenario_file
 from simcompare.backend import Feature, is_planar, needs
+from simcompare.errors import InputError
 from simcompare.scenario import (
     Body,
     Plane,
@@ -112,13 +113,20 @@ def test_what_a_robot_needs_is_derived_from_its_content(robot):
 
 
 def test_needs_shrink_with_the_content():
-    ball = {"mass_kg": 1.0, "inertia_kg_m2": [1.0] * 3, "shapes": [{"type": "sphere", "radius_m": 1}]}
+    ball = {
+        "mass_kg": 1.0,
+        "inertia_kg_m2": [1.0] * 3,
+        "shapes": [{"type": "sphere", "radius_m": 1}],
+    }
     drag = {"coefficient": 0.5, "area_m2": 1.0, "air_density_kg_m3": 0.0}
     scenario = Scenario.model_validate(plain(bodies={"ball": {**ball, "drag": drag}}))
     assert needs(scenario) == {Feature.FREE_BODY, Feature.SPHERE}, "no air, no drag"
     drag["air_density_kg_m3"] = 1.2
     contacts = [{"pair": ["ball", "floor"], "restitution": 0.5}]
-    bodies = {"ball": {**ball, "drag": drag}, "floor": {"fixed": True, "shapes": [{"type": "plane"}]}}
+    bodies = {
+        "ball": {**ball, "drag": drag},
+        "floor": {"fixed": True, "shapes": [{"type": "plane"}]},
+    }
     scenario = Scenario.model_validate(plain(bodies=bodies, contacts=contacts))
     assert needs(scenario) == {
         Feature.FREE_BODY,
@@ -251,6 +259,10 @@ def test_every_dangling_reference_is_named_with_its_place():
     assert "floor" in faults["contacts.1.pair"], "what there is instead"
 
 
+def probe(observe, component):
+    return {"observe": observe, "component": component, "label": "h", "unit": "m"}
+
+
 def wheel(**changes):
     return {"type": "hinge", "parent": "floor", "child": "ball", **changes}
 
@@ -276,23 +288,26 @@ def wheel(**changes):
         (
             "measures.0.function",
             {
-                "probes": {"h": {"observe": "ball.position_m", "component": 2, "label": "h", "unit": "m"}},
+                "probes": {"h": probe("ball.position_m", 2)},
                 "measures": [{"function": "bounce", "probe": "h", "body": "ball"}],
             },
         ),
-        ("probes.h.observe", {"probes": {"h": {"observe": "ball.hight_m", "label": "h", "unit": "m"}}}),
-        ("probes.h", {"probes": {"h": {"observe": "ball.position_m", "component": 3, "label": "h", "unit": "m"}}}),
-        ("tolerances.restitutoin", {"tolerances": {"restitutoin": {"relative": 0.1, "reason": "because it is so"}}}),
+        ("probes.h.observe", {"probes": {"h": probe("ball.hight_m", None)}}),
+        ("probes.h", {"probes": {"h": probe("ball.position_m", 3)}}),
+        (
+            "tolerances.restitutoin",
+            {"tolerances": {"restitutoin": {"relative": 0.1, "reason": "because it is so"}}},
+        ),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
-)  # fmt: skip
+)
 def test_what_no_engine_could_run_or_no_score_could_meet_is_refused_on_reading(
     place, changes, write
 ):
     """Else it is found after all engines have run, or a mistyped tolerance is never judged."""
     tree = plain(**changes)
     tree["bodies"]["floor"] = {"fixed": True, "shapes": [{"type": "plane"}]}
-    with pytest.raises(scenario_file.InputError, match=place.replace(".", r"\.")):
+    with pytest.raises(InputError, match=place.replace(".", r"\.")):
         scenario_file.read(write("toy.yaml", yaml.safe_dump(tree)))
 
 

@@ -87,7 +87,8 @@ def test_a_wrong_quantity_is_one_sentence_that_names_the_place(text, unit, expec
 
 
 @pytest.mark.parametrize(
-    "text", ["2 )", "2 1/0", "3 __import__('os')", "2 'm'", "2 m**(", "2 m\\", "2 0*m", "2 m;m", "2 \0"]
+    "text",
+    ["2 )", "2 1/0", "3 __import__('os')", "2 'm'", "2 m**(", "2 m\\", "2 0*m", "2 m;m", "2 \0"],
 )
 def test_a_unit_that_is_no_unit_at_all_is_an_input_error_too(text):
     with pytest.raises(InputError):

@@ -1,0 +1,170 @@
+"""Reports from runs: HTML, PDF, Markdown, and the figures alone for a paper."""
+
+from __future__ import annotations
+
+import functools
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from simcompare.errors import UnknownName
+from simcompare.experiment import Run
+from simcompare.reports import output
+from simcompare.reports.figures import Figure
+from simcompare.reports.sections import SECTIONS
+from simcompare.reports.sections.base import Section
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+_TEMPLATES = Path(__file__).parent / "templates"
+#: formats of figures; kept here so that a wrong one is found without importing matplotlib
+FIGURE_FORMATS = ("pdf", "png", "svg")
+
+
+class Filled(NamedTuple):
+    """A section with what it shows of one run."""
+
+    section: Section
+    context: dict[str, Any]
+
+
+class Block(NamedTuple):
+    """One run in a report.
+
+    Attributes:
+        anchor: prefix of everything that is linked to in this block.
+        record: the run's record.
+        sections: what there is to show, in order.
+    """
+
+    anchor: str
+    record: Any
+    sections: list[Filled]
+
+    @property
+    def figures(self) -> list[Figure]:
+        """Every figure of the run."""
+        return [figure for filled in self.sections for figure in filled.context.get("figures", ())]
+
+    @property
+    def contexts(self) -> dict[str, dict[str, Any]]:
+        """Contexts of the sections by their names."""
+        return {filled.section.name: filled.context for filled in self.sections}
+
+
+def write_html(runs: Sequence[Run], path: Path) -> Path:
+    """Writes one HTML file that needs no network and nothing beside it.
+
+    Raises:
+        OutputError: it cannot be written, or plotly's script is not installed.
+    """
+    from markupsafe import Markup
+
+    from simcompare.reports import plotly_
+
+    text = (
+        _environment()
+        .get_template("report.html")
+        .render(
+            blocks=blocks_of(runs),
+            css=Markup((_TEMPLATES / "report.css").read_text(encoding="utf-8")),
+            js=Markup((_TEMPLATES / "report.js").read_text(encoding="utf-8")),
+            plotly=Markup(plotly_.script()),
+        )
+    )
+    return output.write(Path(path), text.encode("utf-8"))
+
+
+def write_figures(runs: Sequence[Run], folder: Path, format: str) -> list[Path]:
+    """Writes every figure of the runs as a file of its own, for a paper.
+
+    Args:
+        runs: one or several runs.
+        folder: where to; made where it does not exist.
+        format: "pdf" and "svg" (vectors) or "png" (300 dpi).
+
+    Raises:
+        UnknownName: another format.
+        OutputError: a file cannot be written.
+    """
+    if format not in FIGURE_FORMATS:
+        raise UnknownName("figure format", format, FIGURE_FORMATS)
+    from simcompare.reports import matplotlib_
+
+    blocks = blocks_of(runs)
+    written = []
+    for block in blocks:
+        # with several runs their number keeps the names apart
+        prefix = f"{block.anchor}-" if len(blocks) > 1 else ""
+        for figure in block.figures:
+            stem = re.sub(r"[^\w.-]+", "_", f"{prefix}{block.record['scenario']}-{figure.name}")
+            content = matplotlib_.rendered(figure, format)
+            written.append(output.write(Path(folder) / f"{stem}.{format}", content))
+    return written
+
+
+def write_pdf(runs: Sequence[Run], path: Path) -> Path:
+    """Writes one PDF: answer, every figure with its caption, and the scores.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    from simcompare.reports import matplotlib_, pages
+
+    found = [page for block in blocks_of(runs) for page in pages.of(block)]
+    return output.write(Path(path), matplotlib_.document(found))
+
+
+def write_markdown(runs: Sequence[Run], path: Path) -> Path:
+    """Writes a short report of tables that reads well as plain text too.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    text = _environment().get_template("report.md").render(blocks=blocks_of(runs))
+    return output.write(Path(path), text.encode("utf-8"))
+
+
+def blocks_of(runs: Sequence[Run]) -> list[Block]:
+    """What a report shows of each run."""
+    return [
+        Block(
+            f"run{number}",
+            run.record,
+            [
+                Filled(section, context)
+                for section in SECTIONS
+                if (context := section.context(run)) is not None
+            ],
+        )
+        for number, run in enumerate(runs, start=1)
+    ]
+
+
+@functools.cache
+def _environment() -> Environment:
+    import jinja2
+    from markupsafe import Markup
+
+    from simcompare.reports import plotly_
+
+    def figure_json(figure: Figure) -> Markup:
+        return Markup(plotly_.embedded(figure))  # it has escaped itself
+
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(_TEMPLATES),
+        autoescape=jinja2.select_autoescape(["html"]),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(figure_json=figure_json, cell=_cell)
+    return environment
+
+
+def _cell(text: object) -> str:
+    """Text that neither ends a cell of a Markdown table nor is read as markup."""
+    line = " ".join(str(text).split())
+    return re.sub(r"([\\`*_\[\]<>|])", r"\\\1", line)

@@ -1,0 +1,153 @@
+"""Figures for a paper, drawn by matplotlib without its global state."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from simcompare.reports.figures import Band, Figure, Panel, Series, decimated
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Canvas
+
+FORMATS = ("pdf", "png", "svg")
+DPI = 300
+#: two columns of a journal [inch]; a single panel takes one and a half
+_WIDTH, _SINGLE_WIDTH, _HEIGHT = 7.2, 5.0, 3.1
+#: from pixels on a screen to points on paper
+_SCALE = 0.55
+#: size of a legend entry without its text, and of a letter of it
+_ENTRY_INCH, _LETTER_INCH = 0.62, 0.068
+_DASHES: dict[str, Any] = {
+    "solid": "-",
+    "dash": (0, (5, 2)),
+    "dot": (0, (1, 1.3)),
+    "dashdot": (0, (6, 2, 1, 2)),
+    "longdash": (0, (9, 3)),
+    "longdashdot": (0, (9, 2, 1, 2)),
+}
+_MARKERS = {
+    "circle": "o", "square": "s", "diamond": "D", "triangle-up": "^",
+    "triangle-down": "v", "x": "X", "star": "*",
+}  # fmt: skip
+_LOOK: Any = {  # matplotlib types every key by itself
+    "font.family": "DejaVu Sans",  # ships with matplotlib: the same on every machine
+    "font.size": 8,
+    "axes.titlesize": 8.5,
+    "legend.fontsize": 8,
+    "axes.grid": True,
+    "grid.color": "#E3E3E3",
+    "axes.axisbelow": True,
+    "pdf.fonttype": 42,  # text stays text in a vector program
+    "svg.hashsalt": "simcompare",
+}
+
+
+def rendered(figure: Figure, format: str) -> bytes:
+    """A figure as the content of a "pdf", "png" or "svg" file; the same bytes every time."""
+    import matplotlib as mpl
+
+    with mpl.rc_context(_LOOK):
+        stream = io.BytesIO()
+        # a date in the file would make two equal reports differ
+        metadata = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(format)
+        canvas(figure).savefig(stream, format=format, dpi=DPI, metadata=metadata)
+    return stream.getvalue()
+
+
+def document(pages: Sequence[Canvas]) -> bytes:
+    """Pages as one PDF file."""
+    import matplotlib as mpl
+    from matplotlib.backends.backend_pdf import PdfPages
+
+    stream = io.BytesIO()
+    with mpl.rc_context(_LOOK), PdfPages(stream, metadata={"CreationDate": None}) as file:
+        for page in pages:
+            file.savefig(page)
+    return stream.getvalue()
+
+
+def canvas(figure: Figure) -> Canvas:
+    """A figure as matplotlib's, sized for a paper."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure as NewCanvas
+
+    count = len(figure.panels)
+    width = _SINGLE_WIDTH if count == 1 else _WIDTH * max(1.0, count / 2)
+    with mpl.rc_context(_LOOK):
+        page = NewCanvas(figsize=(width, _HEIGHT), layout="constrained")
+        draw(page, figure)
+    return page
+
+
+def draw(page: Any, figure: Figure) -> None:  # noqa: ANN401  (a Figure or a SubFigure of matplotlib)
+    """Draws the panels side by side with one legend above them."""
+    widths = [panel.weight for panel in figure.panels]
+    row = page.subplots(1, len(widths), sharey=figure.share_y, squeeze=False, width_ratios=widths)[
+        0
+    ]
+    handles: dict[str, Any] = {}
+    for i, (axes, panel) in enumerate(zip(row, figure.panels, strict=True)):
+        for band in panel.bands:
+            handles.setdefault(band.label, _band(axes, band))
+        for series in panel.series:
+            handles.setdefault(series.label, _series(axes, series))
+        _frame(axes, panel, labelled=i == 0 or not figure.share_y)
+    if handles:
+        page.legend(
+            list(handles.values()), list(handles), loc="outside upper center", frameon=False,
+            ncols=_columns(page, handles), handlelength=3.2,
+        )  # fmt: skip
+
+
+def _columns(page: Any, labels: Iterable[str]) -> int:  # noqa: ANN401
+    """How many entries of a legend fit side by side."""
+    widths = [_ENTRY_INCH + _LETTER_INCH * len(label) for label in labels]
+    free = page.bbox.width / page.figure.dpi
+    return max(1, min(len(widths), int(free / max(widths)) if sum(widths) > free else len(widths)))
+
+
+def _frame(axes: Axes, panel: Panel, *, labelled: bool) -> None:
+    axes.set_title(panel.title, fontweight="bold")
+    axes.set_xlabel(panel.x_label)
+    if labelled:
+        axes.set_ylabel(panel.y_label)
+    if panel.log_y:
+        axes.set_yscale("log")
+    if panel.y_range is not None:
+        axes.set_ylim(*panel.y_range)
+    if panel.whole_x:
+        from matplotlib.ticker import MaxNLocator
+
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    if panel.x_ticks is not None:
+        axes.set_xticks(range(len(panel.x_ticks)), panel.x_ticks)
+    if panel.x_range is not None:
+        axes.set_xlim(*panel.x_range)
+
+
+def _band(axes: Axes, band: Band) -> Any:  # noqa: ANN401  (a handle for the legend)
+    if band.centre is not None:
+        axes.axhline(band.centre, color="#555555", linewidth=0.8, zorder=1)
+    return axes.axhspan(band.low, band.high, color="#000000", alpha=0.1, linewidth=0)
+
+
+def _series(axes: Axes, series: Series) -> Any:  # noqa: ANN401  (a handle for the legend)
+    style = series.style
+    look: dict[str, Any] = {
+        "color": style.colour,
+        "linestyle": _DASHES[style.dash] if series.line else "none",
+        "linewidth": style.width * _SCALE,
+        "dash_capstyle": "butt",
+    }
+    if series.points:
+        look |= {
+            "marker": _MARKERS[style.marker],
+            "markersize": 4.5,
+            "markerfacecolor": "#ffffff" if style.hollow else style.colour,
+        }
+        return axes.errorbar(series.x, series.y, yerr=series.u, capsize=2, elinewidth=0.9, **look)
+    x, y = decimated(series.x, series.y)
+    return axes.plot(x, y, **look)[0]

@@ -1,0 +1,83 @@
+"""Numbers as people read them: a value with its uncertainty, in sensible digits."""
+
+from __future__ import annotations
+
+import math
+
+#: outside of these powers of ten a number is written as a mantissa and a power
+_PLAIN = (-3, 6)
+_MISSING = "–"
+#: relative size below which a difference of two doubles is rounding
+_ROUNDING = 1e-12
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def plain(value: float | None, digits: int = 6) -> str:
+    """A number alone, in at most so many significant digits; a dash where there is none."""
+    if value is None or not math.isfinite(value):
+        return _MISSING
+    if value == 0:
+        return "0"
+    power = _power(value)
+    mantissa = value / 10.0 ** (power or 0)
+    place = digits - 1 - math.floor(math.log10(abs(mantissa)))
+    text = f"{round(mantissa, place):.{max(place, 0)}f}"
+    text = _minus(text.rstrip("0").rstrip(".") if "." in text else text)
+    return text if power is None else f"{text}·10{_raised(power)}"
+
+
+def with_u(
+    value: float | None, u: float | None, unit: str = "1", scale: float | None = None
+) -> str:
+    """``value ± u``: u in two significant digits, the value to the same place.
+
+    Args:
+        value: the value; a dash where it is ``None`` or not finite.
+        u: its standard uncertainty; left out where it is ``None``.
+        unit: unit, ``"1"`` for none.
+        scale: size of the quantity (its truth, say); what is a rounding error of it counts as 0.
+    """
+    if value is None or not math.isfinite(value):
+        return _MISSING
+    smallest = _ROUNDING * max(abs(value), abs(scale or 0.0))
+    value = value if abs(value) > smallest else 0.0
+    after = "" if unit in ("", "1") else f" {unit}"
+    if u is None or not math.isfinite(u):
+        return plain(value) + after
+    if u <= smallest:
+        text = f"{plain(value)} ± 0"
+        return f"({text}){after}" if after else text
+    power = _power(max(abs(value), u))
+    factor = 10.0 ** (power or 0)
+    text = _same_place(value / factor, u / factor)
+    if power is None:
+        return f"({text}){after}" if after else text
+    return f"({text})·10{_raised(power)}{after}"
+
+
+def percent(part: float | None) -> str:
+    """A part of 1 as per cent, in two significant digits where it is below 100 %."""
+    if part is None or not math.isfinite(part):
+        return _MISSING
+    return f"{plain(100 * part, 2 if abs(part) < 1 else 3)} %"
+
+
+def _same_place(value: float, u: float) -> str:
+    # the exponent after rounding, so that 0.0996 is 0.10 and not 0.100
+    place = 1 - int(f"{u:.1e}".partition("e")[2])
+    decimals = max(place, 0)
+    return f"{_minus(f'{round(value, place):.{decimals}f}')} ± {round(u, place):.{decimals}f}"
+
+
+def _power(value: float) -> int | None:
+    """The power of ten to write apart, ``None`` where the number reads well without."""
+    power = math.floor(math.log10(abs(value)))
+    return None if _PLAIN[0] <= power < _PLAIN[1] else power
+
+
+def _raised(power: int) -> str:
+    return str(power).translate(_SUPERSCRIPTS)
+
+
+def _minus(text: str) -> str:
+    return text.replace("-", "−")

@@ -1,0 +1,177 @@
+"""Pages of the PDF report: the answer, every figure with its caption, and the scores."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+from simcompare.reports import matplotlib_
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Canvas
+
+    from simcompare.reports.builder import Block
+    from simcompare.reports.figures import Figure
+
+#: A4 across [inch], and the line height of its text as part of the page
+_SIZE, _LINE = (11.69, 8.27), 0.026
+_LEFT, _TOP, _BOTTOM = 0.06, 0.93, 0.06
+#: letters of 10 points on a line across the page, and of 9 points on the whole page
+_WRAP, _CELL_WRAP = 150, 190
+#: a heading is not left alone at the foot of a page
+_GROUP = 6 * _LINE
+_INK, _SOFT = "#1b1b1b", "#555555"
+
+Cells = Sequence[str]
+
+
+def of(block: Block) -> Iterator[Canvas]:
+    """Pages of one run."""
+    figures = block.figures
+    yield _first(block, figures[0] if figures else None)
+    for figure in figures[1:]:
+        yield _with_figure(figure)
+    for name, heading in (("measurement", "Against measurement"), ("scores", "Scores")):
+        context = block.contexts.get(name)
+        if context is not None:
+            lines = _measured_lines(context) if name == "measurement" else _score_lines(context)
+            yield from _table_pages(heading, lines)
+    yield from _table_pages("How it was made", _setup_lines(block.contexts["setup"]))
+
+
+def _first(block: Block, figure: Figure | None) -> Canvas:
+    page = _blank()
+    y = _write(page, _TOP, str(block.record["title"]), size=20, weight="bold")
+    y = _write(page, y - 0.01, str(block.record["question"]), size=12, colour=_SOFT)
+    for sentence in block.contexts["answer"]["answer"]:
+        y = _write(page, y - 0.008, sentence, size=12)
+    if figure is not None:
+        _place(page, figure, y - 0.02)
+    return page
+
+
+def _with_figure(figure: Figure) -> Canvas:
+    page = _blank()
+    y = _write(page, _TOP, figure.title, size=16, weight="bold")
+    _place(page, figure, y - 0.01)
+    return page
+
+
+def _place(page: Canvas, figure: Figure, top: float) -> None:
+    """Draws a figure between ``top`` and its caption at the foot of the page."""
+    lines = textwrap.wrap(figure.caption, _WRAP)
+    foot = _BOTTOM + len(lines) * _LINE
+    _write(page, foot - 0.01, figure.caption, size=10, colour=_SOFT)
+    height = top - foot
+    grid: Any = page.subfigures(
+        3,
+        3,
+        height_ratios=[1 - top, height, foot],
+        width_ratios=[_LEFT, 1 - 2 * _LEFT, _LEFT],
+    )
+    matplotlib_.draw(grid[1, 1], figure)
+
+
+def _table_pages(heading: str, lines: Sequence[tuple[Cells, bool]]) -> Iterator[Canvas]:
+    """Rows of cells, each with whether it is a heading, on as many pages as they need."""
+    rest = list(lines)
+    while rest:
+        page = _blank()
+        y = _write(page, _TOP, heading, size=16, weight="bold") - 0.01
+        while rest and y > _BOTTOM + (_GROUP if rest[0][1] else 0):
+            cells, strong = rest.pop(0)
+            y = _row(page, y - (0.012 if strong else 0), cells, strong)
+        yield page
+
+
+def _row(page: Canvas, y: float, cells: Cells, strong: bool) -> float:
+    weight = "bold" if strong else "normal"
+    if len(cells) == 1:
+        return _write(page, y, cells[0], size=9, weight=weight)
+    step = (1 - 2 * _LEFT) / len(cells)
+    lowest = y
+    for i, cell in enumerate(cells):
+        end = _write(
+            page, y, cell, size=9, weight=weight, left=_LEFT + i * step, wrap=int(_CELL_WRAP * step)
+        )
+        lowest = min(lowest, end)
+    return lowest
+
+
+def _score_lines(context: dict[str, Any]) -> list[tuple[Cells, bool]]:
+    lines: list[tuple[Cells, bool]] = []
+    for group in context["groups"]:
+        head = f"{group['title']}{group['unit']}"
+        if group["truth"] is not None:
+            head += f": truth {group['truth']}"
+        if group["tolerance"] is not None:
+            head += f", tolerance ± {group['tolerance']}"
+        lines.append(((head,), True))
+        if group["reason"]:
+            lines.append(((group["reason"],), False))
+        columns = [text for mode, _ in context["modes"] for text in (mode, "verdict")]
+        lines.append((("engine", *columns), False))
+        for row in group["rows"]:
+            cells = [row["name"]]
+            for cell in row["cells"]:
+                cells += ["–", "–"] if cell is None else [cell["value"], cell["words"]]
+            lines.append((cells, False))
+    return lines
+
+
+def _measured_lines(context: dict[str, Any]) -> list[tuple[Cells, bool]]:
+    head = context["head"]
+    lines: list[tuple[Cells, bool]] = [((head.get("title", context["file"]),), True)]
+    told = [key for key in ("citation", "seen", "note") if key in head]
+    lines += [((f"{key}: {head[key]}",), False) for key in told]
+    for group in context["groups"]:
+        limits = f", stated limits {group['limits']}" if group["limits"] else ""
+        lines.append(((f"{group['title']}: measured {group['measured']}{limits}",), True))
+        lines.append((("engine", "value ± u", "E_n", "inside"), False))
+        for row in group["rows"]:
+            inside = f"{row['symbol']} {row['words']}"
+            cells = (f"{row['source']}, {row['mode']}", row["value"], row["e_n"], inside)
+            lines.append((cells, False))
+    return lines
+
+
+def _setup_lines(context: dict[str, Any]) -> list[tuple[Cells, bool]]:
+    lines: list[tuple[Cells, bool]] = [
+        (("To make it again",), True),
+        ((context["command"],), False),
+    ]
+    lines.append((("Settings, versions and machine",), True))
+    lines += [((f"{key}: {value}",), False) for key, value in context["settings"].items()]
+    lines += [((f"{key}: {value}",), False) for key, value in context["software"].items()]
+    lines += [((f"{key}: {value}",), False) for key, value in context["machine"].items()]
+    lines.append((("engine", "version", "mode", "status", "run (ms)"), True))
+    for row in context["sources"]:
+        cells = (row["name"], row["version"], row["mode"], row["status"], row["step"])
+        lines.append((tuple(map(str, cells)), False))
+    for row in context["missing"]:
+        lines.append(((f"{row['name']}, {row['modes']}: {row['reason']}",), False))
+    return lines
+
+
+def _blank() -> Canvas:
+    import matplotlib as mpl
+    from matplotlib.figure import Figure as NewCanvas
+
+    with mpl.rc_context():
+        return NewCanvas(figsize=_SIZE, layout="constrained")
+
+
+def _write(
+    page: Canvas, y: float, text: str, *, size: float, weight: str = "normal",
+    colour: str = _INK, left: float = _LEFT, wrap: int = 0,
+) -> float:  # fmt: skip
+    """Writes wrapped text from ``y`` down and returns where it ends."""
+    # a fitting number of letters for the size of the type
+    lines = textwrap.wrap(text, wrap or int(_WRAP * 10 / size)) or [""]
+    for line in lines:
+        # a dollar sign would start mathematics
+        shown = line.replace("$", r"\$")
+        page.text(left, y, shown, size=size, weight=weight, color=colour, va="top")
+        y -= _LINE * size / 10
+    return y

@@ -1,0 +1,202 @@
+"""Figures as plotly's JSON, written without the plotly package; its script is inlined once."""
+
+from __future__ import annotations
+
+import functools
+import html
+import importlib.util
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from simcompare.errors import OutputError
+from simcompare.reports.figures import Band, Figure, Panel, Series, decimated
+from simcompare.trajectory import Array
+
+FONT_PX = 16
+#: space between panels, as part of the width
+_GAP, _SHARED_GAP = 0.1, 0.03
+#: digits that are kept of a coordinate; a screen shows fewer
+_DIGITS = 7
+_INK, _GRID = "#222222", "#E3E3E3"
+_BAND_FILL, _BAND_LINE = "rgba(0, 0, 0, 0.09)", "#555555"
+
+
+@functools.cache
+def script() -> str:
+    """Plotly's JavaScript, from the installed package but without importing it.
+
+    Raises:
+        OutputError: the package is not installed.
+    """
+    spec = importlib.util.find_spec("plotly")
+    for folder in spec.submodule_search_locations or () if spec else ():
+        path = Path(folder) / "package_data" / "plotly.min.js"
+        if path.is_file():
+            # inside of a script element only this sequence could end it early
+            return path.read_text(encoding="utf-8").replace("</script", "<\\/script")
+    raise OutputError("plotly's script plotly.min.js is not installed; cure: pip install plotly")
+
+
+def embedded(figure: Figure) -> str:
+    """A figure as JSON that can stand inside of a script element."""
+    text = json.dumps(as_dict(figure), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+
+
+def as_dict(figure: Figure) -> dict[str, Any]:
+    """A figure as plotly's ``{"data": …, "layout": …}``; numbers that are not finite are null."""
+    layout: dict[str, Any] = {
+        "font": {"size": FONT_PX, "color": _INK},
+        "paper_bgcolor": "#ffffff",
+        "plot_bgcolor": "#ffffff",
+        "margin": {"l": 84, "r": 16, "t": 96, "b": 64},
+        "legend": {
+            "orientation": "h",
+            "x": 0,
+            "y": 1.13,
+            "yanchor": "bottom",
+            "font": {"size": FONT_PX},
+        },
+        "hoverlabel": {"font": {"size": FONT_PX - 2}},
+        "annotations": [],
+        "shapes": [],
+    }
+    data: list[dict[str, Any]] = []
+    listed: set[str] = set()
+    for i, (panel, domain) in enumerate(zip(figure.panels, _domains(figure), strict=True)):
+        axis = "" if i == 0 else str(i + 1)
+        shared = figure.share_y and i > 0
+        layout[f"xaxis{axis}"] = _x_axis(panel, domain, axis)
+        layout[f"yaxis{axis}"] = _y_axis(panel, axis, shared)
+        middle = (domain[0] + domain[1]) / 2
+        layout["annotations"].append(_head(panel.title, middle))
+        for band in panel.bands:
+            layout["shapes"] += _band(band, axis, band.label not in listed)
+            listed.add(band.label)
+        for series in panel.series:
+            data.append(_trace(series, axis, series.label not in listed))
+            listed.add(series.label)
+    return {"data": data, "layout": layout}
+
+
+def _domains(figure: Figure) -> list[tuple[float, float]]:
+    count = len(figure.panels)
+    gap = (_SHARED_GAP if figure.share_y else _GAP) if count > 1 else 0.0
+    free = 1 - gap * (count - 1)
+    whole = sum(panel.weight for panel in figure.panels)
+    found, start = [], 0.0
+    for panel in figure.panels:
+        end = start + free * panel.weight / whole
+        found.append((start, min(end, 1.0)))
+        start = end + gap
+    return found
+
+
+def _axis(label: str) -> dict[str, Any]:
+    return {
+        "title": {"text": _text(label), "standoff": 10},
+        "gridcolor": _GRID,
+        "linecolor": "#999999",
+        "zeroline": False,
+        "showline": True,
+        "mirror": True,
+        "ticks": "outside",
+        "exponentformat": "power",
+    }
+
+
+def _x_axis(panel: Panel, domain: tuple[float, float], axis: str) -> dict[str, Any]:
+    found = {**_axis(panel.x_label), "domain": list(domain), "anchor": f"y{axis}"}
+    if panel.x_range is not None:
+        found["range"] = list(panel.x_range)
+        if panel.whole_x:
+            found |= {"tick0": 0, "dtick": max(1, round((panel.x_range[1]) / 10))}
+    if panel.x_ticks is not None:
+        count = len(panel.x_ticks)
+        found |= {
+            "tickvals": list(range(count)),
+            "ticktext": [_text(tick) for tick in panel.x_ticks],
+            "tickangle": 0,
+        }
+    return found
+
+
+def _y_axis(panel: Panel, axis: str, shared: bool) -> dict[str, Any]:
+    found = {**_axis("" if shared else panel.y_label), "anchor": f"x{axis}"}
+    if panel.log_y:
+        found |= {"type": "log", "dtick": 1}
+    if panel.y_range is not None:
+        low, high = np.log10(panel.y_range) if panel.log_y else panel.y_range
+        found["range"] = [float(low), float(high)]
+    if shared:
+        found |= {"matches": "y", "showticklabels": False}
+    return found
+
+
+def _head(title: str, middle: float) -> dict[str, Any]:
+    return {
+        "text": f"<b>{_text(title)}</b>",
+        "x": middle, "y": 1.02, "xref": "paper", "yref": "paper",
+        "xanchor": "center", "yanchor": "bottom", "showarrow": False,
+        "font": {"size": FONT_PX + 1},
+    }  # fmt: skip
+
+
+def _band(band: Band, axis: str, listed: bool) -> list[dict[str, Any]]:
+    place = {"xref": f"x{axis} domain", "yref": f"y{axis}", "x0": 0, "x1": 1, "layer": "below"}
+    fill = {
+        "type": "rect", "y0": band.low, "y1": band.high, "fillcolor": _BAND_FILL,
+        "line": {"width": 0}, "name": _text(band.label), "showlegend": listed,
+    }  # fmt: skip
+    shapes = [{**place, **fill}]
+    if band.centre is not None:
+        line = {"color": _BAND_LINE, "width": 1.5}
+        shapes.append({**place, "type": "line", "y0": band.centre, "y1": band.centre, "line": line})
+    return shapes
+
+
+def _trace(series: Series, axis: str, listed: bool) -> dict[str, Any]:
+    x, y = (series.x, series.y) if series.points else decimated(series.x, series.y)
+    style = series.style
+    modes = [name for name, on in (("lines", series.line), ("markers", series.points)) if on]
+    found: dict[str, Any] = {
+        "type": "scatter", "mode": "+".join(modes), "name": _text(series.label),
+        "legendgroup": series.label, "showlegend": listed,
+        "x": _numbers(x), "y": _numbers(y), "xaxis": f"x{axis}", "yaxis": f"y{axis}",
+        "line": {"color": style.colour, "dash": style.dash, "width": style.width,
+                 "simplify": False},
+    }  # fmt: skip
+    if series.points:
+        symbol = f"{style.marker}-open" if style.hollow else style.marker
+        found["marker"] = {
+            "symbol": symbol,
+            "size": 11,
+            "color": style.colour,
+            "line": {"width": 2 if style.hollow else 0, "color": style.colour},
+        }
+    if series.u is not None:
+        found["error_y"] = {
+            "type": "data", "array": _numbers(series.u), "color": style.colour,
+            "thickness": 2, "width": 5,
+        }  # fmt: skip
+    return found
+
+
+def _numbers(values: Array) -> list[float | None]:
+    values = np.asarray(values, dtype=float)
+    finite = np.isfinite(values) & (values != 0)
+    powers = np.zeros(len(values))
+    np.log10(np.abs(values), out=powers, where=finite)
+    scale = 10.0 ** (_DIGITS - 1 - np.floor(powers))
+    rounded = np.where(finite, np.round(values * scale) / scale, values)
+    if np.isfinite(rounded).all():
+        return list(rounded.tolist())
+    return [value if np.isfinite(value) else None for value in rounded.tolist()]
+
+
+def _text(text: str) -> str:
+    """Plotly reads labels as a little HTML."""
+    return html.escape(text, quote=False).replace("\n", "<br>")

@@ -1,0 +1,173 @@
+"""What reports ask of a run: its sources, modes, scores and nominal trajectories."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from simcompare.backend import DEFAULT, MAPPED
+from simcompare.compare import PASS, Score
+from simcompare.errors import UnknownName
+from simcompare.experiment import TRUTH, Run
+from simcompare.jobs import OK
+from simcompare.measures import observe
+from simcompare.reports import numbers
+from simcompare.scenario import Probe
+from simcompare.trajectory import Array, Trajectory
+
+_MODES = {
+    DEFAULT: ("as each engine behaves by default", "by default"),
+    MAPPED: ("scenario's physics mapped", "mapped"),
+}
+
+
+def modes(run: Run) -> list[str]:
+    """Contact modes of a run, in the order in which they were asked for."""
+    return list(dict.fromkeys(str(source["contact"]) for source in run.record["sources"]))
+
+
+def judged_modes(run: Run) -> list[str]:
+    """Modes in which the engines were given the scenario's physics; all if there is none."""
+    return [mode for mode in modes(run) if mode != DEFAULT] or modes(run)
+
+
+def names(run: Run) -> list[str]:
+    """Names of all engines of a run, those that did not run included."""
+    return list(dict.fromkeys(str(source["name"]) for source in run.record["sources"]))
+
+
+def mode_title(mode: str) -> str:
+    """A contact mode in words, for the head of a panel."""
+    return _MODES.get(mode, (f"contact mode {mode}", mode))[0]
+
+
+def mode_words(mode: str) -> str:
+    """A contact mode in one or two words, for a table."""
+    return _MODES.get(mode, (mode, mode))[1]
+
+
+def source_of(run: Run, name: str, mode: str) -> Mapping[str, Any] | None:
+    """The record of one engine in one mode."""
+    for source in run.record["sources"]:
+        if source["name"] == name and source["contact"] == mode:
+            found: Mapping[str, Any] = source
+            return found
+    return None
+
+
+def ran(run: Run, mode: str) -> list[str]:
+    """Engines that ran in a mode."""
+    return [
+        str(source["name"])
+        for source in run.record["sources"]
+        if source["contact"] == mode and source["status"] == OK
+    ]
+
+
+def not_run(run: Run) -> list[dict[str, str]]:
+    """Engine, modes, status and reason of everything that did not run; one row for one reason."""
+    rows: dict[tuple[str, str, str], list[str]] = {}
+    for source in run.record["sources"]:
+        if source["status"] != OK:
+            key = (source["name"], source["status"], source["reason"] or "no reason is known")
+            rows.setdefault(key, []).append(mode_words(source["contact"]))
+    return [
+        {"name": name, "status": status, "reason": reason, "modes": ", ".join(found)}
+        for (name, status, reason), found in rows.items()
+    ]
+
+
+def measure_words(measure: str) -> str:
+    """The name of a measure as people say it."""
+    return measure.replace("_", " ")
+
+
+def unit_words(unit: str) -> str:
+    """A unit in brackets with a space before it, nothing for a plain number."""
+    return "" if unit in ("", "1") else f" ({unit})"
+
+
+def probes(run: Run) -> dict[str, Probe]:
+    """The probes of a run's scenario, the leading one first."""
+    return {name: Probe(**probe) for name, probe in (run.record.get("probes") or {}).items()}
+
+
+def nominal(run: Run, source: str, contact: str) -> Trajectory | None:
+    """The trajectory of the nominal repeat, which is the middle one."""
+    middle = int(run.record["repeats"]) // 2
+    for stored in run.trajectories:
+        if (stored.source, stored.contact, stored.repeat) == (source, contact, middle):
+            return stored.trajectory
+    return None
+
+
+def truth(run: Run) -> Trajectory | None:
+    """The truth for the nominal parameters."""
+    return nominal(run, TRUTH, "")
+
+
+def seen(trajectory: Trajectory | None, probe: Probe) -> Array | None:
+    """What a probe sees, ``None`` where the source has no such signal."""
+    if trajectory is None:
+        return None
+    try:
+        return observe(trajectory, probe)
+    except UnknownName:
+        return None
+
+
+def score_of(run: Run, source: str, contact: str, measure: str) -> Score | None:
+    """The score of a whole run of one source."""
+    for score in run.scores:
+        if (score.source, score.contact, score.measure, score.index) == (
+            source, contact, measure, None,
+        ):  # fmt: skip
+            return score
+    return None
+
+
+def measures(run: Run) -> list[str]:
+    """Everything that was measured once a run: what has a tolerance first."""
+    found = dict.fromkeys(score.measure for score in run.scores if score.index is None)
+    first = [name for name in run.record["tolerances"] if name in found]
+    return first + [name for name in found if name not in first]
+
+
+def judged(run: Run) -> list[str]:
+    """What has a truth and a tolerance, in the order in which the scenario names it."""
+    found = {
+        score.measure for score in run.scores if score.index is None and score.truth is not None
+    }
+    return [name for name in run.record["tolerances"] if name in found]
+
+
+def width(run: Run, score: Score) -> float | None:
+    """Half-width of the band that the scenario accepts, also where nothing was judged."""
+    tolerance = run.record["tolerances"].get(score.measure)
+    if score.tolerance is not None or tolerance is None or score.truth is None:
+        return score.tolerance
+    if tolerance.get("absolute") is not None:
+        return float(tolerance["absolute"])
+    return float(tolerance["relative"]) * abs(score.truth)
+
+
+def share_of_tolerance(run: Run, score: Score) -> float | None:
+    """|deviation| over tolerance: up to 1 is accepted."""
+    accepted = width(run, score)
+    if score.value is None or score.truth is None or not accepted:
+        return None
+    return abs(score.value - score.truth) / accepted
+
+
+def passed(run: Run, source: str, mode: str) -> tuple[int, int]:
+    """How many tolerances a source met, and of how many."""
+    found = [score_of(run, source, mode, name) for name in judged(run)]
+    verdicts = [score.verdict for score in found if score is not None]
+    return verdicts.count(PASS), len(verdicts)
+
+
+def value_words(score: Score | None, unit: bool = False) -> str:
+    """A score as ``value ± u``."""
+    if score is None:
+        return "–"
+    return numbers.with_u(score.value, score.u, score.unit if unit else "1", score.truth)

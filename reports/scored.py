@@ -1,0 +1,177 @@
+"""Figures of scores: one per event, and all that was judged at a glance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from simcompare.backend import DEFAULT
+from simcompare.compare import Score
+from simcompare.experiment import TRUTH, Run
+from simcompare.reports import runs
+from simcompare.reports.figures import (
+    TRUTH_STYLE,
+    Band,
+    Figure,
+    Panel,
+    Series,
+    fitted_range,
+    spread,
+    style_of,
+)
+from simcompare.trajectory import Array
+
+#: smaller deviations, in tolerances, are drawn here; a logarithm has no zero
+LEAST_SHARE = 1e-3
+
+
+def event_measures(run: Run) -> list[str]:
+    """What was measured per event and has a truth; what has a tolerance first."""
+    found = dict.fromkeys(
+        s.measure for s in run.scores if s.index is not None and s.truth is not None
+    )
+    first = [name for name in run.record["tolerances"] if name in found]
+    return first + [name for name in found if name not in first]
+
+
+def events_of(run: Run, measure: str) -> dict[tuple[str, str], list[Score]]:
+    """Scores of one measure by source and mode, in the order of the events."""
+    found: dict[tuple[str, str], list[Score]] = {}
+    for score in run.scores:
+        if score.measure == measure and score.index is not None:
+            found.setdefault((score.source, score.contact), []).append(score)
+    return {key: sorted(rows, key=lambda s: s.index or 0) for key, rows in found.items()}
+
+
+def events_figure(run: Run, measure: str) -> Figure:
+    """One measure per event: its values, and how far they are from the truth."""
+    rows = events_of(run, measure)
+    words = runs.measure_words(measure)
+    unit = next(iter(rows.values()))[0].unit
+    number = "number of the event"
+    judged = runs.judged_modes(run)
+    relative = all(score.truth for found in rows.values() for score in found)
+    deviations = _event_series(run, rows, judged, relative)
+    bands = _tolerance_band(run, measure) if relative else ()
+    modes = [*judged, *(mode for mode in runs.modes(run) if mode not in judged)]
+    values = (_true_line(rows), *_event_series(run, rows, modes, None))
+    left = Panel("value", number, f"{words}{runs.unit_words(unit)}", values, whole_x=True)
+    right = Panel(
+        f"deviation from the truth, {' and '.join(map(runs.mode_words, judged))}",
+        number,
+        "deviation (%)" if relative else f"deviation{runs.unit_words(unit)}",
+        deviations,
+        bands,
+        y_range=fitted_range(deviations, bands),
+        whole_x=True,
+        weight=1.7,
+    )
+    caption = (
+        "Bars are one standard uncertainty to either side, from the repeats; "
+        "engines stand side by side so that their bars can be told apart."
+    )
+    if DEFAULT in modes and len(modes) > 1:
+        caption += " On the left, hollow points are the engines by default."
+    title = f"{words[0].upper()}{words[1:]}, event by event"
+    return Figure(f"events-{measure}", title, caption, (left, right))
+
+
+def contrast_figure(run: Run) -> Figure | None:
+    """Deviations in tolerances, by default beside mapped; ``None`` where nothing has a truth."""
+    measures = runs.judged(run)
+    if not measures:
+        return None
+    ticks = tuple(runs.measure_words(name).replace(" ", "\n", 1) for name in measures)
+    panels = []
+    for mode in runs.modes(run):
+        names = runs.names(run)
+        series = tuple(
+            Series(name, x, y, style_of(name), points=True, line=False)
+            for i, name in enumerate(names)
+            for x, y in [_shares(run, name, mode, spread(i, len(names)))]
+            if np.isfinite(y).any()
+        )
+        panels.append(
+            Panel(
+                runs.mode_title(mode),
+                "",
+                "deviation ÷ tolerance",
+                series,
+                x_ticks=ticks,
+                log_y=True,
+            )
+        )
+    highest = max((float(np.nanmax(s.y)) for p in panels for s in p.series), default=1.0)
+    y_range = (0.6 * LEAST_SHARE, 2 * max(highest, 3.0))
+    band = Band(y_range[0], 1.0, "within tolerance")
+    caption = (
+        "Lower is better; below 1, in the shaded band, is within the scenario's tolerance. "
+        "The scale is logarithmic and ends at a thousandth: smaller deviations are drawn there."
+    )
+    return Figure(
+        "contrast",
+        "Deviation from the truth, in tolerances",
+        caption,
+        tuple(replace(panel, bands=(band,), y_range=y_range) for panel in panels),
+        share_y=True,
+    )
+
+
+def _shares(run: Run, name: str, mode: str, shift: float) -> tuple[Array, Array]:
+    found = [runs.score_of(run, name, mode, measure) for measure in runs.judged(run)]
+    shares = [None if score is None else runs.share_of_tolerance(run, score) for score in found]
+    y = np.array([np.nan if s is None else max(s, LEAST_SHARE) for s in shares])
+    return np.arange(len(shares), dtype=float) + shift, y
+
+
+def _true_line(rows: dict[tuple[str, str], list[Score]]) -> Series:
+    longest = max(rows.values(), key=len)
+    known = [score for score in longest if score.truth is not None]
+    x, y = _column(known, "index"), _column(known, "truth")
+    # a single event has no line; its truth is seen a little to either side
+    if len(x) == 1:
+        x, y = np.array([x[0] - 0.4, x[0] + 0.4]), np.repeat(y, 2)
+    return Series(f"truth ({TRUTH})", x, y, TRUTH_STYLE)
+
+
+def _event_series(
+    run: Run,
+    rows: dict[tuple[str, str], list[Score]],
+    modes: Sequence[str],
+    relative: bool | None,
+) -> tuple[Series, ...]:
+    """Values where ``relative`` is None, else deviations from the truth, in per cent or not."""
+    names, series = runs.names(run), []
+    for mode in modes:
+        for i, name in enumerate(names):
+            known = [s for s in rows.get((name, mode), []) if s.truth is not None]
+            if not known:
+                continue
+            y, u = _column(known, "value"), _column(known, "u")
+            if relative is not None:
+                true = _column(known, "truth")
+                scale = 100 / np.abs(true) if relative else 1.0
+                y, u = (y - true) * scale, u * scale
+            style = replace(style_of(name), hollow=mode == DEFAULT and len(runs.modes(run)) > 1)
+            x = _column(known, "index") + spread(i, len(names))
+            bars = u if np.isfinite(u).any() else None
+            series.append(Series(name, x, y, style, bars, points=True, line=len(known) > 1))
+    return tuple(series)
+
+
+def _column(scores: Sequence[Score], field: str) -> Array:
+    values = [getattr(score, field) for score in scores]
+    return np.array([np.nan if value is None else float(value) for value in values])
+
+
+def _tolerance_band(run: Run, measure: str) -> tuple[Band, ...]:
+    """The tolerance of the whole run's value, in per cent of its truth."""
+    for score in run.scores:
+        if score.measure == measure and score.index is None and score.truth:
+            accepted = runs.width(run, score)
+            if accepted is not None:
+                half = 100 * accepted / abs(score.truth)
+                return (Band(-half, half, "tolerance of the mean", 0.0),)
+    return ()

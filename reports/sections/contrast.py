@@ -1,0 +1,20 @@
+"""Default beside mapped."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from simcompare.experiment import Run
+from simcompare.reports import scored
+from simcompare.reports.sections.base import Section
+
+
+class Contrast(Section):
+    """All judged scores of all engines in one picture."""
+
+    name, title, template = "contrast", "Default and mapped", "figures.html"
+
+    def context(self, run: Run) -> dict[str, Any] | None:
+        """The figure; ``None`` where nothing has a truth and a tolerance."""
+        figure = scored.contrast_figure(run)
+        return None if figure is None else {"figures": [figure]}

@@ -1,0 +1,20 @@
+"""Mechanical energy over time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from simcompare.experiment import Run
+from simcompare.reports import timelines
+from simcompare.reports.sections.base import Section
+
+
+class Energy(Section):
+    """Where the energy goes."""
+
+    name, title, template = "energy", "Energy", "figures.html"
+
+    def context(self, run: Run) -> dict[str, Any] | None:
+        """The figure; ``None`` where the scenario does not tell what it takes."""
+        figure = timelines.energy_figure(run)
+        return None if figure is None else {"figures": [figure]}

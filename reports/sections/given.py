@@ -1,0 +1,78 @@
+"""What each engine was really given: the audit, and the rule by which it was translated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from simcompare.backend import DEFAULT
+from simcompare.experiment import Run
+from simcompare.reports import numbers, runs
+from simcompare.reports.sections.base import Section
+
+SAME, LEFT, TRANSLATED, UNREAD = "same", "left", "translated", "unread"
+_WORDS = {
+    SAME: "",
+    LEFT: "≠ engine's own value",
+    TRANSLATED: "⇄ translated",
+    UNREAD: "? cannot be read back",
+}
+
+
+class Given(Section):
+    """Scenario values beside the values that the engine held."""
+
+    name, title, template = "given", "What each engine was given", "given.html"
+
+    def context(self, run: Run) -> dict[str, Any]:
+        """One table for each engine and mode, and what differs in the engines' defaults."""
+        blocks = [_block(source) for source in run.record["sources"]]
+        left = [
+            {"source": block["name"], "mode": block["mode"], **row}
+            for block in blocks
+            for row in block["rows"]
+            if row["state"] == LEFT
+        ]
+        return {"blocks": blocks, "left": left}
+
+
+def state_of(row: Mapping[str, Any]) -> str:
+    """Whether the engine holds the scenario's value, its own, or a translation of it."""
+    wanted, given, held = row["scenario_value"], row["set_value"], row["read_value"]
+    if held is None:
+        return UNREAD
+    if wanted is None or abs(wanted - held) <= 1e-9 * max(abs(wanted), abs(held)):
+        return SAME
+    return LEFT if given is None else TRANSLATED
+
+
+def _block(source: Mapping[str, Any]) -> dict[str, Any]:
+    rows = []
+    for row in source["audit"]:
+        state = state_of(row)
+        rows.append(
+            {
+                "quantity": row["quantity"],
+                "wanted": numbers.plain(row["scenario_value"]),
+                "parameter": row["engine_parameter"],
+                "given": numbers.plain(row["set_value"]),
+                "held": numbers.plain(row["read_value"]),
+                "unit": "" if row["unit"] == "1" else row["unit"],
+                "note": row["note"],
+                "state": state,
+                "words": _WORDS[state],
+            }
+        )
+    return {
+        "name": source["name"],
+        "version": source["version"],
+        "mode": runs.mode_words(source["contact"]),
+        "status": source["status"],
+        "reason": source["reason"],
+        "mapping": source["mapping"] if source["contact"] != DEFAULT else "",
+        "notes": source["notes"],
+        "noise": source["noise"],
+        "rows": rows,
+        "left": sum(row["state"] == LEFT for row in rows),
+        "translated": sum(row["state"] == TRANSLATED for row in rows),
+    }

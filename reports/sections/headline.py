@@ -1,0 +1,64 @@
+"""The answer, the one key picture, and every engine in one line."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from simcompare.backend import DEFAULT
+from simcompare.experiment import Run
+from simcompare.jobs import OK
+from simcompare.reports import runs, timelines, words
+from simcompare.reports.figures import style_of
+from simcompare.reports.sections.base import Section
+
+
+class Headline(Section):
+    """Question, answer and key picture."""
+
+    name, title, template = "answer", "Answer", "headline.html"
+
+    def context(self, run: Run) -> dict[str, Any]:
+        """Answer, figure of the leading probe, and a scoreboard."""
+        leading = list(runs.probes(run).items())[:1]
+        judged = runs.judged(run)
+        measures = judged or runs.measures(run)
+        lead = measures[0] if measures else None
+        return {
+            "question": run.record["question"],
+            "answer": words.answer(run),
+            "figures": [timelines.probe_figure(run, name, probe) for name, probe in leading],
+            "modes": [runs.mode_words(mode) for mode in runs.modes(run)],
+            "lead": runs.measure_words(lead) if lead else None,
+            "lead_unit": _unit(run, lead),
+            "rows": [_row(run, name, lead) for name in runs.names(run)],
+        }
+
+
+def _row(run: Run, name: str, lead: str | None) -> dict[str, Any]:
+    cells: list[dict[str, Any]] = []
+    version = None
+    for mode in runs.modes(run):
+        source = runs.source_of(run, name, mode)
+        if source is None:
+            cells.append({"reason": "was not asked for"})
+            continue
+        version = version or source["version"]
+        if source["status"] != OK:
+            cells.append({"status": source["status"], "reason": source["reason"]})
+            continue
+        met, of = runs.passed(run, name, mode)
+        cells.append(
+            {
+                "value": runs.value_words(runs.score_of(run, name, mode, lead) if lead else None),
+                "met": None if mode == DEFAULT or not of else met,
+                "of": len(runs.judged(run)),
+            }
+        )
+    return {"name": name, "version": version, "style": style_of(name), "cells": cells}
+
+
+def _unit(run: Run, lead: str | None) -> str:
+    for score in run.scores:
+        if score.measure == lead:
+            return runs.unit_words(score.unit)
+    return ""

@@ -1,0 +1,88 @@
+"""Engines against a measurement."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from simcompare.experiment import Run
+from simcompare.reports import measured, numbers, runs
+from simcompare.reports.figures import style_of
+from simcompare.reports.sections.base import Section
+from simcompare.reports.words import count_of
+
+_WORDS = {
+    True: ("✓", "consistent with the measurement"),
+    False: ("✗", "not consistent with the measurement"),
+    None: ("·", "cannot be told"),
+}
+
+
+class Measured(Section):
+    """What was measured, and every engine beside it."""
+
+    name, title, template = "measurement", "Against measurement", "measured.html"
+
+    def context(self, run: Run) -> dict[str, Any] | None:
+        """Figure and table of all matches; ``None`` where the run was held against nothing."""
+        against = run.record.get("against")
+        if not against or not against["matches"]:
+            return None
+        return {
+            "head": against["head"],
+            "file": against["file"],
+            "sentences": [_sentence(run, mode) for mode in runs.modes(run)],
+            "figures": [measured.measured_figure(run, name) for name in measured.quantities(run)],
+            "groups": _groups(against["matches"]),
+        }
+
+
+def _groups(matches: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """One group of rows for each measured value."""
+    found: dict[tuple[str, int], list[dict[str, Any]]] = {}
+    for match in matches:
+        found.setdefault((match["quantity"], match["bounce"]), []).append(match)
+    return [
+        {
+            "title": f"{runs.measure_words(quantity)}, event {event}"
+            f"{runs.unit_words(rows[0]['unit'])}",
+            "measured": numbers.with_u(rows[0]["measured"], rows[0]["u_measured"]),
+            "limits": _limits(rows[0]),
+            "rows": [_row(match) for match in rows],
+        }
+        for (quantity, event), rows in found.items()
+    ]
+
+
+def _limits(match: dict[str, Any]) -> str | None:
+    if match["low"] is None or match["high"] is None:
+        return None
+    return f"{numbers.plain(match['low'])} … {numbers.plain(match['high'])}"
+
+
+def _row(match: dict[str, Any]) -> dict[str, Any]:
+    symbol, words = _WORDS[match["inside"]]
+    if match["value"] is None:
+        words += ": there is no such event in the engine"
+    return {
+        "source": match["source"],
+        "style": style_of(match["source"]),
+        "mode": runs.mode_words(match["contact"]),
+        "value": numbers.with_u(match["value"], match["u"], scale=match["measured"]),
+        "e_n": "–" if match["e_n"] is None else numbers.plain(match["e_n"], 2),
+        "inside": match["inside"],
+        "symbol": symbol,
+        "words": words,
+    }
+
+
+def _sentence(run: Run, mode: str) -> str:
+    """How many engines are consistent with every measured value."""
+    by_source: dict[str, list[bool | None]] = {}
+    for match in run.record["against"]["matches"]:
+        if match["contact"] == mode:
+            by_source.setdefault(match["source"], []).append(match["inside"])
+    good = sum(all(inside) for inside in by_source.values())
+    are = "is" if good in (0, 1) or len(by_source) == 1 else "are"
+    head = runs.mode_title(mode)
+    subject = count_of(good, len(by_source))
+    return f"{head[0].upper()}{head[1:]}: {subject} {are} consistent with the measurement."

@@ -1,0 +1,77 @@
+"""Tables of scores with their verdicts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from simcompare.backend import DEFAULT
+from simcompare.compare import FAIL, INFO, PASS, Score
+from simcompare.experiment import TRUTH, Run
+from simcompare.jobs import OK
+from simcompare.reports import numbers, runs
+from simcompare.reports.figures import style_of
+from simcompare.reports.sections.base import Section
+
+#: never told by colour alone
+_VERDICTS = {PASS: "✓ pass", FAIL: "✗ fail", INFO: "· shown"}
+
+
+class Scores(Section):
+    """Every value of a whole run: value ± u, truth, tolerance, verdict."""
+
+    name, title, template = "scores", "Scores", "scores.html"
+
+    def context(self, run: Run) -> dict[str, Any] | None:
+        """One group of rows for each measure; ``None`` where nothing was measured."""
+        measures = runs.measures(run)
+        if not measures:
+            return None
+        return {
+            "modes": [(runs.mode_words(mode), mode != DEFAULT) for mode in runs.modes(run)],
+            "groups": [_group(run, measure) for measure in measures],
+            "missing": runs.not_run(run),
+            "repeats": run.record["repeats"],
+            "truth": TRUTH,
+        }
+
+
+def _group(run: Run, measure: str) -> dict[str, Any]:
+    found = [s for s in run.scores if s.measure == measure and s.index is None]
+    first = found[0]
+    tolerance = run.record["tolerances"].get(measure)
+    accepted = runs.width(run, first)
+    relative = tolerance.get("relative") if tolerance else None
+    return {
+        "title": runs.measure_words(measure),
+        "unit": runs.unit_words(first.unit),
+        "truth": None if first.truth is None else numbers.plain(first.truth),
+        "tolerance": None if accepted is None else numbers.plain(accepted, 3),
+        "relative": None if relative is None else numbers.percent(relative),
+        "reason": tolerance["reason"] if tolerance else None,
+        "rows": [_row(run, name, measure) for name in runs.names(run) if _ran(run, name)],
+    }
+
+
+def _ran(run: Run, name: str) -> bool:
+    sources = run.record["sources"]
+    return any(source["name"] == name and source["status"] == OK for source in sources)
+
+
+def _row(run: Run, name: str, measure: str) -> dict[str, Any]:
+    cells = [_cell(run, runs.score_of(run, name, mode, measure)) for mode in runs.modes(run)]
+    return {"name": name, "style": style_of(name), "cells": cells}
+
+
+def _cell(run: Run, score: Score | None) -> dict[str, Any] | None:
+    if score is None:
+        return None
+    deviation = "–"
+    if score.value is not None and score.truth is not None:
+        deviation = numbers.with_u(score.value - score.truth, score.u, scale=score.truth)
+    return {
+        "value": runs.value_words(score),
+        "deviation": deviation,
+        "share": numbers.percent(runs.share_of_tolerance(run, score)),
+        "verdict": score.verdict,
+        "words": _VERDICTS[score.verdict],
+    }

@@ -1,0 +1,86 @@
+"""Simulated values held against measured ones: E_n numbers by hand, and stated limits."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from simcompare.against import matches
+from simcompare.compare import Score
+from simcompare.hardware.logs.bounce_table import BounceTable, Quantity
+
+UNITS = {"rebound_height": "m", "restitution": "1"}
+
+
+def table(*quantities):
+    return BounceTable(Path("t.csv"), "", {}, {}, quantities)
+
+
+def score(value, u, *, measure="rebound_height", index=1, source="toy", contact="mapped"):
+    return Score(source, contact, measure, index, value, u, "m", 9, None, None, "info")
+
+
+def one(quantity, *scores):
+    (found,) = matches(table(quantity), scores, UNITS)
+    return found
+
+
+def test_e_n_by_hand():
+    """(0.65 - 0.64)/√(0.006² + 0.008²) = 1 with expanded uncertainties U = 2u."""
+    found = one(Quantity("rebound_height", 1, 0.64, 0.004), score(0.65, 0.003))
+    assert found.e_n == pytest.approx(1.0)
+    assert (found.value, found.measured, found.unit) == (0.65, 0.64, "m")
+    lower = one(Quantity("rebound_height", 1, 0.66, 0.004), score(0.65, 0.003))
+    assert lower.e_n == pytest.approx(-1.0), "its sign says on which side"
+
+
+@pytest.mark.parametrize(
+    ("value", "inside"), [(0.6479, True), (0.6481, False), (0.6321, True), (0.6319, False)]
+)
+def test_without_limits_the_e_n_number_decides(value, inside):
+    assert one(Quantity("rebound_height", 1, 0.64, 0.004), score(value, None)).inside is inside
+
+
+@pytest.mark.parametrize(
+    ("value", "inside"), [(0.60, True), (0.70, True), (0.71, False), (0.59, False)]
+)
+def test_stated_limits_decide_where_there_are_some_and_belong_to_the_band(value, inside):
+    found = one(Quantity("rebound_height", 1, 0.65, 0.0001, 0.60, 0.70), score(value, 0.0))
+    assert found.inside is inside
+    assert found.e_n is not None
+
+
+def test_without_any_uncertainty_nothing_is_claimed():
+    found = one(Quantity("rebound_height", 1, 0.64, None), score(0.65, 0.003))
+    assert (found.e_n, found.inside) == (None, None)
+
+
+def test_a_bounce_that_the_engine_does_not_have_is_outside():
+    found = one(Quantity("rebound_height", 2, 0.64, 0.004), score(0.65, 0.003, index=1))
+    assert (found.value, found.e_n, found.inside) == (None, None, False)
+
+
+def test_every_source_and_mode_is_held_against_every_value():
+    scores = [
+        score(0.65, 0.003),
+        score(0.40, 0.003, index=2),
+        score(0.1, None, contact="default"),
+        score(0.8, None, measure="restitution", index=None),  # a mean is no bounce
+    ]
+    quantities = (
+        Quantity("rebound_height", 1, 0.64, 0.004),
+        Quantity("rebound_height", 2, 0.41, 0.004),
+        Quantity("restitution", 1, 0.8, 0.01),
+    )
+    found = matches(table(*quantities), scores, UNITS)
+    assert [(m.contact, m.quantity, m.bounce, m.value) for m in found] == [
+        ("mapped", "rebound_height", 1, 0.65),
+        ("mapped", "rebound_height", 2, 0.40),
+        ("mapped", "restitution", 1, None),
+        ("default", "rebound_height", 1, 0.1),
+        ("default", "rebound_height", 2, None),
+        ("default", "restitution", 1, None),
+    ]
+    json.dumps([m.to_dict() for m in found], allow_nan=False)

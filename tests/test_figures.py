@@ -1,0 +1,226 @@
+"""Figures: thinning, energy from positions, and the two renderers."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from simcompare.reports import energy, matplotlib_, plotly_
+from simcompare.reports.figures import (
+    Band,
+    Figure,
+    Panel,
+    Series,
+    Style,
+    decimated,
+    fitted_range,
+    spread,
+    style_of,
+)
+from simcompare.scenario import Probe
+from simcompare.trajectory import Trajectory
+
+HEIGHT = Probe(observe="ball.position_m", component=2, label="height", unit="m")
+G = 9.80665
+
+
+def panel(*series, **more):
+    return Panel("a panel", "time (s)", "height (m)", tuple(series), **more)
+
+
+def figure(*panels, share_y=False):
+    return Figure("name", "A title", "What to see.", panels, share_y)
+
+
+def line(y, **more):
+    return Series("a", np.arange(len(y), dtype=float), np.array(y), Style("#0072B2"), **more)
+
+
+def two_panels():
+    left = panel(line([1.0, 2.0, math.nan]), bands=(Band(0.5, 1.5, "limits", 1.0),))
+    points = line([1.0, 2.0], u=np.array([0.1, math.nan]), points=True, line=False)
+    right = panel(points, x_ticks=("one\nmore", "<b>two</b>"), log_y=True, y_range=(0.1, 10.0))
+    return figure(left, right, share_y=True)
+
+
+def falling_ball(restitution=1.0, step_s=0.001, drop_m=1.0, duration_s=1.5):
+    """A closed form: falls, and bounces once."""
+    time_s = np.arange(round(duration_s / step_s) + 1) * step_s
+    impact_s = math.sqrt(2 * drop_m / G)
+    after = time_s - impact_s
+    speed = restitution * G * impact_s
+    z = np.where(after < 0, drop_m - G * time_s**2 / 2, speed * after - G * after**2 / 2)
+    position = np.column_stack((np.zeros_like(z), np.zeros_like(z), z))
+    return Trajectory("engine", time_s, {"ball.position_m": position}), impact_s
+
+
+# thinning
+
+
+def test_short_lines_are_left_alone():
+    x = np.arange(5000.0)
+    assert decimated(x, x)[0] is x
+
+
+def test_thinning_keeps_extremes_and_ends():
+    rng = np.random.default_rng(1)
+    y = rng.normal(size=123_457)
+    y[60_001], y[99_999] = 40.0, -50.0
+    x, thin = decimated(np.arange(len(y), dtype=float), y)
+    assert len(thin) <= 5000
+    assert thin.max() == 40.0
+    assert thin.min() == -50.0
+    assert (x[0], x[-1]) == (0.0, 123_456.0)
+    assert np.all(np.diff(x) > 0)
+
+
+def test_thinning_keeps_every_impact_of_a_bounce_at_zero():
+    t = np.linspace(0, 20, 200_001)
+    x, y = decimated(t, np.abs(np.sin(np.pi * t)))
+    lows = [y[np.abs(x - k) < 0.01].min() for k in range(1, 20)]
+    assert max(lows) < 1e-3
+
+
+def test_thinning_keeps_gaps():
+    y = np.ones(20_000)
+    y[7_000:7_100] = np.nan
+    _, thin = decimated(np.arange(20_000.0), y)
+    assert np.isnan(thin).any()
+    assert np.isnan(decimated(np.arange(20_000.0), np.full(20_000, np.nan))[1]).all()
+
+
+# looks
+
+
+def test_engines_differ_by_more_than_colour():
+    styles = [style_of(name) for name in ("dart", "mujoco", "pybullet", "pymunk")]
+    assert len({style.dash for style in styles}) == 4
+    assert len({style.marker for style in styles}) == 4
+    assert style_of("an engine of somebody else's") == style_of("an engine of somebody else's")
+
+
+def test_spread_is_symmetric_and_keeps_to_its_event():
+    shifts = [spread(i, 4) for i in range(4)]
+    assert sum(shifts) == pytest.approx(0)
+    assert max(shifts) < 0.5
+    assert spread(0, 1) == 0
+
+
+def test_fitted_range_holds_bars_and_bands_and_survives_nothing():
+    row = line([1.0, math.nan], u=np.array([3.0, math.nan]))
+    low, high = fitted_range((row,), (Band(-5, -4, "band"),))
+    assert low < -5
+    assert high > 4
+    assert fitted_range((), ()) == (0.0, 1.0)
+    assert fitted_range((line([2.0]),), ())[0] < 2.0
+
+
+# energy
+
+
+@pytest.mark.parametrize("step_s", [0.0005, 0.001, 0.01])
+def test_energy_of_free_flight_is_constant_and_falls_with_the_square_of_restitution(step_s):
+    trajectory, impact_s = falling_ball(restitution=0.8, step_s=step_s, duration_s=1.0)
+    time_s, ratio = energy.relative(trajectory, HEIGHT, G)
+    good = np.isfinite(ratio)
+    assert ratio[good & (time_s < impact_s)] == pytest.approx(1.0, abs=1e-9)
+    assert ratio[good & (time_s > impact_s)] == pytest.approx(0.64, abs=1e-6)
+    assert not good[np.argmin(np.abs(time_s - impact_s))]
+
+
+def test_energy_at_rest_is_shown_although_it_is_in_contact():
+    time_s = np.linspace(0.0, 2.0, 2001)
+    height = np.maximum(1 - G * time_s**2 / 2, 0.0)
+    position = np.column_stack((height * 0, height * 0, height))
+    _, ratio = energy.relative(Trajectory("e", time_s, {"ball.position_m": position}), HEIGHT, G)
+    assert ratio[-1] == 0.0
+
+
+def test_energy_without_height_or_start_is_empty():
+    trajectory, _ = falling_ball(duration_s=0.3)
+    other = HEIGHT.model_copy(update={"observe": "cart.position_m"})
+    assert len(energy.relative(trajectory, other, G)[0]) == 0
+    floor = HEIGHT.model_copy(update={"offset": -100.0})
+    assert len(energy.relative(trajectory, floor, G)[0]) == 0
+
+
+# plotly
+
+
+def test_numbers_that_are_not_finite_become_null():
+    found = plotly_.as_dict(figure(panel(line([1.0, math.nan, math.inf, -math.inf]))))
+    assert found["data"][0]["y"] == [1.0, None, None, None]
+    json.dumps(found, allow_nan=False)
+
+
+def test_json_cannot_end_its_script_element():
+    evil = figure(
+        panel(Series("</script><script>alert(1)", np.zeros(1), np.zeros(1), Style("#000")))
+    )
+    text = plotly_.embedded(evil)
+    assert "<" not in text
+    assert json.loads(text)["data"][0]["legendgroup"] == "</script><script>alert(1)"
+
+
+def test_labels_are_not_read_as_markup():
+    found = plotly_.as_dict(two_panels())
+    assert found["layout"]["xaxis2"]["ticktext"] == ["one<br>more", "&lt;b&gt;two&lt;/b&gt;"]
+
+
+def test_panels_share_the_axis_and_the_legend():
+    row = line([1.0, 2.0])
+    found = plotly_.as_dict(figure(panel(row), panel(row), share_y=True))
+    assert found["layout"]["yaxis2"]["matches"] == "y"
+    assert [trace["showlegend"] for trace in found["data"]] == [True, False]
+    assert found["layout"]["xaxis"]["domain"][1] < found["layout"]["xaxis2"]["domain"][0]
+
+
+def test_logarithmic_range_is_given_in_powers_of_ten():
+    axis = plotly_.as_dict(two_panels())["layout"]["yaxis2"]
+    assert axis["type"] == "log"
+    assert axis["range"] == pytest.approx([-1.0, 1.0])
+
+
+def test_coordinates_keep_seven_digits():
+    found = plotly_.as_dict(figure(panel(line([1 / 3, -1e-9 / 3, 0.0, 12345678.9]))))
+    assert found["data"][0]["y"] == [0.3333333, -3.333333e-10, 0.0, 12345680.0]
+
+
+def test_long_lines_are_thinned():
+    found = plotly_.as_dict(figure(panel(line(np.sin(np.arange(50_000.0))))))
+    assert len(found["data"][0]["x"]) <= 5000
+
+
+# matplotlib
+
+
+@pytest.mark.parametrize(
+    ("format", "head"), [("pdf", b"%PDF"), ("png", b"\x89PNG"), ("svg", b"<?xml")]
+)
+def test_every_format_is_drawn_and_is_the_same_twice(format, head):
+    found = matplotlib_.rendered(two_panels(), format)
+    assert found.startswith(head)
+    assert found == matplotlib_.rendered(two_panels(), format)
+
+
+def test_drawing_leaves_the_global_state_alone():
+    import matplotlib as mpl
+    from matplotlib import pyplot
+
+    before = dict(mpl.rcParams)
+    matplotlib_.rendered(two_panels(), "svg")
+    assert dict(mpl.rcParams) == before
+    assert pyplot.get_fignums() == []
+
+
+def test_a_long_legend_is_broken_into_rows():
+    rows = [
+        Series(f"an engine with a long name, number {i}", np.zeros(1), np.zeros(1), Style("#000"))
+        for i in range(7)
+    ]
+    page = matplotlib_.canvas(figure(panel(*rows), panel(*rows)))
+    page.canvas.draw()
+    box = page.legends[0].get_window_extent()
+    assert box.x0 >= 0
+    assert box.x1 <= page.bbox.width

@@ -1,0 +1,544 @@
+"""Reports: what stands in them, that they need nothing beside them, and how numbers are written."""
+
+import errno
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from simcompare.compare import Score
+from simcompare.errors import OutputError, UnknownName
+from simcompare.experiment import TRUTH, Run, Stored
+from simcompare.reports import builder, numbers, output, plotly_, reproduce, runs, words
+from simcompare.reports.sections import SECTIONS
+from simcompare.reports.sections.given import state_of
+from simcompare.trajectory import Trajectory
+
+EVIL = "<script>alert('x')</script> it broke | badly"
+TOLERANCES = {
+    "restitution": {"relative": 0.01, "absolute": None, "reason": "Because a class reads 1 %."},
+    "rest_time": {"relative": None, "absolute": 0.1, "reason": "Because a watch reads 0.1 s."},
+}
+
+
+# tiny runs that no engine made
+
+
+def source(name, contact, status="ok", reason=None, **more):
+    ok = status == "ok"
+    return {
+        "name": name, "version": "1.2" if ok else None, "contact": contact, "status": status,
+        "reason": reason, "steps": 100 if ok else None, "repeats": 3 if ok else 0,
+        "wall_s": {"import": 0.1 if ok else None, "build": 0.003, "step": 0.3},
+        "notes": [], "noise": "", "audit": [audit_row(contact)] if ok else [],
+        "mapping": "restitution is translated", "known_limits": [], **more,
+    }  # fmt: skip
+
+
+def audit_row(contact):
+    default = contact == "default"
+    return {
+        "quantity": "ball restitution", "scenario_value": 0.8, "engine_parameter": "bounciness",
+        "set_value": None if default else 0.8, "read_value": 0.0 if default else 0.8,
+        "unit": "1", "note": "",
+    }  # fmt: skip
+
+
+def trajectory(name, contact, height=1.0):
+    time_s = np.linspace(0.0, 1.0, 101)
+    z = np.abs(height * np.cos(4 * time_s))
+    position = np.column_stack((z * 0, z * 0, z))
+    return Trajectory(name, time_s, {"ball.position_m": position}, contact=contact)
+
+
+def scores(name, contact, value, truth=0.8):
+    default = contact == "default"
+    found = []
+    for measure, v, true in (("restitution", value, truth), ("rest_time", None, 4.0)):
+        true = None if truth is None else true
+        judged = not default and true is not None
+        width = (0.008 if measure == "restitution" else 0.1) if judged else None
+        good = judged and v is not None and abs(v - true) <= width
+        verdict = ("pass" if good else "fail") if judged else "info"
+        unit = "1" if measure == "restitution" else "s"
+        found.append(Score(name, contact, measure, None, v, 0.001, unit, 3, true, width, verdict))
+    found += [
+        Score(name, contact, "restitution", k, value, 0.001, "1", 3, truth, None, "info")
+        for k in (1, 2)
+    ]
+    return found
+
+
+def make_run(sources=None, *, truth=0.8, against=None, interrupted=False, **more):
+    """A run of the engines given as (name, mode, value), a value of None for one that failed."""
+    sources = sources or [("north", "default", 0.0), ("north", "mapped", 0.801)]
+    ok = [row for row in sources if row[2] is not None]
+    found = [s for name, mode, value in ok for s in scores(name, mode, value, truth)]
+    stored = [Stored(n, m, i, trajectory(n, m)) for n, m, _ in ok for i in range(3)]
+    if truth is not None:
+        stored += [Stored(TRUTH, "", i, trajectory(TRUTH, "")) for i in range(3)]
+    record = {
+        "format": 1, "run": None, "created": "2026-01-01T00:00:00+00:00", "scenario": "toy",
+        "title": "A toy <scene>", "question": "Does it bounce & rest?",
+        "parameters": {"drop_height_m": 1.0, "gravity_m_s2": 9.81},
+        "parameter_texts": {"drop_height_m": "Height of the drop."},
+        "step_s": 0.01, "duration_s": 1.0, "repeats": 3, "seed": 0, "preset": None,
+        "dither": {"parameter": "drop_height_m", "span": 0.004, "count": 3, "reason": "Phases."},
+        "truth": TRUTH if truth is not None else None,
+        "probes": {"height_m": {"observe": "ball.position_m", "component": 2, "offset": 0.0,
+                                "label": "Height", "unit": "m"}},
+        "tolerances": TOLERANCES, "scenario_sha256": "0" * 64, "engines_asked": "all",
+        "software": {"simcompare": "0.1.0", "python": "3.11", "numpy": None},
+        "machine": {"system": "Linux", "processor": "CPU", "python_implementation": "cpython"},
+        "sources": [
+            source(n, m) if v is not None else source(n, m, "failed", EVIL) for n, m, v in sources
+        ],
+        "against": against, "interrupted": interrupted, **more,
+    }  # fmt: skip
+    return Run(record, tuple(found), tuple(stored), None, interrupted)
+
+
+def match(name, mode, value, inside, bounce=1, **more):
+    return {
+        "source": name, "contact": mode, "quantity": "rebound_height", "bounce": bounce,
+        "value": value, "u": None if value is None else 0.001, "measured": 0.6, "u_measured": 0.01,
+        "low": 0.58, "high": 0.62, "unit": "m", "inside": inside,
+        "e_n": None if value is None else (value - 0.6) / 0.02, **more,
+    }  # fmt: skip
+
+
+def measured(*matches):
+    head = {
+        "title": "A measured ball",
+        "citation": "A. Author, J. Phys. 1 (2020) 2",
+        "url": "https://example.org/paper",
+        "seen": "in the abstract",
+        "note": "One ball.",
+    }
+    return {"file": "ball.csv", "sha256": "0", "head": head, "parameters": {}, "matches": matches}
+
+
+AGAINST = measured(match("north", "default", None, False), match("north", "mapped", 0.61, True))
+RUNS = {
+    "both modes": make_run(),
+    "default only": make_run([("north", "default", 0.0), ("south", "default", 0.5)]),
+    "mapped only": make_run([("north", "mapped", 0.8)]),
+    "no truth": make_run(truth=None),
+    "against": make_run(against=AGAINST),
+    "one failed": make_run([("north", "mapped", 0.9), ("south", "mapped", None)]),
+    "nothing ran": make_run([("north", "default", None), ("north", "mapped", None)]),
+    "no tolerances": make_run(tolerances={}),
+    "no probes": make_run(probes={}),
+    "no gravity": make_run(parameters={"drop_height_m": 1.0}),
+}
+
+
+@pytest.fixture(params=RUNS)
+def run(request):
+    return RUNS[request.param]
+
+
+@pytest.fixture
+def html(tmp_path):
+    def write(*found):
+        path = builder.write_html(found, tmp_path / "report.html")
+        # the script of the figures is the same in every report and is not of interest here
+        return path.read_text(encoding="utf-8").replace(plotly_.script(), "")
+
+    return write
+
+
+def titles(run):
+    return [filled.section.name for filled in builder.blocks_of([run])[0].sections]
+
+
+# numbers
+
+
+@pytest.mark.parametrize(
+    ("value", "u", "text"),
+    [
+        (0.7999771, 7.1287e-5, "0.799977 ± 0.000071"),
+        (0.80000758, 1.9355e-6, "0.8000076 ± 0.0000019"),
+        (1.36134e-5, 1.7898e-6, "(1.36 ± 0.18)·10⁻⁵"),
+        (3.92944, 0.0024037, "3.9294 ± 0.0024"),
+        (0.6724, 0.3612, "0.67 ± 0.36"),
+        (4567.0, 123.0, "4570 ± 120"),
+        (0.5, 0.0996, "0.50 ± 0.10"),
+        (-2.286e-5, 7.1287e-5, "(−2.3 ± 7.1)·10⁻⁵"),
+        (3.929, 0.0, "3.929 ± 0"),
+        (0.0, 0.0, "0 ± 0"),
+        (0.8, None, "0.8"),
+        (2.5e6, 1.0e4, "(2.500 ± 0.010)·10⁶"),
+        (None, None, "–"),
+        (float("nan"), 0.1, "–"),
+        (1.0, float("nan"), "1"),
+    ],
+)
+def test_value_with_its_uncertainty(value, u, text):
+    assert numbers.with_u(value, u) == text
+
+
+def test_rounding_of_the_truth_counts_as_nothing():
+    assert numbers.with_u(-6.7e-16, 7.3e-16, scale=0.88) == "0 ± 0"
+
+
+def test_units_stand_behind_brackets():
+    assert numbers.with_u(1.234, 0.02, "s") == "(1.234 ± 0.020) s"
+    assert numbers.with_u(1.2e-5, 1e-6, "m") == "(1.20 ± 0.10)·10⁻⁵ m"
+    assert numbers.with_u(1.5, None, "m") == "1.5 m"
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [
+        (18.0, 6, "18"), (0.0, 6, "0"), (99.9, 2, "100"), (0.00012, 3, "1.2·10⁻⁴"),
+        (-1.5, 6, "−1.5"), (41550.0, 6, "41550"), (-9993004896.57, 6, "−9.993·10⁹"),
+        (0.001, 6, "0.001"), (None, 6, "–"),
+    ],
+)  # fmt: skip
+def test_numbers_alone(value, digits, text):
+    assert numbers.plain(value, digits) == text
+
+
+# the answer in words
+
+
+def test_answer_counts_engines_and_names_the_worst():
+    run = make_run(
+        [
+            ("north", "default", 0.0),
+            ("south", "default", 0.5),
+            ("north", "mapped", 0.801),
+            ("south", "mapped", 0.9),
+        ]
+    )
+    default, mapped = words.answer(run)
+    assert default == (
+        "By default none of the 2 engines comes within the tolerance of the true restitution"
+        " of 0.8: the values lie between 0 and 0.5."
+    )
+    assert "none of the 2 engines meets all 2 tolerances" in mapped
+    assert "1250 % of its tolerance: south, restitution off by 0.1000 ± 0.0010" in mapped
+
+
+def test_answer_without_truth_and_with_engines_that_did_not_run():
+    run = make_run([("north", "mapped", 0.7), ("south", "mapped", None)], truth=None)
+    assert "there is no truth" in words.answer(run)[0]
+    assert words.answer(run)[-1] == "Did not run: south; the reasons are below."
+
+
+def test_interrupted_run_says_so():
+    assert "interrupted" in words.answer(make_run(interrupted=True))[-1]
+
+
+@pytest.mark.parametrize(
+    ("part", "whole", "text"),
+    [(0, 3, "none of the 3 engines"), (2, 3, "2 of 3 engines"), (3, 3, "all 3 engines"),
+     (1, 1, "the one engine"), (0, 1, "not the one engine")],
+)  # fmt: skip
+def test_counts_in_words(part, whole, text):
+    assert words.count_of(part, whole) == text
+
+
+# HTML
+
+
+def test_every_kind_of_run_makes_every_kind_of_report(run, tmp_path):
+    builder.write_html([run], tmp_path / "r.html")
+    text = builder.write_markdown([run], tmp_path / "r.md").read_text(encoding="utf-8")
+    assert text.startswith("# A toy \\<scene\\>")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["r.html", "r.md"]
+
+
+def test_figures_hold_valid_json_without_nan(run, html):
+    found = re.findall(r'<script type="application/json">(.*?)</script>', html(run), re.DOTALL)
+    assert len(found) == len(builder.blocks_of([run])[0].figures)
+    for text in found:
+        json.loads(text, parse_constant=lambda name: pytest.fail(name))
+
+
+def test_nothing_is_loaded_from_anywhere(html):
+    text = html(make_run(against=AGAINST))
+    assert not re.findall(r'\ssrc\s*=\s*["\']?', text)
+    assert not re.findall(
+        r"<(?:link|img|iframe|object|embed)\b(?! rel=\"icon\" href=\"data:,\")", text
+    )
+    assert not re.findall(r"@import|url\(", text)
+    assert re.findall(r'https?://[^"<]*', re.sub(r'<a href="[^"]*">[^<]*</a>', "", text)) == []
+    assert '<a href="https://example.org/paper">' in text
+
+
+def test_a_link_that_is_no_web_address_is_not_a_link(html):
+    against = json.loads(json.dumps(AGAINST))
+    against["head"]["url"] = "javascript:alert(1)"
+    assert 'href="javascript' not in html(make_run(against=against))
+
+
+def test_plotly_is_inlined_once_and_not_imported(tmp_path):
+    path = builder.write_html([make_run(), make_run()], tmp_path / "r.html")
+    text = path.read_text(encoding="utf-8")
+    assert text.count(plotly_.script()) == 1
+    assert "</script" not in plotly_.script()
+
+
+def test_html_needs_no_heavy_package(tmp_path):
+    import subprocess
+    import sys
+
+    code = (
+        "import sys; from tests.test_reports import make_run; from pathlib import Path;"
+        "from simcompare.reports import builder;"
+        f"builder.write_html([make_run()], Path({str(tmp_path / 'r.html')!r}));"
+        "heavy = ('pandas', 'plotly', 'matplotlib', 'duckdb', 'scipy');"
+        "print([name for name in heavy if name in sys.modules])"
+    )
+    root = Path(__file__).parent.parent
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=root, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "[]"
+
+
+def test_text_from_outside_is_escaped(html):
+    text = html(RUNS["one failed"])
+    assert "<script>alert" not in text
+    assert "&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt; it broke" in text
+    assert "<h1>A toy &lt;scene&gt;</h1>" in text
+
+
+def test_engine_that_failed_is_a_row_with_its_reason(html):
+    run = make_run([("north", "mapped", 0.8), ("south", "mapped", None)])
+    assert runs.not_run(run) == [
+        {"name": "south", "status": "failed", "reason": EVIL, "modes": "mapped"}
+    ]
+    assert html(run).count("it broke") >= 3  # scoreboard, scores, what each was given
+
+
+def test_verdicts_are_words_and_symbols(html):
+    text = html(make_run([("north", "mapped", 0.801), ("south", "mapped", 0.9)]))
+    assert "✓ pass" in text
+    assert "✗ fail" in text
+    assert "Because a class reads 1 %." in text
+
+
+def test_default_is_shown_and_not_judged(html):
+    text = html(RUNS["default only"])
+    assert "· not judged" in text
+    assert "✓ pass" not in text
+
+
+def test_measurement_is_called_consistent_and_never_validated(html):
+    text = html(make_run(against=AGAINST))
+    assert "consistent with the measurement" in text
+    assert "validated" not in text.lower()
+    for fact in ("A. Author, J. Phys. 1 (2020) 2", "in the abstract", "One ball.", "0.58 … 0.62"):
+        assert fact in text
+
+
+def test_sections_without_data_are_left_out():
+    assert titles(RUNS["both modes"]) == [
+        "answer", "events", "energy", "contrast", "scores", "given", "setup",
+    ]  # fmt: skip
+    assert "measurement" in titles(RUNS["against"])
+    assert "energy" not in titles(RUNS["no gravity"])
+    assert "energy" not in titles(RUNS["no probes"])
+    assert "contrast" not in titles(RUNS["no truth"])
+    assert "events" not in titles(RUNS["no truth"])
+    assert "scores" not in titles(RUNS["nothing ran"])
+
+
+def test_further_probes_have_a_section_of_their_own():
+    probes = make_run().record["probes"]
+    second = {**probes["height_m"], "label": "Sideways", "component": 0}
+    run = make_run(probes={**probes, "side_m": second})
+    assert "signals" in titles(run)
+    assert builder.blocks_of([run])[0].figures[0].name == "probe-height_m"
+
+
+def test_several_runs_have_a_block_each(html):
+    text = html(RUNS["both modes"], RUNS["against"])
+    assert '<article id="run1">' in text
+    assert '<article id="run2">' in text
+    assert '<a href="#run2">' in text
+    anchors = re.findall(r'\bid="([^"]+)"', text)
+    assert len(anchors) == len(set(anchors))
+    for target in re.findall(r'href="#([^"]+)"', text):
+        assert target in anchors
+
+
+def test_every_section_has_its_template():
+    folder = Path(builder.__file__).parent / "templates"
+    assert all((folder / section.template).is_file() for section in SECTIONS)
+    assert len({section.name for section in SECTIONS}) == len(SECTIONS)
+
+
+# what the engines were given
+
+
+@pytest.mark.parametrize(
+    ("wanted", "given", "held", "state"),
+    [
+        (0.8, 0.8, 0.8, "same"), (0.8, None, 0.0, "left"), (0.8, 1.0, 1.0, "translated"),
+        (0.8, 0.8, None, "unread"), (None, 1e-9, 1e-9, "same"), (0.0, 0.0, 0.0, "same"),
+        (0.1, 0.1, 0.10000000000000001, "same"),
+    ],
+)  # fmt: skip
+def test_audit_tells_own_values_from_translated_ones(wanted, given, held, state):
+    row = {"scenario_value": wanted, "set_value": given, "read_value": held}
+    assert state_of(row) == state
+
+
+# the figures
+
+
+def test_measurement_of_one_event_is_a_band_and_of_several_are_points():
+    one = builder.blocks_of([make_run(against=AGAINST)])[0].contexts["measurement"]["figures"][0]
+    assert one.panels[1].bands[0].centre == 0.6
+    assert one.panels[0].x_ticks == ("north\n(none)",)
+    rows = [match("north", mode, 0.6, True, k) for mode in ("default", "mapped") for k in (1, 2)]
+    run = make_run(against=measured(*rows))
+    several = builder.blocks_of([run])[0].contexts["measurement"]["figures"][0]
+    row, engine = several.panels[0].series
+    assert row.label == "measured"
+    assert row.u == pytest.approx(100 * 0.02 / 0.6)
+    assert engine.y == pytest.approx(0.0)
+
+
+def test_contrast_is_in_tolerances_and_has_no_zero():
+    run = make_run([("north", "default", 0.8), ("north", "mapped", 0.816)])
+    figure = builder.blocks_of([run])[0].contexts["contrast"]["figures"][0]
+    default, mapped = (panel.series[0].y for panel in figure.panels)
+    assert default[0] == pytest.approx(1e-3)
+    assert mapped[0] == pytest.approx(2.0)
+    assert np.isnan(mapped[1])  # the rest time was not measured
+
+
+def test_key_picture_shows_truth_below_the_engines_on_one_axis():
+    figure = builder.blocks_of([make_run()])[0].figures[0]
+    assert figure.share_y
+    assert [panel.title for panel in figure.panels] == [
+        "as each engine behaves by default",
+        "scenario's physics mapped",
+    ]
+    assert [series.label for series in figure.panels[1].series] == [f"truth ({TRUTH})", "north"]
+
+
+def test_figures_are_files(tmp_path):
+    found = builder.write_figures([RUNS["no gravity"]], tmp_path / "new" / "folder", "pdf")
+    assert [path.name for path in found] == [
+        f"toy-{name}.pdf" for name in ("probe-height_m", "events-restitution", "contrast")
+    ]
+    assert all(path.stat().st_size > 1000 for path in found)
+
+
+def test_figures_of_several_runs_do_not_overwrite_each_other(tmp_path):
+    found = builder.write_figures([RUNS["no truth"]] * 2, tmp_path, "svg")
+    assert len({path.name for path in found}) == len(found) == 4
+
+
+def test_unknown_figure_format_is_named(tmp_path):
+    with pytest.raises(UnknownName, match="did you mean svg"):
+        builder.write_figures([make_run()], tmp_path, "svgz")
+
+
+@pytest.mark.parametrize("name", ["against", "nothing ran"])
+def test_pdf_has_a_page_for_each_figure_and_the_tables(name, tmp_path):
+    run = RUNS[name]
+    content = builder.write_pdf([run], tmp_path / "r.pdf").read_bytes()
+    assert content.startswith(b"%PDF")
+    pages = len(re.findall(rb"/Type /Page\b", content))
+    figures, tables = len(builder.blocks_of([run])[0].figures), {"against": 3, "nothing ran": 1}
+    assert pages == figures + tables[name]
+
+
+# Markdown
+
+
+def test_markdown_tables_are_whole(tmp_path):
+    run = make_run(
+        [("north", "default", 0.0), ("north", "mapped", 0.801), ("so|uth", "mapped", None)]
+    )
+    lines = builder.write_markdown([run], tmp_path / "r.md").read_text("utf-8").splitlines()
+    columns = [len(re.findall(r"(?<!\\)\|", line)) for line in lines]
+    for i, line in enumerate(lines):
+        if line.startswith("|---"):
+            block = columns[i - 1 : i + 2]
+            assert len(set(block)) == 1, lines[i - 1 : i + 2]
+    assert any("0.8010 ± 0.0010 | ✓ pass" in line for line in lines)
+    assert not any("<script>" in line for line in lines)
+
+
+# the command
+
+
+def test_command_names_everything_of_a_scenario_that_is_gone():
+    assert reproduce.command(make_run(preset="soft ball")) == (
+        "simcompare run toy --engine all --contact default,mapped --preset 'soft ball'"
+        " --set drop_height_m=1.0 --set gravity_m_s2=9.81 --step 0.01s --seeds 3"
+    )
+
+
+def test_command_names_only_what_differs_from_a_known_scenario():
+    import hashlib
+
+    from simcompare import catalogue
+
+    name = catalogue.names()[0]
+    file = catalogue.load(name)
+    own = file.resolve()
+    known = {
+        "scenario": name,
+        "scenario_sha256": hashlib.sha256(file.path.read_bytes()).hexdigest(),
+        "step_s": own.world.step_s,
+        "repeats": own.dither.count if own.dither else 1,
+    }
+    run = make_run(parameters=dict(own.parameters), **known)
+    assert reproduce.command(run) == f"simcompare run {name} --engine all --contact default,mapped"
+    first = next(iter(own.parameters))
+    run = make_run(parameters={**own.parameters, first: 0.123}, **known)
+    assert reproduce.command(run).endswith(f"--set {first}=0.123")
+
+
+def test_command_names_the_published_table():
+    from simcompare.hardware.logs.bounce_table import facts
+
+    published = next(iter(facts()))
+    for file, name in ((f"{published}.csv", published), ("my ball.csv", "'my ball.csv'")):
+        command = reproduce.command(make_run(against={**AGAINST, "file": file}))
+        assert command.endswith(f" --against {name}")
+
+
+# files
+
+
+def test_full_disk_leaves_nothing_behind_and_keeps_the_old_report(tmp_path, monkeypatch):
+    path = tmp_path / "report.html"
+    path.write_text("the old one", encoding="utf-8")
+
+    def full(self, content):
+        self.open("wb").close()
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(
+        OutputError, match=r"report\.html.*No space left on device.*nothing was kept"
+    ):
+        builder.write_html([make_run()], path)
+    assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
+    assert path.read_text(encoding="utf-8") == "the old one"
+
+
+def test_folder_that_is_a_file_is_an_output_error(tmp_path):
+    (tmp_path / "file").write_bytes(b"")
+    with pytest.raises(OutputError, match="cannot be written"):
+        output.write(tmp_path / "file" / "report.html", b"content")
+
+
+def test_missing_plotly_is_a_sentence_with_its_cure(monkeypatch):
+    plotly_.script.cache_clear()
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(OutputError, match="pip install plotly"):
+        plotly_.script()

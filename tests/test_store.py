@@ -1,0 +1,259 @@
+"""Runs on disk: what is read is what was written, and nothing is ever half-written."""
+
+from __future__ import annotations
+
+import errno
+import json
+import shutil
+import subprocess
+import sys
+import textwrap
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import simcompare
+from simcompare import experiment, store
+from simcompare.compare import Score
+from simcompare.errors import InputError, OutputError
+from simcompare.experiment import Run, Stored
+from simcompare.trajectory import Trajectory
+
+
+@pytest.fixture
+def made(add_engine, fall):
+    """A run that is not stored."""
+    add_engine("toy")
+    return simcompare.run(str(fall), engine="toy")
+
+
+def synthetic():
+    """A run with everything that storing could lose."""
+    rng = np.random.default_rng(0)
+    t = np.arange(50, dtype=np.float64) * np.float64(1e-3)
+    signals = {"ball.position_m": rng.normal(size=(50, 3)), "wheel.rate_rad_s": rng.normal(size=50)}
+    first = Trajectory("toy", t, signals, contact="mapped")
+    second = Trajectory(
+        "toy", t[:20], {"ball.orientation_wxyz": rng.normal(size=(20, 4))}, contact="default"
+    )
+    truth = Trajectory("closed form", t, {"ball.position_m": rng.normal(size=(50, 3)) * 1e-300})
+    scores = (
+        Score("toy", "mapped", "restitution", None, 0.1 + 0.2, 1e-17, "1", 9, 0.8, 0.002, "fail"),
+        Score("toy", "mapped", "rebound, height", 3, None, None, "m", 9, None, None, "info"),
+    )
+    record = {
+        "format": experiment.FORMAT,
+        "created": "2026-01-02T03:04:05+00:00",
+        "scenario": "ball",
+        "sources": [{"name": "toy", "status": "ok", "noise": "Höhe\n\u2028"}],
+        "engines_asked": "toy",
+        "interrupted": True,
+        "scores": [score.to_dict() for score in scores],
+    }
+    stored = (
+        Stored("toy", "mapped", 0, first),
+        Stored("toy", "mapped", 1, first),
+        Stored("toy", "default", 0, second),
+        Stored("closed form", "", 0, truth),
+    )
+    return Run(record, scores, stored, None, True)
+
+
+def assert_same(back, run):
+    assert back.scores == run.scores
+    assert back.interrupted == run.interrupted
+    assert {k: v for k, v in back.record.items() if k != "run"} == {
+        k: v for k, v in run.record.items() if k != "run"
+    }
+    assert len(back.trajectories) == len(run.trajectories)
+    for ours, theirs in zip(back.trajectories, run.trajectories, strict=True):
+        assert (ours.source, ours.contact, ours.repeat) == (
+            theirs.source,
+            theirs.contact,
+            theirs.repeat,
+        )
+        assert np.array_equal(ours.trajectory.time_s, theirs.trajectory.time_s)
+        assert set(ours.trajectory.signals) == set(theirs.trajectory.signals)
+        for name, values in theirs.trajectory.signals.items():
+            assert np.array_equal(ours.trajectory.signals[name], values), name
+
+
+def test_what_is_read_is_what_was_written_to_the_last_bit(tmp_path):
+    run = synthetic()
+    saved = store.save(run, tmp_path / "runs")
+    assert saved.folder is not None
+    assert saved.record["run"] == str(saved.folder)
+    assert_same(store.load(saved.folder), run)
+    assert simcompare.load_run(saved.folder).exit_code == 1
+    assert sorted(p.name for p in saved.folder.iterdir()) == [
+        "run.json",
+        "scores.csv",
+        "trajectories.parquet",
+    ]
+
+
+def test_a_run_of_an_engine_is_read_back_too(made, tmp_path):
+    saved = store.save(made, tmp_path)
+    assert saved.folder is not None
+    assert_same(store.load(saved.folder), made)
+
+
+def test_two_runs_in_one_second_have_folders_of_their_own(tmp_path):
+    run = synthetic()
+    folders = [store.save(run, tmp_path).folder for _ in range(3)]
+    assert len(set(folders)) == 3
+
+
+def test_runs_stored_at_the_same_time_do_not_harm_each_other(tmp_path):
+    """As when a shell loop starts several commands in one folder."""
+    run, start = synthetic(), threading.Barrier(8)
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)  # the threads take turns as often as processes would
+
+    def twice(_):
+        start.wait()
+        return [store.save(run, tmp_path) for _ in range(2)]
+
+    try:
+        with ThreadPoolExecutor(8) as pool:
+            saved = [each for two in pool.map(twice, range(8)) for each in two]
+    finally:
+        sys.setswitchinterval(interval)
+    assert len({run.folder for run in saved}) == 16
+    for each in saved:
+        assert each.folder is not None
+        assert_same(store.load(each.folder), run)
+    assert len(list(tmp_path.iterdir())) == 16
+
+
+def test_what_another_process_is_writing_is_left_alone(tmp_path, monkeypatch):
+    """Another command takes the same identifier between our look and our making of the folder."""
+    theirs: list[Path] = []
+    make = Path.mkdir
+
+    def mkdir(self, *args, **more):
+        if not theirs and self.parent == tmp_path:
+            make(self, parents=True)
+            (self / "run.json").write_text("theirs")
+            theirs.append(self)
+        make(self, *args, **more)
+
+    monkeypatch.setattr(Path, "mkdir", mkdir)
+    saved = store.save(synthetic(), tmp_path)
+    assert (theirs[0] / "run.json").read_text() == "theirs"
+    assert saved.folder is not None
+    assert saved.folder.is_dir()
+
+
+def test_odd_folder_names_are_no_trouble(tmp_path):
+    saved = store.save(synthetic(), tmp_path / 'it\'s a "run" [*?] é')
+    assert saved.folder is not None
+    assert len(store.load(saved.folder).trajectories) == 4
+
+
+def test_a_place_that_cannot_be_written_is_told_before_and_after(tmp_path, fall):
+    (tmp_path / "file").write_text("x")
+    out = tmp_path / "file" / "runs"
+    with pytest.raises(OutputError, match="another --out"):
+        store.save(synthetic(), out)
+    with pytest.raises(OutputError, match="another"):
+        simcompare.run(str(fall), engine="pymunk", out=out)
+    assert (tmp_path / "file").read_text() == "x"
+
+
+@pytest.mark.parametrize("part", ["to_json", "_write_scores", "_write_trajectories"])
+def test_a_full_disk_leaves_nothing(tmp_path, monkeypatch, part):
+    def full(*_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(store, part, full)
+    with pytest.raises(OutputError, match="No space left on device"):
+        store.save(synthetic(), tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("limit", [500, 3000])
+def test_a_write_that_fails_halfway_leaves_nothing(tmp_path, limit):
+    """The system itself refuses: files may not be larger than ``limit`` bytes."""
+    pytest.importorskip("resource")
+    code = f"""
+    import resource, sys
+    from pathlib import Path
+    from simcompare import store
+    from simcompare.errors import OutputError
+    from tests.test_store import synthetic
+    run = synthetic()
+    resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
+    try:
+        store.save(run, Path({str(tmp_path)!r}))
+    except OutputError as error:
+        print("told:", error)
+    """
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(code)],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=Path(__file__).parent.parent,
+    )
+    assert done.stdout.startswith("told:"), done.stdout + done.stderr
+    assert "nothing was kept" in done.stdout
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "{", "[]", "3", "null", "{}", '{"scores": 3}', '{"scores": [{"source": "x"}]}', "\0\0\0"],
+)
+def test_a_damaged_record_is_told(tmp_path, text):
+    (tmp_path / "run.json").write_text(text)
+    with pytest.raises(InputError, match=r"run\.json"):
+        store.load(tmp_path)
+
+
+def test_a_record_of_another_format_is_told(tmp_path):
+    saved = store.save(synthetic(), tmp_path)
+    assert saved.folder is not None
+    path = saved.folder / "run.json"
+    path.write_text(json.dumps({**json.loads(path.read_text()), "format": 99}))
+    with pytest.raises(InputError, match="format 99 is not known"):
+        store.load(saved.folder)
+
+
+@pytest.mark.parametrize("damage", ["cut", "empty", "other", "noise"])
+def test_damaged_trajectories_are_told(tmp_path, damage):
+    saved = store.save(synthetic(), tmp_path)
+    assert saved.folder is not None
+    path = saved.folder / "trajectories.parquet"
+    raw = path.read_bytes()
+    if damage == "other":
+        import duckdb
+
+        path.unlink()
+        duckdb.sql(f"copy (select 1 as x) to '{path}' (format parquet)")
+    else:
+        new = {"cut": raw[: len(raw) // 2], "empty": b"", "noise": b"PAR1" + bytes(64) + b"PAR1"}
+        path.write_bytes(new[damage])
+    with pytest.raises(InputError, match=r"trajectories\.parquet"):
+        store.load(saved.folder)
+
+
+def test_a_folder_without_a_run_is_told(tmp_path):
+    with pytest.raises(InputError, match="not a stored run"):
+        store.load(tmp_path)
+    with pytest.raises(InputError, match="not a stored run"):
+        store.load(tmp_path / "nope")
+
+
+def test_no_half_written_run_is_seen_as_a_run(tmp_path):
+    """A process that was killed leaves at most a hidden folder, which no later run trips over."""
+    saved = store.save(synthetic(), tmp_path)
+    assert saved.folder is not None
+    partial = tmp_path / f".{saved.folder.name}.partial"
+    shutil.move(saved.folder, partial)
+    again = store.save(synthetic(), tmp_path)
+    assert again.folder is not None
+    assert [p for p in tmp_path.iterdir() if not p.name.startswith(".")] == [again.folder]
