@@ -304,9 +304,11 @@ def _audit_contact(
     label = "-".join(contact.pair)
     if pair is None:
         reference = tuple(engine.MjModel.from_xml_string(_NEUTRAL).geom("g").solref)
-        for part, held in zip(("time constant", "damping ratio"), reference, strict=True):
+        for part, unit, held in zip(
+            ("time constant", "damping ratio"), ("s", "1"), reference, strict=True
+        ):
             quantity, wanted = f"{label} restitution", contact.restitution
-            audit.add(quantity, wanted, f"solref {part}", (None, held), "s, 1", "engine's default")
+            audit.add(quantity, wanted, f"solref {part}", (None, held), unit, "engine's default")
         return
     stiffness, damping = solref(contact)
     note = f"ζ = {-damping / 2 / math.sqrt(-stiffness):.6g}" if stiffness < 0 else "no bounce"
