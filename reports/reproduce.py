@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import shlex
-from pathlib import Path
 
 from simcompare import catalogue
 from simcompare.errors import SimcompareError
@@ -19,7 +18,7 @@ def command(run: Run) -> str:
     All values are named where the scenario's file is no longer the one of the run.
     """
     record = run.record
-    words = ["simcompare", "run", str(record["scenario"])]
+    words = ["simcompare", "run", str(record["scenario_asked"])]
     words += ["--engine", str(record["engines_asked"])]
     words += ["--contact", ",".join(runs.modes(run))]
     if record["preset"]:
@@ -34,25 +33,17 @@ def command(run: Run) -> str:
     if count != record["repeats"]:
         words += ["--seeds", str(record["repeats"])]
     if record.get("against"):
-        words += ["--against", _table(str(record["against"]["file"]))]
+        words += ["--against", str(record["against_asked"])]
     return shlex.join(words)
 
 
 def _own_values(run: Run) -> Scenario | None:
     """The scenario as its file has it, ``None`` where that file is gone or has changed."""
     try:
-        file = catalogue.load(str(run.record["scenario"]))
+        file = catalogue.load(str(run.record["scenario_asked"]))
         digest = hashlib.sha256(file.path.read_bytes()).hexdigest()
         if digest != run.record["scenario_sha256"]:
             return None
         return file.resolve(preset=run.record["preset"])
     except (SimcompareError, OSError):
         return None
-
-
-def _table(file: str) -> str:
-    """The name of a published table, else its file."""
-    from simcompare.hardware.logs.bounce_table import facts
-
-    stem = Path(file).stem
-    return stem if stem in facts() else file

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from simcompare.errors import ReadBackMismatch
@@ -53,8 +54,10 @@ class Audit:
         note: str = "",
     ) -> None:
         """Adds a row; ``values`` are the value set and the value read back."""
-        held = tuple(None if value is None else float(value) for value in values)
-        row = AuditRow(quantity, scenario_value, engine_parameter, held[0], held[1], unit, note)
+        wanted, put, held = (
+            None if value is None else float(value) for value in (scenario_value, *values)
+        )
+        row = AuditRow(quantity, wanted, engine_parameter, put, held, unit, note)
         self.rows.append(row)
 
     def finish(self) -> tuple[AuditRow, ...]:
@@ -76,7 +79,9 @@ class Audit:
         return tuple(self.rows)
 
     def _agrees(self, row: AuditRow) -> bool:
-        if row.set_value is None or row.read_value is None:
+        if row.set_value is None or row.read_value is None or row.set_value == row.read_value:
             return True
+        if not (math.isfinite(row.set_value) and math.isfinite(row.read_value)):
+            return False
         size = max(abs(row.set_value), abs(row.read_value))
         return abs(row.set_value - row.read_value) <= self._relative * size

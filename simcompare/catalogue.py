@@ -26,9 +26,16 @@ _BUILT_IN = Path(__file__).parent / "scenarios"
 
 
 def folders() -> list[Path]:
-    """Folders that are searched, the project's own first."""
-    more = os.environ.get(FOLDERS_VARIABLE, "").split(os.pathsep)
-    return [_BUILT_IN, *(Path(part) for part in more if part)]
+    """Folders that are searched, the project's own first.
+
+    Raises:
+        InputError: the environment variable names a folder that does not exist.
+    """
+    more = [Path(part) for part in os.environ.get(FOLDERS_VARIABLE, "").split(os.pathsep) if part]
+    missing = [f"there is no folder {folder}" for folder in more if not folder.is_dir()]
+    if missing:
+        raise InputError(FOLDERS_VARIABLE, missing)
+    return [_BUILT_IN, *more]
 
 
 def files() -> dict[str, Path]:
@@ -36,7 +43,7 @@ def files() -> dict[str, Path]:
     found: dict[str, Path] = {}
     for folder in folders():
         for path in sorted(folder.glob("*/*.yaml")):
-            if path.stem == path.parent.name:
+            if path.stem == path.parent.name and path.is_file():
                 found.setdefault(path.stem, path)
     return found
 
@@ -72,9 +79,13 @@ def find(name: str) -> Path:
     if name in known:
         return known[name]
     path = Path(name)
-    if path.is_file():
+    try:
+        is_file, is_folder = path.is_file(), path.is_dir()
+    except OSError:  # a name too long for the file system
+        is_file = is_folder = False
+    if is_file:
         return path
-    if path.is_dir():
+    if is_folder:
         inside = path / f"{path.resolve().name}.yaml"
         if not inside.is_file():
             raise InputError(
@@ -111,7 +122,7 @@ def reference_of(path: Path) -> Reference | None:
     sys.modules[name] = module
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise InputError(
             str(source), [f"cannot be imported: {type(error).__name__}: {error}"]
         ) from error

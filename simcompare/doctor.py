@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from simcompare import engines
-from simcompare.backend import Feature, Settings
-from simcompare.errors import SimcompareError
-from simcompare.jobs import FAILED, OK, Job, Outcome
+from simcompare.backend import Settings
+from simcompare.jobs import FAILED, OK, Facts, Job, Outcome
 from simcompare.runner import run_jobs
 from simcompare.scenario import Scenario
 
@@ -37,25 +36,26 @@ class Diagnosis:
     Attributes:
         engine: its name.
         status: "ok", "missing" or "failed".
-        version: version of the installed engine.
         message: what the self-test found, or what to do.
-        features: what the backend can do.
-        known_limits: text and reference of each.
-        mapping: how the scenario's contact is translated.
+        facts: version, features, limits and mapping that the backend states.
     """
 
     engine: str
     status: str
-    version: str | None
     message: str
-    features: tuple[str, ...]
-    known_limits: tuple[tuple[str, str], ...]
-    mapping: str
+    facts: Facts
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        limits = [{"text": text, "reference": source} for text, source in self.known_limits]
-        return {**vars(self), "known_limits": limits, "features": list(self.features)}
+        return {
+            "engine": self.engine,
+            "status": self.status,
+            "message": self.message,
+            "version": self.facts.version,
+            "features": list(self.facts.features),
+            "known_limits": self.facts.limits_as_dicts(),
+            "mapping": self.facts.mapping,
+        }
 
 
 def doctor() -> list[Diagnosis]:
@@ -66,21 +66,10 @@ def doctor() -> list[Diagnosis]:
 
 
 def _diagnose(outcome: Outcome) -> Diagnosis:
-    name = outcome.job.engine
     status, message = outcome.status, outcome.reason or ""
     if outcome.trajectory is not None:
         status, message = _judge(outcome)
-    try:
-        backend = engines.get(name)
-    except SimcompareError:
-        return Diagnosis(name, status, None, message, (), (), "")
-    try:
-        version: str | None = backend.version()
-    except SimcompareError:
-        version = None
-    limits = tuple((limit.text, limit.reference) for limit in backend.known_limits)
-    features = tuple(str(feature) for feature in Feature if feature in backend.features)
-    return Diagnosis(name, status, version, message, features, limits, backend.mapping)
+    return Diagnosis(outcome.job.engine, status, message, outcome.facts)
 
 
 def _judge(outcome: Outcome) -> tuple[str, str]:

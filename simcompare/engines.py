@@ -56,24 +56,25 @@ def get(name: str) -> Backend:
     module, _, attribute = known[name].partition(":")
     try:
         found = getattr(importlib.import_module(module), attribute)
-    except Exception as error:
+        backend: Backend = found() if isinstance(found, type) else found
+    # other people's code may raise anything, also SystemExit
+    except (Exception, SystemExit) as error:
         raise EngineBroken(
             f"the backend of {name} ({known[name]}) cannot be loaded:"
             f" {type(error).__name__}: {error}"
         ) from error
-    backend: Backend = found() if isinstance(found, type) else found
     return backend
 
 
 def select(text: str) -> list[str]:
-    """Engine names from a command-line argument: ``all`` or a list with commas.
+    """Engine names from a command-line argument: ``all``, alone or in a list with commas.
 
     Raises:
         UnknownName: one of them does not exist.
     """
-    if text.strip() == "all":
-        return names()
     wanted = [part.strip() for part in text.split(",") if part.strip()]
+    if "all" in wanted:
+        return names()
     known = names()
     for name in wanted or [text]:
         if name not in known:

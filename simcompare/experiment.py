@@ -15,10 +15,11 @@ from simcompare import catalogue, engines, measures, units
 from simcompare.against import Match, matches
 from simcompare.backend import CONTACT_MODES, Settings, installed_version
 from simcompare.compare import FAIL, Repeat, Score, scores_of
-from simcompare.errors import InputError, OutputError, UnknownName
+from simcompare.errors import InputError, OutputError, SimcompareError, UnknownName
 from simcompare.jobs import FAILED, MISSING, OK, Job, Outcome
 from simcompare.runner import TIME_LIMIT_S, Interrupted, Progress, run_jobs
-from simcompare.scenario import Scenario
+from simcompare.scenario import MOST_SAMPLES, Scenario
+from simcompare.simulation import sample_times
 from simcompare.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -111,8 +112,8 @@ def run(
     modes = _modes(contact)
     file = catalogue.load(scenario)
     table = _table(file, against)
-    given = {**(dict(table.parameters) if table else {}), **(set or {})}
-    values = file.read_settings(given)
+    values = file.read_settings(table.parameters, str(table.path)) if table else {}
+    values |= file.read_settings(set or {})
     preset = preset or (table.preset if table else None)
     step_s = None if step is None else units.to_si(step, "s", "--step")
     if step_s is not None:
@@ -120,6 +121,7 @@ def run(
     if seeds is not None and seeds < 1:
         raise InputError("--seeds", [f"{seeds} is not a number of repeats; expected 1 or more"])
     scenarios = repeats_of(file, values, preset, step_s, seeds)
+    truths = truths_of(file.path, scenarios)
     if out is not None:
         check_writable(Path(out))
     jobs = [
@@ -133,8 +135,14 @@ def run(
         outcomes = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
     except Interrupted as stop:
         outcomes, interrupted = stop.outcomes, True
-    done = _gather(file, scenarios, outcomes, table)
-    done.record.update(engines_asked=engine, preset=preset, interrupted=interrupted)
+    done = _gather(file, (scenarios, truths), outcomes, table)
+    done.record.update(
+        engines_asked=engine,
+        scenario_asked=scenario,
+        against_asked=None if against is None else str(against),
+        preset=preset,
+        interrupted=interrupted,
+    )
     result = Run(done.record, tuple(done.scores), tuple(done.trajectories), None, interrupted)
     if out is None:
         return result
@@ -153,6 +161,9 @@ def repeats_of(
     """The scenario once for every dithered repeat, the nominal one in the middle.
 
     The dithered parameter takes the values p + (i - (n-1)/2)/n · span for i = 0 … n-1.
+
+    Raises:
+        InputError: values out of bounds, or a step so long that the spread leaves what makes sense.
     """
     nominal = file.resolve(values, preset=preset, step_s=step_s)
     dither = nominal.dither
@@ -160,17 +171,19 @@ def repeats_of(
         return [nominal]
     count = dither.count if count is None else count
     centre = nominal.parameters[dither.parameter]
-    # all repeats last as long as the nominal one, so that their samples line up
-    found = []
-    for i in range(count):
-        shifted = centre + (i - (count - 1) / 2) / count * dither.span
-        if i == (count - 1) / 2:
-            found.append(nominal)
-            continue
-        scenario = file.resolve({**values, dither.parameter: shifted}, preset=preset, step_s=step_s)
-        world = scenario.world.model_copy(update={"duration_s": nominal.world.duration_s})
-        found.append(scenario.model_copy(update={"world": world}))
-    return found
+    if dither.span >= 2 * centre and file.parameters[dither.parameter].min >= 0:
+        raise InputError(
+            "--step",
+            [
+                f"{nominal.world.step_s:g} s spreads {dither.parameter} by {dither.span:.3g}"
+                f" about {centre:.3g}, below 0; use a shorter step"
+            ],
+        )
+    offsets = [(i - (count - 1) / 2) / count * dither.span for i in range(count)]
+    return [
+        file.vary(nominal, dither.parameter, centre + offset) if offset else nominal
+        for offset in offsets
+    ]
 
 
 def check_writable(folder: Path) -> None:
@@ -193,13 +206,14 @@ def check_writable(folder: Path) -> None:
 def _check_step(scenario: Scenario, step_s: float) -> None:
     if step_s <= 0:
         raise InputError("--step", [f"{step_s:g} s is not a time above 0"])
-    longest = scenario.world.duration_s / LEAST_SAMPLES
-    if step_s > longest:
+    duration = scenario.world.duration_s
+    shortest, longest = duration / MOST_SAMPLES, duration / LEAST_SAMPLES
+    if not shortest <= step_s <= longest:
         raise InputError(
             "--step",
             [
-                f"{step_s:g} s leaves {scenario.world.duration_s / step_s:.0f} samples in"
-                f" {scenario.world.duration_s:.3g} s; use at most {longest:.2g} s"
+                f"{step_s:g} s gives {duration / step_s:.3g} samples in {duration:.3g} s;"
+                f" use {shortest:.2g} s to {longest:.2g} s"
             ],
         )
 
@@ -238,11 +252,11 @@ class _Gathered:
 
 def _gather(
     file: ScenarioFile,
-    scenarios: Sequence[Scenario],
+    planned: tuple[Sequence[Scenario], Sequence[Trajectory | None]],
     outcomes: Sequence[Outcome],
     table: BounceTable | None,
 ) -> _Gathered:
-    truths = _truths(file.path, scenarios)
+    scenarios, truths = planned
     scores: list[Score] = []
     trajectories: list[Stored] = []
     sources = []
@@ -251,17 +265,21 @@ def _gather(
         by_source.setdefault((outcome.job.engine, outcome.job.settings.contact), []).append(outcome)
     for (engine, mode), own in by_source.items():
         good = [outcome for outcome in own if outcome.status == OK]
+        record = _source_record(engine, mode, own)
         if len(good) == len(own):
             repeats = [
                 Repeat(scenarios[o.job.repeat], o.trajectory, truths[o.job.repeat])
                 for o in own
                 if o.trajectory is not None
             ]
-            scores += scores_of(repeats)
+            try:
+                scores += scores_of(repeats)
+            except SimcompareError as error:  # this source lacks a signal; the others have it
+                record.update(status=FAILED, reason=str(error))
         trajectories += [
             Stored(engine, mode, o.job.repeat, o.trajectory) for o in good if o.trajectory
         ]
-        sources.append(_source_record(engine, mode, own))
+        sources.append(record)
     for i, truth in enumerate(truths):
         if truth is not None:
             trajectories.append(Stored(TRUTH, "", i, truth))
@@ -273,18 +291,30 @@ def _gather(
     return _Gathered(record, scores, trajectories)
 
 
-def _truths(path: Path, scenarios: Sequence[Scenario]) -> list[Trajectory | None]:
-    from simcompare.simulation import sample_times
+def truths_of(path: Path, scenarios: Sequence[Scenario]) -> list[Trajectory | None]:
+    """The truth of every repeat, ``None`` where the scenario has no reference.
 
+    Raises:
+        InputError: the reference fails or returns what cannot be a truth.
+    """
     reference = catalogue.reference_of(path)
-    found: list[Trajectory | None] = []
-    for scenario in scenarios:
-        if reference is None:
-            found.append(None)
-            continue
-        times = sample_times(scenario)
-        found.append(Trajectory(TRUTH, times, reference(scenario.parameters, times)))
-    return found
+    if reference is None:
+        return [None] * len(scenarios)
+    try:
+        return [_truth(reference, scenario) for scenario in scenarios]
+    # a user's own code may raise anything, also SystemExit
+    except (Exception, SystemExit) as error:
+        where = str(path.with_name("reference.py"))
+        message = f"reference() failed: {type(error).__name__}: {error}"
+        raise InputError(where, [message]) from error
+
+
+def _truth(reference: catalogue.Reference, scenario: Scenario) -> Trajectory:
+    times = sample_times(scenario)
+    truth = Trajectory(TRUTH, times, reference(scenario.parameters, times))
+    for measure in scenario.measures:
+        measures.observe(truth, scenario.probes[measure.probe])
+    return truth
 
 
 def _source_record(engine: str, mode: str, outcomes: Sequence[Outcome]) -> dict[str, Any]:
@@ -293,10 +323,10 @@ def _source_record(engine: str, mode: str, outcomes: Sequence[Outcome]) -> dict[
     done = [outcome.trajectory for outcome in outcomes if outcome.trajectory is not None]
     nominal = done[len(done) // 2] if done else None
     walls = [trajectory.wall_s for trajectory in done]
-    facts = _backend_facts(engine)
+    facts = outcomes[0].facts
     return {
         "name": engine,
-        "version": nominal.version if nominal else facts["version"],
+        "version": facts.version,
         "contact": mode,
         "status": bad[0].status if bad else OK,
         "reason": bad[0].reason if bad else None,
@@ -310,25 +340,9 @@ def _source_record(engine: str, mode: str, outcomes: Sequence[Outcome]) -> dict[
         "notes": list(nominal.notes) if nominal else [],
         "noise": outcomes[0].noise,
         "audit": [vars(row) for row in nominal.audit] if nominal else [],
-        "mapping": facts["mapping"],
-        "known_limits": facts["known_limits"],
+        "mapping": facts.mapping,
+        "known_limits": facts.limits_as_dicts(),
     }
-
-
-def _backend_facts(engine: str) -> dict[str, Any]:
-    """Version, mapping and limits that a backend states; empty where it cannot be loaded."""
-    from simcompare.errors import SimcompareError
-
-    try:
-        backend = engines.get(engine)
-    except SimcompareError:
-        return {"version": None, "mapping": "", "known_limits": []}
-    try:
-        version: str | None = backend.version()
-    except SimcompareError:
-        version = None
-    limits = [{"text": limit.text, "reference": limit.reference} for limit in backend.known_limits]
-    return {"version": version, "mapping": backend.mapping, "known_limits": limits}
 
 
 def _record(

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import functools
 import math
 import re
+import warnings
 from collections.abc import Mapping
 from typing import Any
 
@@ -38,12 +40,18 @@ def is_expression(value: object) -> bool:
 def _evaluator() -> Any:  # noqa: ANN401
     import simpleeval
 
-    return simpleeval.SimpleEval(functions=FUNCTIONS)
+    evaluator = simpleeval.SimpleEval(functions=FUNCTIONS)
+    # numbers have methods, and none of them belongs here; nor does an assignment
+    for node in (ast.Attribute, ast.Assign, ast.AugAssign):
+        del evaluator.nodes[node]
+    return evaluator
 
 
 @functools.lru_cache(maxsize=4096)
 def _parsed(source: str) -> Any:  # noqa: ANN401
-    return _evaluator().parse(source)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # simpleeval only warns when it drops a part
+        return _evaluator().parse(source)
 
 
 def evaluate(text: str, names: Mapping[str, float]) -> float:
@@ -67,11 +75,14 @@ def evaluate(text: str, names: Mapping[str, float]) -> float:
     try:
         source = match[1].strip()
         value = evaluator.eval(source, previously_parsed=_parsed(source))
-    except Exception as error:  # noqa: BLE001  (simpleeval raises many kinds; all mean the same here)
+        if not isinstance(value, bool) and isinstance(value, int | float):
+            number = float(value)
+            if math.isfinite(number):
+                return number
+    # simpleeval raises many kinds; all mean the same here
+    except Exception as error:  # noqa: BLE001
         raise ExpressionError(f"{text} cannot be evaluated: {error}") from None
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise ExpressionError(f"{text} gives {value!r}, not a finite number")
-    return float(value)
+    raise ExpressionError(f"{text} gives {value!r}, not a finite number")
 
 
 def resolve(node: Any, names: Mapping[str, float], path: str, faults: dict[str, str]) -> Any:  # noqa: ANN401

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import math
+from dataclasses import dataclass, field, replace
 
 from simcompare import engines
-from simcompare.backend import Settings
-from simcompare.errors import EngineMissing, SimcompareError, Unsupported
+from simcompare.backend import Backend, Feature, Settings
+from simcompare.errors import EngineBroken, EngineMissing, SimcompareError, Unsupported
 from simcompare.scenario import Scenario
 from simcompare.trajectory import Trajectory
 
@@ -32,6 +33,27 @@ class Job:
 
 
 @dataclass(frozen=True)
+class Facts:
+    """What a backend states about itself; gathered where it is loaded, never in the parent.
+
+    Attributes:
+        version: version of the installed engine, ``None`` where it is not installed.
+        features: what the backend can do, as people read it.
+        mapping: how the scenario's contact is translated.
+        known_limits: text and reference of each.
+    """
+
+    version: str | None = None
+    features: tuple[str, ...] = ()
+    mapping: str = ""
+    known_limits: tuple[tuple[str, str], ...] = ()
+
+    def limits_as_dicts(self) -> list[dict[str, str]]:
+        """The known limits for JSON."""
+        return [{"text": text, "reference": source} for text, source in self.known_limits]
+
+
+@dataclass(frozen=True)
 class Outcome:
     """How a job ended.
 
@@ -41,6 +63,7 @@ class Outcome:
         reason: one sentence where the status is not "ok".
         trajectory: what happened, where the status is "ok".
         noise: what the engine's process printed.
+        facts: what the backend states about itself, where it could be loaded.
     """
 
     job: Job
@@ -48,19 +71,59 @@ class Outcome:
     reason: str | None = None
     trajectory: Trajectory | None = None
     noise: str = ""
+    facts: Facts = field(default_factory=Facts)
 
 
 def execute(job: Job) -> Outcome:
     """Runs a job in this process; every failure becomes an outcome."""
+    facts = Facts()
     try:
         backend = engines.get(job.engine)
-        trajectory = backend.simulate(job.scenario, job.settings)
+        facts = facts_of(backend)
+        trajectory = _checked(job, backend.simulate(job.scenario, job.settings))
     except Unsupported as error:
-        return Outcome(job, UNSUPPORTED, str(error))
+        return Outcome(job, UNSUPPORTED, str(error), facts=facts)
     except EngineMissing as error:
-        return Outcome(job, MISSING, str(error))
+        return Outcome(job, MISSING, str(error), facts=facts)
     except SimcompareError as error:
-        return Outcome(job, FAILED, str(error))
-    except Exception as error:  # noqa: BLE001  (an engine may raise anything; it spoils only its own row)
-        return Outcome(job, FAILED, f"{job.engine}: {type(error).__name__}: {error}")
-    return Outcome(job, OK, trajectory=replace(trajectory, contact=job.settings.contact))
+        return Outcome(job, FAILED, str(error), facts=facts)
+    # an engine may raise anything, also SystemExit; it spoils only its own row
+    except (Exception, SystemExit) as error:  # noqa: BLE001
+        return Outcome(job, FAILED, f"{job.engine}: {type(error).__name__}: {error}", facts=facts)
+    return Outcome(job, OK, trajectory=trajectory, facts=facts)
+
+
+def facts_of(backend: Backend) -> Facts:
+    """What a backend states about itself."""
+    try:
+        version: str | None = str(backend.version())
+    except EngineMissing:
+        version = None
+    return Facts(
+        version,
+        tuple(str(feature) for feature in Feature if feature in backend.features),
+        str(backend.mapping),
+        tuple((str(limit.text), str(limit.reference)) for limit in backend.known_limits),
+    )
+
+
+def _checked(job: Job, trajectory: Trajectory) -> Trajectory:
+    """The trajectory under the engine's own name, if the backend kept the contract.
+
+    Raises:
+        EngineBroken: it did not; one sentence says where.
+    """
+    if not isinstance(trajectory, Trajectory):
+        raise EngineBroken(f"{job.engine} returned {type(trajectory).__name__}, not a Trajectory")
+    wall = {str(stage): float(seconds) for stage, seconds in trajectory.wall_s.items()}
+    numbers = list(wall.values())
+    for row in trajectory.audit:
+        held = (row.scenario_value, row.set_value, row.read_value)
+        numbers += [value for value in held if value is not None]
+    if not all(isinstance(value, float) and math.isfinite(value) for value in numbers):
+        raise EngineBroken(
+            f"{job.engine} returned times or an audit with values that are no numbers"
+        )
+    named = replace(trajectory, source=job.engine, contact=job.settings.contact, wall_s=wall)
+    named.to_columns()
+    return named

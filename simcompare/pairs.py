@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import combinations
 from typing import Literal
 
@@ -26,7 +27,7 @@ def per_body_product(
     """Per-body values whose products are the scenario's values of the pairs.
 
     Fixed bodies hold 1 and moving bodies the value of their pairs with fixed ones, so what is set
-    is what the scenario says. Two moving bodies must then agree with the product of their values.
+    is what the scenario says; two bodies that touch nothing fixed share theirs equally.
 
     Raises:
         Unsupported: no such values exist.
@@ -37,7 +38,9 @@ def per_body_product(
         moving = [name for name in contact.pair if not scenario.bodies[name].fixed]
         if len(moving) == 1:
             values.setdefault(moving[0], float(getattr(contact, prop)))
-    for name in scenario.bodies:
+    for contact in pairs:
+        _share(values, contact, float(getattr(contact, prop)))
+    for name in scenario.bodies:  # those that touch nothing
         values.setdefault(name, 0.0)
     for contact in pairs:
         first, second = contact.pair
@@ -48,3 +51,13 @@ def per_body_product(
                 f" {first}-{second} = {wanted:g} together with the other pairs"
             )
     return values
+
+
+def _share(values: dict[str, float], contact: Contact, wanted: float) -> None:
+    """Gives the bodies of a pair that have no value yet one that fits."""
+    first, second = contact.pair
+    if first not in values and second not in values:
+        values[first] = values[second] = math.sqrt(wanted)
+    for name, other in ((first, second), (second, first)):
+        if name not in values:
+            values[name] = wanted / values[other] if values[other] > 0 else 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import pickle
 import queue
@@ -15,11 +16,16 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import IO
 
+from simcompare.errors import InputError
 from simcompare.jobs import FAILED, Job, Outcome
-from simcompare.worker import read_frame
+from simcompare.worker import read_frame, write_frame
 
 #: longest time that one job may take, the engine's import included [s]
 TIME_LIMIT_S = 120.0
+#: how long an engine may take to end after its last result [s]
+LEAVE_LIMIT_S = 2.0
+#: longest wait for a message, whatever the time limit [s]
+_LONGEST_WAIT_S = 3600.0
 _NOISE_KEPT = 4000
 
 Progress = Callable[[str, int, int], None]
@@ -55,11 +61,10 @@ class _Worker:
         assert process is not None
         assert process.stdin is not None
         assert process.stdout is not None
-        try:
-            with process.stdin as stdin:
-                pickle.dump(self.jobs, stdin, protocol=5)
-        except BrokenPipeError:
-            pass  # it died at once; the end of its output says so
+        # if it died at once, the end of its output says so
+        with contextlib.suppress(BrokenPipeError):
+            # stdin stays open: its end tells the worker that this process is gone
+            write_frame(process.stdin, pickle.dumps(self.jobs, protocol=5))
         while (payload := read_frame(process.stdout)) is not None:
             inbox.put((self, pickle.loads(payload)))
         inbox.put((self, None))
@@ -83,10 +88,22 @@ class _Worker:
         text = self.stderr.read().decode("utf-8", errors="replace").strip()
         return text if len(text) <= _NOISE_KEPT else "… " + text[-_NOISE_KEPT:]
 
+    def leave(self) -> int:
+        """Waits a moment for the process to end by itself, else ends it; its exit code."""
+        assert self.process is not None
+        assert self.process.stdin is not None
+        try:
+            code = self.process.wait(LEAVE_LIMIT_S)
+        except subprocess.TimeoutExpired:
+            self.stop()
+            code = self.process.wait()
+        with contextlib.suppress(BrokenPipeError):
+            self.process.stdin.close()
+        return code
+
     def how_it_died(self) -> str:
         """One sentence on the end of a process that owed outcomes."""
-        assert self.process is not None
-        code = self.process.wait()
+        code = self.leave()
         if code < 0:
             return f"{self.engine}: its process was killed by {signal.Signals(-code).name}"
         return f"{self.engine}: its process ended early with exit code {code}"
@@ -123,8 +140,11 @@ def run_jobs(
         One outcome for every job, in the order of the jobs.
 
     Raises:
+        InputError: a time limit that is none.
         Interrupted: on Ctrl-C, with the outcomes so far; no process is left behind.
     """
+    if not time_limit_s > 0:
+        raise InputError("--time-limit", [f"{time_limit_s:g} s is not a time above 0"])
     by_engine: dict[str, list[Job]] = {}
     for job in (ordered := list(jobs)):
         by_engine.setdefault(job.engine, []).append(job)
@@ -161,7 +181,8 @@ class _Crew:
                 self._running.append(worker)
             wait = min(worker.deadline for worker in self._running) - time.monotonic()
             try:
-                worker, message = self._inbox.get(timeout=max(wait, 0.01))
+                timeout = min(max(wait, 0.01), _LONGEST_WAIT_S)
+                worker, message = self._inbox.get(timeout=timeout)
             except queue.Empty:
                 self._end_late_ones(results)
                 continue
@@ -189,8 +210,7 @@ class _Crew:
     def _close(self, worker: _Worker, results: dict[tuple[str, int], Outcome], reason: str) -> None:
         """Takes a worker off the list; the jobs that it still owes have failed for ``reason``."""
         self._running.remove(worker)
-        if worker.process is not None and not reason:
-            worker.process.wait()
+        worker.leave()
         noise = worker.noise()
         if reason and noise:
             reason += f"; it last printed: {noise.splitlines()[-1]}"

@@ -8,14 +8,23 @@ those of its frame, whose origin is its centre of mass unless ``center_of_mass_m
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    PositiveFloat,
+    field_validator,
+    model_validator,
+)
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 Nonnegative = Annotated[float, Field(ge=0)]
+#: samples of one run; more fill the memory of an ordinary machine
+MOST_SAMPLES = 1e7
 
 
 class Frozen(BaseModel):
@@ -38,11 +47,19 @@ class Pose(Frozen):
         return self
 
 
+def _not_zero(direction: Vector) -> Vector:
+    if math.hypot(*direction) == 0:
+        raise ValueError("a direction of length 0 points nowhere")
+    return direction
+
+
 class Plane(Pose):
     """Half space below a plane through ``position_m``; ``normal`` points out of the solid."""
 
     type: Literal["plane"]
     normal: Vector = (0.0, 0.0, 1.0)
+
+    _has_direction = field_validator("normal")(_not_zero)
 
 
 class Sphere(Pose):
@@ -107,6 +124,13 @@ class Body(Pose):
     def _moving_bodies_have_mass(self) -> Body:
         if not self.fixed and (self.mass_kg is None or self.inertia_kg_m2 is None):
             raise ValueError("a body that moves needs mass_kg and inertia_kg_m2 (or fixed: true)")
+        if self.inertia_kg_m2 is not None:
+            *small, large = sorted(self.inertia_kg_m2)
+            if large > sum(small) * (1 + 1e-9):
+                raise ValueError(
+                    f"no mass has the moments {self.inertia_kg_m2}:"
+                    " one exceeds the sum of the others"
+                )
         return self
 
 
@@ -124,6 +148,16 @@ class Joint(Frozen):
     damping: Nonnegative = Field(0.0, description="viscous [N·m·s/rad] or [N·s/m]")
     friction: Nonnegative = Field(0.0, description="Coulomb [N·m] or [N]")
     armature: Nonnegative = Field(0.0, description="reflected inertia [kg·m²] or [kg]")
+
+    _has_direction = field_validator("axis")(_not_zero)
+
+    @model_validator(mode="after")
+    def _possible(self) -> Joint:
+        if self.parent == self.child:
+            raise ValueError(f"joins {self.parent} to itself")
+        if self.lower is not None and self.upper is not None and self.lower > self.upper:
+            raise ValueError(f"{self.lower=} is above {self.upper=}")
+        return self
 
 
 class Actuator(Frozen):
@@ -146,6 +180,12 @@ class Contact(Frozen):
     restitution: Annotated[float, Field(ge=0, le=1)] = 0.0
     friction: Nonnegative = 0.0
 
+    @model_validator(mode="after")
+    def _two_bodies(self) -> Contact:
+        if self.pair[0] == self.pair[1]:
+            raise ValueError(f"{self.pair[0]} cannot touch itself")
+        return self
+
 
 class Sensor(Pose):
     """An ideal sensor fixed to a body; error models are applied afterwards, not in the engine."""
@@ -153,6 +193,13 @@ class Sensor(Pose):
     type: Literal["accelerometer", "gyroscope", "force", "range", "encoder", "barometer"]
     body: str | None = None
     joint: str | None = None
+
+    @model_validator(mode="after")
+    def _has_a_place(self) -> Sensor:
+        place = "joint" if self.type == "encoder" else "body"
+        if getattr(self, place) is None:
+            raise ValueError(f"a sensor of type {self.type} needs a {place}")
+        return self
 
 
 class Constant(Frozen):
@@ -286,6 +333,16 @@ class World(Frozen):
     duration_s: PositiveFloat
     step_s: PositiveFloat = 0.001
 
+    @model_validator(mode="after")
+    def _sensible_number_of_samples(self) -> World:
+        samples = self.duration_s / self.step_s
+        if not 1 <= samples <= MOST_SAMPLES:
+            raise ValueError(
+                f"step_s = {self.step_s:g} gives {samples:.3g} samples in {self.duration_s:g} s;"
+                f" expected 1 to {MOST_SAMPLES:g}"
+            )
+        return self
+
 
 class Scenario(Frozen):
     """One scene with numbers in it, ready for any engine.
@@ -320,42 +377,3 @@ class Scenario(Frozen):
             if set(contact.pair) == {first, second}:
                 return contact
         return Contact(pair=(first, second))
-
-
-def dangling_references(scenario: Scenario) -> dict[str, str]:
-    """Names in a scenario that point to nothing, as place -> sentence."""
-    faults: dict[str, str] = {}
-
-    for place, name, kind, known in _references(scenario):
-        if name is not None and name not in known:
-            have = ", ".join(known) or "none"
-            faults[place] = f"no {kind} is called {name!r} (there are: {have})"
-    return faults
-
-
-def _references(
-    scenario: Scenario,
-) -> Iterator[tuple[str, str | None, str, Mapping[str, object]]]:
-    """Every use of a name: place, name, kind of thing, and the things of that kind."""
-    bodies, joints = ("body", scenario.bodies), ("joint", scenario.joints)
-    for name, joint in scenario.joints.items():
-        yield f"joints.{name}.parent", joint.parent, *bodies
-        yield f"joints.{name}.child", joint.child, *bodies
-    for name, actuator in scenario.actuators.items():
-        yield f"actuators.{name}.joint", actuator.joint, *joints
-        yield f"actuators.{name}.input", actuator.input, "input", scenario.inputs
-    for name, sensor in scenario.sensors.items():
-        yield f"sensors.{name}.body", sensor.body, *bodies
-        yield f"sensors.{name}.joint", sensor.joint, *joints
-    for i, contact in enumerate(scenario.contacts):
-        for body in contact.pair:
-            yield f"contacts.{i}.pair", body, *bodies
-    observable = {**scenario.bodies, **scenario.joints, **scenario.sensors}
-    for name, probe in scenario.probes.items():
-        owner = probe.observe.partition(".")[0]
-        yield f"probes.{name}.observe", owner, "body, joint or sensor", observable
-    for i, measure in enumerate(scenario.measures):
-        yield f"measures.{i}.probe", measure.probe, "probe", scenario.probes
-        yield f"measures.{i}.body", measure.body, *bodies
-    if scenario.dither is not None:
-        yield "dither.parameter", scenario.dither.parameter, "parameter", scenario.parameters

@@ -12,10 +12,13 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from simcompare import expressions, units
 from simcompare.errors import InputError, UnknownName
-from simcompare.scenario import Scenario, dangling_references
+from simcompare.scenario import Scenario
+from simcompare.scenario_checks import faults_between_parts
 
 #: keys of the file that describe it rather than the scene
 HEAD_KEYS = ("parameters", "presets")
+#: what expressions call the time between samples
+STEP = "step_s"
 SCHEMA_PATH = Path(__file__).with_name("scenario.schema.json")
 
 
@@ -104,11 +107,31 @@ class ScenarioFile:
                 raise UnknownName(f"preset of {self.name}", preset, self.presets)
             parameters.update(self.presets[preset].set)
         parameters.update(values or {})
-        self._check_bounds(parameters)
+        faults = out_of_bounds(parameters, self.parameters)
+        if faults:
+            raise InputError(f"{self.name}, parameters", list(faults.values()))
         return self._build(parameters, step_s)
 
-    def read_settings(self, settings: Mapping[str, str | float]) -> dict[str, float]:
+    def vary(self, scenario: Scenario, name: str, value: float) -> Scenario:
+        """The same scenario with one parameter changed, also a little beyond its bounds.
+
+        Raises:
+            InputError: the scene cannot be built with that value.
+        """
+        parameters = {**scenario.parameters, name: value}
+        varied = self._build(parameters, scenario.world.step_s)
+        # as long as the original, so that samples line up
+        world = varied.world.model_copy(update={"duration_s": scenario.world.duration_s})
+        return varied.model_copy(update={"world": world})
+
+    def read_settings(
+        self, settings: Mapping[str, str | float], where: str = "--set"
+    ) -> dict[str, float]:
         """Turns ``{"drop_height": "30cm"}`` into ``{"drop_height_m": 0.3}``.
+
+        Args:
+            settings: parameter, with or without its unit suffix -> value, with or without unit.
+            where: the argument or file that is named in an error.
 
         Raises:
             InputError: every unknown name and every wrong unit, together.
@@ -124,45 +147,57 @@ class ScenarioFile:
             except InputError as error:
                 faults.append(str(error))
         if faults:
-            raise InputError(f"{self.name}, --set", faults)
+            raise InputError(f"{self.name}, {where}", faults)
         return values
 
-    def _check_bounds(self, values: Mapping[str, float]) -> None:
-        faults = []
-        for name, value in values.items():
-            if name not in self.parameters:
-                faults.append(str(UnknownName("parameter", name, self.parameters)))
-                continue
-            low, high = self.parameters[name].min, self.parameters[name].max
-            if not low <= value <= high:
-                unit = units.symbol(units.unit_of(name))
-                faults.append(f"{name} = {value:g} is outside {low:g} … {high:g} ({unit})")
-        if faults:
-            raise InputError(f"{self.name}, parameters", faults)
-
     def _build(self, parameters: Mapping[str, float], step_s: float | None) -> Scenario:
-        faults: dict[str, str] = {}
-        world = self.tree.get("world")
-        if step_s is None and isinstance(world, Mapping):
-            step_s = expressions.resolve(
-                world.get("step_s", 0.001), parameters, "world.step_s", faults
-            )
-        names = {**parameters, "step_s": _number_or(step_s, 0.001)}
-        tree = expressions.resolve(self.tree, names, "", faults)
-        if isinstance(tree.get("world"), dict):
-            tree["world"]["step_s"] = step_s
-        tree["parameters"] = parameters
-        try:
-            scenario = Scenario.model_validate(tree)
-        except ValidationError as error:
-            raise self._error({**faults_of(error), **faults}) from None
-        faults.update(dangling_references(scenario))
-        if faults:
-            raise self._error(faults)
+        scenario, faults = build(self.tree, parameters, step_s)
+        if scenario is None:
+            raise InputError(str(self.path), describe(faults, self.lines))
         return scenario
 
-    def _error(self, faults: Mapping[str, str]) -> InputError:
-        return InputError(str(self.path), describe(faults, self.lines))
+
+def out_of_bounds(
+    values: Mapping[str, float], parameters: Mapping[str, Parameter]
+) -> dict[str, str]:
+    """Values that no parameter has or that are outside its bounds, as name -> sentence."""
+    faults = {}
+    for name, value in values.items():
+        if name not in parameters:
+            faults[name] = str(UnknownName("parameter", name, parameters))
+            continue
+        low, high = parameters[name].min, parameters[name].max
+        if not low <= value <= high:
+            unit = units.symbol(units.unit_of(name))
+            faults[name] = f"{name} = {value:g} is outside {low:g} … {high:g} ({unit})"
+    return faults
+
+
+def build(
+    tree: Mapping[str, Any], parameters: Mapping[str, float], step_s: float | None
+) -> tuple[Scenario | None, dict[str, str]]:
+    """The scenario of a tree with its expressions evaluated, or ``None`` and every fault.
+
+    Args:
+        tree: the file without its head.
+        parameters: values that expressions may use, SI.
+        step_s: time between samples [s]; the file's own where ``None``.
+    """
+    faults: dict[str, str] = {}
+    world = tree.get("world")
+    if step_s is None and isinstance(world, Mapping):
+        step_s = expressions.resolve(world.get("step_s", 0.001), parameters, "world.step_s", faults)
+    names = {**parameters, STEP: _number_or(step_s, 0.001)}
+    resolved = expressions.resolve(tree, names, "", faults)
+    if isinstance(resolved.get("world"), dict):
+        resolved["world"]["step_s"] = step_s
+    resolved["parameters"] = dict(parameters)
+    try:
+        scenario = Scenario.model_validate(resolved)
+    except ValidationError as error:
+        return None, {**faults_of(error), **faults}
+    faults.update(faults_between_parts(scenario))
+    return (None if faults else scenario), faults
 
 
 def read(path: Path) -> ScenarioFile:
@@ -171,60 +206,91 @@ def read(path: Path) -> ScenarioFile:
     Raises:
         InputError: the file cannot be read, is not YAML, or holds faults (all of them are named).
     """
-    tree, lines = read_yaml(path)
+    tree, lines, faults = read_yaml(path)
     if not isinstance(tree, dict):
         raise InputError(
             str(path), ["the file is not a mapping; expected keys such as name, bodies"]
         )
+    raw = {key: tree[key] for key in HEAD_KEYS if key in tree}
+    scene = {key: value for key, value in tree.items() if key not in HEAD_KEYS}
+    head = _Head()
     try:
-        head = _Head.model_validate({key: tree[key] for key in HEAD_KEYS if key in tree})
+        head = _Head.model_validate(raw)
+        values = {name: parameter.value for name, parameter in head.parameters.items()}
     except ValidationError as error:
-        raise InputError(str(path), describe(faults_of(error), lines)) from None
-    body = {key: value for key, value in tree.items() if key not in HEAD_KEYS}
-    file = ScenarioFile(path, head.parameters, head.presets, body, lines)
-    file.resolve()
-    for preset in file.presets:
-        try:
-            file.resolve(preset=preset)
-        except InputError as error:
-            raise InputError(f"{path}, preset {preset}", error.faults) from None
-    return file
+        faults.update(faults_of(error))
+        values = _values_despite_faults(raw)
+    faults.update(_head_faults(head))
+    faults.update(build(scene, values, None)[1])
+    if faults:
+        raise InputError(str(path), describe(faults, lines))
+    return ScenarioFile(path, head.parameters, head.presets, scene, lines)
 
 
-def read_yaml(path: Path) -> tuple[Any, dict[str, int]]:
-    """Content of a YAML file and the line number of every place in it.
+def _head_faults(head: _Head) -> dict[str, str]:
+    """Parameters that no expression could name, and presets that set what cannot be."""
+    faults = {}
+    taken = {*expressions.FUNCTIONS, *expressions.CONSTANTS, STEP}
+    for name in head.parameters:
+        if not name.isidentifier() or name in taken:
+            faults[f"parameters.{name}"] = f"{name!r} cannot be the name of a parameter"
+    for name, preset in head.presets.items():
+        for parameter, sentence in out_of_bounds(preset.set, head.parameters).items():
+            faults[f"presets.{name}.set.{parameter}"] = sentence
+    return faults
+
+
+def _values_despite_faults(raw: Mapping[str, Any]) -> dict[str, float]:
+    """Parameter values as far as they can be read, so that the scene can be checked as well."""
+    values = {}
+    parameters = raw.get("parameters")
+    for name, entry in parameters.items() if isinstance(parameters, dict) else ():
+        value = entry.get("value") if isinstance(entry, dict) else None
+        values[str(name)] = _number_or(value, 1.0)
+    return values
+
+
+def read_yaml(path: Path) -> tuple[Any, dict[str, int], dict[str, str]]:
+    """Content of a YAML file, the line of every place in it, and keys that stand twice.
 
     Raises:
         InputError: unreadable, not UTF-8, or not YAML; names line and column.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(str(path), [f"cannot be read: {error}"]) from None
+    lines: dict[str, int] = {}
+    faults: dict[str, str] = {}
     try:
-        node = yaml.compose(text, Loader=yaml.SafeLoader)
         content = yaml.safe_load(text)
+        _collect_lines(yaml.compose(text, Loader=yaml.SafeLoader), "", lines, faults)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
         raise InputError(str(path), [f"{place}not valid YAML: {error.problem}"]) from None
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, ValueError) as error:
         raise InputError(str(path), [f"not valid YAML: {error}"]) from None
-    lines: dict[str, int] = {}
-    _collect_lines(node, "", lines)
-    return content, lines
+    except RecursionError:
+        raise InputError(str(path), ["is nested too deeply, or an alias holds itself"]) from None
+    return content, lines, faults
 
 
-def _collect_lines(node: yaml.Node | None, path: str, lines: dict[str, int]) -> None:
+def _collect_lines(
+    node: yaml.Node | None, path: str, lines: dict[str, int], faults: dict[str, str]
+) -> None:
     if isinstance(node, yaml.MappingNode):
         for key, value in node.value:
             place = f"{path}.{key.value}" if path else str(key.value)
-            lines[place] = key.start_mark.line + 1
-            _collect_lines(value, place, lines)
+            line = key.start_mark.line + 1
+            if place in lines:
+                faults[place] = f"stands twice, in line {lines[place]} and in line {line}"
+            lines.setdefault(place, line)
+            _collect_lines(value, place, lines, faults)
     elif isinstance(node, yaml.SequenceNode):
         for i, value in enumerate(node.value):
             lines[f"{path}.{i}"] = value.start_mark.line + 1
-            _collect_lines(value, f"{path}.{i}", lines)
+            _collect_lines(value, f"{path}.{i}", lines, faults)
 
 
 def faults_of(error: ValidationError) -> dict[str, str]:

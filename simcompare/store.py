@@ -7,6 +7,7 @@ disk or Ctrl-C leaves nothing half-written behind.
 from __future__ import annotations
 
 import csv
+import itertools
 import json
 import shutil
 from collections.abc import Mapping
@@ -32,23 +33,22 @@ def save(run: Run, folder: Path) -> Run:
     Raises:
         OutputError: it cannot be written; nothing is left behind.
     """
-    identifier = _free_identifier(folder, run.record)
-    place = folder / identifier
-    record = {**run.record, "run": str(place)}
-    partial = folder / f".{identifier}.partial"
+    partial = None
     try:
-        partial.mkdir(parents=True)
+        place, partial = _reserve(folder, run.record)
+        record = {**run.record, "run": str(place)}
         (partial / RECORD).write_text(to_json(record, indent=1) + "\n", encoding="utf-8")
         _write_scores(partial / SCORES, run.scores)
         _write_trajectories(partial / TRAJECTORIES, run.trajectories)
         partial.rename(place)
     except OSError as error:
         raise OutputError(
-            f"{place}: the run cannot be written ({error.strerror or error});"
+            f"{folder}: the run cannot be written ({error.strerror or error});"
             " nothing was kept, free some space or choose another --out"
         ) from None
     finally:
-        shutil.rmtree(partial, ignore_errors=True)
+        if partial is not None:
+            shutil.rmtree(partial, ignore_errors=True)
     return replace(run, record=record, folder=place)
 
 
@@ -80,13 +80,24 @@ def load(place: Path) -> Run:
     return Run(record, tuple(scores), tuple(stored), place, bool(record.get("interrupted")))
 
 
-def _free_identifier(folder: Path, record: Mapping[str, Any]) -> str:
+def _reserve(folder: Path, record: Mapping[str, Any]) -> tuple[Path, Path]:
+    """A free place for the run and the hidden folder, made by this call alone, to write it in."""
     stamp = str(record["created"])[:19].replace("-", "").replace(":", "").replace("T", "-")
     base = f"{stamp}-{record['scenario']}"
-    identifier, number = base, 2
-    while (folder / identifier).exists() or (folder / f".{identifier}.partial").exists():
-        identifier, number = f"{base}-{number}", number + 1
-    return identifier
+    folder.mkdir(parents=True, exist_ok=True)
+    for number in itertools.count(1):
+        place = folder / (base if number == 1 else f"{base}-{number}")
+        partial = folder / f".{place.name}.partial"
+        if place.exists():
+            continue
+        try:
+            partial.mkdir()
+        except FileExistsError:  # another process is writing there at this moment
+            continue
+        if not place.exists():
+            return place, partial
+        partial.rmdir()
+    raise AssertionError
 
 
 def _write_scores(path: Path, scores: tuple[Score, ...]) -> None:
@@ -150,6 +161,9 @@ def _read_trajectories(path: Path) -> list[Stored]:
             columns = connection.execute(query).fetchnumpy()
     except duckdb.Error as error:
         raise InputError(str(path), [f"cannot be read: {str(error).splitlines()[0]}"]) from None
+    lacking = [name for name in (*_INDEX, "time_s") if name not in columns]
+    if lacking:
+        raise InputError(str(path), [f"is not of a run: it has no column {', '.join(lacking)}"])
     keys = list(zip(*(columns[name].tolist() for name in _INDEX), strict=True))
     signals = [name for name in columns if name not in _INDEX]
     starts = [i for i, key in enumerate(keys) if i == 0 or key != keys[i - 1]]

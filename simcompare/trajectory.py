@@ -60,6 +60,8 @@ class Trajectory:
         for name, values in self.signals.items():
             if len(values) != len(times):
                 raise ValueError(f"{name} has {len(values)} samples but {len(times)=}")
+            if values.ndim > 2 or (values.ndim == 2 and values.shape[1] not in _COMPONENTS):
+                raise ValueError(f"{name} has {values.shape=}; a signal has 1, 3 or 4 components")
             bad = ~np.isfinite(values).reshape(len(values), -1).all(axis=1)
             if bad.any():
                 first = float(times[np.argmax(bad)])

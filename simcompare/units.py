@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import re
 from typing import TYPE_CHECKING, Any
 
@@ -42,6 +43,7 @@ UNITS_BY_SUFFIX = {
 }
 
 _SYMBOLS = {"**2": "²", "**3": "³", "*": "·", "ohm": "Ω"}
+_UNIT = re.compile(r"^[A-Za-zµμΩ°%][A-Za-zµμΩ°%\d_*/^·²³ -]*$")
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 
 
@@ -92,36 +94,41 @@ def to_si(text: str | float, unit: str, where: str) -> float:
     Raises:
         InputError: not a number, an unknown unit, or a unit of another dimension.
     """
-    if isinstance(text, int | float):
-        return float(text)
-    match = _QUANTITY.match(text)
     wanted = "a number without unit" if unit == "1" else f"a number in {symbol(unit)}"
-    if match is None:
+    match = _QUANTITY.match(text) if isinstance(text, str) else None
+    if isinstance(text, str) and match is None:
         raise InputError(where, [f"{text!r} is not a number; expected {wanted}"])
-    number, given_unit = float(match[1]), match[2]
+    number, given_unit = (float(match[1]), match[2]) if match else (float(text), "")
+    if not math.isfinite(number):
+        raise InputError(where, [f"{text!r} is too large; expected {wanted}"])
     if not given_unit or given_unit == unit:
         return number
-    return number * conversion_factor(given_unit, unit, where)
+    return _converted(number, given_unit, unit, where)
 
 
 def conversion_factor(given: str, unit: str, where: str) -> float:
     """Factor by which a value in unit ``given`` is multiplied to be in the SI unit ``unit``.
 
     Raises:
-        InputError: ``given`` is unknown or of another dimension.
+        InputError: ``given`` is unknown, of another dimension, or has an offset (°C).
     """
+    if _converted(0.0, given, unit, where) != 0:
+        raise InputError(where, [f"{given!r} has an offset; give the values in {symbol(unit)}"])
+    return _converted(1.0, given, unit, where)
+
+
+def _converted(number: float, given: str, unit: str, where: str) -> float:
+    expected = "a plain number, no unit" if unit == "1" else f"{symbol(unit)} or a multiple of it"
+    # pint reads units as Python expressions; only what can be a unit reaches it
+    if not _UNIT.match(given):
+        raise InputError(where, [f"{given!r} is not a unit; expected {expected}"])
     import pint
 
-    scale = "" if unit == "1" else unit
     try:
-        factor = _registry().Quantity(1.0, given).to(scale).magnitude
-    except pint.UndefinedUnitError:
-        raise InputError(
-            where, [f"{given!r} is not a unit; expected {symbol(unit)} or a multiple of it"]
-        ) from None
+        quantity = _registry().Quantity(number, given).to("" if unit == "1" else unit)
     except pint.DimensionalityError:
-        wanted = "a plain number, no unit" if unit == "1" else f"{symbol(unit)} or a multiple of it"
-        raise InputError(where, [f"the unit {given!r} does not fit; expected {wanted}"]) from None
-    except (pint.errors.PintError, ValueError, TypeError, AttributeError, SyntaxError) as error:
-        raise InputError(where, [f"{given!r} is not a unit ({error})"]) from None
-    return float(factor)
+        raise InputError(where, [f"the unit {given!r} does not fit; expected {expected}"]) from None
+    # pint raises many kinds for what it cannot read; all mean the same to the user
+    except Exception:  # noqa: BLE001
+        raise InputError(where, [f"{given!r} is not a unit; expected {expected}"]) from None
+    return float(quantity.magnitude)

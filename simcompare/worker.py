@@ -9,20 +9,38 @@ import os
 import pickle
 import struct
 import sys
+import threading
 from typing import IO
 
-from simcompare.jobs import Job, execute
+from simcompare.jobs import FAILED, Job, Outcome, execute
 
 HEADER = struct.Struct("<Q")
 
 
 def main() -> None:
-    """Reads a pickled list of jobs and writes one frame per outcome, as each ends."""
+    """Reads one frame with a list of jobs and writes one frame per outcome, as each ends."""
     results = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
-    jobs: list[Job] = pickle.load(sys.stdin.buffer)
+    payload = read_frame(sys.stdin.buffer)
+    jobs: list[Job] = pickle.loads(payload) if payload is not None else []
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     for index, job in enumerate(jobs):
-        write_frame(results, pickle.dumps((index, execute(job)), protocol=5))
+        write_frame(results, _pickled(index, job))
+
+
+def _pickled(index: int, job: Job) -> bytes:
+    outcome = execute(job)
+    try:
+        return pickle.dumps((index, outcome), protocol=5)
+    except Exception as error:  # noqa: BLE001  (a backend may have put anything into its result)
+        reason = f"{job.engine}: its result cannot be sent: {type(error).__name__}: {error}"
+        return pickle.dumps((index, Outcome(job, FAILED, reason)), protocol=5)
+
+
+def _end_with_parent() -> None:
+    """Ends this process when the runner is gone, whatever ended it: then stdin is at its end."""
+    os.read(0, 1)
+    os._exit(1)
 
 
 def write_frame(stream: IO[bytes], payload: bytes) -> None:

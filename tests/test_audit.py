@@ -67,6 +67,6 @@ def test_numbers_of_any_kind_become_plain_floats():
     import numpy as np
 
     audit = Audit("toy")
-    audit.add("q", np.float32(0.5), "q", (np.int64(1), np.float32(1)), "1")  # type: ignore[arg-type]
+    audit.add("q", np.float32(0.5), "q", (np.int64(1), np.float32(1)), "1")
     (row,) = audit.finish()
     assert [type(v) for v in (row.scenario_value, row.set_value, row.read_value)] == [float] * 3

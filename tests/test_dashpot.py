@@ -19,7 +19,7 @@ def integrated(zeta):
     def end(t, y):
         return y[0] + 2 * zeta * y[1] if t > 1e-9 else 1.0
 
-    end.terminal = True  # type: ignore[attr-defined]
+    end.terminal = True
     found = solve_ivp(
         lambda t, y: (y[1], -y[0] - 2 * zeta * y[1]), (0, 200), (0.0, 1.0),
         events=end, rtol=1e-11, atol=1e-13, max_step=0.05,

@@ -90,6 +90,7 @@ def make_run(sources=None, *, truth=0.8, against=None, interrupted=False, **more
         "probes": {"height_m": {"observe": "ball.position_m", "component": 2, "offset": 0.0,
                                 "label": "Height", "unit": "m"}},
         "tolerances": TOLERANCES, "scenario_sha256": "0" * 64, "engines_asked": "all",
+        "scenario_asked": "toy", "against_asked": "ball.csv" if against else None,
         "software": {"simcompare": "0.1.0", "python": "3.11", "numpy": None},
         "machine": {"system": "Linux", "processor": "CPU", "python_implementation": "cpython"},
         "sources": [
@@ -491,6 +492,7 @@ def test_command_names_only_what_differs_from_a_known_scenario():
     own = file.resolve()
     known = {
         "scenario": name,
+        "scenario_asked": name,
         "scenario_sha256": hashlib.sha256(file.path.read_bytes()).hexdigest(),
         "step_s": own.world.step_s,
         "repeats": own.dither.count if own.dither else 1,
@@ -502,13 +504,12 @@ def test_command_names_only_what_differs_from_a_known_scenario():
     assert reproduce.command(run).endswith(f"--set {first}=0.123")
 
 
-def test_command_names_the_published_table():
-    from simcompare.hardware.logs.bounce_table import facts
-
-    published = next(iter(facts()))
-    for file, name in ((f"{published}.csv", published), ("my ball.csv", "'my ball.csv'")):
-        command = reproduce.command(make_run(against={**AGAINST, "file": file}))
-        assert command.endswith(f" --against {name}")
+@pytest.mark.parametrize("asked", ["itf_tennis_rebound", "'../my data/ball.csv'"])
+def test_command_names_scenario_and_table_as_they_were_asked_for(asked):
+    more = {"scenario_asked": "mine/toy", "against_asked": asked.strip("'")}
+    command = reproduce.command(make_run(against=AGAINST, **more))
+    assert command.startswith("simcompare run mine/toy ")
+    assert command.endswith(f" --against {asked}")
 
 
 # files

@@ -20,8 +20,8 @@ from simcompare.scenario import (
     Scenario,
     Table,
     Tolerance,
-    dangling_references,
 )
+from simcompare.scenario_checks import dangling_references
 
 ROBOT = """\
 name: two_wheels

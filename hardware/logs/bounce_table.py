@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import csv
 import hashlib
-import io
 import math
 import re
 from collections.abc import Mapping
@@ -27,6 +26,7 @@ from pathlib import Path
 from simcompare import units
 from simcompare.errors import InputError, UnknownName
 
+_LONGEST_HEADING = 100
 FACTS_FOLDER = Path(__file__).parent.parent / "recordings"
 
 #: head lines that describe the table rather than set a parameter
@@ -90,8 +90,11 @@ def find(name: str) -> Path:
         UnknownName: neither exists.
     """
     path = Path(name)
-    if path.is_file():
-        return path
+    try:
+        if path.is_file():
+            return path
+    except OSError:  # a name too long for the file system
+        pass
     known = facts()
     if name in known:
         return known[name]
@@ -134,9 +137,10 @@ def _split(text: str) -> tuple[dict[str, str], dict[str, str], list[tuple[int, s
     for number, line in enumerate(text.splitlines(), start=1):
         if line.startswith("#"):
             key, colon, value = line.lstrip("# ").partition(":")
-            key = key.strip()
-            if colon and re.fullmatch(r"\w+", key):
-                (head if key in HEAD_KEYS else parameters)[key] = value.strip()
+            key, value = key.strip(), value.strip()
+            # "Author: …" and "https://…" are remarks; names of parameters begin with a small letter
+            if colon and re.fullmatch(r"[a-z]\w*", key) and not value.startswith("//"):
+                (head if key in HEAD_KEYS else parameters)[key] = value
         elif line.strip():
             body.append((number, line))
     return head, parameters, body
@@ -154,33 +158,55 @@ def _quantities(
 ) -> list[Quantity]:
     if not body:
         return []
-    separator = _separator(body[0][1])
     number, header = body[0]
-    columns = []
-    for text in next(csv.reader([header], delimiter=separator)):
-        try:
-            columns.append(_column(text.strip(), known))
-        except InputError as error:
-            faults.extend(f"line {number}, {error.where}: {fault}" for fault in error.faults)
-    names = [column.name for column in columns if column.role == "value"]
+    separator = max(",;\t", key=header.count)
+    columns = _columns(number, _cells(header, separator), known, faults)
     if faults:
         return []
-    if not names:
-        faults.append(f"line {number}: no measured quantity; known: {', '.join(known)}")
     found: list[Quantity] = []
-    for row_number, line in body[1:]:
-        cells = next(csv.reader(io.StringIO(line), delimiter=separator))
-        if len(cells) != len(columns):
+    for counted, (row_number, line) in enumerate(body[1:], start=1):
+        cells = _cells(line, separator)
+        if len(cells) == len(columns):
+            found += _row(row_number, cells, columns, faults, counted)
+        else:
             faults.append(
                 f"line {row_number}: {len(cells)} cells but the header has {len(columns)} columns"
             )
-            continue
-        found += _row(row_number, cells, columns, faults, len(found) + 1)
     return found
 
 
-def _separator(header: str) -> str:
-    return max(",;\t", key=header.count)
+def _cells(line: str, separator: str) -> list[str]:
+    """Cells of one line; a line that the csv module refuses is one cell, and so a fault."""
+    try:
+        return next(csv.reader([line], delimiter=separator), [""])
+    except csv.Error:
+        return [line[:40]]
+
+
+def _columns(
+    number: int, headings: list[str], known: Mapping[str, str], faults: list[str]
+) -> list[_Column]:
+    """What every heading says; adds a fault for what does not belong together."""
+    columns = []
+    for text in headings:
+        try:
+            columns.append(_column(text.strip()[:_LONGEST_HEADING], known))
+        except InputError as error:
+            faults.extend(f"line {number}, {error.where}: {fault}" for fault in error.faults)
+    if faults:
+        return columns
+    roles = [(column.name, column.role) for column in columns]
+    measured = [name for name, role in roles if role == "value"]
+    if not measured:
+        faults.append(f"line {number}: no measured quantity; known: {', '.join(known)}")
+    for name, role in dict.fromkeys(roles):
+        if roles.count((name, role)) > 1:
+            faults.append(f"line {number}: {name} ({role}) stands twice")
+        if role in ("u", "low", "high") and measured and name not in measured:
+            faults.append(f"line {number}: {role} of {name} is given, but {name} itself is not")
+        if (name, {"low": "high", "high": "low"}.get(role, role)) not in roles:
+            faults.append(f"line {number}: only one limit of {name} is given; give both")
+    return columns
 
 
 def _column(text: str, known: Mapping[str, str]) -> _Column:
@@ -199,14 +225,12 @@ def _column(text: str, known: Mapping[str, str]) -> _Column:
     for quantity, si_unit in known.items():
         if name == quantity or name.startswith(f"{quantity}_"):
             given = unit or name.removeprefix(quantity).removeprefix("_")
+            given = units.UNITS_BY_SUFFIX.get(f"_{given}", given)  # "m_s" as in our own names
             for ending in ("low", "high"):  # "rebound_height_low_cm"
                 if given.startswith(f"{ending}_"):
                     given, role = given.removeprefix(f"{ending}_"), ending
             if not given and si_unit != "1":
-                raise InputError(
-                    f"column {text!r}",
-                    [f"has no unit; write {quantity}_{si_unit} or {quantity}_cm"],
-                )
+                raise InputError(f"column {text!r}", [f"has no unit; write {quantity} [{si_unit}]"])
             factor = units.conversion_factor(given, si_unit, f"column {text!r}") if given else 1.0
             return _Column(quantity, role, factor)
     raise InputError(f"column {text!r}", [str(UnknownName("measured quantity", name, known))])

@@ -5,8 +5,12 @@ Nothing heavy is imported here: ``--help``, ``list`` and completion must answer 
 
 from __future__ import annotations
 
+import io
+import os
 import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import typer
@@ -18,15 +22,30 @@ from simcompare.errors import SimcompareError
 class _Verbs(TyperGroup):
     """Turns our own errors into one sentence on stderr and the right exit code."""
 
+    def make_context(self, *words: Any, **extra: Any) -> Any:  # noqa: ANN401
+        with _readers_may_leave():
+            return super().make_context(*words, **extra)
+
     def invoke(self, ctx: Any) -> Any:  # noqa: ANN401
         try:
-            return super().invoke(ctx)
+            with _readers_may_leave():
+                return super().invoke(ctx)
         except SimcompareError as error:
             typer.echo(f"simcompare: {error}", err=True)
             raise typer.Exit(error.exit_code) from None
         except KeyboardInterrupt:
             typer.echo("simcompare: interrupted", err=True)
             raise typer.Exit(130) from None
+
+
+@contextmanager
+def _readers_may_leave() -> Iterator[None]:
+    """The reader of a pipe may go away, as in ``simcompare list | head -1``; that is no failure."""
+    try:
+        yield
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise typer.Exit(0) from None
 
 
 app = typer.Typer(
@@ -67,8 +86,7 @@ def main() -> None:
     app.command("show")(show.show)
     app.command("doctor")(doctor.doctor)
     app.command("report")(report.report)
-    try:
-        app()
-    except BrokenPipeError:  # the reader of a pipe went away, as in ``simcompare list | head -1``
-        sys.stderr.close()
-        sys.exit(0)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # a terminal without the signs for ± and ζ
+            stream.reconfigure(errors="replace")
+    app()

@@ -47,7 +47,7 @@ def number(value: float | None, u: float | None = None) -> str:
         return f"{value:.6g}"
     places = max(0, 1 - math.floor(math.log10(u)))
     if places > 9:
-        return f"{value:.2g} ± {u:.1g}"
+        return f"{value:.9g} ± {u:.1g}"
     return f"{value:.{places}f} ± {u:.{places}f}"
 
 

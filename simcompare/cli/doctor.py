@@ -18,11 +18,13 @@ def doctor(
         console.print_json({"engines": [diagnosis.to_dict() for diagnosis in found]})
     else:
         for diagnosis in found:
-            typer.echo(f"{diagnosis.engine} {diagnosis.version or ''}: {diagnosis.message}")
-            if diagnosis.features:
-                typer.echo(f"  can do: {', '.join(diagnosis.features)}")
-            for text, reference in diagnosis.known_limits:
+            facts = diagnosis.facts
+            named = f"{diagnosis.engine} {facts.version}" if facts.version else diagnosis.engine
+            typer.echo(f"{named}: {diagnosis.message}")
+            if facts.features:
+                typer.echo(f"  can do: {', '.join(facts.features)}")
+            for text, reference in facts.known_limits:
                 typer.echo(f"  limit: {text} [{reference}]")
-            if diagnosis.mapping:
-                typer.echo(f"  mapped: {diagnosis.mapping}")
+            if facts.mapping:
+                typer.echo(f"  mapped: {facts.mapping}")
     raise typer.Exit(3 if any(diagnosis.status == FAILED for diagnosis in found) else 0)

@@ -105,6 +105,9 @@ def _print(result: Run, written: Path | None) -> None:
         cells = [console.number(truths.get(name)) for name in judged]
         made.add_row(record["truth"], "", "", *cells, "")
     console.show_table(made)
+    for source in record["sources"]:
+        if source["status"] != "ok":  # not in a cell: a command to copy must not be folded
+            typer.echo(f"{source['name']}, {source['contact']}: {source['reason']}")
     if record["against"] is not None:
         _print_against(record["against"])
     if result.interrupted:
@@ -121,7 +124,7 @@ def _row(result: Run, source: dict[str, Any], judged: list[str]) -> list[str]:
 
     start = [source["name"], source["version"] or "–", source["contact"]]
     if source["status"] != "ok":
-        return [*start, *[""] * len(judged), f"{source['status']}: {source['reason']}"]
+        return [*start, *[""] * len(judged), source["status"]]
     own = {
         score.measure: score
         for score in result.scores

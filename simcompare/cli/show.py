@@ -9,6 +9,7 @@ import typer
 from simcompare.cli import complete
 
 if TYPE_CHECKING:
+    from simcompare.backend import Feature
     from simcompare.scenario_file import ScenarioFile
 
 
@@ -72,12 +73,23 @@ def _facts(file: ScenarioFile) -> dict[str, Any]:
             for name, body in scenario.bodies.items()
         },
         "needs": sorted(wanted),
-        "engines": {name: sorted(wanted - engines.get(name).features) for name in engines.names()},
+        "engines": {name: _lacking(name, wanted) for name in engines.names()},
         "truth": "closed form or reference in reference.py"
         if catalogue.reference_of(file.path)
         else "none: engines are compared with each other only",
         "tolerances": plain["tolerances"],
     }
+
+
+def _lacking(engine: str, wanted: frozenset[Feature]) -> list[str]:
+    """Features that an engine lacks, or the one reason why it cannot be asked."""
+    from simcompare import engines
+    from simcompare.errors import SimcompareError
+
+    try:
+        return sorted(wanted - engines.get(engine).features)
+    except SimcompareError as error:
+        return [str(error)]
 
 
 def _show_parameters(facts: dict[str, Any]) -> None:
