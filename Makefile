@@ -23,21 +23,31 @@ bench: $(VENV)/.test
 
 $(VENV)/.engines: pyproject.toml $(VENV)/bin/pip
 	$(BIN)/pip install --quiet --editable '.[engines]'
+	@$(libraries)
 	touch $@
 
 $(VENV)/.test: pyproject.toml $(VENV)/bin/pip
 	$(BIN)/pip install --quiet --editable '.[test]'
+	@$(libraries)
 	touch $@
 
-# Debian and Ubuntu keep venv in a package of its own; root may install it, others are told
+# Debian and Ubuntu keep venv in a package of its own
 $(VENV)/bin/pip:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 	  { echo "simcompare needs Python 3.11 or newer; $(PYTHON) is older. Set PYTHON=..."; exit 1; }
-	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || { \
-	  package=$$($(PYTHON) -c 'import sys; print("python3.%d-venv" % sys.version_info[1])'); \
-	  if [ "$$(id -u)" = 0 ]; then apt-get update -qq && apt-get install -y -qq $$package; \
-	  else echo "Python's venv is missing; cure: sudo apt-get install $$package"; exit 1; fi; }
+	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || \
+	  { package=$$($(PYTHON) -c 'import sys; print("python3.%d-venv" % sys.version_info[1])'); $(install); }
 	$(PYTHON) -m venv $(VENV)
+
+# dartpy's wheel needs libGL, which a machine without a screen may lack
+libraries = $(PYTHON) -c 'import ctypes; ctypes.CDLL("libGL.so.1")' 2>/dev/null || \
+  ! command -v apt-get >/dev/null || { package=libgl1; $(install); }
+
+# installs $$package where that is allowed, else says what to do
+install = if [ "$$(id -u)" = 0 ]; then as=; else as="sudo -n"; fi; \
+  echo "installing the Debian package $$package"; \
+  { $$as apt-get update -qq && $$as env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $$package; } \
+  >/dev/null 2>&1 || echo "not allowed; cure: sudo apt-get install $$package"
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -12,6 +12,7 @@ import importlib
 import importlib.metadata
 import time
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import ModuleType
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
@@ -105,8 +106,10 @@ class EngineBackend(ABC):
         features: what the backend can do.
         known_limits: what a user should know, each with its reference.
         mapping: how ``mapped`` translates the scenario's contact into the engine's parameters.
+        libraries: system libraries that its wheel needs and may lack -> the command that cures it.
     """
 
+    libraries: Mapping[str, str] = {}
     name: str
     module: str
     distribution: str
@@ -136,8 +139,10 @@ class EngineBackend(ABC):
                 raise EngineMissing(self.name, self.module, self.install) from None
             raise EngineBroken(f"{self.name} cannot be imported: {error}") from error
         except Exception as error:
+            cures = [cure for library, cure in self.libraries.items() if library in str(error)]
             raise EngineBroken(
                 f"{self.name} cannot be imported: {type(error).__name__}: {error}"
+                + "".join(f"; cure: {cure}" for cure in cures)
             ) from error
 
     def open(self, scenario: Scenario, settings: Settings) -> Simulation:

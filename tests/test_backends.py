@@ -8,7 +8,8 @@ import pytest
 from simcompare import catalogue, engines
 from simcompare.audit import Audit
 from simcompare.backend import Feature, Settings
-from simcompare.errors import EngineMissing, ReadBackMismatch, Unsupported
+from simcompare.backends.dart_ import DartBackend
+from simcompare.errors import EngineBroken, EngineMissing, ReadBackMismatch, Unsupported
 from simcompare.scenario import Scenario
 
 ENGINES = engines.names()
@@ -119,6 +120,15 @@ def test_a_missing_engine_says_how_to_get_it(engine, monkeypatch):
     )
     with pytest.raises(EngineMissing, match=rf"pip install 'simcompare\[{engine}\]'"):
         backend.load()
+
+
+def test_an_engine_that_lacks_a_system_library_says_how_to_get_it(monkeypatch):
+    def broken(name):
+        raise ImportError("libGL.so.1: cannot open shared object file: No such file or directory")
+
+    monkeypatch.setattr("importlib.import_module", broken)
+    with pytest.raises(EngineBroken, match="cure: sudo apt-get install libgl1"):
+        DartBackend().load()
 
 
 @pytest.mark.parametrize("engine", [name for name in ENGINES if name != "pymunk"])
