@@ -101,7 +101,7 @@ class DartBackend(EngineBackend):
     module = "dartpy"
     distribution = "dartpy"
     install = "pip install 'simcompare[dart]'"
-    libraries = {"libGL.so.1": "sudo apt-get install libgl1"}
+    libraries = (("libGL.so.1", "sudo apt-get install libgl1"),)
     features = frozenset(
         {
             Feature.SPATIAL, Feature.FREE_BODY, Feature.PLANE, Feature.SPHERE, Feature.BOX,

@@ -12,7 +12,6 @@ import importlib
 import importlib.metadata
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
 from dataclasses import dataclass
 from types import ModuleType
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
@@ -109,7 +108,7 @@ class EngineBackend(ABC):
         libraries: system libraries that its wheel needs and may lack -> the command that cures it.
     """
 
-    libraries: Mapping[str, str] = {}
+    libraries: tuple[tuple[str, str], ...] = ()
     name: str
     module: str
     distribution: str
@@ -139,7 +138,7 @@ class EngineBackend(ABC):
                 raise EngineMissing(self.name, self.module, self.install) from None
             raise EngineBroken(f"{self.name} cannot be imported: {error}") from error
         except Exception as error:
-            cures = [cure for library, cure in self.libraries.items() if library in str(error)]
+            cures = [cure for library, cure in self.libraries if library in str(error)]
             raise EngineBroken(
                 f"{self.name} cannot be imported: {type(error).__name__}: {error}"
                 + "".join(f"; cure: {cure}" for cure in cures)
