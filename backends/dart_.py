@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from simcompare.audit import Audit
-from simcompare.backend import MAPPED, EngineBackend, Feature, KnownLimit, Settings
+from simcompare.backend import MAPPED, SPATIAL_RIGID_BODIES, EngineBackend, KnownLimit, Settings
 from simcompare.landing import ContactSteps
 from simcompare.pairs import per_body_product, touching_pairs
 from simcompare.rotations import matrix_of, quaternions_of, rotation_vector_of
@@ -102,12 +102,7 @@ class DartBackend(EngineBackend):
     distribution = "dartpy"
     install = "pip install 'simcompare[dart]'"
     libraries = (("libGL.so.1", "sudo apt-get install libgl1"),)
-    features = frozenset(
-        {
-            Feature.SPATIAL, Feature.FREE_BODY, Feature.PLANE, Feature.SPHERE, Feature.BOX,
-            Feature.CYLINDER, Feature.CAPSULE, Feature.RESTITUTION, Feature.FRICTION, Feature.DRAG,
-        }
-    )  # fmt: skip
+    features = SPATIAL_RIGID_BODIES
     known_limits = (
         KnownLimit(
             "Restitution is 0 by default, on the body and on the floor; both must be set.",
@@ -183,7 +178,8 @@ def _skeleton(engine: ModuleType, name: str, body: Body) -> Any:
         solid = node.createShapeNode(_shape(engine, shape))
         pose = engine.math.Isometry3()
         pose.set_translation(shape.position_m)
-        pose.set_rotation(matrix_of(shape.orientation_wxyz))
+        if shape.type != "plane":
+            pose.set_rotation(matrix_of(shape.orientation_wxyz))
         solid.setRelativeTransform(pose)
         solid.createCollisionAspect()
         solid.createDynamicsAspect()
@@ -242,9 +238,14 @@ def _audit_body(audit: Audit, name: str, body: Body, skeleton: Any) -> None:
     for axis, wanted, got in zip("xyz", body.position_m, position, strict=True):
         audit.add(f"{name}.position_m.{axis}", wanted, "worldTransform", (wanted, got), "m")
     for i, shape in enumerate(body.shapes):
-        if shape.type == "sphere":
-            values = (shape.radius_m, node.getShapeNode(i).getShape().getRadius())
-            audit.add(f"{name}.radius_m", shape.radius_m, "SphereShape.radius", values, "m")
+        held = node.getShapeNode(i).getShape()
+        match shape.type:
+            case "sphere":
+                audit.add_sizes(name, shape, "SphereShape", [held.getRadius()])
+            case "box":
+                audit.add_sizes(name, shape, "BoxShape", held.getSize().tolist())
+            case "cylinder" | "capsule":
+                audit.add_sizes(name, shape, "shape", [held.getRadius(), held.getHeight()])
 
 
 def _audit_contacts(

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from simcompare.audit import Audit
-from simcompare.backend import MAPPED, EngineBackend, Feature, KnownLimit, Settings
+from simcompare.backend import MAPPED, SPATIAL_RIGID_BODIES, EngineBackend, KnownLimit, Settings
 from simcompare.errors import EngineBroken
 from simcompare.landing import ContactSteps
-from simcompare.pairs import per_body_product, touching_pairs
+from simcompare.pairs import per_body_product, refuse_offsets, touching_pairs
 from simcompare.scenario import Body, Scenario, Shape, Vector
 from simcompare.simulation import BodyState, Simulation, has_drag
 from simcompare.trajectory import Array
@@ -128,12 +128,7 @@ class PybulletBackend(EngineBackend):
     module = "pybullet"
     distribution = "pybullet"
     install = "pip install 'simcompare[pybullet]'"
-    features = frozenset(
-        {
-            Feature.SPATIAL, Feature.FREE_BODY, Feature.PLANE, Feature.SPHERE, Feature.BOX,
-            Feature.CYLINDER, Feature.CAPSULE, Feature.RESTITUTION, Feature.FRICTION, Feature.DRAG,
-        }
-    )  # fmt: skip
+    features = SPATIAL_RIGID_BODIES
     known_limits = (
         KnownLimit(
             "Restitution is 0 by default, and bodies lose 4 % of their speed a second to damping.",
@@ -165,6 +160,7 @@ class PybulletBackend(EngineBackend):
     )
 
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
+        refuse_offsets(scenario, self.name, shapes=1)
         client = engine.connect(engine.DIRECT)
         if client < 0:
             raise EngineBroken("pybullet opened no physics client")
@@ -233,12 +229,10 @@ def _add_body(engine: ModuleType, client: int, body: Body) -> int:
 
 
 def _shape(engine: ModuleType, client: int, shape: Shape) -> int:
-    w, x, y, z = shape.orientation_wxyz
-    pose: dict[str, Any] = {
-        "collisionFramePosition": shape.position_m,
-        "collisionFrameOrientation": (x, y, z, w),
-        "physicsClientId": client,
-    }
+    pose: dict[str, Any] = {"collisionFramePosition": shape.position_m, "physicsClientId": client}
+    if shape.type != "plane":
+        w, x, y, z = shape.orientation_wxyz
+        pose["collisionFrameOrientation"] = (x, y, z, w)
     create = engine.createCollisionShape
     match shape.type:
         case "plane":
@@ -279,10 +273,11 @@ def _audit_body(
     position = engine.getBasePositionAndOrientation(uid, client)[0]
     for axis, wanted, got in zip("xyz", body.position_m, position, strict=True):
         audit.add(f"{name}.position_m.{axis}", wanted, "basePosition", (wanted, got), "m")
-    if len(body.shapes) == 1 and body.shapes[0].type == "sphere":
-        radius = body.shapes[0].radius_m
-        held = engine.getCollisionShapeData(uid, -1, client)[0][3][0]
-        audit.add(f"{name}.radius_m", radius, "getCollisionShapeData", (radius, held), "m")
+    for shape in body.shapes:
+        held = engine.getCollisionShapeData(uid, -1, client)[0][3]
+        # cylinders and capsules: length first
+        order = {"plane": [], "sphere": held[:1], "box": held}.get(shape.type, [held[1], held[0]])
+        audit.add_sizes(name, shape, "getCollisionShapeData", order)
 
 
 def _audit_contacts(

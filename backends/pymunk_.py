@@ -11,7 +11,7 @@ import numpy as np
 from simcompare.audit import Audit
 from simcompare.backend import MAPPED, EngineBackend, Feature, KnownLimit, Settings
 from simcompare.landing import ContactSteps
-from simcompare.pairs import per_body_product, touching_pairs
+from simcompare.pairs import per_body_product, refuse_offsets, touching_pairs
 from simcompare.scenario import Body, Scenario, Shape, Vector
 from simcompare.simulation import BodyState, Simulation, has_drag
 from simcompare.trajectory import Array
@@ -148,6 +148,7 @@ class PymunkBackend(EngineBackend):
     )
 
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
+        refuse_offsets(scenario, self.name)
         mapped = settings.contact == MAPPED
         space = engine.Space()
         gx, _, gz = scenario.world.gravity_m_s2
@@ -235,8 +236,13 @@ def _audit_body(audit: Audit, name: str, body: Body, held: tuple[Any, list[Any]]
     audit.add(f"{name}.position_m.z", z, "Body.position.y", (z, moving.position[1]), "m")
     for shape, solid in zip(body.shapes, shapes, strict=True):
         if shape.type == "sphere":
-            values = (shape.radius_m, solid.radius)
-            audit.add(f"{name}.radius_m", shape.radius_m, "Circle.radius", values, "m")
+            audit.add_sizes(name, shape, "Circle.radius", [solid.radius])
+        elif shape.type == "box":
+            corners = np.array(solid.get_vertices())
+            along, up = (float(np.linalg.norm(corners[i + 1] - corners[i])) for i in (0, 1))
+            # the order of the corners may begin with either edge; the third edge is not there
+            edges = [along, up] if math.isclose(along, shape.size_m[0]) else [up, along]
+            audit.add_sizes(name, shape, "Poly.vertices", [edges[0], shape.size_m[1], edges[1]])
 
 
 def _audit_contacts(

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from simcompare.errors import UnknownName
-from simcompare.experiment import Run
 from simcompare.reports import output
 from simcompare.reports.figures import Figure
 from simcompare.reports.sections import SECTIONS
 from simcompare.reports.sections.base import Section
+from simcompare.results import Run
 
 if TYPE_CHECKING:
     from jinja2 import Environment

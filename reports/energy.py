@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from simcompare.experiment import Run
 from simcompare.reports import runs
+from simcompare.results import Run
 from simcompare.scenario import Probe
 from simcompare.trajectory import Array, Trajectory
 

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from simcompare.experiment import Run
 from simcompare.reports import runs
 from simcompare.reports.figures import (
     MEASURED_STYLE,
@@ -20,6 +19,7 @@ from simcompare.reports.figures import (
     spread,
     style_of,
 )
+from simcompare.results import Run
 from simcompare.trajectory import Array
 
 Rows = Sequence[Mapping[str, Any]]

@@ -7,8 +7,8 @@ import shlex
 
 from simcompare import catalogue
 from simcompare.errors import SimcompareError
-from simcompare.experiment import Run
 from simcompare.reports import runs
+from simcompare.results import Run
 from simcompare.scenario import Scenario
 
 

@@ -8,10 +8,10 @@ from typing import Any
 from simcompare.backend import DEFAULT, MAPPED
 from simcompare.compare import PASS, Score
 from simcompare.errors import UnknownName
-from simcompare.experiment import TRUTH, Run
 from simcompare.jobs import OK
 from simcompare.measures import observe
 from simcompare.reports import numbers
+from simcompare.results import TRUTH, Run
 from simcompare.scenario import Probe
 from simcompare.trajectory import Array, Trajectory
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from simcompare.backend import DEFAULT
 from simcompare.compare import Score
-from simcompare.experiment import TRUTH, Run
 from simcompare.reports import runs
 from simcompare.reports.figures import (
     TRUTH_STYLE,
@@ -21,6 +20,7 @@ from simcompare.reports.figures import (
     spread,
     style_of,
 )
+from simcompare.results import TRUTH, Run
 from simcompare.trajectory import Array
 
 #: smaller deviations, in tolerances, are drawn here; a logarithm has no zero

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from simcompare.experiment import TRUTH, Run
 from simcompare.reports import energy, runs
 from simcompare.reports.figures import TRUTH_STYLE, Figure, Panel, Series, style_of
+from simcompare.results import TRUTH, Run
 from simcompare.scenario import Probe
 from simcompare.trajectory import Array, Trajectory
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from simcompare.backend import DEFAULT
 from simcompare.compare import Score
-from simcompare.experiment import TRUTH, Run
 from simcompare.reports import numbers, runs
+from simcompare.results import TRUTH, Run
 
 
 def answer(run: Run) -> list[str]:

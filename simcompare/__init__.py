@@ -11,7 +11,7 @@ from typing import Any
 
 _PUBLIC = {
     "run": "simcompare.experiment",
-    "Run": "simcompare.experiment",
+    "Run": "simcompare.results",
     "load_run": "simcompare.store",
     "Scenario": "simcompare.scenario",
     "Trajectory": "simcompare.trajectory",

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from simcompare.errors import ReadBackMismatch
+from simcompare.scenario import Shape, sizes_m
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,11 @@ class Audit:
         )
         row = AuditRow(quantity, wanted, engine_parameter, put, held, unit, note)
         self.rows.append(row)
+
+    def add_sizes(self, body: str, shape: Shape, parameter: str, held_m: Sequence[float]) -> None:
+        """Adds a row for every length of a shape; ``held_m`` in the order of ``sizes_m``."""
+        for (name, wanted), got in zip(sizes_m(shape).items(), held_m, strict=True):
+            self.add(f"{body}.{name}", wanted, parameter, (wanted, got), "m")
 
     def finish(self) -> tuple[AuditRow, ...]:
         """All rows.

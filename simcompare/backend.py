@@ -17,7 +17,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from simcompare.errors import EngineBroken, EngineMissing, Unsupported
-from simcompare.scenario import Scenario
+from simcompare.scenario import Body, Scenario
 
 if TYPE_CHECKING:
     from simcompare.simulation import Simulation
@@ -47,6 +47,15 @@ class Feature(enum.StrEnum):
     BALL_JOINT = "ball joints"
     ACTUATOR = "actuators"
     SENSOR = "sensors"
+
+
+#: what an engine of free rigid bodies in space can do
+SPATIAL_RIGID_BODIES = frozenset(
+    {
+        Feature.SPATIAL, Feature.FREE_BODY, Feature.PLANE, Feature.SPHERE, Feature.BOX,
+        Feature.CYLINDER, Feature.CAPSULE, Feature.RESTITUTION, Feature.FRICTION, Feature.DRAG,
+    }
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -151,6 +160,7 @@ class EngineBackend(ABC):
         engine = self.load()
         loaded = time.perf_counter()
         simulation = self.build(engine, scenario, settings)
+        simulation.read_back_start(self.name)
         simulation.wall_s = {
             "import": loaded - started,
             "build": time.perf_counter() - loaded,
@@ -204,20 +214,25 @@ def needs(scenario: Scenario) -> frozenset[Feature]:
 
 def is_planar(scenario: Scenario) -> bool:
     """Whether all motion stays in the x-z plane, so that a two-dimensional engine can run it."""
-    if scenario.world.gravity_m_s2[1] != 0:
-        return False
-    for body in scenario.bodies.values():
-        _, x, _, z = body.orientation_wxyz
-        in_plane = (
-            body.position_m[1] == 0
-            and body.velocity_m_s[1] == 0
-            and body.rate_rad_s[0] == body.rate_rad_s[2] == 0
-            and x == z == 0
-        )
-        flat = all(shape.type != "plane" or shape.normal[1] == 0 for shape in body.shapes)
-        if not (in_plane and flat):
-            return False
-    return all(joint.axis[0] == joint.axis[2] == 0 for joint in scenario.joints.values())
+    joints = scenario.joints.values()
+    return (
+        scenario.world.gravity_m_s2[1] == 0
+        and all(_body_is_planar(body) for body in scenario.bodies.values())
+        # a hinge must turn about y, a slider must not move along it
+        and all(j.axis[0] == j.axis[2] == 0 for j in joints if j.type == "hinge")
+        and all(j.axis[1] == 0 for j in joints if j.type == "slider")
+        and all(j.type != "ball" for j in joints)
+    )
+
+
+def _body_is_planar(body: Body) -> bool:
+    _, turned_x, _, turned_z = body.orientation_wxyz
+    rate_x, _, rate_z = body.rate_rad_s
+    sideways = (body.position_m[1], body.velocity_m_s[1], body.center_of_mass_m[1])
+    return not any((turned_x, turned_z, rate_x, rate_z, *sideways)) and all(
+        shape.position_m[1] == 0 and (shape.type != "plane" or shape.normal[1] == 0)
+        for shape in body.shapes
+    )
 
 
 def refuse(backend: Backend, scenario: Scenario, settings: Settings) -> None:

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import datetime
-import hashlib
-import platform
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from simcompare import catalogue, engines, measures, units
+from simcompare import catalogue, engines, measures, run_record, units
 from simcompare.against import Match, matches
-from simcompare.backend import CONTACT_MODES, Settings, installed_version
-from simcompare.compare import FAIL, Repeat, Score, scores_of
+from simcompare.backend import CONTACT_MODES, Settings
+from simcompare.compare import Repeat, Score, scores_of
 from simcompare.errors import InputError, OutputError, SimcompareError, UnknownName
-from simcompare.jobs import FAILED, MISSING, OK, Job, Outcome
+from simcompare.jobs import FAILED, OK, Job, Outcome
+from simcompare.results import TRUTH, Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Interrupted, Progress, run_jobs
 from simcompare.scenario import MOST_SAMPLES, Scenario
 from simcompare.simulation import sample_times
@@ -26,51 +23,8 @@ if TYPE_CHECKING:
     from simcompare.hardware.logs.bounce_table import BounceTable
     from simcompare.scenario_file import ScenarioFile
 
-TRUTH = "closed form"
-FORMAT = 1
 #: samples below which a run shows nothing
 LEAST_SAMPLES = 100
-
-
-@dataclass(frozen=True)
-class Stored:
-    """One trajectory of a run with its place in it."""
-
-    source: str
-    contact: str
-    repeat: int
-    trajectory: Trajectory
-
-
-@dataclass(frozen=True)
-class Run:
-    """Everything that one ``run`` found.
-
-    Attributes:
-        record: what run.json holds; plain values.
-        scores: every score.
-        trajectories: every trajectory that came out, the truth's included.
-        folder: where it is stored, ``None`` where it is not.
-        interrupted: whether Ctrl-C ended it early.
-    """
-
-    record: Mapping[str, Any]
-    scores: tuple[Score, ...]
-    trajectories: tuple[Stored, ...]
-    folder: Path | None = None
-    interrupted: bool = False
-
-    @property
-    def exit_code(self) -> int:
-        """0 fine, 1 a tolerance failed, 3 an engine is broken or none of those asked for ran.
-
-        With ``all``, an engine that is not installed is a row with its reason and no failure.
-        """
-        statuses = {source["status"] for source in self.record["sources"]}
-        named = self.record["engines_asked"] != "all"
-        if FAILED in statuses or OK not in statuses or (named and MISSING in statuses):
-            return 3
-        return 1 if any(score.verdict == FAIL for score in self.scores) else 0
 
 
 def run(
@@ -265,7 +219,7 @@ def _gather(
         by_source.setdefault((outcome.job.engine, outcome.job.settings.contact), []).append(outcome)
     for (engine, mode), own in by_source.items():
         good = [outcome for outcome in own if outcome.status == OK]
-        record = _source_record(engine, mode, own)
+        record = run_record.of_source(engine, mode, own)
         if len(good) == len(own):
             repeats = [
                 Repeat(scenarios[o.job.repeat], o.trajectory, truths[o.job.repeat])
@@ -286,8 +240,8 @@ def _gather(
     found: list[Match] = []
     if table is not None:
         found = matches(table, scores, _measured_units(scenarios[0]))
-    record = _record(file, scenarios, sources, scores)
-    record["against"] = _against_record(table, found) if table is not None else None
+    record = run_record.of_run(file, scenarios, sources, scores)
+    record["against"] = run_record.of_measurement(table, found) if table is not None else None
     return _Gathered(record, scores, trajectories)
 
 
@@ -315,93 +269,3 @@ def _truth(reference: catalogue.Reference, scenario: Scenario) -> Trajectory:
     for measure in scenario.measures:
         measures.observe(truth, scenario.probes[measure.probe])
     return truth
-
-
-def _source_record(engine: str, mode: str, outcomes: Sequence[Outcome]) -> dict[str, Any]:
-    """What run.json says of one engine in one contact mode."""
-    bad = [outcome for outcome in outcomes if outcome.status != OK]
-    done = [outcome.trajectory for outcome in outcomes if outcome.trajectory is not None]
-    nominal = done[len(done) // 2] if done else None
-    walls = [trajectory.wall_s for trajectory in done]
-    facts = outcomes[0].facts
-    return {
-        "name": engine,
-        "version": facts.version,
-        "contact": mode,
-        "status": bad[0].status if bad else OK,
-        "reason": bad[0].reason if bad else None,
-        "steps": len(nominal.time_s) - 1 if nominal else None,
-        "repeats": len(done),
-        "wall_s": {
-            "import": walls[0]["import"] if walls and "import" in walls[0] else None,
-            "build": sum(wall.get("build", 0.0) for wall in walls),
-            "step": sum(wall.get("step", 0.0) for wall in walls),
-        },
-        "notes": list(nominal.notes) if nominal else [],
-        "noise": outcomes[0].noise,
-        "audit": [vars(row) for row in nominal.audit] if nominal else [],
-        "mapping": facts.mapping,
-        "known_limits": facts.limits_as_dicts(),
-    }
-
-
-def _record(
-    file: ScenarioFile,
-    scenarios: Sequence[Scenario],
-    sources: list[dict[str, Any]],
-    scores: Sequence[Score],
-) -> dict[str, Any]:
-    nominal = scenarios[len(scenarios) // 2]
-    dumped = nominal.model_dump(mode="json")
-    return {
-        "format": FORMAT,
-        "run": None,
-        "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-        "scenario": nominal.name,
-        "title": nominal.title,
-        "question": nominal.question,
-        "parameters": dict(nominal.parameters),
-        "parameter_texts": {name: p.text for name, p in file.parameters.items()},
-        "step_s": nominal.world.step_s,
-        "duration_s": nominal.world.duration_s,
-        "repeats": len(scenarios),
-        "dither": dumped["dither"],
-        "seed": 0,
-        "truth": TRUTH if catalogue.reference_of(file.path) else None,
-        "probes": dumped["probes"],
-        "tolerances": dumped["tolerances"],
-        "scenario_sha256": hashlib.sha256(file.path.read_bytes()).hexdigest(),
-        "software": {
-            "simcompare": installed_version("simcompare"),
-            "python": platform.python_version(),
-            "numpy": installed_version("numpy"),
-        },
-        "machine": {
-            "system": platform.platform(),
-            "processor": _processor(),
-            "python_implementation": sys.implementation.name,
-        },
-        "sources": sources,
-        "scores": [score.to_dict() for score in scores],
-    }
-
-
-def _against_record(table: BounceTable, found: Sequence[Match]) -> dict[str, Any]:
-    return {
-        "file": table.path.name,
-        "sha256": table.sha256,
-        "head": dict(table.head),
-        "parameters": dict(table.parameters),
-        "matches": [match.to_dict() for match in found],
-    }
-
-
-def _processor() -> str:
-    """Model name of the processor, as Linux tells it, else what Python knows."""
-    try:
-        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    except OSError:
-        pass
-    return platform.processor() or platform.machine()

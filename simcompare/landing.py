@@ -74,21 +74,21 @@ class Approach:
 
 
 def approaches(scenario: Scenario) -> tuple[list[Approach], list[str]]:
-    """Pairs whose impacts can be landed on, and a note for every bouncing pair that cannot."""
-    found, notes = [], []
-    simple = not scenario.joints and not scenario.actuators
-    for contact in scenario.contacts:
-        if contact.restitution == 0:
-            continue
-        approach = _sphere_on_plane(scenario, *contact.pair) if simple else None
-        if approach is None:
-            notes.append(
-                f"impacts of {contact.pair[0]} on {contact.pair[1]} are not landed on: "
-                "the restitution carries the engine's error of one whole step"
-            )
-        else:
-            found.append(approach)
-    return found, notes
+    """Pairs whose impacts can be landed on, and why where those of a scenario cannot.
+
+    Either all impacts of a scenario are landed on or none is: a step that changes for one pair
+    while another touches would change the motion of that one.
+    """
+    bouncing = [contact for contact in scenario.contacts if contact.restitution > 0]
+    found = [_sphere_on_plane(scenario, *contact.pair) for contact in bouncing]
+    landable = [approach for approach in found if approach is not None]
+    moving = [body for body in scenario.moving_bodies().values() if body.shapes]
+    if len(landable) == len(bouncing) and len(moving) < 2 and not scenario.joints:
+        return landable, []
+    return [], [
+        "impacts are not landed on, which is possible only for a single sphere on fixed planes:"
+        " restitutions carry the engine's own error at this step, which can be large"
+    ]
 
 
 def _sphere_on_plane(scenario: Scenario, first: str, second: str) -> Approach | None:
@@ -100,7 +100,7 @@ def _sphere_on_plane(scenario: Scenario, first: str, second: str) -> Approach | 
         centred = isinstance(sphere, Sphere) and sphere.position_m == body.center_of_mass_m
         if not (centred and isinstance(sphere, Sphere) and isinstance(plane, Plane)):
             continue
-        if base.orientation_wxyz[0] != 1 or plane.orientation_wxyz[0] != 1:
+        if base.orientation_wxyz != (1.0, 0.0, 0.0, 0.0):
             continue
         length = math.hypot(*plane.normal)
         normal = (plane.normal[0] / length, plane.normal[1] / length, plane.normal[2] / length)

@@ -11,12 +11,18 @@ from simcompare.scenario import Contact, Scenario
 
 
 def touching_pairs(scenario: Scenario) -> list[Contact]:
-    """Contact of every pair of bodies that can touch: with shapes, not both fixed, not jointed."""
+    """Contact of every pair that can touch and that the scenario says something about.
+
+    That is: with shapes, not both fixed, not jointed, and named if both move.
+    """
+    named = {frozenset(contact.pair) for contact in scenario.contacts}
     jointed = {frozenset((joint.parent, joint.child)) for joint in scenario.joints.values()}
     found = []
     for (first, a), (second, b) in combinations(scenario.bodies.items(), 2):
         can_touch = a.shapes and b.shapes and not (a.fixed and b.fixed)
-        if can_touch and frozenset((first, second)) not in jointed:
+        pair = frozenset((first, second))
+        told = a.fixed or b.fixed or pair in named
+        if can_touch and told and pair not in jointed:
             found.append(scenario.contact_of(first, second))
     return found
 
@@ -61,3 +67,16 @@ def _share(values: dict[str, float], contact: Contact, wanted: float) -> None:
     for name, other in ((first, second), (second, first)):
         if name not in values:
             values[name] = wanted / values[other] if values[other] > 0 else 0.0
+
+
+def refuse_offsets(scenario: Scenario, engine: str, shapes: int | None = None) -> None:
+    """Refuses what a backend does not build: offset centres of mass, and more shapes than it can.
+
+    Raises:
+        Unsupported: a body has one; names it.
+    """
+    for name, body in scenario.bodies.items():
+        if any(body.center_of_mass_m):
+            raise Unsupported(f"{engine}: the centre of mass of {name} is not at its origin")
+        if shapes is not None and len(body.shapes) > shapes:
+            raise Unsupported(f"{engine}: {name} has more than {shapes} shape")

@@ -53,10 +53,11 @@ def _not_zero(direction: Vector) -> Vector:
     return direction
 
 
-class Plane(Pose):
+class Plane(Frozen):
     """Half space below a plane through ``position_m``; ``normal`` points out of the solid."""
 
     type: Literal["plane"]
+    position_m: Vector = (0.0, 0.0, 0.0)
     normal: Vector = (0.0, 0.0, 1.0)
 
     _has_direction = field_validator("normal")(_not_zero)
@@ -93,6 +94,19 @@ class Capsule(Pose):
 
 
 Shape = Annotated[Plane | Sphere | Box | Cylinder | Capsule, Field(discriminator="type")]
+
+
+def sizes_m(shape: Shape) -> dict[str, float]:
+    """The lengths that make a shape, by name [m]; none for a plane."""
+    match shape.type:
+        case "plane":
+            return {}
+        case "sphere":
+            return {"radius_m": shape.radius_m}
+        case "box":
+            return {f"size_m.{axis}": edge for axis, edge in zip("xyz", shape.size_m, strict=True)}
+        case _:
+            return {"radius_m": shape.radius_m, "length_m": shape.length_m}
 
 
 class Drag(Frozen):
@@ -289,7 +303,6 @@ class Measure(Frozen):
 
     function: str
     probe: str
-    body: str
 
 
 class Tolerance(Frozen):
@@ -372,7 +385,10 @@ class Scenario(Frozen):
         return {name: body for name, body in self.bodies.items() if not body.fixed}
 
     def contact_of(self, first: str, second: str) -> Contact:
-        """Contact of two bodies; a pair that is not named has no restitution and no friction."""
+        """Contact of two bodies; a pair that is not named has no restitution and no friction.
+
+        Two moving bodies whose pair is not named are left to what the engine makes of them.
+        """
         for contact in self.contacts:
             if set(contact.pair) == {first, second}:
                 return contact

@@ -52,7 +52,6 @@ def _references(
         yield f"probes.{name}.observe", owner, "body, joint or sensor", observable
     for i, measure in enumerate(scenario.measures):
         yield f"measures.{i}.probe", measure.probe, "probe", scenario.probes
-        yield f"measures.{i}.body", measure.body, *bodies
     if scenario.dither is not None:
         yield "dither.parameter", scenario.dither.parameter, "parameter", scenario.parameters
 

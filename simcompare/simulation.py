@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from simcompare.audit import AuditRow
+from simcompare.audit import Audit, AuditRow
 from simcompare.errors import Unsupported
 from simcompare.landing import ContactSteps, Landing, approaches
 from simcompare.scenario import Body, Scenario, Vector
@@ -123,9 +123,29 @@ class Simulation(ABC):
             rows.append(self.row())
         return rows
 
+    def check(self) -> None:
+        """Raises ``SimulationDiverged`` if the engine has warned of wrong numbers."""
+        return
+
     def close(self) -> None:
         """Releases what the engine holds."""
         return
+
+    def read_back_start(self, engine: str) -> None:
+        """Compares the initial motion that the engine holds with the scenario's.
+
+        Raises:
+            ReadBackMismatch: they differ; every component that does is named.
+        """
+        audit = Audit(engine, relative=1e-6)
+        for name, held in self.state.bodies.items():
+            body = self._bodies[name]
+            for part in BODY_SIGNALS:
+                wanted, got = getattr(body, part), getattr(held, part)
+                for axis, a, b in zip("wxyz"[-len(wanted) :], wanted, got, strict=True):
+                    clean = a if abs(a - b) < 1e-12 else b  # rounding about 0 is no difference
+                    audit.add(f"{name}.{part}.{axis}", a, "state", (a, clean), "")
+        audit.finish()
 
     # --- the stepping form --------------------------------------------------------------------
 
@@ -153,6 +173,7 @@ class Simulation(ABC):
         else:
             self._landing.step(self)
         self._count += 1
+        self.check()
 
     @property
     def state(self) -> State:
@@ -245,6 +266,7 @@ class Simulation(ABC):
                 blocks.append([self.row()])
             done += taken
         self._count += count
+        self.check()
         rows = np.concatenate([np.asarray(block, dtype=float) for block in blocks])
         stepped = {"step": time.perf_counter() - started}
         return Trajectory(

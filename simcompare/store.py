@@ -19,7 +19,7 @@ import numpy as np
 
 from simcompare.compare import Score
 from simcompare.errors import InputError, OutputError
-from simcompare.experiment import FORMAT, Run, Stored
+from simcompare.results import FORMAT, Run, Stored
 from simcompare.trajectory import Trajectory
 
 RECORD, TRAJECTORIES, SCORES = "run.json", "trajectories.parquet", "scores.csv"

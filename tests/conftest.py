@@ -64,7 +64,7 @@ bodies:
 probes:
   height_m: {observe: ball.position_m, component: 2, label: Height, unit: m}
 measures:
-  - {function: bounces, probe: height_m, body: ball}
+  - {function: bounces, probe: height_m}
 tolerances:
   penetration: {absolute: 0.001, reason: "A body above the floor is not in it."}
 """

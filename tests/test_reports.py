@@ -10,10 +10,10 @@ import pytest
 
 from simcompare.compare import Score
 from simcompare.errors import OutputError, UnknownName
-from simcompare.experiment import TRUTH, Run, Stored
 from simcompare.reports import builder, numbers, output, plotly_, reproduce, runs, words
 from simcompare.reports.sections import SECTIONS
 from simcompare.reports.sections.given import state_of
+from simcompare.results import TRUTH, Run, Stored
 from simcompare.trajectory import Trajectory
 
 EVIL = "<script>alert('x')</script> it broke | badly"

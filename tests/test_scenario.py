@@ -241,7 +241,7 @@ def test_every_dangling_reference_is_named_with_its_place():
     tree["sensors"]["imu"]["body"] = "head"
     tree["contacts"][1]["pair"] = ["right_wheel", "flour"]
     tree["probes"]["yaw_rate_rad_s"]["observe"] = "chasis.rate_rad_s"
-    tree["measures"] = [{"function": "bounces", "probe": "yaw", "body": "head"}]
+    tree["measures"] = [{"function": "bounces", "probe": "yaw"}]
     tree["dither"] = {"parameter": "height_m", "span": 1, "reason": "none"}
     faults = dangling_references(Scenario.model_validate(tree))
     assert set(faults) == {
@@ -252,7 +252,6 @@ def test_every_dangling_reference_is_named_with_its_place():
         "contacts.1.pair",
         "probes.yaw_rate_rad_s.observe",
         "measures.0.probe",
-        "measures.0.body",
         "dither.parameter",
     }
     assert "'flour'" in faults["contacts.1.pair"]
@@ -289,7 +288,7 @@ def wheel(**changes):
             "measures.0.function",
             {
                 "probes": {"h": probe("ball.position_m", 2)},
-                "measures": [{"function": "bounce", "probe": "h", "body": "ball"}],
+                "measures": [{"function": "bounce", "probe": "h"}],
             },
         ),
         ("probes.h.observe", {"probes": {"h": probe("ball.hight_m", None)}}),

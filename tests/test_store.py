@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 
 import simcompare
-from simcompare import experiment, store
+from simcompare import results, store
 from simcompare.compare import Score
 from simcompare.errors import InputError, OutputError
-from simcompare.experiment import Run, Stored
+from simcompare.results import Run, Stored
 from simcompare.trajectory import Trajectory
 
 
@@ -45,7 +45,7 @@ def synthetic():
         Score("toy", "mapped", "rebound, height", 3, None, None, "m", 9, None, None, "info"),
     )
     record = {
-        "format": experiment.FORMAT,
+        "format": results.FORMAT,
         "created": "2026-01-02T03:04:05+00:00",
         "scenario": "ball",
         "sources": [{"name": "toy", "status": "ok", "noise": "Höhe\n\u2028"}],

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.experiment import Run
 from simcompare.reports import scored
 from simcompare.reports.sections.base import Section
+from simcompare.results import Run
 
 
 class Contrast(Section):

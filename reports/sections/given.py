@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from simcompare.backend import DEFAULT
-from simcompare.experiment import Run
 from simcompare.reports import numbers, runs
 from simcompare.reports.sections.base import Section
+from simcompare.results import Run
 
 SAME, LEFT, TRANSLATED, UNREAD = "same", "left", "translated", "unread"
 _WORDS = {

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from simcompare.backend import DEFAULT
-from simcompare.experiment import Run
 from simcompare.jobs import OK
 from simcompare.reports import runs, timelines, words
 from simcompare.reports.figures import style_of
 from simcompare.reports.sections.base import Section
+from simcompare.results import Run
 
 
 class Headline(Section):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.experiment import Run
 from simcompare.reports.sections.base import Section
+from simcompare.results import Run
 
 
 class Limits(Section):

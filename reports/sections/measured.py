@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.experiment import Run
 from simcompare.reports import measured, numbers, runs
 from simcompare.reports.figures import style_of
 from simcompare.reports.sections.base import Section
 from simcompare.reports.words import count_of
+from simcompare.results import Run
 
 _WORDS = {
     True: ("✓", "consistent with the measurement"),

@@ -6,11 +6,11 @@ from typing import Any
 
 from simcompare.backend import DEFAULT
 from simcompare.compare import FAIL, INFO, PASS, Score
-from simcompare.experiment import TRUTH, Run
 from simcompare.jobs import OK
 from simcompare.reports import numbers, runs
 from simcompare.reports.figures import style_of
 from simcompare.reports.sections.base import Section
+from simcompare.results import TRUTH, Run
 
 #: never told by colour alone
 _VERDICTS = {PASS: "✓ pass", FAIL: "✗ fail", INFO: "· shown"}

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from simcompare import units
-from simcompare.experiment import Run
 from simcompare.reports import numbers, runs
 from simcompare.reports.reproduce import command
 from simcompare.reports.sections.base import Section
+from simcompare.results import Run
 
 
 class Setup(Section):

@@ -10,7 +10,7 @@ import typer
 from simcompare.cli import complete
 
 if TYPE_CHECKING:
-    from simcompare.experiment import Run
+    from simcompare.results import Run
 
 #: scores of the whole run that the table shows, in this order, where the scenario measures them
 _SHOWN = 4

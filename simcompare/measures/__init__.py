@@ -1,6 +1,6 @@
 """HOW GOOD: pure functions from a trajectory to measured values.
 
-A measure is a module with ``measure(trajectory, probe, body) -> Measured``; a scenario names it by
+A measure is a module with ``measure(trajectory, probe) -> Measured``; a scenario names it by
 the module's name. The same function measures engines and closed forms, so a systematic error of the
 measure itself cancels in their difference.
 """

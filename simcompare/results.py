@@ -1,0 +1,58 @@
+"""What a run found, as one value: the record for run.json, the scores, the trajectories."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from simcompare.compare import FAIL, Score
+from simcompare.jobs import FAILED, MISSING, OK
+from simcompare.trajectory import Trajectory
+
+#: source of the true trajectory
+TRUTH = "closed form"
+#: version of what run.json holds
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Stored:
+    """One trajectory of a run with its place in it."""
+
+    source: str
+    contact: str
+    repeat: int
+    trajectory: Trajectory
+
+
+@dataclass(frozen=True)
+class Run:
+    """Everything that one ``run`` found.
+
+    Attributes:
+        record: what run.json holds; plain values.
+        scores: every score.
+        trajectories: every trajectory that came out, the truth's included.
+        folder: where it is stored, ``None`` where it is not.
+        interrupted: whether Ctrl-C ended it early.
+    """
+
+    record: Mapping[str, Any]
+    scores: tuple[Score, ...]
+    trajectories: tuple[Stored, ...]
+    folder: Path | None = None
+    interrupted: bool = False
+
+    @property
+    def exit_code(self) -> int:
+        """0 fine, 1 a tolerance failed, 3 an engine is broken or none of those asked for ran.
+
+        With ``all``, an engine that is not installed is a row with its reason and no failure.
+        """
+        statuses = {source["status"] for source in self.record["sources"]}
+        named = self.record["engines_asked"] != "all"
+        if FAILED in statuses or OK not in statuses or (named and MISSING in statuses):
+            return 3
+        return 1 if any(score.verdict == FAIL for score in self.scores) else 0

@@ -1,0 +1,115 @@
+"""What run.json says: plain values with versions, machine, and what every engine was given."""
+
+from __future__ import annotations
+
+import datetime
+import hashlib
+import platform
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from simcompare import catalogue
+from simcompare.against import Match
+from simcompare.backend import installed_version
+from simcompare.compare import Score
+from simcompare.jobs import OK, Outcome
+from simcompare.results import FORMAT, TRUTH
+from simcompare.scenario import Scenario
+
+if TYPE_CHECKING:
+    from simcompare.hardware.logs.bounce_table import BounceTable
+    from simcompare.scenario_file import ScenarioFile
+
+
+def of_source(engine: str, mode: str, outcomes: Sequence[Outcome]) -> dict[str, Any]:
+    """What run.json says of one engine in one contact mode."""
+    bad = [outcome for outcome in outcomes if outcome.status != OK]
+    done = [outcome.trajectory for outcome in outcomes if outcome.trajectory is not None]
+    nominal = done[len(done) // 2] if done else None
+    walls = [trajectory.wall_s for trajectory in done]
+    facts = outcomes[0].facts
+    return {
+        "name": engine,
+        "version": facts.version,
+        "contact": mode,
+        "status": bad[0].status if bad else OK,
+        "reason": bad[0].reason if bad else None,
+        "steps": len(nominal.time_s) - 1 if nominal else None,
+        "repeats": len(done),
+        "wall_s": {
+            "import": walls[0]["import"] if walls and "import" in walls[0] else None,
+            "build": sum(wall.get("build", 0.0) for wall in walls),
+            "step": sum(wall.get("step", 0.0) for wall in walls),
+        },
+        "notes": list(nominal.notes) if nominal else [],
+        "noise": outcomes[0].noise,
+        "audit": [vars(row) for row in nominal.audit] if nominal else [],
+        "mapping": facts.mapping,
+        "known_limits": facts.limits_as_dicts(),
+    }
+
+
+def of_run(
+    file: ScenarioFile,
+    scenarios: Sequence[Scenario],
+    sources: list[dict[str, Any]],
+    scores: Sequence[Score],
+) -> dict[str, Any]:
+    """What run.json says of the whole run, its sources and scores included."""
+    nominal = scenarios[len(scenarios) // 2]
+    dumped = nominal.model_dump(mode="json")
+    return {
+        "format": FORMAT,
+        "run": None,
+        "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        "scenario": nominal.name,
+        "title": nominal.title,
+        "question": nominal.question,
+        "parameters": dict(nominal.parameters),
+        "parameter_texts": {name: p.text for name, p in file.parameters.items()},
+        "step_s": nominal.world.step_s,
+        "duration_s": nominal.world.duration_s,
+        "repeats": len(scenarios),
+        "dither": dumped["dither"],
+        "seed": 0,
+        "truth": TRUTH if catalogue.reference_of(file.path) else None,
+        "probes": dumped["probes"],
+        "tolerances": dumped["tolerances"],
+        "scenario_sha256": hashlib.sha256(file.path.read_bytes()).hexdigest(),
+        "software": {
+            "simcompare": installed_version("simcompare"),
+            "python": platform.python_version(),
+            "numpy": installed_version("numpy"),
+        },
+        "machine": {
+            "system": platform.platform(),
+            "processor": _processor(),
+            "python_implementation": sys.implementation.name,
+        },
+        "sources": sources,
+        "scores": [score.to_dict() for score in scores],
+    }
+
+
+def of_measurement(table: BounceTable, found: Sequence[Match]) -> dict[str, Any]:
+    """What run.json says of the measurement that the engines were held against."""
+    return {
+        "file": table.path.name,
+        "sha256": table.sha256,
+        "head": dict(table.head),
+        "parameters": dict(table.parameters),
+        "matches": [match.to_dict() for match in found],
+    }
+
+
+def _processor() -> str:
+    """Model name of the processor, as Linux tells it, else what Python knows."""
+    try:
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()
