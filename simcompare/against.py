@@ -31,7 +31,8 @@ class Match:
         low: lower stated limit.
         high: upper stated limit.
         unit: unit of all of these.
-        e_n: E_n number (ISO 13528:2022, 9.7), ``None`` without an uncertainty.
+        e_n: E_n number (ISO 13528:2022, 9.7): deviation over the root sum of squares of both
+            expanded uncertainties, k = 2; ``None`` without an uncertainty, and for limits.
         inside: whether the value is within the stated limits, or |E_n| ≤ 1 where there are none;
             ``None`` where it cannot be told.
     """
@@ -78,7 +79,7 @@ def _match(
 ) -> Match:
     value, u = (score.value, score.u) if score is not None else (None, None)
     e_n = None
-    if value is not None and quantity.u is not None:
+    if value is not None and quantity.u is not None and quantity.low is None:
         spread = COVERAGE_FACTOR * math.hypot(u or 0.0, quantity.u)
         e_n = (value - quantity.value) / spread
     return Match(

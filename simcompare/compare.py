@@ -32,6 +32,7 @@ class Score:
         source: name of the source.
         contact: its contact mode.
         measure: what was measured.
+        probe: at which probe of the scenario.
         index: number of the event, first is 1; ``None`` for values of the whole run.
         value: mean over the repeats; ``None`` where it could not be measured.
         u: standard deviation over the repeats; ``None`` for a single one.
@@ -45,6 +46,7 @@ class Score:
     source: str
     contact: str
     measure: str
+    probe: str
     index: int | None
     value: float | None
     u: float | None
@@ -81,12 +83,12 @@ def scores_of(repeats: Sequence[Repeat]) -> list[Score]:
         probe = nominal.scenario.probes[measure.probe]
         ours = [module.measure(repeat.trajectory, probe) for repeat in repeats]
         if any(repeat.truth is None for repeat in repeats):
-            found += _without_truth(nominal, ours)
+            found += _without_truth(nominal, measure.probe, ours)
             continue
         theirs = [module.measure(r.truth, probe) for r in repeats if r.truth is not None]
         pairs = [module.against(a, b) for a, b in zip(ours, theirs, strict=True)]
-        found += _judged(nominal, pairs, ours[0].units)
-        found += _series(nominal, ours, theirs)
+        found += _judged(nominal, measure.probe, pairs, ours[0].units)
+        found += _series(nominal, measure.probe, ours, theirs)
     return found
 
 
@@ -99,6 +101,7 @@ class _Found(NamedTuple):
 
 def _judged(
     nominal: Repeat,
+    probe: str,
     pairs: Sequence[Mapping[str, tuple[float | None, float]]],
     units: Mapping[str, str],
 ) -> list[Score]:
@@ -108,11 +111,18 @@ def _judged(
         deviations = [value - true for value, true in both if value is not None]
         found = _mean_and_sd(truth, deviations, units[name], of=len(pairs))
         tolerance = nominal.scenario.tolerances.get(name)
-        scores.append(_score(nominal, name, None, found, truth, tolerance))
+        scores.append(_score(nominal, (name, probe, None), found, truth, tolerance))
+    judged = {score.measure for score in scores}
+    for name in nominal.scenario.tolerances:
+        if name in units and name not in judged:  # not even the truth can be measured
+            nothing = _Found(None, None, units[name], 0)
+            scores.append(_score(nominal, (name, probe, None), nothing, None, None))
     return scores
 
 
-def _series(nominal: Repeat, ours: Sequence[Measured], theirs: Sequence[Measured]) -> list[Score]:
+def _series(
+    nominal: Repeat, probe: str, ours: Sequence[Measured], theirs: Sequence[Measured]
+) -> list[Score]:
     """One score per event, for the events that every repeat of the source resolves."""
     scores = []
     for name in ours[0].series:
@@ -124,16 +134,18 @@ def _series(nominal: Repeat, ours: Sequence[Measured], theirs: Sequence[Measured
             truth = true[len(true) // 2]
             deviations = [float(a[k]) - b for a, b in zip(values, true, strict=True)]
             found = _mean_and_sd(truth, deviations, unit, of=len(ours))
-            scores.append(_score(nominal, name, k + 1, found, truth if known else None, None))
+            scores.append(
+                _score(nominal, (name, probe, k + 1), found, truth if known else None, None)
+            )
     return scores
 
 
-def _without_truth(nominal: Repeat, ours: Sequence[Measured]) -> list[Score]:
+def _without_truth(nominal: Repeat, probe: str, ours: Sequence[Measured]) -> list[Score]:
     scores = []
     for name in ours[0].values:
         known = [value for m in ours if (value := m.values[name]) is not None]
         found = _mean_and_sd(0.0, known, ours[0].units[name], of=len(ours))
-        scores.append(_score(nominal, name, None, found, None, None))
+        scores.append(_score(nominal, (name, probe, None), found, None, None))
     return scores
 
 
@@ -151,8 +163,7 @@ def _mean_and_sd(offset: float, deviations: Sequence[float], unit: str, *, of: i
 
 def _score(
     nominal: Repeat,
-    measure: str,
-    index: int | None,
+    name: tuple[str, str, int | None],
     found: _Found,
     truth: float | None,
     tolerance: Tolerance | None,
@@ -165,4 +176,4 @@ def _score(
         width = tolerance.width(truth)
         within = value is not None and math.isfinite(value) and abs(value - truth) <= width
         verdict = PASS if within else FAIL
-    return Score(source, contact, measure, index, value, u, unit, repeats, truth, width, verdict)
+    return Score(source, contact, *name, value, u, unit, repeats, truth, width, verdict)

@@ -66,9 +66,9 @@ def run(
     modes = _modes(contact)
     file = catalogue.load(scenario)
     table = _table(file, against)
-    values = file.read_settings(table.parameters, str(table.path)) if table else {}
-    values |= file.read_settings(set or {})
-    preset = preset or (table.preset if table else None)
+    values = file.read_settings(set or {})
+    if table is not None:
+        values, preset = with_conditions(file, table, values, preset)
     step_s = None if step is None else units.to_si(step, "s", "--step")
     if step_s is not None:
         _check_step(file.resolve(values, preset=preset), step_s)
@@ -112,9 +112,9 @@ def repeats_of(
     step_s: float | None,
     count: int | None,
 ) -> list[Scenario]:
-    """The scenario once for every dithered repeat, the nominal one in the middle.
+    """The scenario once for every dithered repeat, the nominal one at index n//2.
 
-    The dithered parameter takes the values p + (i - (n-1)/2)/n · span for i = 0 … n-1.
+    The dithered parameter takes the values p + (i - n//2)/n · span for i = 0 … n-1.
 
     Raises:
         InputError: values out of bounds, or a step so long that the spread leaves what makes sense.
@@ -133,11 +133,35 @@ def repeats_of(
                 f" about {centre:.3g}, below 0; use a shorter step"
             ],
         )
-    offsets = [(i - (count - 1) / 2) / count * dither.span for i in range(count)]
+    offsets = [(i - count // 2) / count * dither.span for i in range(count)]
     return [
         file.vary(nominal, dither.parameter, centre + offset) if offset else nominal
         for offset in offsets
     ]
+
+
+def with_conditions(
+    file: ScenarioFile, table: BounceTable, values: Mapping[str, float], preset: str | None
+) -> tuple[dict[str, float], str | None]:
+    """Parameters and preset under which a table was measured, with what the user adds.
+
+    Raises:
+        InputError: the user, or the table, asks for another scenario, preset or condition.
+    """
+    measured = file.read_settings(table.parameters, str(table.path))
+    faults = [
+        f"{name} = {values[name]:g} is asked for, but the table was measured at {value:g}"
+        for name, value in measured.items()
+        if name in values and values[name] != value
+    ]
+    if preset is not None and table.preset is not None and preset != table.preset:
+        faults.append(f"preset {preset} is asked for, but the table is of {table.preset}")
+    scenario = table.head.get("scenario", file.name)
+    if scenario != file.name:
+        faults.append(f"the table is of the scenario {scenario}, not of {file.name}")
+    if faults:
+        raise InputError(f"--against {table.path.name}", faults)
+    return {**measured, **values}, preset or table.preset
 
 
 def check_writable(folder: Path) -> None:
@@ -241,7 +265,7 @@ def _gather(
     if table is not None:
         found = matches(table, scores, _measured_units(scenarios[0]))
     record = run_record.of_run(file, scenarios, sources, scores)
-    record["against"] = run_record.of_measurement(table, found) if table is not None else None
+    record["against"] = run_record.of_measurement(file, table, found) if table is not None else None
     return _Gathered(record, scores, trajectories)
 
 

@@ -126,4 +126,7 @@ def _checked(job: Job, trajectory: Trajectory) -> Trajectory:
         )
     named = replace(trajectory, source=job.engine, contact=job.settings.contact, wall_s=wall)
     named.to_columns()
+    if not named.audit:
+        note = "this backend read nothing back: whether the engine took what was set is not known"
+        named = replace(named, notes=(*named.notes, note))
     return named

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -19,10 +20,10 @@ def quaternions_of(rotation_vectors_rad: Array) -> Array:
 def rotation_vector_of(orientation_wxyz: Sequence[float]) -> Array:
     """Rotation vector (3,) [rad] of one unit quaternion wxyz (4,)."""
     w, axis = float(orientation_wxyz[0]), np.asarray(orientation_wxyz[1:], dtype=float)
-    sine = float(np.linalg.norm(axis))
-    if sine == 0:
-        return np.zeros(3)
-    return np.asarray(axis * (2 * np.arctan2(sine, w) / sine), dtype=float)
+    sine = math.hypot(*axis)  # exact also where squares underflow
+    # for small angles sin x = x; it also keeps clear of dividing two tiny numbers
+    factor = 2 / w if sine < 1e-8 else 2 * math.atan2(sine, w) / sine
+    return np.asarray(axis * factor, dtype=float)
 
 
 def rotate(orientation_wxyz: Array, vectors: Array) -> Array:

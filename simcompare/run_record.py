@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 import hashlib
 import platform
+import statistics
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -40,8 +41,9 @@ def of_source(engine: str, mode: str, outcomes: Sequence[Outcome]) -> dict[str, 
         "repeats": len(done),
         "wall_s": {
             "import": walls[0]["import"] if walls and "import" in walls[0] else None,
-            "build": sum(wall.get("build", 0.0) for wall in walls),
-            "step": sum(wall.get("step", 0.0) for wall in walls),
+            # of one simulation, like "steps"; engines run beside each other: this is no benchmark
+            "build": _median([wall.get("build", 0.0) for wall in walls]),
+            "step": _median([wall.get("step", 0.0) for wall in walls]),
         },
         "notes": list(nominal.notes) if nominal else [],
         "noise": outcomes[0].noise,
@@ -93,15 +95,33 @@ def of_run(
     }
 
 
-def of_measurement(table: BounceTable, found: Sequence[Match]) -> dict[str, Any]:
+def of_measurement(
+    file: ScenarioFile, table: BounceTable, found: Sequence[Match]
+) -> dict[str, Any]:
     """What run.json says of the measurement that the engines were held against."""
     return {
         "file": table.path.name,
         "sha256": table.sha256,
         "head": dict(table.head),
         "parameters": dict(table.parameters),
+        "caution": _caution(file, table),
         "matches": [match.to_dict() for match in found],
     }
+
+
+def _caution(file: ScenarioFile, table: BounceTable) -> str | None:
+    """Why agreement says less than it seems, where the preset was taken from the same table."""
+    preset = file.presets.get(table.preset or "")
+    if preset is None or table.path.stem not in preset.taken_from:
+        return None
+    return (
+        f"The preset {table.preset} takes its value from this same table: agreement shows that the"
+        " value was translated rightly, and validates nothing."
+    )
+
+
+def _median(values: Sequence[float]) -> float | None:
+    return statistics.median(values) if values else None
 
 
 def _processor() -> str:

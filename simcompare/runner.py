@@ -71,13 +71,11 @@ class _Worker:
 
     def stop(self) -> None:
         """Ends the process and everything that it started."""
-        if self.process is None or self.process.poll() is not None:
+        if self.process is None:
             return
         if hasattr(os, "killpg"):
-            try:
+            with contextlib.suppress(ProcessLookupError):  # it and its children are gone
                 os.killpg(self.process.pid, signal.SIGKILL)
-            except ProcessLookupError:
-                return
         else:  # pragma: no cover  (Windows)
             self.process.kill()
         self.process.wait()

@@ -53,6 +53,7 @@ class Preset(BaseModel):
 
     text: str
     set: Mapping[str, float]
+    taken_from: tuple[str, ...] = Field((), description="published tables that it was taken from")
 
 
 class _Head(BaseModel):

@@ -23,7 +23,7 @@ from simcompare.results import FORMAT, Run, Stored
 from simcompare.trajectory import Trajectory
 
 RECORD, TRAJECTORIES, SCORES = "run.json", "trajectories.parquet", "scores.csv"
-#: signals that are kept; the rest can be simulated again
+#: columns that say whose sample a row is
 _INDEX = ("source", "contact", "repeat")
 
 
@@ -76,7 +76,11 @@ def load(place: Path) -> Run:
         raise InputError(
             str(path), [f"format {record.get('format')!r} is not known; expected {FORMAT}"]
         )
-    stored = _read_trajectories(place / TRAJECTORIES)
+    versions = {
+        (source.get("name"), source.get("contact")): source.get("version") or ""
+        for source in record.get("sources", [])
+    }
+    stored = _read_trajectories(place / TRAJECTORIES, versions)
     return Run(record, tuple(scores), tuple(stored), place, bool(record.get("interrupted")))
 
 
@@ -150,7 +154,7 @@ def _column(blocks: list[dict[str, Any]], lengths: list[int], name: str) -> np.n
     return np.concatenate([block.get(name, nan) for block, nan in zip(blocks, empty, strict=True)])
 
 
-def _read_trajectories(path: Path) -> list[Stored]:
+def _read_trajectories(path: Path, versions: Mapping[Any, str]) -> list[Stored]:
     if not path.is_file():
         return []
     import duckdb
@@ -171,7 +175,9 @@ def _read_trajectories(path: Path) -> list[Stored]:
     for start, end in zip(starts, [*starts[1:], len(keys)], strict=True):
         source, contact, repeat = keys[start]
         block = {name: np.ma.filled(columns[name][start:end], np.nan) for name in signals}
-        stored.append(Stored(source, contact, int(repeat), _from_columns(source, contact, block)))
+        trajectory = _from_columns(source, contact, block)
+        trajectory = replace(trajectory, version=versions.get((source, contact), ""))
+        stored.append(Stored(source, contact, int(repeat), trajectory))
     return stored
 
 
@@ -181,7 +187,9 @@ def _from_columns(source: str, contact: str, columns: dict[str, Any]) -> Traject
         if name == "time_s" or np.isnan(values).all():
             continue
         base, dot, component = name.rpartition(".")
-        signals.setdefault(base if dot and component in "wxyz" else name, []).append(values)
+        signals.setdefault(base if dot and component in ("w", "x", "y", "z") else name, []).append(
+            values
+        )
     stacked = {
         name: np.column_stack(parts) if len(parts) > 1 else parts[0]
         for name, parts in signals.items()

@@ -27,6 +27,12 @@ BODY_SIGNALS = {
 _COMPONENTS = {3: ("x", "y", "z"), 4: ("w", "x", "y", "z")}
 
 
+def _read_only(values: Array) -> Array:
+    view = values.view()
+    view.setflags(write=False)
+    return view
+
+
 @dataclass(frozen=True)
 class Trajectory:
     """Signals over time from one source.
@@ -69,8 +75,10 @@ class Trajectory:
                     f"{self.source}: {name} is not finite from t = {first:g} s on; "
                     "try a smaller --step"
                 )
-            values.setflags(write=False)
-        times.setflags(write=False)
+        # read-only views: the caller's own arrays stay as they are
+        views = {name: _read_only(values) for name, values in self.signals.items()}
+        object.__setattr__(self, "signals", views)
+        object.__setattr__(self, "time_s", _read_only(times))
 
     def to_columns(self) -> dict[str, Array]:
         """One flat column per component: ``ball.position_m.z`` and so on, time first."""

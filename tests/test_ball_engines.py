@@ -93,4 +93,4 @@ def test_failing_a_tolerance_is_told():
     rows = {s.measure: s for s in scores_of([Repeat(scenario, found, truth)]) if s.index is None}
     assert rows["restitution"].verdict == "fail"
     assert rows["restitution"].u is None
-    assert rows["rest_time"].verdict == "info"
+    assert rows["settling_time"].verdict == "info"

@@ -80,7 +80,7 @@ def test_sticking_is_a_restitution_of_zero_and_said():
     assert found.series["restitution"].tolist() == [0.0]
     assert "does not bounce" in found.notes[0]
     assert found.values["penetration"] == pytest.approx(0.0003)
-    assert found.values["rest_time"] == pytest.approx(math.sqrt(2 / G), abs=0.002)
+    assert found.values["settling_time"] == pytest.approx(math.sqrt(2 / G), abs=0.002)
 
 
 def test_resting_above_the_floor_is_no_flight():
@@ -94,7 +94,7 @@ def test_resting_above_the_floor_is_no_flight():
 def test_a_record_that_ends_in_flight_has_no_rest():
     t, height, _ = bouncing(lambda _: 0.8, 1.0, 0.001, 1.0)
     found = measured(t, height)
-    assert found.values["rest_time"] is None
+    assert found.values["settling_time"] is None
     assert len(found.series["impact_time"]) == 1
 
 

@@ -19,7 +19,7 @@ from simcompare.trajectory import Trajectory
 EVIL = "<script>alert('x')</script> it broke | badly"
 TOLERANCES = {
     "restitution": {"relative": 0.01, "absolute": None, "reason": "Because a class reads 1 %."},
-    "rest_time": {"relative": None, "absolute": 0.1, "reason": "Because a watch reads 0.1 s."},
+    "settling_time": {"relative": None, "absolute": 0.1, "reason": "Because a watch reads 0.1 s."},
 }
 
 
@@ -56,16 +56,20 @@ def trajectory(name, contact, height=1.0):
 def scores(name, contact, value, truth=0.8):
     default = contact == "default"
     found = []
-    for measure, v, true in (("restitution", value, truth), ("rest_time", None, 4.0)):
+    for measure, v, true in (("restitution", value, truth), ("settling_time", None, 4.0)):
         true = None if truth is None else true
         judged = not default and true is not None
         width = (0.008 if measure == "restitution" else 0.1) if judged else None
         good = judged and v is not None and abs(v - true) <= width
         verdict = ("pass" if good else "fail") if judged else "info"
         unit = "1" if measure == "restitution" else "s"
-        found.append(Score(name, contact, measure, None, v, 0.001, unit, 3, true, width, verdict))
+        found.append(
+            Score(name, contact, measure, "height_m", None, v, 0.001, unit, 3, true, width, verdict)
+        )
     found += [
-        Score(name, contact, "restitution", k, value, 0.001, "1", 3, truth, None, "info")
+        Score(
+            name, contact, "restitution", "height_m", k, value, 0.001, "1", 3, truth, None, "info"
+        )
         for k in (1, 2)
     ]
     return found

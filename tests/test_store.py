@@ -41,8 +41,10 @@ def synthetic():
     )
     truth = Trajectory("closed form", t, {"ball.position_m": rng.normal(size=(50, 3)) * 1e-300})
     scores = (
-        Score("toy", "mapped", "restitution", None, 0.1 + 0.2, 1e-17, "1", 9, 0.8, 0.002, "fail"),
-        Score("toy", "mapped", "rebound, height", 3, None, None, "m", 9, None, None, "info"),
+        Score(
+            "toy", "mapped", "restitution", "h", None, 0.1 + 0.2, 1e-17, "1", 9, 0.8, 0.002, "fail"
+        ),
+        Score("toy", "mapped", "rebound, height", "h", 3, None, None, "m", 9, None, None, "info"),
     )
     record = {
         "format": results.FORMAT,

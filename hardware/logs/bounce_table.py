@@ -119,6 +119,10 @@ def read(path: Path, known: Mapping[str, str]) -> BounceTable:
     head, parameters, body = _split(text)
     faults: list[str] = []
     quantities = _quantities(body, known, faults)
+    places = [(quantity.name, quantity.bounce) for quantity in quantities]
+    for name, bounce in dict.fromkeys(places):
+        if places.count((name, bounce)) > 1:
+            faults.append(f"{name} of bounce {bounce} stands more than once")
     if not quantities and not faults:
         faults.append(
             "holds no measured values; expected a header row and at least one row below it"
@@ -167,7 +171,8 @@ def _quantities(
     for counted, (row_number, line) in enumerate(body[1:], start=1):
         cells = _cells(line, separator)
         if len(cells) == len(columns):
-            found += _row(row_number, cells, columns, faults, counted)
+            comma = separator != ","  # then a comma within a number can only be the decimal one
+            found += _row(row_number, cells, columns, faults, counted, decimal_comma=comma)
         else:
             faults.append(
                 f"line {row_number}: {len(cells)} cells but the header has {len(columns)} columns"
@@ -196,7 +201,8 @@ def _columns(
     if faults:
         return columns
     roles = [(column.name, column.role) for column in columns]
-    measured = [name for name, role in roles if role == "value"]
+    # limits alone are a measurement too
+    measured = [name for name, role in roles if role in ("value", "low", "high")]
     if not measured:
         faults.append(f"line {number}: no measured quantity; known: {', '.join(known)}")
     for name, role in dict.fromkeys(roles):
@@ -237,14 +243,20 @@ def _column(text: str, known: Mapping[str, str]) -> _Column:
 
 
 def _row(
-    number: int, cells: list[str], columns: list[_Column], faults: list[str], next_bounce: int
+    number: int,
+    cells: list[str],
+    columns: list[_Column],
+    faults: list[str],
+    next_bounce: int,
+    *,
+    decimal_comma: bool,
 ) -> list[Quantity]:
     values: dict[tuple[str, str], float] = {}
     for cell, column in zip(cells, columns, strict=True):
         if not cell.strip():
             continue
         try:
-            value = float(cell) * column.factor
+            value = float(cell.replace(",", ".") if decimal_comma else cell) * column.factor
         except ValueError:
             hint = "; write decimals with a point" if "," in cell else ""
             faults.append(f"line {number}: {cell!r} is not a number{hint}")
@@ -259,10 +271,13 @@ def _row(
     if bounce < 1 or bounce != int(bounce):
         faults.append(f"line {number}: a bounce is numbered 1, 2, 3, …, found {bounce:g}")
     found = []
-    for column in columns:
-        if column.role == "value" and (column.name, "value") in values:
-            limits = [values.get((column.name, role)) for role in ("value", "u", "low", "high")]
-            found.append(_quantity(number, column.name, int(bounce), limits, faults))
+    for name in dict.fromkeys(column.name for column in columns if column.role != "bounce"):
+        given = {role: values.get((name, role)) for role in ("value", "u", "low", "high")}
+        low, high = given["low"], given["high"]
+        if given["value"] is None and low is not None and high is not None:
+            given["value"] = (low + high) / 2  # limits alone: the centre stands for them
+        if given["value"] is not None:
+            found.append(_quantity(number, name, int(bounce), list(given.values()), faults))
     return found
 
 

@@ -96,15 +96,21 @@ def _print(result: Run, written: Path | None) -> None:
     record = result.record
     judged = list(dict.fromkeys(s.measure for s in result.scores if s.index is None))[:_SHOWN]
     units = {s.measure: s.unit for s in result.scores}
+    judged = judged[: 2 if console.is_narrow() else _SHOWN]
     heads = [f"{name} [{units[name]}]" for name in judged]
-    made = console.table("engine", "version", "contact", *heads, "verdict")
+    made = console.table("engine", "contact", *heads, "verdict")
     for source in record["sources"]:
         made.add_row(*_row(result, source, judged))
     truths = {s.measure: s.truth for s in result.scores if s.index is None and s.truth is not None}
     if record["truth"] is not None and truths:
         cells = [console.number(truths.get(name)) for name in judged]
-        made.add_row(record["truth"], "", "", *cells, "")
+        made.add_row(record["truth"], "", *cells, "")
     console.show_table(made)
+    if record["repeats"] > 1:
+        typer.echo(
+            f"Means over {record['repeats']} repeats; in brackets their standard deviation in the"
+            " last digits. Default rows are shown, not judged."
+        )
     for source in record["sources"]:
         if source["status"] != "ok":  # not in a cell: a command to copy must not be folded
             typer.echo(f"{source['name']}, {source['contact']}: {source['reason']}")
@@ -122,7 +128,7 @@ def _row(result: Run, source: dict[str, Any], judged: list[str]) -> list[str]:
     from simcompare.cli import console
     from simcompare.compare import FAIL, PASS
 
-    start = [source["name"], source["version"] or "–", source["contact"]]
+    start = [f"{source['name']} {source['version'] or ''}", source["contact"]]
     if source["status"] != "ok":
         return [*start, *[""] * len(judged), source["status"]]
     own = {
@@ -138,12 +144,22 @@ def _row(result: Run, source: dict[str, Any], judged: list[str]) -> list[str]:
     return [*start, *cells, verdict]
 
 
+def _measured(match: dict[str, Any]) -> str:
+    from simcompare.cli import console
+
+    if match["low"] is not None:
+        return f"{match['low']:.5g} to {match['high']:.5g}"
+    return console.number(match["measured"], match["u_measured"])
+
+
 def _print_against(against: dict[str, Any]) -> None:
     from simcompare.cli import console
 
     head = against["head"]
     typer.echo(f"Against {head.get('title', against['file'])}")
     typer.echo(f"  {head.get('citation', 'no citation given')}")
+    if against["caution"]:
+        typer.echo(f"  {against['caution']}")
     made = console.table("engine", "contact", "quantity", "simulated", "measured", "E_n", "inside")
     for match in against["matches"]:
         inside = {True: "yes", False: "no", None: "no uncertainty is known"}[match["inside"]]
@@ -152,8 +168,8 @@ def _print_against(against: dict[str, Any]) -> None:
             match["contact"],
             f"{match['quantity']} {match['bounce']} [{match['unit']}]",
             console.number(match["value"], match["u"]),
-            console.number(match["measured"], match["u_measured"]),
-            "–" if match["e_n"] is None else f"{match['e_n']:+.2f}",
+            _measured(match),
+            "–" if match["e_n"] is None else f"{match['e_n']:+.2f}".replace("-0.00", "+0.00"),
             inside,
         )
     console.show_table(made)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from simcompare.errors import InputError
 from simcompare.trajectory import Array
 
 #: samples of a flight that are needed to speak of one
@@ -31,8 +32,8 @@ class Arc:
         start_speed_m_s: upward speed there [m/s].
         end_s: time at which its extension reaches the floor [s]; infinite if the record ends first.
         end_speed_m_s: downward speed there [m/s], positive; NaN if the record ends first.
-        apex_s: time of the highest point [s].
-        apex_m: height of the highest point [m].
+        apex_s: time of the highest point [s]; NaN if the record ends before it.
+        apex_m: height of the highest point [m]; NaN if the record ends before it.
     """
 
     start_s: float
@@ -105,7 +106,15 @@ def find(time_s: Array, height_m: Array) -> list[Arc]:
 
     Returns:
         The flights in order; the first one may begin in mid-air.
+
+    Raises:
+        InputError: the samples are not evenly spaced.
     """
+    steps = np.diff(time_s)
+    if len(steps) and np.ptp(steps) > 1e-6 * steps.mean():
+        raise InputError(
+            "arcs", [f"samples are {steps.min():g} to {steps.max():g} s apart; expected even"]
+        )
     arcs = []
     lows = _local_minima(height_m)
     # movement below a millionth of the drop is rest, also when it is rest above the floor
@@ -139,7 +148,9 @@ def _arc(time_s: Array, height_m: Array, first: int, last: int, *, landed: bool)
         low, high = first, last
     start_s, start_speed = head.root(float(time_s[first]))
     end_s, end_speed = tail.root(float(time_s[last])) if landed else (math.inf, math.nan)
-    if highest == first:  # released, not thrown: the highest point is the first sample
+    if highest == last and not landed:  # the record ends while it rises
+        apex_s = apex_m = math.nan
+    elif highest == first:  # released, not thrown: the highest point is the first sample
         apex_s, apex_m = float(time_s[first]), float(height_m[first])
     else:
         apex_s, apex_m = _Cubic.through(time_s, height_m, low, high).top()

@@ -14,6 +14,8 @@ from simcompare.trajectory import Array, Trajectory
 
 #: impacts whose times are judged; each carries the errors of all before it
 TIMED_IMPACTS = 6
+#: an impact slower than this part of the first one may be missing
+SLOW_PART = 0.2
 #: at rest: within this part of the drop height of the final height, for good
 REST_PART = 1e-3
 
@@ -25,7 +27,7 @@ UNITS = {
     "impact_time_error": "s",
     "impact_speed": "m/s",
     "rebound_height": "m",
-    "rest_time": "s",
+    "settling_time": "s",
     "energy_gain": "1",
     "penetration": "m",
     "resolved_bounces": "1",
@@ -39,7 +41,7 @@ def measure(trajectory: Trajectory, probe: Probe) -> Measured:
     ``restitution`` (speed after over speed before, both where the arcs cross the floor),
     ``rebound_height``. Values: ``resolved_bounces``, ``energy_gain`` (largest relative gain of
     kinetic energy at a bounce, or of height after the last resolved one; never below 0),
-    ``penetration`` (largest depth), ``rest_time``.
+    ``penetration`` (largest depth), ``settling_time``.
 
     Args:
         trajectory: the source.
@@ -54,9 +56,11 @@ def measure(trajectory: Trajectory, probe: Probe) -> Measured:
     )
     notes: tuple[str, ...] = ()
     if len(arcs) == 1 and downs:
-        # the ball came down and no flight followed
-        restitution = np.zeros(1)
-        notes = ("does not bounce: no flight is resolved after the first impact",)
+        if _stays_down(trajectory.time_s, height, downs[0]):
+            restitution = np.zeros(1)
+            notes = ("does not bounce: it never leaves the floor after the first impact",)
+        else:
+            notes = ("its bounces are too short for the time between samples",)
     times = [(before.end_s + after.start_s) / 2 for before, after in bounces]
     times += [arc.end_s for arc in downs[len(times) :]]
     gains = [*(restitution**2 - 1), _late_gain(trajectory.time_s, height, arcs)]
@@ -65,13 +69,16 @@ def measure(trajectory: Trajectory, probe: Probe) -> Measured:
             "resolved_bounces": float(len(bounces)),
             "energy_gain": max(0.0, *map(float, gains)),
             "penetration": max(0.0, -float(height.min())),
-            "rest_time": rest_time(trajectory.time_s, height),
+            "settling_time": settling_time(trajectory.time_s, height),
         },
         series={
             "impact_time": np.array(times),
             "impact_speed": np.array([arc.end_speed_m_s for arc in downs]),
             "restitution": restitution,
-            "rebound_height": np.array([after.apex_m for _, after in bounces]),
+            # an apex after the end of the record is not seen
+            "rebound_height": np.array(
+                [after.apex_m for _, after in bounces if math.isfinite(after.apex_m)]
+            ),
         },
         units=UNITS,
         notes=notes,
@@ -82,8 +89,8 @@ def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None
     """What is judged: name -> (value of the source, value of the truth).
 
     ``restitution`` is the mean over the bounces that both resolve, ``impact_time_error`` the
-    largest deviation of the first six impacts as far as both resolve them; ``resolved_bounces``
-    tells how many the source is short of.
+    largest deviation of the first six impacts as far as both resolve them, unknown (``None``) if
+    one is missing that is not slow; ``resolved_bounces`` tells how many the source is short of.
     """
     ours, theirs = measured.series["restitution"], truth.series["restitution"]
     both = min(len(ours), len(theirs))
@@ -92,13 +99,23 @@ def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None
         found["restitution"] = (float(ours[:both].mean()), float(theirs[:both].mean()))
     times, true_times = measured.series["impact_time"], truth.series["impact_time"]
     timed = min(len(times), len(true_times), TIMED_IMPACTS)
-    if timed:
-        found["impact_time_error"] = (float(np.abs(times[:timed] - true_times[:timed]).max()), 0.0)
-    for name in ("rest_time", "energy_gain", "penetration", "resolved_bounces"):
+    speeds = truth.series["impact_speed"][:TIMED_IMPACTS]
+    if len(speeds):
+        needed = int(np.count_nonzero(speeds >= SLOW_PART * speeds[0]))
+        error = float(np.abs(times[:timed] - true_times[:timed]).max()) if timed >= needed else None
+        found["impact_time_error"] = (error, 0.0)
+    for name in ("settling_time", "energy_gain", "penetration", "resolved_bounces"):
         true_value = truth.values[name]
         if true_value is not None:
             found[name] = (measured.values[name], true_value)
     return found
+
+
+def _stays_down(time_s: Array, height_m: Array, fall: Arc) -> bool:
+    """Whether no sample after the first impact is above the floor, or it rests where it is."""
+    later = height_m[time_s > fall.end_s]
+    moves = 1e-6 * float(np.ptp(height_m))
+    return bool(len(later) == 0 or later.max() <= moves or np.ptp(later) <= moves)
 
 
 def _late_gain(time_s: Array, height_m: Array, arcs: list[Arc]) -> float:
@@ -106,10 +123,11 @@ def _late_gain(time_s: Array, height_m: Array, arcs: list[Arc]) -> float:
     if not arcs:
         return 0.0
     later = height_m[time_s > arcs[-1].end_s]
-    return float(later.max()) / arcs[-1].apex_m - 1 if len(later) else 0.0
+    apex = arcs[-1].apex_m
+    return float(later.max()) / apex - 1 if len(later) and math.isfinite(apex) else 0.0
 
 
-def rest_time(time_s: Array, height_m: Array) -> float | None:
+def settling_time(time_s: Array, height_m: Array) -> float | None:
     """Time from which the height stays within 1/1000 of the drop height of its last value [s].
 
     ``None`` if the record ends while it still moves.
