@@ -33,7 +33,7 @@ def with_u(
 
     Args:
         value: the value; a dash where it is ``None`` or not finite.
-        u: its standard uncertainty; left out where it is ``None``.
+        u: its standard deviation or uncertainty; left out where it is ``None``.
         unit: unit, ``"1"`` for none.
         scale: size of the quantity (its truth, say); what is a rounding error of it counts as 0.
     """

@@ -125,10 +125,13 @@ def _measured_lines(context: dict[str, Any]) -> list[tuple[Cells, bool]]:
     lines: list[tuple[Cells, bool]] = [((head.get("title", context["file"]),), True)]
     told = [key for key in ("citation", "seen", "note") if key in head]
     lines += [((f"{key}: {head[key]}",), False) for key in told]
+    if context["caution"]:
+        lines.append(((context["caution"],), True))
     for group in context["groups"]:
-        limits = f", stated limits {group['limits']}" if group["limits"] else ""
-        lines.append(((f"{group['title']}: measured {group['measured']}{limits}",), True))
-        lines.append((("engine", "value ± u", "E_n", "inside"), False))
+        limits, measured = group["limits"], group["measured"]
+        given = f"stated limits {limits}" if limits else f"measured {measured}"
+        lines.append(((f"{group['title']}: {given}",), True))
+        lines.append((("engine", "value ± s", "E_n", "inside"), False))
         for row in group["rows"]:
             inside = f"{row['symbol']} {row['words']}"
             cells = (f"{row['source']}, {row['mode']}", row["value"], row["e_n"], inside)

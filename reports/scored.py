@@ -69,7 +69,7 @@ def events_figure(run: Run, measure: str) -> Figure:
         weight=1.7,
     )
     caption = (
-        "Bars are one standard uncertainty to either side, from the repeats; "
+        "Bars are one standard deviation over the repeats to either side; "
         "engines stand side by side so that their bars can be told apart."
     )
     if DEFAULT in modes and len(modes) > 1:

@@ -30,6 +30,7 @@ class Measured(Section):
         return {
             "head": against["head"],
             "file": against["file"],
+            "caution": against.get("caution"),
             "sentences": [_sentence(run, mode) for mode in runs.modes(run)],
             "figures": [measured.measured_figure(run, name) for name in measured.quantities(run)],
             "groups": _groups(against["matches"]),
