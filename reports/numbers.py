@@ -44,9 +44,8 @@ def with_u(
     after = "" if unit in ("", "1") else f" {unit}"
     if u is None or not math.isfinite(u):
         return plain(value) + after
-    if u <= smallest:
-        text = f"{plain(value)} ± 0"
-        return f"({text}){after}" if after else text
+    if u <= smallest:  # all repeats fell into the same sample: "± 0" would claim too much
+        return plain(value) + after
     power = _power(max(abs(value), u))
     factor = 10.0 ** (power or 0)
     text = _same_place(value / factor, u / factor)

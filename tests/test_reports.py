@@ -173,8 +173,8 @@ def titles(run):
         (4567.0, 123.0, "4570 ± 120"),
         (0.5, 0.0996, "0.50 ± 0.10"),
         (-2.286e-5, 7.1287e-5, "(−2.3 ± 7.1)·10⁻⁵"),
-        (3.929, 0.0, "3.929 ± 0"),
-        (0.0, 0.0, "0 ± 0"),
+        (3.929, 0.0, "3.929"),
+        (0.0, 0.0, "0"),
         (0.8, None, "0.8"),
         (2.5e6, 1.0e4, "(2.500 ± 0.010)·10⁶"),
         (None, None, "–"),
@@ -187,7 +187,7 @@ def test_value_with_its_uncertainty(value, u, text):
 
 
 def test_rounding_of_the_truth_counts_as_nothing():
-    assert numbers.with_u(-6.7e-16, 7.3e-16, scale=0.88) == "0 ± 0"
+    assert numbers.with_u(-6.7e-16, 7.3e-16, scale=0.88) == "0"
 
 
 def test_units_stand_behind_brackets():
