@@ -301,14 +301,18 @@ def _audit_contacts(
             values = (friction.get(name), info[1])
             parameter = f"lateralFriction of {name}"
             audit.add(f"{pair} friction", contact.friction, parameter, values, "1", note)
-    for parameter in _NO_GETTER if restitution else ():
-        audit.add("contact", None, parameter, (0.0, None), "", "PyBullet has no getter for it")
+    for parameter, default in _NO_GETTER.items():
+        note = "PyBullet has no getter for it"
+        if not restitution:
+            note += "; left at its default" + (f" of {default:g}" if default else "")
+        audit.add("contact", None, parameter, (0.0 if restitution else None, None), "", note)
 
 
-_NO_GETTER = (
-    "contactProcessingThreshold",
-    "contactSlop",
-    "restitutionVelocityThreshold",
-    "linearDamping",
-    "angularDamping",
-)
+#: parameters that are set in mapped mode and cannot be read back, with their defaults as known
+_NO_GETTER = {
+    "contactSlop": 1e-5,
+    "restitutionVelocityThreshold": 0.2,
+    "linearDamping": 0.04,
+    "angularDamping": 0.04,
+    "contactProcessingThreshold": None,
+}
