@@ -109,7 +109,7 @@ class DartBackend(EngineBackend):
             "DART DynamicsAspect::getRestitutionCoeff; measured",
         ),
         KnownLimit(
-            "Impacts slower than about 0.1 m/s do not bounce, whatever the coefficient.",
+            "A bounce that would leave the floor slower than about 0.1 m/s does not happen.",
             "measured; DART ContactConstraint.cpp, DART_BOUNCING_VELOCITY_THRESHOLD",
         ),
         KnownLimit(
