@@ -162,8 +162,8 @@ class MujocoBackend(EngineBackend):
     )
 
     def version(self) -> str:
-        """Version of ``mujoco-core``, or of the full package where that is installed instead."""
-        return installed_version("mujoco") or super().version()
+        """Version of ``mujoco-core``, or of a full package that is older than the split."""
+        return installed_version("mujoco-core") or installed_version("mujoco") or super().version()
 
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
         mapped = settings.contact == MAPPED
