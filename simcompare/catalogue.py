@@ -73,7 +73,7 @@ def find(name: str) -> Path:
 
     Raises:
         UnknownName: no scenario of that name.
-        InputError: a folder without its YAML file.
+        InputError: no such file, or a folder without its YAML file.
     """
     known = files()
     if name in known:
@@ -92,6 +92,8 @@ def find(name: str) -> Path:
                 str(path), [f"a scenario folder holds {inside.name}, this one does not"]
             )
         return inside
+    if path.suffix or len(path.parts) > 1:
+        raise InputError(name, ["there is no such file or folder"])
     raise UnknownName("scenario", name, known)
 
 

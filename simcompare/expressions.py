@@ -106,5 +106,5 @@ def resolve(node: Any, names: Mapping[str, float], path: str, faults: dict[str, 
             return evaluate(node, names)
         except ExpressionError as error:
             faults[path] = str(error)
-            return 0.0
+            return 1.0  # a number that most places accept, so that this fault is not told twice
     return node

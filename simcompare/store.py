@@ -146,7 +146,9 @@ def _write_trajectories(path: Path, stored: tuple[Stored, ...]) -> None:
                 f" order by entry, time_s) to '{_quoted(path)}' (format parquet, compression zstd)"
             )
     except duckdb.Error as error:
-        raise OSError(f"writing {path.name}: {str(error).splitlines()[0]}") from None
+        # DuckDB appends the same again as JSON
+        message = str(error).splitlines()[0].partition(": {")[0]
+        raise OSError(f"writing {path.name}: {message}") from None
 
 
 def _column(blocks: list[dict[str, Any]], lengths: list[int], name: str) -> np.ndarray[Any, Any]:
