@@ -1,21 +1,16 @@
-"""Prints the ratios of every group: ours over the bare loop, both timed in the same run."""
-
-from collections import defaultdict
+"""Prints the ratio of every benchmark: ours over the bare loop, median of alternating pairs."""
 
 
 def pytest_terminal_summary(terminalreporter, config):
     session = getattr(config, "_benchmarksession", None)
-    groups = defaultdict(dict)
-    for benchmark in session.benchmarks if session else []:
-        if not benchmark.has_error:
-            groups[benchmark.group][benchmark.params["who"]] = benchmark.stats
-    if not groups:
+    found = [b for b in (session.benchmarks if session else []) if "ratio" in b.extra_info]
+    if not found:
         return
     terminalreporter.section("cost beside the engine's own bare loop")
-    for group, stats in sorted(groups.items()):
-        if {"ours", "bare"} <= set(stats):
-            ours, bare = stats["ours"].median, stats["bare"].median
-            terminalreporter.write_line(
-                f"{group:<24} ratio {ours / bare:5.2f}"
-                f"   ({ours * 1e3:.1f} ms beside {bare * 1e3:.1f} ms, medians)"
-            )
+    for benchmark in found:
+        extra = benchmark.extra_info
+        terminalreporter.write_line(
+            f"{benchmark.group:<20} ratio {extra['ratio']:5.2f}"
+            f"   (pairs {extra['low']:.2f} to {extra['high']:.2f};"
+            f" bare {extra['bare_ms']:.1f} ms)"
+        )
