@@ -12,7 +12,8 @@ from simcompare.backend import MAPPED, SPATIAL_RIGID_BODIES, EngineBackend, Know
 from simcompare.landing import ContactSteps
 from simcompare.pairs import per_body_product, touching_pairs
 from simcompare.rotations import matrix_of, quaternions_of, rotation_vector_of
-from simcompare.scenario import Body, Scenario, Shape, Vector
+from simcompare.scenario import Body, Scenario
+from simcompare.shapes import Shape, Vector
 from simcompare.simulation import BodyState, Simulation, has_drag
 from simcompare.trajectory import Array
 

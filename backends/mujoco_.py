@@ -23,7 +23,8 @@ from simcompare.errors import SimulationDiverged, Unsupported
 from simcompare.landing import ContactSteps, approaches
 from simcompare.pairs import touching_pairs
 from simcompare.rotations import rotate
-from simcompare.scenario import Body, Contact, Scenario, Shape, Vector
+from simcompare.scenario import Body, Contact, Scenario
+from simcompare.shapes import Shape, Vector
 from simcompare.simulation import BodyState, Simulation, has_drag
 from simcompare.trajectory import Array
 

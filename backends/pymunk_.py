@@ -12,7 +12,8 @@ from simcompare.audit import Audit
 from simcompare.backend import MAPPED, EngineBackend, Feature, KnownLimit, Settings
 from simcompare.landing import ContactSteps
 from simcompare.pairs import per_body_product, refuse_offsets, touching_pairs
-from simcompare.scenario import Body, Scenario, Shape, Vector
+from simcompare.scenario import Body, Scenario
+from simcompare.shapes import Shape, Vector
 from simcompare.simulation import BodyState, Simulation, has_drag
 from simcompare.trajectory import Array
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from simcompare.errors import ReadBackMismatch
-from simcompare.scenario import Shape, sizes_m
+from simcompare.shapes import Shape, sizes_m
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from simcompare.scenario import Plane, Scenario, Sphere, Vector
+from simcompare.scenario import Scenario
+from simcompare.shapes import Plane, Sphere, Vector
 
 if TYPE_CHECKING:
     from simcompare.simulation import Simulation

@@ -7,106 +7,16 @@ those of its frame, whose origin is its centre of mass unless ``center_of_mass_m
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    PositiveFloat,
-    field_validator,
-    model_validator,
-)
+from pydantic import Field, PositiveFloat, field_validator, model_validator
 
-Vector = tuple[float, float, float]
-Quaternion = tuple[float, float, float, float]
-Nonnegative = Annotated[float, Field(ge=0)]
+from simcompare.shapes import Frozen, Nonnegative, Pose, Shape, Vector, not_zero
+from simcompare.signals import Signal
+
 #: samples of one run; more fill the memory of an ordinary machine
 MOST_SAMPLES = 1e7
-
-
-class Frozen(BaseModel):
-    """Base of every part of a scenario: immutable, finite numbers, no unknown keys."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-class Pose(Frozen):
-    """Position [m] and orientation (unit quaternion wxyz) in the parent's frame."""
-
-    position_m: Vector = (0.0, 0.0, 0.0)
-    orientation_wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
-
-    @model_validator(mode="after")
-    def _unit_quaternion(self) -> Pose:
-        norm = math.hypot(*self.orientation_wxyz)
-        if abs(norm - 1.0) > 1e-6:
-            raise ValueError(f"orientation_wxyz has length {norm:.6g}; a rotation has length 1")
-        return self
-
-
-def _not_zero(direction: Vector) -> Vector:
-    if math.hypot(*direction) == 0:
-        raise ValueError("a direction of length 0 points nowhere")
-    return direction
-
-
-class Plane(Frozen):
-    """Half space below a plane through ``position_m``; ``normal`` points out of the solid."""
-
-    type: Literal["plane"]
-    position_m: Vector = (0.0, 0.0, 0.0)
-    normal: Vector = (0.0, 0.0, 1.0)
-
-    _has_direction = field_validator("normal")(_not_zero)
-
-
-class Sphere(Pose):
-    """Solid sphere."""
-
-    type: Literal["sphere"]
-    radius_m: PositiveFloat
-
-
-class Box(Pose):
-    """Box; ``size_m`` holds the full edge lengths along x, y, z."""
-
-    type: Literal["box"]
-    size_m: tuple[PositiveFloat, PositiveFloat, PositiveFloat]
-
-
-class Cylinder(Pose):
-    """Cylinder along its own z axis; ``length_m`` is the full length."""
-
-    type: Literal["cylinder"]
-    radius_m: PositiveFloat
-    length_m: PositiveFloat
-
-
-class Capsule(Pose):
-    """Capsule along its own z axis; ``length_m`` is that of the cylindrical part."""
-
-    type: Literal["capsule"]
-    radius_m: PositiveFloat
-    length_m: PositiveFloat
-
-
-Shape = Annotated[Plane | Sphere | Box | Cylinder | Capsule, Field(discriminator="type")]
-
-
-def sizes_m(shape: Shape) -> dict[str, float]:
-    """The lengths that make a shape, by name [m]; none for a plane."""
-    match shape.type:
-        case "plane":
-            return {}
-        case "sphere":
-            return {"radius_m": shape.radius_m}
-        case "box":
-            return {f"size_m.{axis}": edge for axis, edge in zip("xyz", shape.size_m, strict=True)}
-        case _:
-            return {"radius_m": shape.radius_m, "length_m": shape.length_m}
 
 
 class Drag(Frozen):
@@ -163,7 +73,7 @@ class Joint(Frozen):
     friction: Nonnegative = Field(0.0, description="Coulomb [N·m] or [N]")
     armature: Nonnegative = Field(0.0, description="reflected inertia [kg·m²] or [kg]")
 
-    _has_direction = field_validator("axis")(_not_zero)
+    _has_direction = field_validator("axis")(not_zero)
 
     @model_validator(mode="after")
     def _possible(self) -> Joint:
@@ -214,78 +124,6 @@ class Sensor(Pose):
         if getattr(self, place) is None:
             raise ValueError(f"a sensor of type {self.type} needs a {place}")
         return self
-
-
-class Constant(Frozen):
-    """The same value at all times."""
-
-    signal: Literal["constant"]
-    value: float
-
-
-class Step(Frozen):
-    """``before`` until ``time_s``, ``after`` from then on."""
-
-    signal: Literal["step"]
-    before: float = 0.0
-    after: float
-    time_s: float = 0.0
-
-
-class Ramp(Frozen):
-    """Straight line from ``start`` at ``start_s`` to ``end`` at ``end_s``, constant outside."""
-
-    signal: Literal["ramp"]
-    start: float = 0.0
-    end: float
-    start_s: float = 0.0
-    end_s: float
-
-    @model_validator(mode="after")
-    def _forward(self) -> Ramp:
-        if self.end_s <= self.start_s:
-            raise ValueError(f"{self.end_s=} must be later than {self.start_s=}")
-        return self
-
-
-class Sine(Frozen):
-    """offset + amplitude·sin(2π·frequency·t + phase)."""
-
-    signal: Literal["sine"]
-    amplitude: float
-    frequency_Hz: PositiveFloat
-    phase_rad: float = 0.0
-    offset: float = 0.0
-
-
-class Chirp(Frozen):
-    """Logarithmic sweep from ``start_Hz`` to ``end_Hz`` within ``duration_s``."""
-
-    signal: Literal["chirp"]
-    amplitude: float
-    start_Hz: PositiveFloat
-    end_Hz: PositiveFloat
-    duration_s: PositiveFloat
-
-
-class Table(Frozen):
-    """Values at given times, straight lines between them, constant outside."""
-
-    signal: Literal["table"]
-    time_s: tuple[float, ...] = Field(min_length=2)
-    value: tuple[float, ...]
-
-    @model_validator(mode="after")
-    def _sorted(self) -> Table:
-        if len(self.time_s) != len(self.value):
-            raise ValueError(f"{len(self.time_s)} times but {len(self.value)} values")
-        for i in range(1, len(self.time_s)):
-            if self.time_s[i] <= self.time_s[i - 1]:
-                raise ValueError(f"time_s[{i}] = {self.time_s[i]} is not later than the one before")
-        return self
-
-
-Signal = Annotated[Constant | Step | Ramp | Sine | Chirp | Table, Field(discriminator="signal")]
 
 
 class Probe(Frozen):

@@ -13,7 +13,8 @@ import numpy as np
 from simcompare.audit import Audit, AuditRow
 from simcompare.errors import Unsupported
 from simcompare.landing import ContactSteps, Landing, approaches
-from simcompare.scenario import Body, Scenario, Vector
+from simcompare.scenario import Body, Scenario
+from simcompare.shapes import Vector
 from simcompare.trajectory import BODY_SIGNALS, Array, Trajectory
 
 

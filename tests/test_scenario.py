@@ -12,16 +12,10 @@ from pydantic import ValidationError
 from simcompare import scenario_file
 from simcompare.backend import Feature, is_planar, needs
 from simcompare.errors import InputError
-from simcompare.scenario import (
-    Body,
-    Plane,
-    Pose,
-    Ramp,
-    Scenario,
-    Table,
-    Tolerance,
-)
+from simcompare.scenario import Body, Scenario, Tolerance
 from simcompare.scenario_checks import dangling_references
+from simcompare.shapes import Plane, Pose
+from simcompare.signals import Ramp, Table
 
 ROBOT = """\
 name: two_wheels
