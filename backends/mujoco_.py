@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from types import ModuleType
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -167,6 +168,8 @@ class MujocoBackend(EngineBackend):
         return installed_version("mujoco-core") or installed_version("mujoco") or super().version()
 
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
+        # MuJoCo would write its warnings into a file where the user works; stderr is kept
+        engine.set_mju_user_warning(lambda text: print(f"MuJoCo: {text}", file=sys.stderr))
         mapped = settings.contact == MAPPED
         if mapped:
             _refuse_bounces(scenario)

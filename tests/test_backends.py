@@ -268,10 +268,13 @@ def test_what_a_backend_does_not_build_is_refused_and_never_left_out(engine):
             assert last == pytest.approx(wanted, abs=2e-3)
 
 
-def test_mujoco_does_not_start_anew_when_numbers_run_away(monkeypatch):
+def test_mujoco_does_not_start_anew_when_numbers_run_away(monkeypatch, tmp_path, capsys):
     from simcompare.backends import mujoco_
 
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(mujoco_, "CONTACT_FREQUENCY_RAD_S", 1e9)
     monkeypatch.setattr(mujoco_, "contact_steps", lambda _: None)
     with pytest.raises(SimulationDiverged):
         engines.get("mujoco").simulate(BALL.resolve({}), Settings())
+    assert "MuJoCo: " in capsys.readouterr().err
+    assert not list(tmp_path.iterdir()), "its log must not land in the user's folder"
