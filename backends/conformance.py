@@ -15,8 +15,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from simcompare.backend import MAPPED, Backend, Settings, needs
-from simcompare.scenario import Scenario
+from simcompare.backend import MAPPED, Backend, Feature, Settings, needs
+from simcompare.errors import Unsupported
+from simcompare.scenario import Joint, Scenario
 from simcompare.simulation import sample_times
 from simcompare.trajectory import BODY_SIGNALS
 
@@ -124,11 +125,24 @@ def values_are_read_back(backend: Backend, scenario: Scenario, settings: Setting
             assert close, f"{row.quantity}: set {row.set_value}, holds {row.read_value}"
 
 
-def features_cover_needs(backend: Backend, scenario: Scenario, settings: Settings) -> None:
-    """What runs is covered by the features that the backend states."""
-    del settings
+def features_are_true(backend: Backend, scenario: Scenario, settings: Settings) -> None:
+    """What runs is covered by the features that are stated, and what is not stated is refused."""
     lacking = needs(scenario) - backend.features
     assert not lacking, f"{backend.name} runs what it says it cannot: {sorted(lacking)}"
+    child = next(iter(scenario.moving_bodies()))
+    parent = next((name for name in scenario.bodies if name != child), None)
+    for feature, kind in _JOINTS.items():
+        if feature in backend.features or parent is None:
+            continue
+        joint = Joint.model_validate({"type": kind, "parent": parent, "child": child})
+        try:
+            backend.open(scenario.model_copy(update={"joints": {"joint": joint}}), settings).close()
+        except Unsupported:
+            continue
+        raise AssertionError(f"{backend.name} leaves out a {kind} joint without a word")
+
+
+_JOINTS = {Feature.HINGE: "hinge", Feature.SLIDER: "slider", Feature.BALL_JOINT: "ball"}
 
 
 def flies_freely(backend: Backend, scenario: Scenario, settings: Settings) -> None:
@@ -156,7 +170,7 @@ CHECKS: tuple[Check, ...] = (
     stepping_is_simulating,
     state_can_be_restored,
     values_are_read_back,
-    features_cover_needs,
+    features_are_true,
     flies_freely,
 )
 

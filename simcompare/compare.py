@@ -82,12 +82,12 @@ def scores_of(repeats: Sequence[Repeat]) -> list[Score]:
         module = measures.load(measure.function)
         probe = nominal.scenario.probes[measure.probe]
         ours = [module.measure(repeat.trajectory, probe) for repeat in repeats]
-        if any(repeat.truth is None for repeat in repeats):
-            found += _without_truth(nominal, measure.probe, ours)
-            continue
         theirs = [module.measure(r.truth, probe) for r in repeats if r.truth is not None]
-        pairs = [module.against(a, b) for a, b in zip(ours, theirs, strict=True)]
-        found += _judged(nominal, measure.probe, pairs, ours[0].units)
+        if theirs:
+            pairs = [module.against(a, b) for a, b in zip(ours, theirs, strict=True)]
+            found += _judged(nominal, measure.probe, pairs, ours[0].units)
+        else:
+            found += _without_truth(nominal, measure.probe, ours)
         found += _series(nominal, measure.probe, ours, theirs)
     return found
 
@@ -123,14 +123,14 @@ def _judged(
 def _series(
     nominal: Repeat, probe: str, ours: Sequence[Measured], theirs: Sequence[Measured]
 ) -> list[Score]:
-    """One score per event, for the events that every repeat of the source resolves."""
+    """One score per event that every repeat of the source resolves; ``theirs`` may be empty."""
     scores = []
     for name in ours[0].series:
         unit, truths = ours[0].units[name], [measured.series[name] for measured in theirs]
         values = [measured.series[name] for measured in ours]
         for k in range(min(map(len, values))):
-            known = all(k < len(true) for true in truths)
-            true = [float(row[k]) if known else 0.0 for row in truths]
+            known = bool(truths) and all(k < len(true) for true in truths)
+            true = [float(row[k]) for row in truths] if known else [0.0] * len(values)
             truth = true[len(true) // 2]
             deviations = [float(a[k]) - b for a, b in zip(values, true, strict=True)]
             found = _mean_and_sd(truth, deviations, unit, of=len(ours))

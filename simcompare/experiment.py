@@ -258,13 +258,12 @@ def _gather(
             Stored(engine, mode, o.job.repeat, o.trajectory) for o in good if o.trajectory
         ]
         sources.append(record)
-    for i, truth in enumerate(truths):
-        if truth is not None:
-            trajectories.append(Stored(TRUTH, "", i, truth))
+    trajectories += [Stored(TRUTH, "", i, true) for i, true in enumerate(truths) if true]
     found: list[Match] = []
     if table is not None:
         found = matches(table, scores, _measured_units(scenarios[0]))
-    record = run_record.of_run(file, scenarios, sources, scores)
+    truth = TRUTH if any(truths) else None
+    record = run_record.of_run(file, scenarios, truth, sources, scores)
     record["against"] = run_record.of_measurement(file, table, found) if table is not None else None
     return _Gathered(record, scores, trajectories)
 

@@ -58,7 +58,7 @@ class Outcome:
     """How a job ended.
 
     Attributes:
-        job: the job, without its scenario's bulk when it comes from a worker.
+        job: the job.
         status: "ok", "unsupported", "missing" or "failed".
         reason: one sentence where the status is not "ok".
         trajectory: what happened, where the status is "ok".

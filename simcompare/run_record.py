@@ -11,12 +11,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from simcompare import catalogue
 from simcompare.against import Match
-from simcompare.backend import installed_version
+from simcompare.backend import Settings, installed_version
 from simcompare.compare import Score
 from simcompare.jobs import OK, Outcome
-from simcompare.results import FORMAT, TRUTH
+from simcompare.results import FORMAT
 from simcompare.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -56,6 +55,7 @@ def of_source(engine: str, mode: str, outcomes: Sequence[Outcome]) -> dict[str, 
 def of_run(
     file: ScenarioFile,
     scenarios: Sequence[Scenario],
+    truth: str | None,
     sources: list[dict[str, Any]],
     scores: Sequence[Score],
 ) -> dict[str, Any]:
@@ -75,8 +75,8 @@ def of_run(
         "duration_s": nominal.world.duration_s,
         "repeats": len(scenarios),
         "dither": dumped["dither"],
-        "seed": 0,
-        "truth": TRUTH if catalogue.reference_of(file.path) else None,
+        "seed": Settings().seed,
+        "truth": truth,
         "probes": dumped["probes"],
         "tolerances": dumped["tolerances"],
         "scenario_sha256": hashlib.sha256(file.path.read_bytes()).hexdigest(),

@@ -41,6 +41,7 @@ class _Worker:
     process: subprocess.Popen[bytes] | None = None
     stderr: IO[bytes] = field(default_factory=tempfile.TemporaryFile)
     done: int = 0
+    exit_code: int | None = None
 
     def start(self, inbox: queue.Queue[tuple[_Worker, tuple[int, Outcome] | None]]) -> None:
         """Starts the process, feeds it, and has a thread put its outcomes into ``inbox``."""
@@ -70,15 +71,15 @@ class _Worker:
         inbox.put((self, None))
 
     def stop(self) -> None:
-        """Ends the process and everything that it started."""
-        if self.process is None:
+        """Ends the process and everything that it started; only once, its number may be reused."""
+        if self.process is None or self.exit_code is not None:
             return
         if hasattr(os, "killpg"):
             with contextlib.suppress(ProcessLookupError):  # it and its children are gone
                 os.killpg(self.process.pid, signal.SIGKILL)
         else:  # pragma: no cover  (Windows)
             self.process.kill()
-        self.process.wait()
+        self.exit_code = self.process.wait()
 
     def noise(self) -> str:
         """What the process printed, the end of it where it is long."""
@@ -90,14 +91,13 @@ class _Worker:
         """Waits a moment for the process to end by itself, else ends it; its exit code."""
         assert self.process is not None
         assert self.process.stdin is not None
-        try:
-            code = self.process.wait(LEAVE_LIMIT_S)
-        except subprocess.TimeoutExpired:
-            self.stop()
-            code = self.process.wait()
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self.process.wait(LEAVE_LIMIT_S)
+        self.stop()  # also what the process itself left behind
         with contextlib.suppress(BrokenPipeError):
             self.process.stdin.close()
-        return code
+        assert self.exit_code is not None
+        return self.exit_code
 
     def how_it_died(self) -> str:
         """One sentence on the end of a process that owed outcomes."""

@@ -30,7 +30,6 @@ def contact_modes(incomplete: str) -> list[str]:
 
 def tables(incomplete: str) -> list[str]:
     """Published tables of measured bounces; the shell itself adds files."""
-    from pathlib import Path
+    from simcompare.hardware.logs import bounce_table
 
-    folder = Path(__file__).parent.parent / "hardware" / "recordings"
-    return [path.stem for path in sorted(folder.glob("*.csv")) if path.stem.startswith(incomplete)]
+    return [name for name in bounce_table.facts() if name.startswith(incomplete)]
