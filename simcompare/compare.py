@@ -16,7 +16,7 @@ import numpy as np
 from simcompare import measures
 from simcompare.backend import DEFAULT
 from simcompare.measures import Measured
-from simcompare.scenario import Scenario, Tolerance
+from simcompare.scenario import Measure, Scenario, Tolerance
 from simcompare.trajectory import Trajectory
 
 PASS, FAIL, INFO = "pass", "fail", "info"
@@ -80,15 +80,16 @@ def scores_of(repeats: Sequence[Repeat]) -> list[Score]:
     nominal = repeats[len(repeats) // 2]
     for measure in nominal.scenario.measures:
         module = measures.load(measure.function)
-        probe = nominal.scenario.probes[measure.probe]
-        ours = [module.measure(repeat.trajectory, probe) for repeat in repeats]
-        theirs = [module.measure(r.truth, probe) for r in repeats if r.truth is not None]
+        ours = [measures.take(measure, r.scenario, r.trajectory) for r in repeats]
+        theirs = [
+            measures.take(measure, r.scenario, r.truth) for r in repeats if r.truth is not None
+        ]
         if theirs:
             pairs = [module.against(a, b) for a, b in zip(ours, theirs, strict=True)]
-            found += _judged(nominal, measure.probe, pairs, ours[0].units)
+            found += _judged(nominal, measure, pairs, ours[0].units)
         else:
-            found += _without_truth(nominal, measure.probe, ours)
-        found += _series(nominal, measure.probe, ours, theirs)
+            found += _without_truth(nominal, measure, ours)
+        found += _series(nominal, measure, ours, theirs)
     return found
 
 
@@ -101,7 +102,7 @@ class _Found(NamedTuple):
 
 def _judged(
     nominal: Repeat,
-    probe: str,
+    measure: Measure,
     pairs: Sequence[Mapping[str, tuple[float | None, float]]],
     units: Mapping[str, str],
 ) -> list[Score]:
@@ -110,23 +111,27 @@ def _judged(
         both = [pair[name] for pair in pairs if name in pair]
         deviations = [value - true for value, true in both if value is not None]
         found = _mean_and_sd(truth, deviations, units[name], of=len(pairs))
-        tolerance = nominal.scenario.tolerances.get(name)
-        scores.append(_score(nominal, (name, probe, None), found, truth, tolerance))
+        shown = measure.names.get(name, name)
+        tolerance = nominal.scenario.tolerances.get(shown)
+        scores.append(_score(nominal, (shown, measure.probe, None), found, truth, tolerance))
     judged = {score.measure for score in scores}
-    for name in nominal.scenario.tolerances:
-        if name in units and name not in judged:  # not even the truth can be measured
-            nothing = _Found(None, None, units[name], 0)
-            scores.append(_score(nominal, (name, probe, None), nothing, None, None))
+    for name, unit in units.items():
+        shown = measure.names.get(name, name)
+        # not even the truth can be measured
+        if shown in nominal.scenario.tolerances and shown not in judged:
+            nothing = _Found(None, None, unit, 0)
+            scores.append(_score(nominal, (shown, measure.probe, None), nothing, None, None))
     return scores
 
 
 def _series(
-    nominal: Repeat, probe: str, ours: Sequence[Measured], theirs: Sequence[Measured]
+    nominal: Repeat, measure: Measure, ours: Sequence[Measured], theirs: Sequence[Measured]
 ) -> list[Score]:
     """One score per event that every repeat of the source resolves; ``theirs`` may be empty."""
     scores = []
     for name in ours[0].series:
         unit, truths = ours[0].units[name], [measured.series[name] for measured in theirs]
+        shown = measure.names.get(name, name)
         values = [measured.series[name] for measured in ours]
         for k in range(min(map(len, values))):
             known = bool(truths) and all(k < len(true) for true in truths)
@@ -135,17 +140,20 @@ def _series(
             deviations = [float(a[k]) - b for a, b in zip(values, true, strict=True)]
             found = _mean_and_sd(truth, deviations, unit, of=len(ours))
             scores.append(
-                _score(nominal, (name, probe, k + 1), found, truth if known else None, None)
+                _score(
+                    nominal, (shown, measure.probe, k + 1), found, truth if known else None, None
+                )
             )
     return scores
 
 
-def _without_truth(nominal: Repeat, probe: str, ours: Sequence[Measured]) -> list[Score]:
+def _without_truth(nominal: Repeat, measure: Measure, ours: Sequence[Measured]) -> list[Score]:
     scores = []
     for name in ours[0].values:
         known = [value for m in ours if (value := m.values[name]) is not None]
         found = _mean_and_sd(0.0, known, ours[0].units[name], of=len(ours))
-        scores.append(_score(nominal, (name, probe, None), found, None, None))
+        shown = measure.names.get(name, name)
+        scores.append(_score(nominal, (shown, measure.probe, None), found, None, None))
     return scores
 
 

@@ -216,8 +216,9 @@ def _measured_units(scenario: Scenario) -> dict[str, str]:
     """Per-event quantities of a scenario's measures and their units."""
     found: dict[str, str] = {}
     for measure in scenario.measures:
-        module = measures.load(measure.function)
-        found.update({name: module.UNITS[name] for name in module.SERIES})
+        units = measures.units_of(measure, scenario)
+        for name in measures.load(measure.function).SERIES:
+            found[measure.names.get(name, name)] = units[name]
     return found
 
 
@@ -290,5 +291,6 @@ def _truth(reference: catalogue.Reference, scenario: Scenario) -> Trajectory:
     times = sample_times(scenario)
     truth = Trajectory(TRUTH, times, reference(scenario.parameters, times))
     for measure in scenario.measures:
-        measures.observe(truth, scenario.probes[measure.probe])
+        for probe in (measure.probe, *measure.also.values()):
+            measures.observe(truth, scenario.probes[probe])
     return truth

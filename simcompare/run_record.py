@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from simcompare import measures
 from simcompare.against import Match
 from simcompare.backend import Settings, installed_version
 from simcompare.compare import Score
@@ -78,8 +79,9 @@ def of_run(
         "seed": Settings().seed,
         "truth": truth,
         "probes": dumped["probes"],
+        "axes": _axes(nominal),
         "tolerances": dumped["tolerances"],
-        "scenario_sha256": hashlib.sha256(file.path.read_bytes()).hexdigest(),
+        "scenario_sha256": _sha256_of((file.path, *file.extends)),
         "software": {
             "simcompare": installed_version("simcompare"),
             "python": platform.python_version(),
@@ -93,6 +95,15 @@ def of_run(
         "sources": sources,
         "scores": [score.to_dict() for score in scores],
     }
+
+
+def _axes(scenario: Scenario) -> dict[str, str]:
+    """Series that are drawn over another one instead of over the event's number."""
+    found = {}
+    for measure in scenario.measures:
+        for name, axis in measures.load(measure.function).AXES.items():
+            found[measure.names.get(name, name)] = measure.names.get(axis, axis)
+    return found
 
 
 def of_measurement(
@@ -118,6 +129,11 @@ def _caution(file: ScenarioFile, table: BounceTable) -> str | None:
         f"The preset {table.preset} takes its value from this same table: agreement shows that the"
         " value was translated rightly, and validates nothing."
     )
+
+
+def _sha256_of(paths: Sequence[Path]) -> str:
+    """Digest of the scenario file, and of those that it extends."""
+    return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()
 
 
 def _median(values: Sequence[float]) -> float | None:

@@ -17,6 +17,8 @@ from simcompare.signals import Signal
 
 #: samples of one run; more fill the memory of an ordinary machine
 MOST_SAMPLES = 1e7
+#: joints with a coordinate, and what is recorded of them: coordinate, then rate
+MOVABLE = {"hinge": ("angle_rad", "rate_rad_s"), "slider": ("position_m", "velocity_m_s")}
 
 
 class Drag(Frozen):
@@ -59,16 +61,22 @@ class Body(Pose):
 
 
 class Joint(Frozen):
-    """Connection of two bodies; axis and anchor are given in the parent's frame."""
+    """Connection of a child to its parent; axis and anchor are given in the parent's frame.
+
+    Its coordinate is 0 as the bodies are drawn, and grows where the child turns about the axis
+    (right-handed), or moves along it. A body has at most one joint in which it is the child.
+    """
 
     type: Literal["hinge", "slider", "fixed", "ball"]
     parent: str
     child: str
     anchor_m: Vector = (0.0, 0.0, 0.0)
     axis: Vector = (0.0, 0.0, 1.0)
+    rate: float = Field(0.0, description="at the start [rad/s] or [m/s]")
     lower: float | None = Field(None, description="lower limit [rad] or [m]")
     upper: float | None = Field(None, description="upper limit [rad] or [m]")
-    stiffness: Nonnegative = Field(0.0, description="spring about zero [N·m/rad] or [N/m]")
+    stiffness: Nonnegative = Field(0.0, description="spring about rest [N·m/rad] or [N/m]")
+    rest: float = Field(0.0, description="where the spring is relaxed [rad] or [m]")
     damping: Nonnegative = Field(0.0, description="viscous [N·m·s/rad] or [N·s/m]")
     friction: Nonnegative = Field(0.0, description="Coulomb [N·m] or [N]")
     armature: Nonnegative = Field(0.0, description="reflected inertia [kg·m²] or [kg]")
@@ -81,17 +89,44 @@ class Joint(Frozen):
             raise ValueError(f"joins {self.parent} to itself")
         if self.lower is not None and self.upper is not None and self.lower > self.upper:
             raise ValueError(f"{self.lower=} is above {self.upper=}")
+        if self.type not in MOVABLE and any(
+            (self.rate, self.stiffness, self.damping, self.friction, self.armature)
+        ):
+            raise ValueError(f"a {self.type} joint has no rate, spring, damper or friction here")
         return self
 
 
-class Actuator(Frozen):
-    """Drives a joint by a torque [N·m], a force [N] or, through a DC motor, a voltage [V]."""
+class Effort(Frozen):
+    """Drives a joint by a torque [N·m] or a force [N] that follows an input."""
 
-    type: Literal["torque", "force", "dc_motor"]
+    type: Literal["torque", "force"]
     joint: str
     input: str
-    gear: float = 1.0
-    constants: Mapping[str, float] = Field(default_factory=dict, description="motor data in SI")
+    gear: float = Field(1.0, description="effort for one unit of the input")
+
+
+class DcMotor(Frozen):
+    """Drives a hinge through a geared permanent-magnet motor; the input is its voltage [V].
+
+    i = (V - k·N·ω)/R and τ = η·N·(k·i - b·N·ω - τ_c·sgn ω - J·N·ω̇), ω the joint's rate. The
+    winding's inductance is left out: its time constant L/R is far below a mechanical one. The
+    gear's efficiency η is the same when the load drives the motor, which a real gear's is not.
+    Every constant of the data sheet must be given, so that none is forgotten.
+    """
+
+    type: Literal["dc_motor"]
+    joint: str
+    input: str
+    resistance_Ohm: PositiveFloat
+    torque_constant_N_m_A: Annotated[PositiveFloat, Field(description="k, also V·s/rad")]
+    gear_ratio: PositiveFloat
+    efficiency: Annotated[float, Field(gt=0, le=1)]
+    rotor_friction_N_m: Nonnegative
+    rotor_damping_N_m_s_rad: Nonnegative
+    rotor_inertia_kg_m2: Nonnegative
+
+
+Actuator = Annotated[Effort | DcMotor, Field(discriminator="type")]
 
 
 class Contact(Frozen):
@@ -112,18 +147,51 @@ class Contact(Frozen):
 
 
 class Sensor(Pose):
-    """An ideal sensor fixed to a body; error models are applied afterwards, not in the engine."""
+    """An ideal sensor; error models are applied afterwards, not in the engine.
 
-    type: Literal["accelerometer", "gyroscope", "force", "range", "encoder", "barometer"]
+    ``force`` reads, from the engine itself, the force that the parent of a joint exerts on its
+    child, in the child's frame: divided by the child's mass it is a specific force, +g at rest.
+    ``contact_force`` reads the engine's normal force between a pair of bodies. The others follow
+    from the recorded motion, the same way for every source: ``accelerometer`` (specific force at
+    the sensor's place, in its frame), ``gyroscope`` (rate in its frame), ``barometer`` (standard
+    atmosphere at its height), ``encoder`` (whole marks that have passed).
+    """
+
+    type: Literal[
+        "force", "contact_force", "accelerometer", "gyroscope", "barometer", "encoder"
+    ]
     body: str | None = None
     joint: str | None = None
+    pair: tuple[str, str] | None = None
+    marks: Annotated[int, Field(ge=1)] | None = Field(None, description="marks in one turn")
 
     @model_validator(mode="after")
     def _has_a_place(self) -> Sensor:
-        place = "joint" if self.type == "encoder" else "body"
-        if getattr(self, place) is None:
-            raise ValueError(f"a sensor of type {self.type} needs a {place}")
+        place = _PLACES.get(self.type, "body")
+        for key in ("body", "joint", "pair"):
+            if (getattr(self, key) is not None) != (key == place):
+                raise ValueError(f"a sensor of type {self.type} needs a {place}, and only that")
+        if (self.marks is not None) != (self.type == "encoder"):
+            raise ValueError("marks are what an encoder needs, and no other sensor")
         return self
+
+
+_PLACES = {"encoder": "joint", "force": "joint", "contact_force": "pair"}
+#: what each sensor records, with its number of components
+SENSOR_SIGNALS = {
+    "force": ("force_N", 3),
+    "contact_force": ("normal_force_N", 1),
+    "accelerometer": ("specific_force_m_s2", 3),
+    "gyroscope": ("rate_rad_s", 3),
+    "barometer": ("pressure_Pa", 1),
+    "encoder": ("marks", 1),
+}
+#: what is recorded of each actuator
+ACTUATOR_SIGNALS = {
+    "torque": ("torque_N_m",),
+    "force": ("force_N",),
+    "dc_motor": ("torque_N_m", "voltage_V", "current_A"),
+}
 
 
 class Probe(Frozen):
@@ -137,10 +205,18 @@ class Probe(Frozen):
 
 
 class Measure(Frozen):
-    """A measuring function of ``simcompare.measures`` applied to one probe."""
+    """A measuring function of ``simcompare.measures`` applied to one probe, or to some.
+
+    ``also`` gives the function further probes by the role that they play in it, ``options`` its
+    numbers. ``names`` calls what it measures by other names, so that one function can be used
+    twice in a scenario.
+    """
 
     function: str
     probe: str
+    also: Mapping[str, str] = Field(default_factory=dict)
+    options: Mapping[str, float] = Field(default_factory=dict)
+    names: Mapping[str, str] = Field(default_factory=dict)
 
 
 class Tolerance(Frozen):
@@ -178,11 +254,16 @@ class Dither(Frozen):
 
 
 class World(Frozen):
-    """Gravity [m/s²], simulated time [s] and the time between recorded samples [s]."""
+    """Gravity [m/s²], simulated time [s] and the time between recorded samples [s].
+
+    ``substeps`` are the engine steps in one recorded step, for motion that is faster than what is
+    worth recording.
+    """
 
     gravity_m_s2: Vector = (0.0, 0.0, -9.80665)
     duration_s: PositiveFloat
     step_s: PositiveFloat = 0.001
+    substeps: Annotated[int, Field(ge=1, le=1000)] = 1
 
     @model_validator(mode="after")
     def _sensible_number_of_samples(self) -> World:
@@ -221,6 +302,15 @@ class Scenario(Frozen):
     def moving_bodies(self) -> dict[str, Body]:
         """Bodies that are not fixed to the world, in the order of the file."""
         return {name: body for name, body in self.bodies.items() if not body.fixed}
+
+    def free_bodies(self) -> dict[str, Body]:
+        """Moving bodies that hang on no joint."""
+        children = {joint.child for joint in self.joints.values()}
+        return {n: body for n, body in self.moving_bodies().items() if n not in children}
+
+    def movable_joints(self) -> dict[str, Joint]:
+        """Joints with a coordinate, in the order of the file."""
+        return {name: joint for name, joint in self.joints.items() if joint.type in MOVABLE}
 
     def contact_of(self, first: str, second: str) -> Contact:
         """Contact of two bodies; a pair that is not named has no restitution and no friction.

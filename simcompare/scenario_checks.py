@@ -6,14 +6,30 @@ from collections.abc import Iterator, Mapping
 
 from simcompare import measures
 from simcompare.errors import UnknownName
-from simcompare.scenario import Scenario
+from simcompare.scenario import (
+    ACTUATOR_SIGNALS,
+    MOVABLE,
+    SENSOR_SIGNALS,
+    Joint,
+    Probe,
+    Scenario,
+)
 from simcompare.trajectory import BODY_SIGNALS
 
 
 def faults_between_parts(scenario: Scenario) -> dict[str, str]:
     """Every fault that no part of a scenario shows alone, as place -> sentence."""
     found = dangling_references(scenario)
-    for checked in (_pairs_given_twice, _impossible_probes, _unjudged_tolerances):
+    if found:  # what follows walks along the names
+        return found
+    for checked in (
+        _names_given_twice,
+        _pairs_given_twice,
+        _impossible_joints,
+        _impossible_drives,
+        _impossible_probes,
+        _unjudged_tolerances,
+    ):
         found.update(checked(scenario))
     return found
 
@@ -43,15 +59,21 @@ def _references(
     for name, sensor in scenario.sensors.items():
         yield f"sensors.{name}.body", sensor.body, *bodies
         yield f"sensors.{name}.joint", sensor.joint, *joints
+        for body in sensor.pair or ():
+            yield f"sensors.{name}.pair", body, *bodies
     for i, contact in enumerate(scenario.contacts):
         for body in contact.pair:
             yield f"contacts.{i}.pair", body, *bodies
-    observable = {**scenario.bodies, **scenario.joints, **scenario.sensors}
+    observable = {
+        **scenario.bodies, **scenario.joints, **scenario.sensors, **scenario.actuators
+    }  # fmt: skip
     for name, probe in scenario.probes.items():
         owner = probe.observe.partition(".")[0]
-        yield f"probes.{name}.observe", owner, "body, joint or sensor", observable
+        yield f"probes.{name}.observe", owner, "body, joint, actuator or sensor", observable
     for i, measure in enumerate(scenario.measures):
         yield f"measures.{i}.probe", measure.probe, "probe", scenario.probes
+        for role, probe_name in measure.also.items():
+            yield f"measures.{i}.also.{role}", probe_name, "probe", scenario.probes
     if scenario.dither is not None:
         yield "dither.parameter", scenario.dither.parameter, "parameter", scenario.parameters
 
@@ -66,30 +88,121 @@ def _pairs_given_twice(scenario: Scenario) -> dict[str, str]:
     return found
 
 
+def _names_given_twice(scenario: Scenario) -> dict[str, str]:
+    """Signals are called by their owner's name, so no two owners may share one."""
+    found, seen = {}, dict.fromkeys(scenario.bodies, "body")
+    for kind in ("joints", "actuators", "sensors"):
+        for name in getattr(scenario, kind):
+            if name in seen:
+                found[f"{kind}.{name}"] = f"a {seen[name]} is called {name} too"
+            seen.setdefault(name, kind[:-1])
+    return found
+
+
+def _impossible_joints(scenario: Scenario) -> dict[str, str]:
+    """Children of the world, of two parents or of themselves, and motion that a joint gives."""
+    found: dict[str, str] = {}
+    parents: dict[str, tuple[str, Joint]] = {}
+    for name, joint in scenario.joints.items():
+        child = scenario.bodies[joint.child]
+        if child.fixed:
+            found[f"joints.{name}.child"] = f"{joint.child} is fixed to the world already"
+        elif joint.child in parents:
+            other = parents[joint.child][0]
+            found[f"joints.{name}.child"] = f"{joint.child} is the child of {other} already"
+        elif any((*child.velocity_m_s, *child.rate_rad_s)):
+            found[f"bodies.{joint.child}"] = (
+                f"its motion at the start follows from the joint {name}; give that a rate"
+            )
+        parents.setdefault(joint.child, (name, joint))
+    for body in scenario.bodies:
+        above, seen = body, {body}
+        while above in parents:
+            above = parents[above][1].parent
+            if above in seen:
+                found[f"joints.{parents[above][0]}"] = f"{above} hangs, in a circle, on itself"
+                break
+            seen.add(above)
+    return found
+
+
+def _impossible_drives(scenario: Scenario) -> dict[str, str]:
+    found = {}
+    for name, actuator in scenario.actuators.items():
+        kind = scenario.joints[actuator.joint].type
+        wanted = "slider" if actuator.type == "force" else "hinge"
+        if kind != wanted:
+            found[f"actuators.{name}"] = f"a {actuator.type} drives a {wanted}, not a {kind}"
+    for name, sensor in scenario.sensors.items():
+        if sensor.type == "encoder" and sensor.joint is not None:
+            kind = scenario.joints[sensor.joint].type
+            if kind != "hinge":
+                found[f"sensors.{name}"] = f"an encoder needs a hinge, not a {kind}"
+    return found
+
+
 def _impossible_probes(scenario: Scenario) -> dict[str, str]:
     found = {}
     for name, probe in scenario.probes.items():
         owner, _, part = probe.observe.partition(".")
-        if owner not in scenario.bodies:
-            continue
-        if part not in BODY_SIGNALS:
-            known = ", ".join(BODY_SIGNALS)
-            found[f"probes.{name}.observe"] = f"no body has a signal {part!r} (there are: {known})"
-        elif probe.component is None or probe.component >= BODY_SIGNALS[part]:
-            last = BODY_SIGNALS[part] - 1
-            found[f"probes.{name}"] = f"{part} needs a component from 0 to {last}"
+        known = _signals_of(scenario, owner)
+        if part not in known:
+            have = ", ".join(known) or "none"
+            found[f"probes.{name}.observe"] = f"{owner} has no signal {part!r} (there are: {have})"
+        elif fault := _component_fault(probe, part, known[part]):
+            found[f"probes.{name}"] = fault
     return found
 
 
+def _signals_of(scenario: Scenario, owner: str) -> dict[str, int]:
+    """What is recorded of a body, joint, actuator or sensor, with its number of components."""
+    if owner in scenario.bodies:
+        return {} if scenario.bodies[owner].fixed else dict(BODY_SIGNALS)
+    if owner in scenario.joints:
+        return dict.fromkeys(MOVABLE.get(scenario.joints[owner].type, ()), 1)
+    if owner in scenario.actuators:
+        return dict.fromkeys(ACTUATOR_SIGNALS[scenario.actuators[owner].type], 1)
+    return dict([SENSOR_SIGNALS[scenario.sensors[owner].type]])
+
+
+def _component_fault(probe: Probe, part: str, width: int) -> str | None:
+    if width == 1:
+        return None if probe.component is None else f"{part} is one number and has no component"
+    if probe.component is None or probe.component >= width:
+        return f"{part} needs a component from 0 to {width - 1}"
+    return None
+
+
 def _unjudged_tolerances(scenario: Scenario) -> dict[str, str]:
-    """Measures that do not exist, and tolerances for what no measure gives."""
+    """Measures that do not exist or lack something, and tolerances for what no measure gives."""
     found: dict[str, str] = {}
     measured: set[str] = set()
     for i, measure in enumerate(scenario.measures):
         try:
-            measured.update(measures.load(measure.function).UNITS)
+            module = measures.load(measure.function)
         except UnknownName as error:
             found[f"measures.{i}.function"] = str(error)
+            continue
+        for key, needed, given in (
+            ("also", module.ROLES, measure.also),
+            ("options", module.OPTIONS, measure.options),
+        ):
+            for name in set(needed) ^ set(given):
+                fault = "is missing" if name in needed else "is not known"
+                have = ", ".join(needed) or "none"
+                found[f"measures.{i}.{key}.{name}"] = (
+                    f"{fault}; {measure.function} needs: {have}"
+                )
+        for name in measure.names:
+            if name not in module.UNITS:
+                found[f"measures.{i}.names.{name}"] = str(
+                    UnknownName("measured value", name, module.UNITS)
+                )
+        names = [measure.names.get(name, name) for name in module.UNITS]
+        for name in names:
+            if name in measured:
+                found[f"measures.{i}"] = f"{name} is measured twice; give it another of names:"
+        measured.update(names)
     if not found:
         for name in scenario.tolerances:
             if name not in measured:

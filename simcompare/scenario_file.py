@@ -17,6 +17,8 @@ from simcompare.scenario_checks import faults_between_parts
 
 #: keys of the file that describe it rather than the scene
 HEAD_KEYS = ("parameters", "presets")
+#: names a scenario that this one is a variant of
+EXTENDS = "extends"
 #: what expressions call the time between samples
 STEP = "step_s"
 SCHEMA_PATH = Path(__file__).with_name("scenario.schema.json")
@@ -71,6 +73,7 @@ class ScenarioFile:
         presets: name -> preset.
         tree: the rest of the file, expressions unevaluated.
         lines: dotted place -> line number, for messages.
+        extends: files that this one is a variant of, the nearest first.
     """
 
     path: Path
@@ -78,6 +81,7 @@ class ScenarioFile:
     presets: Mapping[str, Preset]
     tree: Mapping[str, Any]
     lines: Mapping[str, int] = field(repr=False)
+    extends: tuple[Path, ...] = ()
 
     @property
     def name(self) -> str:
@@ -207,11 +211,7 @@ def read(path: Path) -> ScenarioFile:
     Raises:
         InputError: the file cannot be read, is not YAML, or holds faults (all of them are named).
     """
-    tree, lines, faults = read_yaml(path)
-    if not isinstance(tree, dict):
-        raise InputError(
-            str(path), ["the file is not a mapping; expected keys such as name, bodies"]
-        )
+    tree, lines, faults, extended = _read_with_bases(path, ())
     raw = {key: tree[key] for key in HEAD_KEYS if key in tree}
     scene = {key: value for key, value in tree.items() if key not in HEAD_KEYS}
     head = _Head()
@@ -225,7 +225,37 @@ def read(path: Path) -> ScenarioFile:
     faults.update(build(scene, values, None)[1])
     if faults:
         raise InputError(str(path), describe(faults, lines))
-    return ScenarioFile(path, head.parameters, head.presets, scene, lines)
+    return ScenarioFile(path, head.parameters, head.presets, scene, lines, extended)
+
+
+def _read_with_bases(
+    path: Path, above: tuple[Path, ...]
+) -> tuple[dict[str, Any], dict[str, int], dict[str, str], tuple[Path, ...]]:
+    """A file merged onto the one that it extends: tree, own lines, own faults, files extended."""
+    tree, lines, faults = read_yaml(path)
+    if not isinstance(tree, dict):
+        raise InputError(
+            str(path), ["the file is not a mapping; expected keys such as name, bodies"]
+        )
+    if EXTENDS not in tree:
+        return tree, lines, faults, ()
+    base = (path.parent / str(tree.pop(EXTENDS))).resolve()
+    if base in (*above, path.resolve()):
+        raise InputError(str(path), [f"line {lines[EXTENDS]}, extends: {base.name} extends itself"])
+    if not base.is_file():
+        raise InputError(str(path), [f"line {lines[EXTENDS]}, extends: there is no file {base}"])
+    merged, _, below, bases = _read_with_bases(base, (*above, path.resolve()))
+    if below:
+        raise InputError(str(base), describe(below, {}))
+    return _merged(merged, tree), lines, faults, (base, *bases)
+
+
+def _merged(base: Any, change: Any) -> Any:  # noqa: ANN401
+    """A variant of a tree: mappings are merged, all else is replaced, and null takes away."""
+    if not (isinstance(base, dict) and isinstance(change, dict)):
+        return change
+    found = {**base, **{k: _merged(base.get(k), v) for k, v in change.items()}}
+    return {k: v for k, v in found.items() if v is not None or k not in change}
 
 
 def _head_faults(head: _Head) -> dict[str, str]:

@@ -19,6 +19,9 @@ def build() -> dict[str, Any]:
     definitions["Preset"] = Preset.model_json_schema()
     schema["properties"]["parameters"] = _mapping_of("Parameter")
     schema["properties"]["presets"] = _mapping_of("Preset")
+    schema["properties"]["extends"] = {"type": "string"}
+    # a variant says only what differs
+    schema["anyOf"] = [{"required": schema.pop("required")}, {"required": ["extends"]}]
     schema["title"] = "simcompare scenario"
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     for part in [*(definitions[name] for name in definitions if name not in _PLAIN), schema]:

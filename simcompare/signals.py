@@ -1,12 +1,16 @@
-"""Inputs of a scenario as signals of time."""
+"""Inputs of a scenario as signals of time; each evaluates itself with ``at(time_s)``."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+import math
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, PositiveFloat, model_validator
 
 from simcompare.shapes import Frozen
+
+if TYPE_CHECKING:
+    from simcompare.trajectory import Array
 
 
 class Constant(Frozen):
@@ -14,6 +18,10 @@ class Constant(Frozen):
 
     signal: Literal["constant"]
     value: float
+
+    def at(self, time_s: Array) -> Array:
+        """Values at the given times (n,)."""
+        return _numpy().full(len(time_s), self.value)
 
 
 class Step(Frozen):
@@ -23,6 +31,10 @@ class Step(Frozen):
     before: float = 0.0
     after: float
     time_s: float = 0.0
+
+    def at(self, time_s: Array) -> Array:
+        """Values at the given times (n,)."""
+        return _numpy().where(time_s < self.time_s, self.before, self.after)
 
 
 class Ramp(Frozen):
@@ -40,6 +52,10 @@ class Ramp(Frozen):
             raise ValueError(f"{self.end_s=} must be later than {self.start_s=}")
         return self
 
+    def at(self, time_s: Array) -> Array:
+        """Values at the given times (n,)."""
+        return _numpy().interp(time_s, (self.start_s, self.end_s), (self.start, self.end))
+
 
 class Sine(Frozen):
     """offset + amplitude·sin(2π·frequency·t + phase)."""
@@ -50,15 +66,50 @@ class Sine(Frozen):
     phase_rad: float = 0.0
     offset: float = 0.0
 
+    def at(self, time_s: Array) -> Array:
+        """Values at the given times (n,)."""
+        turns = 2 * math.pi * self.frequency_Hz * time_s
+        return self.offset + self.amplitude * _numpy().sin(turns + self.phase_rad)
+
+
+class SineSteps(Frozen):
+    """Cosines of one amplitude, one frequency after another, each for ``dwell_s``.
+
+    Each begins with phase 0 at its maximum, so that a mass driven by it as a force gets no lasting
+    speed. After the last one the signal is 0.
+    """
+
+    signal: Literal["sine_steps"]
+    amplitude: float
+    frequencies_Hz: tuple[PositiveFloat, ...] = Field(min_length=1)
+    dwell_s: PositiveFloat
+
+    def at(self, time_s: Array) -> Array:
+        """Values at the given times (n,)."""
+        numpy = _numpy()
+        # rounding must not put the first sample of a step into the one before
+        place = numpy.floor(time_s / self.dwell_s + 1e-9).astype(int)
+        inside = (place >= 0) & (place < len(self.frequencies_Hz))
+        frequency = numpy.array(self.frequencies_Hz)[numpy.where(inside, place, 0)]
+        turns = 2 * math.pi * frequency * (time_s - place * self.dwell_s)
+        return numpy.where(inside, self.amplitude * numpy.cos(turns), 0.0)
+
 
 class Chirp(Frozen):
-    """Logarithmic sweep from ``start_Hz`` to ``end_Hz`` within ``duration_s``."""
+    """Cosine whose frequency grows as a power from ``start_Hz`` to ``end_Hz`` in ``duration_s``."""
 
     signal: Literal["chirp"]
     amplitude: float
     start_Hz: PositiveFloat
     end_Hz: PositiveFloat
     duration_s: PositiveFloat
+
+    def at(self, time_s: Array) -> Array:
+        """Values at the given times (n,)."""
+        growth = math.log(self.end_Hz / self.start_Hz) / self.duration_s
+        numpy = _numpy()
+        turns = numpy.expm1(growth * time_s) / growth if growth else time_s
+        return self.amplitude * numpy.cos(2 * math.pi * self.start_Hz * turns)
 
 
 class Table(Frozen):
@@ -77,5 +128,17 @@ class Table(Frozen):
                 raise ValueError(f"time_s[{i}] = {self.time_s[i]} is not later than the one before")
         return self
 
+    def at(self, time_s: Array) -> Array:
+        """Values at the given times (n,)."""
+        return _numpy().interp(time_s, self.time_s, self.value)
 
-Signal = Annotated[Constant | Step | Ramp | Sine | Chirp | Table, Field(discriminator="signal")]
+
+Signal = Annotated[
+    Constant | Step | Ramp | Sine | SineSteps | Chirp | Table, Field(discriminator="signal")
+]
+
+
+def _numpy() -> Any:  # noqa: ANN401  (scenarios are read without numpy)
+    import numpy
+
+    return numpy

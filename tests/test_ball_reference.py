@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from simcompare import catalogue
-from simcompare.measures import bounces
+from simcompare.measures import Request, bounces
 from simcompare.scenarios.ball import reference as ball
 from simcompare.trajectory import Trajectory
 
@@ -147,7 +147,7 @@ def test_the_measure_finds_in_the_closed_form_what_was_put_in(e, step_s):
     scenario = catalogue.load("ball").resolve({"restitution": e}, step_s=step_s)
     t = np.arange(round(scenario.world.duration_s / step_s)) * step_s
     truth = Trajectory("closed form", t, ball.reference(scenario.parameters, t))
-    found = bounces.measure(truth, scenario.probes["height_m"])
+    found = bounces.measure(truth, Request(scenario.probes["height_m"]))
     expected = [flight.end_s for flight in ball.flights(scenario.parameters, t[-1])]
     count = len(found.series["impact_time"])
     assert count >= 4

@@ -76,11 +76,11 @@ def test_bias_of_gravity_in_the_impact_vanishes(e):
     scenario = scene(restitution=e, drop_height_m=0.3)
     landed = Point(scenario, ContactSteps(-0.5, 2e-6)).run("point", "")
     plain = Point(scenario, None).run("point", "")
-    from simcompare.measures import bounces
+    from simcompare.measures import Request, bounces
 
     probe = scenario.probes["height_m"]
     errors = [
-        abs(bounces.measure(found, probe).series["restitution"][0] / e - 1)
+        abs(bounces.measure(found, Request(probe)).series["restitution"][0] / e - 1)
         for found in (landed, plain)
     ]
     assert errors[0] < 1e-4

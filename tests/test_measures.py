@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from simcompare.errors import UnknownName
-from simcompare.measures import arcs, bounces, load
+from simcompare.measures import Request, bounces, load
+from simcompare.measures import _arcs as arcs
 from simcompare.scenario import Probe
 from simcompare.trajectory import Trajectory
 
@@ -36,7 +37,7 @@ def bouncing(e_of, drop, step_s, end_s):
 def measured(t, height):
     zero = np.zeros(len(t))
     positions = np.column_stack((zero, zero, height + 0.1))
-    return bounces.measure(Trajectory("made", t, {"ball.position_m": positions}), PROBE)
+    return bounces.measure(Trajectory("made", t, {"ball.position_m": positions}), Request(PROBE))
 
 
 @given(
@@ -104,7 +105,7 @@ def test_stored_velocities_are_never_used():
     positions = np.column_stack((zero, zero, height + 0.1))
     wrong = np.full((len(t), 3), 1e6)
     signals = {"ball.position_m": positions, "ball.velocity_m_s": wrong}
-    found = bounces.measure(Trajectory("made", t, signals), PROBE)
+    found = bounces.measure(Trajectory("made", t, signals), Request(PROBE))
     np.testing.assert_allclose(found.series["restitution"], 0.8, rtol=1e-8)
 
 
@@ -122,4 +123,4 @@ def test_unknown_measure_and_unknown_signal_are_named():
     t = np.arange(10) * 0.1
     empty = Trajectory("made", t, {"cube.position_m": np.zeros((10, 3))})
     with pytest.raises(UnknownName, match=r"cube\.position_m"):
-        bounces.measure(empty, PROBE)
+        bounces.measure(empty, Request(PROBE))

@@ -1,6 +1,6 @@
 """HOW GOOD: pure functions from a trajectory to measured values.
 
-A measure is a module with ``measure(trajectory, probe) -> Measured``; a scenario names it by
+A measure is a module with ``measure(trajectory, request) -> Measured``; a scenario names it by
 the module's name. The same function measures engines and closed forms, so a systematic error of the
 measure itself cancels in their difference.
 """
@@ -9,15 +9,45 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Protocol, cast
 
 from simcompare.errors import UnknownName
-from simcompare.scenario import Probe
+from simcompare.scenario import Measure, Probe, Scenario
 from simcompare.trajectory import Array, Trajectory
 
-FUNCTIONS = ("bounces",)
+#: one module each; those with an underscore are their parts
+FUNCTIONS = tuple(sorted(path.stem for path in Path(__file__).parent.glob("[a-z]*.py")))
+#: unit of a measured value that has the unit of its probe
+OF_PROBE = "unit of the probe"
 
+
+@dataclass(frozen=True)
+class Request:
+    """What a scenario asks of a measure.
+
+    Attributes:
+        probe: the leading probe.
+        also: further probes by their role.
+        options: numbers of the function.
+    """
+
+    probe: Probe
+    also: Mapping[str, Probe] = field(default_factory=dict)
+    options: Mapping[str, float] = field(default_factory=dict)
+
+    def seen(self, trajectory: Trajectory, role: str | None = None) -> Array:
+        """What the leading probe sees in a trajectory (n,), or the one with a role.
+
+        Raises:
+            UnknownName: the request has no probe for that role, or the source no such signal.
+        """
+        if role is None:
+            return observe(trajectory, self.probe)
+        if role not in self.also:
+            raise UnknownName("role of a probe", role, self.also)
+        return observe(trajectory, self.also[role])
 
 @dataclass(frozen=True)
 class Measured:
@@ -37,12 +67,23 @@ class Measured:
 
 
 class MeasureModule(Protocol):
-    """What a module in this folder offers: units of all names, and which are one per event."""
+    """What a module in this folder offers.
+
+    Attributes:
+        UNITS: unit of every name (``OF_PROBE``: that of the leading probe).
+        SERIES: the names that are measured once per event.
+        ROLES: roles of further probes that it needs.
+        OPTIONS: options that it needs.
+        AXES: series -> the series over which it is drawn, where that is not the event's number.
+    """
 
     UNITS: Mapping[str, str]
     SERIES: tuple[str, ...]
+    ROLES: tuple[str, ...]
+    OPTIONS: tuple[str, ...]
+    AXES: Mapping[str, str]
 
-    def measure(self, trajectory: Trajectory, probe: Probe) -> Measured:
+    def measure(self, trajectory: Trajectory, request: Request) -> Measured:
         """Measures one trajectory."""
 
     def against(self, measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
@@ -58,6 +99,30 @@ def load(name: str) -> MeasureModule:
     if name not in FUNCTIONS:
         raise UnknownName("measure", name, FUNCTIONS)
     return cast(MeasureModule, importlib.import_module(f"simcompare.measures.{name}"))
+
+
+def take(measure: Measure, scenario: Scenario, trajectory: Trajectory) -> Measured:
+    """What a measure of a scenario finds in a trajectory, under the function's own names."""
+    probe = scenario.probes[measure.probe]
+    also = {role: scenario.probes[name] for role, name in measure.also.items()}
+    found = load(measure.function).measure(trajectory, Request(probe, also, measure.options))
+    return replace(found, units=units_of(measure, scenario))
+
+
+def units_of(measure: Measure, scenario: Scenario) -> dict[str, str]:
+    """Units of what a measure finds, under the function's own names."""
+    own = scenario.probes[measure.probe].unit
+    units = load(measure.function).UNITS
+    return {name: own if unit == OF_PROBE else unit for name, unit in units.items()}
+
+
+def side_by_side(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
+    """Every value that the truth has, beside it: the usual ``against`` of a measure."""
+    return {
+        name: (measured.values[name], true)
+        for name, true in truth.values.items()
+        if true is not None
+    }
 
 
 def observe(trajectory: Trajectory, probe: Probe) -> Array:

@@ -7,9 +7,8 @@ import math
 
 import numpy as np
 
-from simcompare.measures import Measured, observe
-from simcompare.measures.arcs import Arc, find
-from simcompare.scenario import Probe
+from simcompare.measures import Measured, Request
+from simcompare.measures._arcs import Arc, find
 from simcompare.trajectory import Array, Trajectory
 
 #: impacts whose times are judged; each carries the errors of all before it
@@ -21,6 +20,9 @@ REST_PART = 1e-3
 
 #: measured once per event; the rest once per run
 SERIES = ("impact_time", "impact_speed", "restitution", "rebound_height")
+ROLES: tuple[str, ...] = ()
+OPTIONS: tuple[str, ...] = ()
+AXES: dict[str, str] = {}
 UNITS = {
     "restitution": "1",
     "impact_time": "s",
@@ -34,7 +36,7 @@ UNITS = {
 }
 
 
-def measure(trajectory: Trajectory, probe: Probe) -> Measured:
+def measure(trajectory: Trajectory, request: Request) -> Measured:
     """Measures every bounce that the samples resolve.
 
     Series, one entry per impact: ``impact_time``, ``impact_speed``; one per resolved bounce:
@@ -45,9 +47,9 @@ def measure(trajectory: Trajectory, probe: Probe) -> Measured:
 
     Args:
         trajectory: the source.
-        probe: height of the lowest point above the floor.
+        request: its probe sees the height of the lowest point above the floor.
     """
-    height = observe(trajectory, probe)
+    height = request.seen(trajectory)
     arcs = find(trajectory.time_s, height)
     downs = [arc for arc in arcs if math.isfinite(arc.end_s)]
     bounces = list(itertools.pairwise(arcs))
