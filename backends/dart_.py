@@ -83,7 +83,7 @@ class DartSimulation(Simulation):
             row[6:] = velocities()
         return rows
 
-    def signals(self, rows: Array) -> dict[str, Array]:
+    def motions(self, rows: Array) -> dict[str, Array]:
         found: dict[str, Array] = {}
         for i, name in enumerate(self._bodies):
             q, v = rows[:, 12 * i : 12 * i + 6], rows[:, 12 * i + 6 : 12 * i + 12]

@@ -12,6 +12,7 @@ import numpy as np
 
 from simcompare.audit import Audit
 from simcompare.backend import (
+    JOINTS_AND_FORCES,
     MAPPED,
     SPATIAL_RIGID_BODIES,
     EngineBackend,
@@ -20,13 +21,15 @@ from simcompare.backend import (
     installed_version,
 )
 from simcompare.dashpot import damping_ratio
+from simcompare.drives import JointLaw, laws_of
 from simcompare.errors import SimulationDiverged, Unsupported
+from simcompare.kinematics import in_order, mount_of
 from simcompare.landing import ContactSteps, approaches
 from simcompare.pairs import touching_pairs
 from simcompare.rotations import rotate
-from simcompare.scenario import Body, Contact, Scenario
+from simcompare.scenario import MOVABLE, Body, Contact, Scenario
 from simcompare.shapes import Shape, Vector
-from simcompare.simulation import BodyState, Simulation, has_drag
+from simcompare.simulation import BodyState, Simulation
 from simcompare.trajectory import Array
 
 #: √(k/m) of a bouncing contact [rad/s]: it lasts 0.03 ms, far below any step that is recorded
@@ -37,6 +40,8 @@ IMPACT_PHASE = 0.01
 IMPACT_DAMPING = 0.0007
 #: smallest restitution above 0 that is mapped; below it a drop takes seconds
 LEAST_RESTITUTION = 0.02
+#: points of contact between two bodies whose normal forces are read
+CONTACT_POINTS = 8
 #: impedance of the contact; at 1 the acceleration would be exactly that of spring and damper
 IMPEDANCE = 0.9999
 
@@ -52,50 +57,85 @@ class MujocoSimulation(Simulation):
         audit: Audit,
         mapped: bool,
     ) -> None:
-        super().__init__(scenario, audit.finish(), contact_steps(scenario) if mapped else None)
+        steps = contact_steps(scenario) if mapped else None
+        super().__init__(scenario, audit.finish(), steps, exact=mapped)
         self._mujoco, self._model, self._data = engine, model, engine.MjData(model)
         self._step = engine.mj_step
-        self._dragged = any(has_drag(body) for body in self._bodies.values())
-        self._slots = {name: 6 * i for i, name in enumerate(self._bodies)}
+        self._slots = {
+            name: (int(model.joint(name).qposadr[0]), int(model.joint(name).dofadr[0]))
+            for name in (*self._free, *self._joints)
+        }
         self._nq, self._nv = model.nq, model.nv
         self._full = engine.mjtState.mjSTATE_FULLPHYSICS
         self._state_size = engine.mj_stateSize(model, self._full)
-        for name, body in self._bodies.items():
+        for name, body in self._free.items():
             rate = _body_frame(body.orientation_wxyz, body.rate_rad_s)
-            slot = self._slots[name]
+            _, slot = self._slots[name]
             self._data.qvel[slot : slot + 6] = [*body.velocity_m_s, *rate]
+        for name, joint in self._joints.items():
+            self._data.qvel[self._slots[name][1]] = joint.rate
 
     def advance(self, count: int) -> None:
-        if not self._dragged:
+        if not (self._dragged or self._drive):
             self._step(self._model, self._data, count)
             return
-        for name, force in self.drag_forces():
-            self._data.body(name).xfrc_applied[:3] = force
-        self._step(self._model, self._data, count)
+        for _ in range(count):
+            if self._dragged:
+                for name, force in self.drag_forces():
+                    self._data.body(name).xfrc_applied[:3] = force
+            if self._drive:
+                self._data.ctrl[:] = self._drive.rows(1)[0]
+            self._step(self._model, self._data)
 
     def set_engine_step(self, step_s: float) -> None:
         self._model.opt.timestep = step_s
 
     def stored_motion(self, body: str) -> tuple[Vector, Vector]:
-        slot = self._slots[body]
-        at = slot // 6 * 7
+        at, slot = self._slots[body]
         x, y, z = self._data.qpos[at : at + 3].tolist()
         vx, vy, vz = self._data.qvel[slot : slot + 3].tolist()
         return (x, y, z), (vx, vy, vz)
 
     def add_velocity(self, body: str, change_m_s: Vector) -> None:
-        slot = self._slots[body]
+        _, slot = self._slots[body]
         self._data.qvel[slot : slot + 3] += change_m_s
 
     def place(self, body: str, state: BodyState) -> None:
-        slot = self._slots[body]
-        at = slot // 6 * 7
+        at, slot = self._slots[body]
         self._data.qpos[at : at + 7] = [*state.position_m, *state.orientation_wxyz]
         rate = _body_frame(state.orientation_wxyz, state.rate_rad_s)
         self._data.qvel[slot : slot + 6] = [*state.velocity_m_s, *rate]
 
+    def place_joint(self, joint: str, position: float, rate: float) -> None:
+        at, slot = self._slots[joint]
+        self._data.qpos[at], self._data.qvel[slot] = position, rate
+
+    def origin_of(self, body: str) -> Vector:
+        self._mujoco.mj_kinematics(self._model, self._data)
+        x, y, z = self._data.body(body).xpos.tolist()
+        return x, y, z
+
     def row(self) -> Any:
         return np.concatenate((self._data.qpos, self._data.qvel))
+
+    def forces(self) -> list[float]:
+        return self._forces_of(self._data.sensordata[None])[0].tolist()
+
+    def _forces_of(self, sensordata: Array) -> Array:
+        """Readings (n, k) of force sensors; a contact sensor gives the normal force of each point.
+
+        MuJoCo fills sensors from the state before a step, so they hold the forces in that step.
+        """
+        columns, column = [], 0
+        for sensor in self._force_sensors.values():
+            if sensor.type == "force":
+                columns.append(sensordata[:, column : column + 3])
+                column += 3
+            else:
+                block = sensordata[:, column : column + 3 * CONTACT_POINTS]
+                columns.append(block[:, ::3].sum(axis=1, keepdims=True))
+                column += 3 * CONTACT_POINTS
+        return np.hstack(columns)
 
     def record(self, count: int) -> Any:
         """Native rollout; it keeps no forces from Python, so drag takes the plain loop."""
@@ -105,15 +145,28 @@ class MujocoSimulation(Simulation):
 
         start = np.empty(self._state_size)
         self._mujoco.mj_getState(self._model, self._data, start, self._full)
-        states, _ = rollout.rollout(self._model, self._data, start[None], nstep=count)
+        steps = count * self.substeps
+        control = None if self._drive is None else self._drive.rows(steps)[None]
+        states, sensed = rollout.rollout(
+            self._model, self._data, start[None], control, nstep=steps
+        )
         self._mujoco.mj_setState(self._model, self._data, states[0, -1], self._full)
-        return states[0, :, 1 : 1 + self._nq + self._nv]
+        motion = states[0, self.substeps - 1 :: self.substeps, 1 : 1 + self._nq + self._nv]
+        if not self._force_sensors:
+            return motion
+        return np.hstack((motion, self._forces_of(sensed[0, :: self.substeps])))
 
-    def signals(self, rows: Array) -> dict[str, Array]:
+    def motions(self, rows: Array) -> dict[str, Array]:
         found: dict[str, Array] = {}
-        for i, name in enumerate(self._bodies):
-            q = rows[:, 7 * i : 7 * i + 7]
-            v = rows[:, self._nq + 6 * i : self._nq + 6 * i + 6]
+        for name, joint in self._joints.items():
+            at, slot = self._slots[name]
+            position, rate = MOVABLE[joint.type]
+            found[f"{name}.{position}"] = rows[:, at].copy()
+            found[f"{name}.{rate}"] = rows[:, self._nq + slot].copy()
+        for name in self._free:
+            at, slot = self._slots[name]
+            q = rows[:, at : at + 7]
+            v = rows[:, self._nq + slot : self._nq + slot + 6]
             found[f"{name}.position_m"] = q[:, :3].copy()
             found[f"{name}.orientation_wxyz"] = q[:, 3:].copy()
             found[f"{name}.velocity_m_s"] = v[:, :3].copy()
@@ -135,7 +188,7 @@ class MujocoBackend(EngineBackend):
     module = "mujoco"
     distribution = "mujoco-core"
     install = "pip install 'simcompare[mujoco]'"
-    features = SPATIAL_RIGID_BODIES
+    features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     known_limits = (
         KnownLimit(
             "There is no coefficient of restitution: a contact is a spring and damper, and the"
@@ -187,29 +240,104 @@ def mjcf(scenario: Scenario, mapped: bool) -> str:
     root = ET.Element("mujoco", model=scenario.name)
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
     # dense: the sparse Cholesky of 4.0.0 could give a wrong Hessian (google-deepmind/mujoco 3767)
-    option: dict[str, Any] = {"timestep": repr(scenario.world.step_s), "jacobian": "dense"}
+    option: dict[str, Any] = {"timestep": repr(scenario.world.engine_step_s), "jacobian": "dense"}
     if mapped:
         option["cone"] = "elliptic"
     element = ET.SubElement(root, "option", gravity=_text(scenario.world.gravity_m_s2), **option)
     # by default MuJoCo starts anew when numbers run away, as if nothing had happened
     ET.SubElement(element, "flag", autoreset="disable")
-    worldbody = ET.SubElement(root, "worldbody")
-    for name, body in scenario.bodies.items():
-        pose: dict[str, Any] = {"pos": _text(body.position_m), "quat": _text(body.orientation_wxyz)}
-        element = ET.SubElement(worldbody, "body", name=name, **pose)
+    _add_bodies(ET.SubElement(root, "worldbody"), scenario, mapped)
+    contacts = ET.SubElement(root, "contact")
+    for joint in scenario.joints.values():
+        ET.SubElement(contacts, "exclude", body1=joint.parent, body2=joint.child)
+    for contact in touching_pairs(scenario) if mapped else ():
+        _add_pairs(contacts, scenario, contact)
+    _add_actuators(ET.SubElement(root, "actuator"), scenario, mapped)
+    _add_sensors(ET.SubElement(root, "sensor"), scenario)
+    return ET.tostring(root, encoding="unicode")
+
+
+def _add_bodies(worldbody: ET.Element, scenario: Scenario, mapped: bool) -> None:
+    """Bodies inside one another as joints carry them; only those that stand alone are free."""
+    laws = laws_of(scenario)
+    elements: dict[str, ET.Element] = {}
+    carried = {joint.child: (name, joint) for name, joint in in_order(scenario).items()}
+    order = [name for name in scenario.bodies if name not in carried] + list(carried)
+    for name in order:
+        body = scenario.bodies[name]
+        if name not in carried:
+            pose = {"pos": _text(body.position_m), "quat": _text(body.orientation_wxyz)}
+            element = ET.SubElement(worldbody, "body", {"name": name, **pose})
+            if not body.fixed:
+                ET.SubElement(element, "freejoint", name=name)
+        else:
+            joint_name, joint = carried[name]
+            mount = mount_of(scenario, joint)
+            pose = {"pos": _text(mount.position_m), "quat": _text(mount.orientation_wxyz)}
+            element = ET.SubElement(elements[joint.parent], "body", {"name": name, **pose})
+            if joint.type in _JOINT_TYPES:
+                ET.SubElement(element, "joint", {
+                    "name": joint_name, "type": _JOINT_TYPES[joint.type],
+                    "pos": _text(mount.anchor_m), "axis": _text(mount.axis),
+                    **_passive(laws[joint_name], mapped),
+                })  # fmt: skip
+        elements[name] = element
         if not body.fixed:
-            ET.SubElement(element, "freejoint", name=name)
             ET.SubElement(
                 element, "inertial", pos=_text(body.center_of_mass_m), mass=repr(body.mass_kg),
                 diaginertia=_text(body.inertia_kg_m2 or ()),
             )  # fmt: skip
         for i, shape in enumerate(body.shapes):
             ET.SubElement(element, "geom", name=_geom(name, i), **_shape(shape))
-    if mapped:
-        contacts = ET.SubElement(root, "contact")
-        for contact in touching_pairs(scenario):
-            _add_pairs(contacts, scenario, contact)
-    return ET.tostring(root, encoding="unicode")
+        for sensor_name, sensor in scenario.sensors.items():
+            if sensor.type == "force" and name in carried and sensor.joint == carried[name][0]:
+                ET.SubElement(element, "site", name=sensor_name)
+
+
+_JOINT_TYPES = {"hinge": "hinge", "slider": "slide"}
+
+
+def _passive(law: JointLaw, mapped: bool) -> dict[str, str]:
+    """What a joint does by itself.
+
+    MuJoCo takes a joint's damping with the rate after the step and an actuator's with the rate
+    before it; half of it in each is the mean, which belongs to the instant of the positions.
+    """
+    found = {
+        "stiffness": repr(law.stiffness), "springref": repr(law.rest),
+        "damping": repr(law.damping / 2 if mapped else law.damping),
+        "frictionloss": repr(law.friction), "armature": repr(law.armature),
+    }  # fmt: skip
+    if mapped and law.friction:
+        found["solimpfriction"] = _text((IMPEDANCE, IMPEDANCE, 0.001))
+        found["solreffriction"] = _text((0.005, 1.0))
+    return found
+
+
+def _add_actuators(actuators: ET.Element, scenario: Scenario, mapped: bool) -> None:
+    """One for each driven joint; its control is the part of the effort that follows the inputs."""
+    for name, law in laws_of(scenario).items():
+        if law.is_driven:
+            bias = (0, 0, -law.damping / 2 if mapped else 0)
+            ET.SubElement(
+                actuators, "general", name=name, joint=name, gainprm="1", biastype="affine",
+                biasprm=_text(bias),
+            )  # fmt: skip
+
+
+def _add_sensors(sensors: ET.Element, scenario: Scenario) -> None:
+    """The sensors that read the engine's own forces."""
+    for name, sensor in scenario.sensors.items():
+        if sensor.type == "force":
+            assert sensor.joint is not None
+            ET.SubElement(sensors, "force", name=name, site=name)
+        elif sensor.type == "contact_force":
+            assert sensor.pair is not None
+            first, second = sensor.pair
+            ET.SubElement(
+                sensors, "contact", name=name, body1=first, body2=second, data="force",
+                num=str(CONTACT_POINTS),
+            )  # fmt: skip
 
 
 def _refuse_bounces(scenario: Scenario) -> None:
@@ -298,11 +426,14 @@ def _shape(shape: Shape) -> dict[str, Any]:
 def _audit(engine: ModuleType, model: Any, scenario: Scenario, mapped: bool) -> Audit:
     audit = Audit("mujoco")
     world = scenario.world
-    audit.add("step_s", world.step_s, "opt.timestep", (world.step_s, model.opt.timestep), "s")
+    step_s = world.engine_step_s
+    audit.add("engine step_s", step_s, "opt.timestep", (step_s, model.opt.timestep), "s")
     for axis, wanted, held in zip("xyz", world.gravity_m_s2, model.opt.gravity, strict=True):
         audit.add(f"gravity_m_s2.{axis}", wanted, "opt.gravity", (wanted, held), "m/s²")
     for name, body in scenario.moving_bodies().items():
-        _audit_body(audit, model, name, body)
+        _audit_body(audit, model, name, body, name in scenario.free_bodies())
+    for name, law in laws_of(scenario).items():
+        _audit_joint(audit, model, name, law, mapped)
     for contact in touching_pairs(scenario):
         if mapped:
             _audit_pairs(audit, model, scenario, contact)
@@ -311,7 +442,21 @@ def _audit(engine: ModuleType, model: Any, scenario: Scenario, mapped: bool) -> 
     return audit
 
 
-def _audit_body(audit: Audit, model: Any, name: str, body: Body) -> None:
+def _audit_joint(audit: Audit, model: Any, name: str, law: JointLaw, mapped: bool) -> None:
+    held, dof = model.joint(name), int(model.joint(name).dofadr[0])
+    explicit = -float(model.actuator(name).biasprm[2]) if law.is_driven else 0.0
+    note = "half with the rate before the step, half with that after it" if mapped else ""
+    for part, wanted, got, extra in (
+        ("stiffness", law.stiffness, held.stiffness[0], ""),
+        ("damping", law.damping, model.dof_damping[dof] + explicit, note),
+        ("friction", law.friction, model.dof_frictionloss[dof], ""),
+        ("armature", law.armature, model.dof_armature[dof], ""),
+    ):
+        if wanted:
+            audit.add(f"{name}.{part}", wanted, f"dof {part}", (wanted, got), "SI", extra)
+
+
+def _audit_body(audit: Audit, model: Any, name: str, body: Body, free: bool) -> None:
     held = model.body(name)
     audit.add(f"{name}.mass_kg", body.mass_kg, "body_mass", (body.mass_kg, held.mass[0]), "kg")
     # MuJoCo may order the principal axes anew, so the moments are compared sorted
@@ -320,7 +465,8 @@ def _audit_body(audit: Audit, model: Any, name: str, body: Body) -> None:
         quantity = f"{name}.inertia_kg_m2.{axis}"
         audit.add(quantity, wanted, "body_inertia", (wanted, got), "kg·m²")
     for axis, wanted, got in zip("xyz", body.position_m, held.pos, strict=True):
-        audit.add(f"{name}.position_m.{axis}", wanted, "body_pos", (wanted, got), "m")
+        if free:  # those on joints are compared where they are in the world
+            audit.add(f"{name}.position_m.{axis}", wanted, "body_pos", (wanted, got), "m")
     for i, shape in enumerate(body.shapes):
         size = model.geom(_geom(name, i)).size.tolist()
         halves = {"plane": [], "sphere": size[:1], "box": [2 * half for half in size]}

@@ -108,7 +108,7 @@ class PybulletSimulation(Simulation):
             rows.append((*position, *orientation, *linear, *angular))
         return rows
 
-    def signals(self, rows: Array) -> dict[str, Array]:
+    def motions(self, rows: Array) -> dict[str, Array]:
         found: dict[str, Array] = {}
         for i, name in enumerate(self._bodies):
             part = rows[:, 13 * i : 13 * i + 13]

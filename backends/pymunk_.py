@@ -94,7 +94,7 @@ class PymunkSimulation(Simulation):
             rows.append((*body.position, *body.velocity, body.angle, body.angular_velocity))
         return rows
 
-    def signals(self, rows: Array) -> dict[str, Array]:
+    def motions(self, rows: Array) -> dict[str, Array]:
         found: dict[str, Array] = {}
         zero = np.zeros(len(rows))
         for i, name in enumerate(self._bodies):

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
+from simcompare.drives import laws_of
 from simcompare.errors import EngineBroken, EngineMissing, Unsupported
 from simcompare.scenario import Body, Scenario
 
@@ -45,8 +46,12 @@ class Feature(enum.StrEnum):
     SLIDER = "slider joints"
     FIXED_JOINT = "fixed joints"
     BALL_JOINT = "ball joints"
-    ACTUATOR = "actuators"
-    SENSOR = "sensors"
+    EFFORT = "torques and forces on joints"
+    JOINT_FRICTION = "Coulomb friction of joints"
+    ARMATURE = "armature of joints"
+    JOINT_LIMIT = "limits of joints"
+    FORCE_SENSOR = "forces through joints"
+    CONTACT_FORCE = "contact forces"
 
 
 #: what an engine of free rigid bodies in space can do
@@ -54,6 +59,14 @@ SPATIAL_RIGID_BODIES = frozenset(
     {
         Feature.SPATIAL, Feature.FREE_BODY, Feature.PLANE, Feature.SPHERE, Feature.BOX,
         Feature.CYLINDER, Feature.CAPSULE, Feature.RESTITUTION, Feature.FRICTION, Feature.DRAG,
+    }
+)  # fmt: skip
+
+#: what an engine of articulated bodies can do besides
+JOINTS_AND_FORCES = frozenset(
+    {
+        Feature.HINGE, Feature.SLIDER, Feature.FIXED_JOINT, Feature.EFFORT, Feature.JOINT_FRICTION,
+        Feature.ARMATURE, Feature.FORCE_SENSOR, Feature.CONTACT_FORCE,
     }
 )  # fmt: skip
 
@@ -203,10 +216,18 @@ def needs(scenario: Scenario) -> frozenset[Feature]:
             found.add(Feature.FRICTION)
     joints = {"hinge": Feature.HINGE, "slider": Feature.SLIDER, "ball": Feature.BALL_JOINT}
     found.update(joints.get(joint.type, Feature.FIXED_JOINT) for joint in scenario.joints.values())
-    if scenario.actuators:
-        found.add(Feature.ACTUATOR)
-    if scenario.sensors:
-        found.add(Feature.SENSOR)
+    for law in laws_of(scenario).values():
+        traits = (
+            (law.is_driven, Feature.EFFORT),
+            (law.friction, Feature.JOINT_FRICTION),
+            (law.armature, Feature.ARMATURE),
+        )
+        found.update(feature for present, feature in traits if present)
+    if any(j.lower is not None or j.upper is not None for j in scenario.joints.values()):
+        found.add(Feature.JOINT_LIMIT)
+    # the other sensors follow from the motion, whoever recorded it
+    kinds = {"force": Feature.FORCE_SENSOR, "contact_force": Feature.CONTACT_FORCE}
+    found.update(kinds[s.type] for s in scenario.sensors.values() if s.type in kinds)
     if not is_planar(scenario):
         found.add(Feature.SPATIAL)
     return frozenset(found)

@@ -33,6 +33,29 @@ def rotate(orientation_wxyz: Array, vectors: Array) -> Array:
     return np.asarray(vectors + w * t + np.cross(u, t), dtype=float)
 
 
+def multiply(first_wxyz: Array, second_wxyz: Array) -> Array:
+    """Products (n, 4) of quaternions wxyz: the second rotation, then the first."""
+    w, u = first_wxyz[:, :1], first_wxyz[:, 1:]
+    a, v = second_wxyz[:, :1], second_wxyz[:, 1:]
+    scalar = w * a - np.sum(u * v, axis=1, keepdims=True)
+    return np.hstack((scalar, w * v + a * u + np.cross(u, v)))
+
+
+def conjugate(orientation_wxyz: Array) -> Array:
+    """Inverse rotations (n, 4) of unit quaternions wxyz."""
+    return orientation_wxyz * np.array((1.0, -1.0, -1.0, -1.0))
+
+
+def rotation_vectors_of(orientation_wxyz: Array) -> Array:
+    """Rotation vectors (n, 3) [rad] of unit quaternions wxyz (n, 4), at most half a turn long."""
+    signed = orientation_wxyz * np.where(orientation_wxyz[:, :1] < 0, -1.0, 1.0)
+    sine = np.linalg.norm(signed[:, 1:], axis=1, keepdims=True)
+    small = sine < 1e-8
+    safe = np.where(small, 1.0, sine)
+    factor = np.where(small, 2 / signed[:, :1], 2 * np.arctan2(sine, signed[:, :1]) / safe)
+    return np.asarray(signed[:, 1:] * factor, dtype=float)
+
+
 def matrix_of(orientation_wxyz: Sequence[float]) -> Array:
     """Rotation matrix (3, 3) of one quaternion wxyz (4,)."""
     four = np.repeat(np.asarray([orientation_wxyz], dtype=float), 3, axis=0)

@@ -265,6 +265,11 @@ class World(Frozen):
     step_s: PositiveFloat = 0.001
     substeps: Annotated[int, Field(ge=1, le=1000)] = 1
 
+    @property
+    def engine_step_s(self) -> float:
+        """Length of one engine step [s]."""
+        return self.step_s / self.substeps
+
     @model_validator(mode="after")
     def _sensible_number_of_samples(self) -> World:
         samples = self.duration_s / self.step_s

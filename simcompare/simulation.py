@@ -5,17 +5,29 @@ from __future__ import annotations
 import math
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
 from simcompare.audit import Audit, AuditRow
-from simcompare.errors import Unsupported
+from simcompare.drives import Drive, input_values
+from simcompare.errors import InputError, UnknownName, Unsupported
+from simcompare.kinematics import add_children
 from simcompare.landing import ContactSteps, Landing, approaches
-from simcompare.scenario import Body, Scenario
+from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Body, Scenario
+from simcompare.sensing import complete
 from simcompare.shapes import Vector
 from simcompare.trajectory import BODY_SIGNALS, Array, Trajectory
+
+#: what a controller reads: every signal now, a number or a tuple of its components
+Readings = Mapping[str, float | tuple[float, ...]]
+#: called as controller(time_s, readings) before each recorded step; returns inputs by name
+Controller = Callable[[float, Readings], Mapping[str, float]]
+#: recorded steps from which rates are taken for a controller's readings
+_RECENT = 5
 
 
 @dataclass(frozen=True)
@@ -36,11 +48,15 @@ class State:
         time_s: time since the scenario's start [s].
         bodies: motion of every moving body.
         velocity_step_s: engine step to which the stored velocities belong [s]; see ``landing``.
+        joints: coordinate and rate of every movable joint [rad, rad/s or m, m/s].
+        rates_before: stored rates of the driven joints one engine step earlier; see ``drives``.
     """
 
     time_s: float
     bodies: Mapping[str, BodyState]
     velocity_step_s: float = field(default=0.0)
+    joints: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    rates_before: tuple[float, ...] | None = None
 
 
 class Simulation(ABC):
@@ -50,34 +66,75 @@ class Simulation(ABC):
         scenario: the scene.
         audit: what the backend set and read back.
         steps: how the engine is stepped through an impact; ``None`` takes the step as it is.
+        exact: whether efforts on joints are applied at the instant of the positions, to second
+            order; else with rates as they are stored, as a plain loop would.
     """
+
+    #: 1 where the engine advances positions before velocities, so that the forces of a step act
+    #: at its end; 0 where they act at its start
+    LEAD: ClassVar[int] = 0
 
     wall_s: Mapping[str, float]
 
     def __init__(
-        self, scenario: Scenario, audit: Sequence[AuditRow], steps: ContactSteps | None
+        self,
+        scenario: Scenario,
+        audit: Sequence[AuditRow],
+        steps: ContactSteps | None,
+        *,
+        exact: bool = True,
     ) -> None:
         self.scenario = scenario
         self.audit = tuple(audit)
         self.notes: tuple[str, ...] = ()
         self.wall_s = {}
+        world = scenario.world
         self._bodies = scenario.moving_bodies()
+        self._free = scenario.free_bodies()
+        self._joints = scenario.movable_joints()
+        self._force_sensors = {
+            name: sensor
+            for name, sensor in scenario.sensors.items()
+            if sensor.type in ("force", "contact_force")
+        }
+        self._force_columns = sum(SENSOR_SIGNALS[s.type][1] for s in self._force_sensors.values())
+        self._dragged = any(has_drag(body) for body in self._bodies.values())
+        drive = Drive(scenario, world.engine_step_s, self.LEAD, exact)
+        self._drive = drive if drive.names else None
+        self.substeps = world.substeps
         self._count = 0
         self._stagger = 0.0
         self._landing: Landing | None = None
-        self._engine_step_s = scenario.world.step_s
+        self._whole_step_s = self._engine_step_s = world.engine_step_s
+        self._recent: deque[tuple[float, Sequence[float], dict[str, float]]] = deque(maxlen=_RECENT)
         if steps is not None:
             self._prepare_landing(steps)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether there is nothing but one free body to record, without forces in each step."""
+        return not (
+            self._dragged
+            or self._joints
+            or self._force_sensors
+            or self.substeps > 1
+            or len(self._bodies) != 1
+            or len(self._free) != 1
+        )
 
     def _prepare_landing(self, steps: ContactSteps) -> None:
         pairs, notes = approaches(self.scenario)
         self.notes = tuple(notes)
         if not pairs:
             return
+        if self._force_sensors:
+            raise Unsupported("forces are not recorded while impacts are landed on")
         self._landing = Landing(pairs, self.scenario.world.step_s, steps)
         self._stagger = steps.stagger
         # the scenario's initial velocities are not staggered: they belong to a step of length zero
         self._engine_step_s = 0.0
+        # flights take whole recorded steps, impacts parts of them: no further division is needed
+        self.substeps, self._whole_step_s = 1, self.scenario.world.step_s
         self.notes += (
             f"a recorded step with an impact in it is divided into {self._landing.parts} parts"
             f" of {self._landing.part_s:.3g} s; flights take whole steps",
@@ -87,7 +144,7 @@ class Simulation(ABC):
 
     @abstractmethod
     def advance(self, count: int) -> None:
-        """Takes ``count`` engine steps of the present length, with drag applied in each."""
+        """Takes ``count`` engine steps of the present length, with drag and drive in each."""
 
     @abstractmethod
     def set_engine_step(self, step_s: float) -> None:
@@ -95,33 +152,56 @@ class Simulation(ABC):
 
     @abstractmethod
     def stored_motion(self, body: str) -> tuple[Vector, Vector]:
-        """Position [m] and stored velocity [m/s] of a body."""
+        """Position [m] and stored velocity [m/s] of a free body."""
 
     @abstractmethod
     def add_velocity(self, body: str, change_m_s: Vector) -> None:
-        """Adds to a body's stored velocity [m/s]."""
+        """Adds to a free body's stored velocity [m/s]."""
 
     @abstractmethod
     def place(self, body: str, state: BodyState) -> None:
-        """Puts a body into a state."""
+        """Puts a free body into a state."""
 
     @abstractmethod
     def row(self) -> Sequence[float]:
-        """Everything that is recorded now, in the engine's own layout and as cheap as possible."""
+        """All motion that is recorded now, in the engine's own layout and as cheap as possible."""
 
     @abstractmethod
-    def signals(self, rows: Array) -> dict[str, Array]:
-        """Turns rows (n, k) of the engine's layout into the signals of a trajectory."""
+    def motions(self, rows: Array) -> dict[str, Array]:
+        """Turns rows (n, k) of the engine's layout into signals.
+
+        They are those of the free bodies, and coordinate and rate of the joints.
+        """
+
+    def place_joint(self, joint: str, position: float, rate: float) -> None:
+        """Puts a joint to a coordinate and a stored rate; after all free bodies were placed."""
+        raise NotImplementedError
+
+    def origin_of(self, body: str) -> Vector:
+        """World position of any moving body [m], as the engine itself has it."""
+        return self.stored_motion(body)[0]
+
+    def forces(self) -> Sequence[float]:
+        """Readings of all force sensors in the last engine step, in the order of the scenario."""
+        raise NotImplementedError
 
     def record(self, count: int) -> list[Sequence[float]] | Array:
         """Takes ``count`` whole recorded steps free of impacts and returns their rows.
 
-        Engines override this with their tightest loop.
+        Engines override this with their tightest loop. Where the forces of a step act at its start,
+        they are read after the first engine step of each recorded one.
         """
-        rows = []
+        rows: list[Sequence[float]] = []
         for _ in range(count):
-            self.advance(1)
-            rows.append(self.row())
+            if not self._force_sensors:
+                self.advance(self.substeps)
+                rows.append(self.row())
+                continue
+            self.advance(self.substeps if self.LEAD else 1)
+            forces = self.forces()
+            if self.substeps > 1 and not self.LEAD:
+                self.advance(self.substeps - 1)
+            rows.append((*self.row(), *forces))
         return rows
 
     def check(self) -> None:
@@ -139,13 +219,22 @@ class Simulation(ABC):
             ReadBackMismatch: they differ; every component that does is named.
         """
         audit = Audit(engine, relative=1e-6)
-        for name, held in self.state.bodies.items():
+
+        def compare(what: str, wanted: Sequence[float], held: Sequence[float]) -> None:
+            for axis, a, b in zip("wxyz"[-len(wanted) :], wanted, held, strict=True):
+                clean = a if abs(a - b) < 1e-12 else b  # rounding about 0 is no difference
+                audit.add(f"{what}.{axis}", a, "state", (a, clean), "")
+
+        state = self.state
+        for name, held in state.bodies.items():
             body = self._bodies[name]
-            for part in BODY_SIGNALS:
-                wanted, got = getattr(body, part), getattr(held, part)
-                for axis, a, b in zip("wxyz"[-len(wanted) :], wanted, got, strict=True):
-                    clean = a if abs(a - b) < 1e-12 else b  # rounding about 0 is no difference
-                    audit.add(f"{name}.{part}.{axis}", a, "state", (a, clean), "")
+            # how a body on a joint moves follows from the joint
+            for part in BODY_SIGNALS if name in self._free else ("position_m", "orientation_wxyz"):
+                compare(f"{name}.{part}", getattr(body, part), getattr(held, part))
+            compare(f"{name}.position_m", body.position_m, self.origin_of(name))
+        for name, (position, rate) in state.joints.items():
+            compare(f"{name}.position", (0.0,), (position,))
+            compare(f"{name}.rate", (self._joints[name].rate,), (rate,))
         audit.finish()
 
     # --- the stepping form --------------------------------------------------------------------
@@ -159,42 +248,111 @@ class Simulation(ABC):
         """Advances by one recorded step.
 
         Args:
-            inputs: values of the scenario's inputs during this step.
+            inputs: values of inputs during this step; those left out follow their signals.
 
         Raises:
-            Unsupported: inputs are given and this engine has no actuators.
+            InputError: values that are not finite numbers, or no mapping.
+            UnknownName: an input that the scenario does not have.
         """
-        if inputs:
-            raise Unsupported(f"no actuator takes the inputs {', '.join(inputs)}")
+        self._take_step(self._checked_inputs(inputs))
+
+    def read(self) -> Readings:
+        """Every signal now, as a controller sees it; forces are those of the last engine step."""
+        if not self._recent:
+            self._remember(self._row_now(), {})
+        times = np.array([time for time, _, _ in self._recent])
+        rows = np.array([row for _, row, _ in self._recent], dtype=float)
+        inputs = {
+            name: np.array([held.get(name, value) for (_, _, held), value in zip(
+                self._recent, values.tolist(), strict=True)])
+            for name, values in input_values(self.scenario, times).items()
+        }  # fmt: skip
+        signals = self.signals(rows, times, inputs, lagging=False)
+        return {
+            name: float(values[-1]) if values.ndim == 1 else tuple(values[-1].tolist())
+            for name, values in signals.items()
+        }
+
+    def _take_step(self, inputs: dict[str, float] | None) -> Sequence[float]:
+        """One recorded step and its row."""
+        if self._drive is not None:
+            self._drive.hold(inputs)
         if self._landing is None:
-            self.advance(1)
+            row: Sequence[float] = self.record(1)[0]
         elif self._landing.free_steps(self) >= 1:
-            self.use_step(self.scenario.world.step_s, frozenset())
+            self.use_step(self._whole_step_s, frozenset())
             self.advance(1)
+            row = self.row()
         else:
             self._landing.step(self)
+            row = self.row()
         self._count += 1
         self.check()
+        self._remember(row, inputs or {})
+        return row
+
+    def _row_now(self) -> Sequence[float]:
+        return (*self.row(), *[0.0] * self._force_columns)
+
+    def _remember(self, row: Sequence[float], inputs: dict[str, float]) -> None:
+        self._recent.append((self.time_s, row, inputs))
+
+    def _checked_inputs(self, inputs: Mapping[str, float] | None) -> dict[str, float] | None:
+        if inputs is None:
+            return None
+        where = f"inputs at t = {self.time_s:g} s"
+        if not isinstance(inputs, Mapping):
+            kind = type(inputs).__name__
+            raise InputError(where, [f"found a {kind}; expected a mapping of input -> number"])
+        now = np.array([self.time_s])
+        values = {name: float(v[0]) for name, v in input_values(self.scenario, now).items()}
+        faults = []
+        for name, value in inputs.items():
+            if name not in values:
+                raise UnknownName(f"input of {self.scenario.name}", str(name), values)
+            try:
+                values[name] = float(value)
+            except (TypeError, ValueError):
+                faults.append(f"{name} = {value!r} is not one number")
+                continue
+            if not math.isfinite(values[name]):
+                faults.append(f"{name} = {value!r} is not a finite number")
+        if faults:
+            raise InputError(where, faults)
+        return values
 
     @property
     def state(self) -> State:
         """The present state; ``set_state`` brings it back."""
-        signals = self.signals(np.array([self.row()], dtype=float))
+        signals = self.motions(np.array([self.row()], dtype=float))
+        add_children(self.scenario, signals, 1)
         bodies = {
             name: BodyState(
                 *(tuple(signals[f"{name}.{part}"][0].tolist()) for part in BODY_SIGNALS)
             )
             for name in self._bodies
         }
-        return State(self.time_s, bodies, self._engine_step_s)
+        joints = {}
+        for name, joint in self._joints.items():
+            position, rate = (float(signals[f"{name}.{p}"][0]) for p in MOVABLE[joint.type])
+            joints[name] = (position, rate)
+        before = self._drive.rates_before if self._drive is not None else None
+        return State(
+            self.time_s, bodies, self._engine_step_s, joints, None if before is None else (*before,)
+        )
 
     def set_state(self, state: State) -> None:
         """Puts all moving bodies into a state that ``state`` returned."""
-        for name, body in state.bodies.items():
-            self.place(name, body)
+        for name in self._free:
+            self.place(name, state.bodies[name])
+        for name, (position, rate) in state.joints.items():
+            self.place_joint(name, position, rate)
         self._count = round(state.time_s / self.scenario.world.step_s)
+        if self._drive is not None:
+            self._drive.go_to(self._count * self.substeps, state.rates_before)
         self._engine_step_s = state.velocity_step_s
-        self.set_engine_step(state.velocity_step_s or self.scenario.world.step_s)
+        self.set_engine_step(state.velocity_step_s or self._whole_step_s)
+        self._recent.clear()
 
     # --- what landing uses --------------------------------------------------------------------
 
@@ -203,7 +361,7 @@ class Simulation(ABC):
         if step_s == self._engine_step_s:
             return
         change_s = self._stagger * (step_s - self._engine_step_s)
-        for name in self._bodies:
+        for name in self._free:
             if name not in resting:
                 _, velocity = self.stored_motion(name)
                 ax, ay, az = self._free_acceleration(name, velocity)
@@ -242,23 +400,51 @@ class Simulation(ABC):
 
     # --- the whole run ------------------------------------------------------------------------
 
-    def run(self, source: str, version: str) -> Trajectory:
+    def run(
+        self, source: str, version: str, controller: Controller | None = None
+    ) -> Trajectory:
         """Records the scenario from its start to its end.
 
         Args:
             source: name of the engine.
             version: its version.
+            controller: gives the inputs of each recorded step; without one they follow the
+                scenario's signals.
         """
         started = time.perf_counter()
-        world = self.scenario.world
-        count = round(world.duration_s / world.step_s)
-        blocks: list[list[Sequence[float]] | Array] = [[self.row()]]
+        times = sample_times(self.scenario)
+        inputs = input_values(self.scenario, times)
+        blocks: list[list[Sequence[float]] | Array] = [[self._row_now()]]
+        if controller is None:
+            blocks += self._record_all(len(times) - 1)
+        else:
+            blocks.append(self._controlled(len(times) - 1, controller, inputs))
+        if self._force_sensors and not self.LEAD:
+            # the forces at the last sample are those of a step that begins there
+            end = self.state
+            blocks.append(self.record(1))
+            self.set_state(end)
+        self.check()
+        rows = np.concatenate([np.asarray(block, dtype=float) for block in blocks])
+        stepped = {"step": time.perf_counter() - started}
+        return Trajectory(
+            source=source,
+            time_s=times,
+            signals=self.signals(rows, times, inputs),
+            version=version,
+            wall_s={**self.wall_s, **stepped},
+            audit=self.audit,
+            notes=self.notes,
+        )
+
+    def _record_all(self, count: int) -> list[list[Sequence[float]] | Array]:
+        blocks: list[list[Sequence[float]] | Array] = []
         done = 0
         while done < count:
             free = count if self._landing is None else self._landing.free_steps(self)
             if free:
                 taken = min(free, count - done)
-                self.use_step(world.step_s, frozenset())
+                self.use_step(self._whole_step_s, frozenset())
                 blocks.append(self.record(taken))
             else:
                 assert self._landing is not None
@@ -267,18 +453,46 @@ class Simulation(ABC):
                 blocks.append([self.row()])
             done += taken
         self._count += count
-        self.check()
-        rows = np.concatenate([np.asarray(block, dtype=float) for block in blocks])
-        stepped = {"step": time.perf_counter() - started}
-        return Trajectory(
-            source=source,
-            time_s=sample_times(self.scenario),
-            signals=self.signals(rows),
-            version=version,
-            wall_s={**self.wall_s, **stepped},
-            audit=self.audit,
-            notes=self.notes,
-        )
+        return blocks
+
+    def _controlled(
+        self, count: int, controller: Controller, inputs: dict[str, Array]
+    ) -> list[Sequence[float]]:
+        """Steps with a controller in the loop; writes what it gave into the recorded inputs."""
+        rows = []
+        for k in range(count):
+            given = self._checked_inputs(controller(self.time_s, self.read()))
+            for name, value in (given or {}).items():
+                inputs[name][k:] = value
+            rows.append(self._take_step(given))
+        return rows
+
+    def signals(
+        self, rows: Array, time_s: Array, inputs: Mapping[str, Array], *, lagging: bool = True
+    ) -> dict[str, Array]:
+        """Every signal of a trajectory from the rows of an engine.
+
+        Args:
+            rows: what was recorded (n, k), one row more where forces lag.
+            time_s: sample times (n,).
+            inputs: values of the inputs at these times.
+            lagging: whether each row holds the forces of the sample before it, as in a whole run.
+        """
+        count = len(time_s)
+        width = rows.shape[1] - self._force_columns
+        found = self.motions(rows[:count, :width])
+        forces = rows[:, width:]
+        if lagging and self._force_columns:
+            # without a lead the step after a sample holds the forces that act at it
+            forces = np.vstack((forces[1:2], forces[1:])) if self.LEAD else forces[1:]
+        column = 0
+        for name, sensor in self._force_sensors.items():
+            part, size = SENSOR_SIGNALS[sensor.type]
+            block = forces[:count, column : column + size]
+            found[f"{name}.{part}"] = block.copy() if size > 1 else block[:, 0].copy()
+            column += size
+        complete(self.scenario, time_s, found, inputs)
+        return found
 
 
 def sample_times(scenario: Scenario) -> Array:

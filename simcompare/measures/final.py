@@ -1,0 +1,29 @@
+"""Last sample of a probe: where something has arrived when the record ends."""
+
+from __future__ import annotations
+
+from simcompare import measures
+from simcompare.measures import OF_PROBE, Measured, Request
+from simcompare.trajectory import Trajectory
+
+SERIES: tuple[str, ...] = ()
+ROLES: tuple[str, ...] = ()
+OPTIONS: tuple[str, ...] = ()
+AXES: dict[str, str] = {}
+UNITS = {"final": OF_PROBE}
+
+
+def measure(trajectory: Trajectory, request: Request) -> Measured:
+    """The last sample, ``final``.
+
+    Args:
+        trajectory: the source.
+        request: its probe sees the quantity.
+    """
+    last = float(request.seen(trajectory)[-1])
+    return Measured(values={"final": last}, series={}, units=UNITS)
+
+
+def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
+    """What is judged: the last sample beside the true one."""
+    return measures.side_by_side(measured, truth)
