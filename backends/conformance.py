@@ -16,8 +16,8 @@ from dataclasses import replace
 import numpy as np
 
 from simcompare.backend import MAPPED, Backend, Feature, Settings, needs
-from simcompare.errors import Unsupported
-from simcompare.scenario import Joint, Scenario
+from simcompare.errors import SimcompareError, Unsupported
+from simcompare.scenario import ACTUATOR_SIGNALS, MOVABLE, SENSOR_SIGNALS, Joint, Scenario
 from simcompare.simulation import sample_times
 from simcompare.trajectory import BODY_SIGNALS
 
@@ -25,7 +25,7 @@ Check = Callable[[Backend, Scenario, Settings], None]
 
 
 def names_and_shapes(backend: Backend, scenario: Scenario, settings: Settings) -> None:
-    """Every moving body has its four signals, each with one row per sample."""
+    """Every body, joint, actuator and sensor has its signals, each with one row per sample."""
     trajectory = backend.simulate(scenario, settings)
     for body in scenario.moving_bodies():
         for part, width in BODY_SIGNALS.items():
@@ -34,6 +34,11 @@ def names_and_shapes(backend: Backend, scenario: Scenario, settings: Settings) -
             shape = trajectory.signals[name].shape
             wanted = (len(trajectory.time_s), width)
             assert shape == wanted, f"{name} has {shape=} but {wanted=}"
+    for name, width in _further_signals(scenario).items():
+        assert name in trajectory.signals, f"{name} is not recorded"
+        shape = trajectory.signals[name].shape
+        wanted_shape = (len(trajectory.time_s), width) if width > 1 else (len(trajectory.time_s),)
+        assert shape == wanted_shape, f"{name} has {shape=} but {wanted_shape=}"
 
 
 def clock(backend: Backend, scenario: Scenario, settings: Settings) -> None:
@@ -46,7 +51,9 @@ def starts_as_told(backend: Backend, scenario: Scenario, settings: Settings) -> 
     """The first sample is the scenario's initial state, in the world's frame."""
     trajectory = backend.simulate(scenario, settings)
     for name, body in scenario.moving_bodies().items():
-        for part in BODY_SIGNALS:
+        # how a body on a joint moves follows from the joint
+        free = name in scenario.free_bodies()
+        for part in BODY_SIGNALS if free else ("position_m", "orientation_wxyz"):
             got, wanted = trajectory.signals[f"{name}.{part}"][0], getattr(body, part)
             np.testing.assert_allclose(got, wanted, rtol=1e-6, atol=1e-9, err_msg=f"{name}.{part}")
 
@@ -134,25 +141,67 @@ def features_are_true(backend: Backend, scenario: Scenario, settings: Settings) 
     for feature, kind in _JOINTS.items():
         if feature in backend.features or parent is None:
             continue
-        joint = Joint.model_validate({"type": kind, "parent": parent, "child": child})
+        joint = Joint.model_validate({**kind, "parent": parent, "child": child})
+        bare = {"joints": {"joint": joint}, "actuators": {}, "sensors": {}}
         try:
-            backend.open(scenario.model_copy(update={"joints": {"joint": joint}}), settings).close()
+            backend.open(scenario.model_copy(update=bare), settings).close()
         except Unsupported:
             continue
-        raise AssertionError(f"{backend.name} leaves out a {kind} joint without a word")
+        raise AssertionError(f"{backend.name} leaves out {feature} without a word")
 
 
-_JOINTS = {Feature.HINGE: "hinge", Feature.SLIDER: "slider", Feature.BALL_JOINT: "ball"}
+_JOINTS: dict[Feature, dict[str, str | float]] = {
+    Feature.HINGE: {"type": "hinge"},
+    Feature.SLIDER: {"type": "slider"},
+    Feature.BALL_JOINT: {"type": "ball"},
+    Feature.JOINT_LIMIT: {"type": "hinge", "upper": 1.0},
+}
+
+
+def bodies_hang_on_their_joints(backend: Backend, scenario: Scenario, settings: Settings) -> None:
+    """Where the engine itself has a body is where its joints put it, to 0.1 mm."""
+    if not scenario.joints:
+        return
+    simulation = backend.open(_shorter(scenario), settings)
+    try:
+        for _ in range(20):
+            simulation.step()
+        # a scene may fall over by default; where its bodies are must be known all the same
+        for body, motion in simulation.state.bodies.items():
+            np.testing.assert_allclose(
+                simulation.origin_of(body), motion.position_m, rtol=0, atol=1e-4, err_msg=body
+            )
+    finally:
+        simulation.close()
+
+
+def inputs_drive_joints(backend: Backend, scenario: Scenario, settings: Settings) -> None:
+    """Inputs that are given in a step replace the scenario's signals; nonsense is refused."""
+    if not scenario.inputs:
+        return
+    simulation = backend.open(_shorter(scenario), settings)
+    try:
+        simulation.step(dict.fromkeys(scenario.inputs, 0.0))
+        for wrong in ({"no such input": 1.0}, dict.fromkeys(scenario.inputs, math.nan), [1.0]):
+            try:
+                simulation.step(wrong)  # type: ignore[arg-type]
+            except SimcompareError:
+                continue
+            raise AssertionError(f"{backend.name} takes the inputs {wrong}")
+    finally:
+        simulation.close()
 
 
 def flies_freely(backend: Backend, scenario: Scenario, settings: Settings) -> None:
-    """Lifted off and thrown, every body moves as gravity says, up to the first-order g·dt·t."""
+    """Lifted off and thrown, free bodies move as gravity says, up to the first-order g·dt·t."""
+    if not scenario.free_bodies():
+        return
     thrown = _thrown(scenario)
     trajectory = backend.simulate(thrown, settings)
     world = thrown.world
     gravity = np.array(world.gravity_m_s2)
     t = trajectory.time_s[:, None]
-    slack = float(np.linalg.norm(gravity)) * world.step_s
+    slack = float(np.linalg.norm(gravity)) * world.engine_step_s
     for name, body in thrown.moving_bodies().items():
         wanted = np.array(body.position_m) + np.array(body.velocity_m_s) * t + gravity * t**2 / 2
         got = trajectory.signals[f"{name}.position_m"]
@@ -171,8 +220,23 @@ CHECKS: tuple[Check, ...] = (
     state_can_be_restored,
     values_are_read_back,
     features_are_true,
+    bodies_hang_on_their_joints,
+    inputs_drive_joints,
     flies_freely,
 )
+
+
+def _further_signals(scenario: Scenario) -> dict[str, int]:
+    """What is recorded besides bodies, with the number of components."""
+    found = {}
+    for name, joint in scenario.movable_joints().items():
+        found.update({f"{name}.{part}": 1 for part in MOVABLE[joint.type]})
+    for name, actuator in scenario.actuators.items():
+        found.update({f"{name}.{part}": 1 for part in ACTUATOR_SIGNALS[actuator.type]})
+    for name, sensor in scenario.sensors.items():
+        part, width = SENSOR_SIGNALS[sensor.type]
+        found[f"{name}.{part}"] = width
+    return found
 
 
 def _shorter(scenario: Scenario) -> Scenario:
@@ -183,16 +247,20 @@ def _shorter(scenario: Scenario) -> Scenario:
 
 
 def _thrown(scenario: Scenario) -> Scenario:
-    """The same bodies 100 m up, thrown within the x-z plane, for a fifth of a second, undragged."""
+    """The free bodies 100 m up, thrown within the x-z plane, for a fifth of a second, undragged."""
     bodies = {}
+    free = scenario.free_bodies()
     for name, body in scenario.bodies.items():
         if body.fixed:
             bodies[name] = body
+        if name not in free:
             continue
         x, y, z = body.position_m
         moved = {"position_m": (x, y, z + 100), "velocity_m_s": (1.5, 0.0, 2.0), "drag": None}
         bodies[name] = body.model_copy(update=moved)
-    thrown = scenario.model_copy(update={"bodies": bodies})
+    contacts = tuple(c for c in scenario.contacts if all(name in bodies for name in c.pair))
+    bare: dict[str, object] = {"joints": {}, "actuators": {}, "sensors": {}, "contacts": contacts}
+    thrown = scenario.model_copy(update={"bodies": bodies, **bare})
     return _with_world(thrown, duration_s=0.2)
 
 

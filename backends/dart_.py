@@ -14,7 +14,9 @@ from simcompare.pairs import per_body_product, touching_pairs
 from simcompare.rotations import matrix_of, quaternions_of, rotation_vector_of
 from simcompare.scenario import Body, Scenario
 from simcompare.shapes import Shape, Vector
-from simcompare.simulation import BodyState, Simulation, has_drag
+from simcompare.free_motion import has_drag
+from simcompare.simulation import Simulation
+from simcompare.state import BodyState
 from simcompare.trajectory import Array
 
 #: longest step during an impact [s]

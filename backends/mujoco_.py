@@ -29,7 +29,8 @@ from simcompare.pairs import touching_pairs
 from simcompare.rotations import rotate
 from simcompare.scenario import MOVABLE, Body, Contact, Scenario
 from simcompare.shapes import Shape, Vector
-from simcompare.simulation import BodyState, Simulation
+from simcompare.simulation import Simulation
+from simcompare.state import BodyState
 from simcompare.trajectory import Array
 
 #: √(k/m) of a bouncing contact [rad/s]: it lasts 0.03 ms, far below any step that is recorded
@@ -119,7 +120,8 @@ class MujocoSimulation(Simulation):
         return np.concatenate((self._data.qpos, self._data.qvel))
 
     def forces(self) -> list[float]:
-        return self._forces_of(self._data.sensordata[None])[0].tolist()
+        found: list[float] = self._forces_of(self._data.sensordata[None])[0].tolist()
+        return found
 
     def _forces_of(self, sensordata: Array) -> Array:
         """Readings (n, k) of force sensors; a contact sensor gives the normal force of each point.
@@ -147,9 +149,7 @@ class MujocoSimulation(Simulation):
         self._mujoco.mj_getState(self._model, self._data, start, self._full)
         steps = count * self.substeps
         control = None if self._drive is None else self._drive.rows(steps)[None]
-        states, sensed = rollout.rollout(
-            self._model, self._data, start[None], control, nstep=steps
-        )
+        states, sensed = rollout.rollout(self._model, self._data, start[None], control, nstep=steps)
         self._mujoco.mj_setState(self._model, self._data, states[0, -1], self._full)
         motion = states[0, self.substeps - 1 :: self.substeps, 1 : 1 + self._nq + self._nv]
         if not self._force_sensors:

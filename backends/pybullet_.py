@@ -14,7 +14,9 @@ from simcompare.landing import ContactSteps
 from simcompare.pairs import per_body_product, refuse_offsets, touching_pairs
 from simcompare.scenario import Body, Scenario
 from simcompare.shapes import Shape, Vector
-from simcompare.simulation import BodyState, Simulation, has_drag
+from simcompare.free_motion import has_drag
+from simcompare.simulation import Simulation
+from simcompare.state import BodyState
 from simcompare.trajectory import Array
 
 #: longest step during an impact [s]; the bias g·dt/v of reduced coordinates stays below 1e-4 down

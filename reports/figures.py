@@ -88,6 +88,7 @@ class Panel:
         bands: drawn below everything.
         x_ticks: names at x = 0, 1, 2, …; ``None`` for numbers.
         log_y: whether y is logarithmic.
+        log_x: whether x is logarithmic.
         y_range: lowest and highest y, ``None`` to fit the data.
         whole_x: whether x is a count, so that only whole numbers mean something.
         weight: part of the figure's width that it takes, relative to the other panels.
@@ -100,6 +101,7 @@ class Panel:
     bands: tuple[Band, ...] = ()
     x_ticks: tuple[str, ...] | None = None
     log_y: bool = False
+    log_x: bool = False
     y_range: tuple[float, float] | None = None
     whole_x: bool = False
     weight: float = 1.0

@@ -116,6 +116,8 @@ def _frame(axes: Axes, panel: Panel, *, labelled: bool) -> None:
         axes.set_ylabel(panel.y_label)
     if panel.log_y:
         axes.set_yscale("log")
+    if panel.log_x:
+        axes.set_xscale("log")
     if panel.y_range is not None:
         axes.set_ylim(*panel.y_range)
     if panel.whole_x:

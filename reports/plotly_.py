@@ -114,6 +114,8 @@ def _x_axis(panel: Panel, domain: tuple[float, float], axis: str) -> dict[str, A
         found["range"] = list(panel.x_range)
         if panel.whole_x:
             found |= {"tick0": 0, "dtick": max(1, round((panel.x_range[1]) / 10))}
+    if panel.log_x:
+        found |= {"type": "log", "dtick": 1, "minor": {"dtick": "D1", "ticks": "outside"}}
     if panel.x_ticks is not None:
         count = len(panel.x_ticks)
         found |= {

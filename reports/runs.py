@@ -87,6 +87,11 @@ def unit_words(unit: str) -> str:
     return "" if unit in ("", "1") else f" ({unit})"
 
 
+def axes(run: Run) -> dict[str, str]:
+    """Series that are drawn over another one: measure -> the measure that gives its x values."""
+    return {str(name): str(axis) for name, axis in (run.record.get("axes") or {}).items()}
+
+
 def probes(run: Run) -> dict[str, Probe]:
     """The probes of a run's scenario, the leading one first."""
     return {name: Probe(**probe) for name, probe in (run.record.get("probes") or {}).items()}

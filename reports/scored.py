@@ -28,9 +28,15 @@ LEAST_SHARE = 1e-3
 
 
 def event_measures(run: Run) -> list[str]:
-    """What was measured per event and has a truth; what has a tolerance first."""
+    """What was measured per event and has a truth; what has a tolerance first.
+
+    Series over an axis of their own are curves, see ``curves``.
+    """
+    curves = {name for pair in runs.axes(run).items() for name in pair}
     found = dict.fromkeys(
-        s.measure for s in run.scores if s.index is not None and s.truth is not None
+        s.measure
+        for s in run.scores
+        if s.index is not None and s.truth is not None and s.measure not in curves
     )
     first = [name for name in run.record["tolerances"] if name in found]
     return first + [name for name in found if name not in first]
@@ -129,7 +135,7 @@ def _shares(run: Run, name: str, mode: str, shift: float) -> tuple[Array, Array]
 def _true_line(rows: dict[tuple[str, str], list[Score]]) -> Series:
     longest = max(rows.values(), key=len)
     known = [score for score in longest if score.truth is not None]
-    x, y = _column(known, "index"), _column(known, "truth")
+    x, y = column(known, "index"), column(known, "truth")
     # a single event has no line; its truth is seen a little to either side
     if len(x) == 1:
         x, y = np.array([x[0] - 0.4, x[0] + 0.4]), np.repeat(y, 2)
@@ -149,19 +155,20 @@ def _event_series(
             known = [s for s in rows.get((name, mode), []) if s.truth is not None]
             if not known:
                 continue
-            y, u = _column(known, "value"), _column(known, "u")
+            y, u = column(known, "value"), column(known, "u")
             if relative is not None:
-                true = _column(known, "truth")
+                true = column(known, "truth")
                 scale = 100 / np.abs(true) if relative else 1.0
                 y, u = (y - true) * scale, u * scale
             style = replace(style_of(name), hollow=mode == DEFAULT and len(runs.modes(run)) > 1)
-            x = _column(known, "index") + spread(i, len(names))
+            x = column(known, "index") + spread(i, len(names))
             bars = u if np.isfinite(u).any() else None
             series.append(Series(name, x, y, style, bars, points=True, line=len(known) > 1))
     return tuple(series)
 
 
-def _column(scores: Sequence[Score], field: str) -> Array:
+def column(scores: Sequence[Score], field: str) -> Array:
+    """One field of some scores (n,); NaN where there is none."""
     values = [getattr(score, field) for score in scores]
     return np.array([np.nan if value is None else float(value) for value in values])
 

@@ -11,8 +11,10 @@ from typing import Any
 
 _PUBLIC = {
     "run": "simcompare.experiment",
+    "control": "simcompare.closed_loop",
     "Run": "simcompare.results",
     "load_run": "simcompare.store",
+    "export": "simcompare.exporters",
     "Scenario": "simcompare.scenario",
     "Trajectory": "simcompare.trajectory",
     "Settings": "simcompare.backend",

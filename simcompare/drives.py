@@ -160,5 +160,5 @@ class Drive:
 
     def _scheduled(self, first: int, count: int) -> Array:
         lead = self._lead if self._exact else 0
-        times = (np.arange(first, first + count) + lead) * self._step_s
+        times = np.asarray((np.arange(first, first + count) + lead) * self._step_s, dtype=float)
         return open_loop(self.laws, input_values(self._scenario, times), count)

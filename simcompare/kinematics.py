@@ -1,7 +1,7 @@
 """Where bodies on joints are, from the motion of the free ones and the joints' coordinates.
 
-Engines in reduced coordinates hold only those, and compute the same chain themselves; taking it here
-once for a whole recording is cheaper than asking for every body in every step.
+Engines in reduced coordinates hold only those, and compute the same chain themselves; taking it
+here once for a whole recording is cheaper than asking for every body in every step.
 """
 
 from __future__ import annotations

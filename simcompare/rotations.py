@@ -43,7 +43,7 @@ def multiply(first_wxyz: Array, second_wxyz: Array) -> Array:
 
 def conjugate(orientation_wxyz: Array) -> Array:
     """Inverse rotations (n, 4) of unit quaternions wxyz."""
-    return orientation_wxyz * np.array((1.0, -1.0, -1.0, -1.0))
+    return np.asarray(orientation_wxyz * np.array((1.0, -1.0, -1.0, -1.0)), dtype=float)
 
 
 def rotation_vectors_of(orientation_wxyz: Array) -> Array:

@@ -157,9 +157,7 @@ class Sensor(Pose):
     atmosphere at its height), ``encoder`` (whole marks that have passed).
     """
 
-    type: Literal[
-        "force", "contact_force", "accelerometer", "gyroscope", "barometer", "encoder"
-    ]
+    type: Literal["force", "contact_force", "accelerometer", "gyroscope", "barometer", "encoder"]
     body: str | None = None
     joint: str | None = None
     pair: tuple[str, str] | None = None

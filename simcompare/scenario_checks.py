@@ -11,6 +11,7 @@ from simcompare.scenario import (
     MOVABLE,
     SENSOR_SIGNALS,
     Joint,
+    Measure,
     Probe,
     Scenario,
 )
@@ -64,6 +65,15 @@ def _references(
     for i, contact in enumerate(scenario.contacts):
         for body in contact.pair:
             yield f"contacts.{i}.pair", body, *bodies
+    yield from _observed(scenario)
+    if scenario.dither is not None:
+        yield "dither.parameter", scenario.dither.parameter, "parameter", scenario.parameters
+
+
+def _observed(
+    scenario: Scenario,
+) -> Iterator[tuple[str, str | None, str, Mapping[str, object]]]:
+    """Names that probes and measures use."""
     observable = {
         **scenario.bodies, **scenario.joints, **scenario.sensors, **scenario.actuators
     }  # fmt: skip
@@ -74,8 +84,6 @@ def _references(
         yield f"measures.{i}.probe", measure.probe, "probe", scenario.probes
         for role, probe_name in measure.also.items():
             yield f"measures.{i}.also.{role}", probe_name, "probe", scenario.probes
-    if scenario.dither is not None:
-        yield "dither.parameter", scenario.dither.parameter, "parameter", scenario.parameters
 
 
 def _pairs_given_twice(scenario: Scenario) -> dict[str, str]:
@@ -183,28 +191,31 @@ def _unjudged_tolerances(scenario: Scenario) -> dict[str, str]:
         except UnknownName as error:
             found[f"measures.{i}.function"] = str(error)
             continue
-        for key, needed, given in (
-            ("also", module.ROLES, measure.also),
-            ("options", module.OPTIONS, measure.options),
-        ):
-            for name in set(needed) ^ set(given):
-                fault = "is missing" if name in needed else "is not known"
-                have = ", ".join(needed) or "none"
-                found[f"measures.{i}.{key}.{name}"] = (
-                    f"{fault}; {measure.function} needs: {have}"
-                )
-        for name in measure.names:
-            if name not in module.UNITS:
-                found[f"measures.{i}.names.{name}"] = str(
-                    UnknownName("measured value", name, module.UNITS)
-                )
+        found.update(_measure_faults(f"measures.{i}", measure, module))
         names = [measure.names.get(name, name) for name in module.UNITS]
         for name in names:
             if name in measured:
-                found[f"measures.{i}"] = f"{name} is measured twice; give it another of names:"
+                found[f"measures.{i}"] = f"{name} is measured twice; give it another name in names"
         measured.update(names)
     if not found:
         for name in scenario.tolerances:
             if name not in measured:
                 found[f"tolerances.{name}"] = str(UnknownName("measured value", name, measured))
+    return found
+
+
+def _measure_faults(place: str, measure: Measure, module: measures.MeasureModule) -> dict[str, str]:
+    """Roles and options that are missing or unknown, and new names for what is not measured."""
+    found = {}
+    for key, needed, given in (
+        ("also", module.ROLES, measure.also),
+        ("options", module.OPTIONS, measure.options),
+    ):
+        for name in sorted(set(needed) ^ set(given)):
+            fault = "is missing" if name in needed else "is not known"
+            have = ", ".join(needed) or "none"
+            found[f"{place}.{key}.{name}"] = f"{fault}; {measure.function} needs: {have}"
+    for name in measure.names:
+        if name not in module.UNITS:
+            found[f"{place}.names.{name}"] = str(UnknownName("measured value", name, module.UNITS))
     return found

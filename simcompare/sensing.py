@@ -1,8 +1,8 @@
 """What ideal sensors and actuators read, from recorded motion: the same for every source.
 
 Rates and accelerations are taken from positions and angles by central differences, since engines
-store velocities half a step away from positions; at both ends they are one-sided. Both are of second
-order in the time between samples.
+store velocities half a step away from positions; at both ends they are one-sided. Both are of
+second order in the time between samples.
 """
 
 from __future__ import annotations
@@ -141,7 +141,7 @@ def _accelerometer(
     """Specific force f = Rᵀ(a - g) at the sensor's place, in its frame (n, 3)."""
     position, orientation = _pose(scenario, sensor, len(time_s), signals)
     felt = acceleration_of(position, time_s) - np.array(scenario.world.gravity_m_s2)
-    return rotate(conjugate(orientation), felt)
+    return rotate(conjugate(orientation), np.asarray(felt, dtype=float))
 
 
 def _gyroscope(

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Literal
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, PositiveFloat, model_validator
 
 from simcompare.shapes import Frozen
 
-if TYPE_CHECKING:
-    from simcompare.trajectory import Array
+Array = NDArray[np.float64]
 
 
 class Constant(Frozen):
@@ -21,7 +22,7 @@ class Constant(Frozen):
 
     def at(self, time_s: Array) -> Array:
         """Values at the given times (n,)."""
-        return _numpy().full(len(time_s), self.value)
+        return np.asarray(np.full(len(time_s), self.value), dtype=float)
 
 
 class Step(Frozen):
@@ -34,7 +35,7 @@ class Step(Frozen):
 
     def at(self, time_s: Array) -> Array:
         """Values at the given times (n,)."""
-        return _numpy().where(time_s < self.time_s, self.before, self.after)
+        return np.asarray(np.where(time_s < self.time_s, self.before, self.after), dtype=float)
 
 
 class Ramp(Frozen):
@@ -54,7 +55,9 @@ class Ramp(Frozen):
 
     def at(self, time_s: Array) -> Array:
         """Values at the given times (n,)."""
-        return _numpy().interp(time_s, (self.start_s, self.end_s), (self.start, self.end))
+        return np.asarray(
+            np.interp(time_s, (self.start_s, self.end_s), (self.start, self.end)), dtype=float
+        )
 
 
 class Sine(Frozen):
@@ -69,7 +72,9 @@ class Sine(Frozen):
     def at(self, time_s: Array) -> Array:
         """Values at the given times (n,)."""
         turns = 2 * math.pi * self.frequency_Hz * time_s
-        return self.offset + self.amplitude * _numpy().sin(turns + self.phase_rad)
+        return np.asarray(
+            self.offset + self.amplitude * np.sin(turns + self.phase_rad), dtype=float
+        )
 
 
 class SineSteps(Frozen):
@@ -86,13 +91,12 @@ class SineSteps(Frozen):
 
     def at(self, time_s: Array) -> Array:
         """Values at the given times (n,)."""
-        numpy = _numpy()
         # rounding must not put the first sample of a step into the one before
-        place = numpy.floor(time_s / self.dwell_s + 1e-9).astype(int)
+        place = np.floor(time_s / self.dwell_s + 1e-9).astype(int)
         inside = (place >= 0) & (place < len(self.frequencies_Hz))
-        frequency = numpy.array(self.frequencies_Hz)[numpy.where(inside, place, 0)]
+        frequency = np.array(self.frequencies_Hz)[np.where(inside, place, 0)]
         turns = 2 * math.pi * frequency * (time_s - place * self.dwell_s)
-        return numpy.where(inside, self.amplitude * numpy.cos(turns), 0.0)
+        return np.asarray(np.where(inside, self.amplitude * np.cos(turns), 0.0), dtype=float)
 
 
 class Chirp(Frozen):
@@ -107,9 +111,8 @@ class Chirp(Frozen):
     def at(self, time_s: Array) -> Array:
         """Values at the given times (n,)."""
         growth = math.log(self.end_Hz / self.start_Hz) / self.duration_s
-        numpy = _numpy()
-        turns = numpy.expm1(growth * time_s) / growth if growth else time_s
-        return self.amplitude * numpy.cos(2 * math.pi * self.start_Hz * turns)
+        turns = np.expm1(growth * time_s) / growth if growth else time_s
+        return np.asarray(self.amplitude * np.cos(2 * math.pi * self.start_Hz * turns), dtype=float)
 
 
 class Table(Frozen):
@@ -130,15 +133,9 @@ class Table(Frozen):
 
     def at(self, time_s: Array) -> Array:
         """Values at the given times (n,)."""
-        return _numpy().interp(time_s, self.time_s, self.value)
+        return np.asarray(np.interp(time_s, self.time_s, self.value), dtype=float)
 
 
 Signal = Annotated[
     Constant | Step | Ramp | Sine | SineSteps | Chirp | Table, Field(discriminator="signal")
 ]
-
-
-def _numpy() -> Any:  # noqa: ANN401  (scenarios are read without numpy)
-    import numpy
-
-    return numpy

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 import time
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
@@ -15,11 +14,13 @@ import numpy as np
 from simcompare.audit import Audit, AuditRow
 from simcompare.drives import Drive, input_values
 from simcompare.errors import InputError, UnknownName, Unsupported
+from simcompare.free_motion import FreeMotion
 from simcompare.kinematics import add_children
 from simcompare.landing import ContactSteps, Landing, approaches
-from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Body, Scenario
+from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario
 from simcompare.sensing import complete
 from simcompare.shapes import Vector
+from simcompare.state import BodyState, State
 from simcompare.trajectory import BODY_SIGNALS, Array, Trajectory
 
 #: what a controller reads: every signal now, a number or a tuple of its components
@@ -30,36 +31,7 @@ Controller = Callable[[float, Readings], Mapping[str, float]]
 _RECENT = 5
 
 
-@dataclass(frozen=True)
-class BodyState:
-    """Motion of one body: position [m], orientation wxyz, velocity [m/s], rate [rad/s]; world."""
-
-    position_m: tuple[float, ...]
-    orientation_wxyz: tuple[float, ...]
-    velocity_m_s: tuple[float, ...]
-    rate_rad_s: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class State:
-    """State of a simulation after a whole number of recorded steps.
-
-    Attributes:
-        time_s: time since the scenario's start [s].
-        bodies: motion of every moving body.
-        velocity_step_s: engine step to which the stored velocities belong [s]; see ``landing``.
-        joints: coordinate and rate of every movable joint [rad, rad/s or m, m/s].
-        rates_before: stored rates of the driven joints one engine step earlier; see ``drives``.
-    """
-
-    time_s: float
-    bodies: Mapping[str, BodyState]
-    velocity_step_s: float = field(default=0.0)
-    joints: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    rates_before: tuple[float, ...] | None = None
-
-
-class Simulation(ABC):
+class Simulation(FreeMotion):
     """An opened scene. Engines implement the small hooks; everything else is here.
 
     Args:
@@ -84,13 +56,11 @@ class Simulation(ABC):
         *,
         exact: bool = True,
     ) -> None:
-        self.scenario = scenario
+        super().__init__(scenario)
         self.audit = tuple(audit)
         self.notes: tuple[str, ...] = ()
         self.wall_s = {}
         world = scenario.world
-        self._bodies = scenario.moving_bodies()
-        self._free = scenario.free_bodies()
         self._joints = scenario.movable_joints()
         self._force_sensors = {
             name: sensor
@@ -98,14 +68,12 @@ class Simulation(ABC):
             if sensor.type in ("force", "contact_force")
         }
         self._force_columns = sum(SENSOR_SIGNALS[s.type][1] for s in self._force_sensors.values())
-        self._dragged = any(has_drag(body) for body in self._bodies.values())
         drive = Drive(scenario, world.engine_step_s, self.LEAD, exact)
         self._drive = drive if drive.names else None
         self.substeps = world.substeps
         self._count = 0
-        self._stagger = 0.0
         self._landing: Landing | None = None
-        self._whole_step_s = self._engine_step_s = world.engine_step_s
+        self._whole_step_s = world.engine_step_s
         self._recent: deque[tuple[float, Sequence[float], dict[str, float]]] = deque(maxlen=_RECENT)
         if steps is not None:
             self._prepare_landing(steps)
@@ -145,18 +113,6 @@ class Simulation(ABC):
     @abstractmethod
     def advance(self, count: int) -> None:
         """Takes ``count`` engine steps of the present length, with drag and drive in each."""
-
-    @abstractmethod
-    def set_engine_step(self, step_s: float) -> None:
-        """Sets the length of the engine's step [s]."""
-
-    @abstractmethod
-    def stored_motion(self, body: str) -> tuple[Vector, Vector]:
-        """Position [m] and stored velocity [m/s] of a free body."""
-
-    @abstractmethod
-    def add_velocity(self, body: str, change_m_s: Vector) -> None:
-        """Adds to a free body's stored velocity [m/s]."""
 
     @abstractmethod
     def place(self, body: str, state: BodyState) -> None:
@@ -231,7 +187,8 @@ class Simulation(ABC):
             # how a body on a joint moves follows from the joint
             for part in BODY_SIGNALS if name in self._free else ("position_m", "orientation_wxyz"):
                 compare(f"{name}.{part}", getattr(body, part), getattr(held, part))
-            compare(f"{name}.position_m", body.position_m, self.origin_of(name))
+            if name not in self._free:  # elsewhere the state is the engine's own word already
+                compare(f"{name}.position_m", body.position_m, self.origin_of(name))
         for name, (position, rate) in state.joints.items():
             compare(f"{name}.position", (0.0,), (position,))
             compare(f"{name}.rate", (self._joints[name].rate,), (rate,))
@@ -354,55 +311,9 @@ class Simulation(ABC):
         self.set_engine_step(state.velocity_step_s or self._whole_step_s)
         self._recent.clear()
 
-    # --- what landing uses --------------------------------------------------------------------
-
-    def use_step(self, step_s: float, resting: frozenset[str]) -> None:
-        """Changes the engine's step; moves the stored velocities of all bodies not at rest."""
-        if step_s == self._engine_step_s:
-            return
-        change_s = self._stagger * (step_s - self._engine_step_s)
-        for name in self._free:
-            if name not in resting:
-                _, velocity = self.stored_motion(name)
-                ax, ay, az = self._free_acceleration(name, velocity)
-                self.add_velocity(name, (ax * change_s, ay * change_s, az * change_s))
-        self.set_engine_step(step_s)
-        self._engine_step_s = step_s
-
-    def motion_of(self, body: str) -> tuple[Vector, Vector]:
-        """Position [m] and velocity [m/s] of a body at the same instant."""
-        position, (vx, vy, vz) = self.stored_motion(body)
-        ax, ay, az = self._free_acceleration(body, (vx, vy, vz))
-        lead_s = -self._stagger * self._engine_step_s
-        return position, (vx + ax * lead_s, vy + ay * lead_s, vz + az * lead_s)
-
-    def drag_forces(self) -> list[tuple[str, Vector]]:
-        """Drag [N] on every body that has it, at velocities of the same instant as positions."""
-        forces = []
-        for name, body in self._bodies.items():
-            if has_drag(body):
-                assert body.drag is not None
-                _, (vx, vy, vz) = self.motion_of(name)
-                scale = -body.drag.factor_kg_m * math.sqrt(vx * vx + vy * vy + vz * vz)
-                forces.append((name, (scale * vx, scale * vy, scale * vz)))
-        return forces
-
-    def _free_acceleration(self, name: str, velocity: Vector) -> Vector:
-        body = self._bodies[name]
-        gx, gy, gz = self.scenario.world.gravity_m_s2
-        if not has_drag(body):
-            return gx, gy, gz
-        assert body.drag is not None
-        assert body.mass_kg is not None
-        vx, vy, vz = velocity
-        per_mass = body.drag.factor_kg_m / body.mass_kg * math.sqrt(vx * vx + vy * vy + vz * vz)
-        return gx - per_mass * vx, gy - per_mass * vy, gz - per_mass * vz
-
     # --- the whole run ------------------------------------------------------------------------
 
-    def run(
-        self, source: str, version: str, controller: Controller | None = None
-    ) -> Trajectory:
+    def run(self, source: str, version: str, controller: Controller | None = None) -> Trajectory:
         """Records the scenario from its start to its end.
 
         Args:
@@ -499,8 +410,3 @@ def sample_times(scenario: Scenario) -> Array:
     """Times of all samples of a scenario [s], the start included."""
     count = round(scenario.world.duration_s / scenario.world.step_s)
     return np.asarray(np.arange(count + 1) * scenario.world.step_s, dtype=float)
-
-
-def has_drag(body: Body) -> bool:
-    """Whether air drag acts on a body."""
-    return body.drag is not None and body.drag.factor_kg_m > 0

@@ -102,10 +102,10 @@ def test_a_planar_engine_refuses_motion_out_of_its_plane():
 @pytest.mark.parametrize("engine", ENGINES)
 def test_what_no_backend_builds_yet_is_refused(engine):
     scenario = BALL.resolve({}).model_dump()
-    scenario["joints"] = {"hinge": {"type": "hinge", "parent": "floor", "child": "ball"}}
+    scenario["joints"] = {"joint": {"type": "ball", "parent": "floor", "child": "ball"}}
     backend = engines.get(engine)
-    assert Feature.HINGE not in backend.features
-    with pytest.raises(Unsupported, match="hinge joints"):
+    assert Feature.BALL_JOINT not in backend.features
+    with pytest.raises(Unsupported, match="ball joints"):
         backend.simulate(Scenario.model_validate(scenario), Settings())
 
 

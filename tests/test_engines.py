@@ -80,7 +80,7 @@ def test_a_toy_engine_over_a_package_gets_the_frame_for_nothing(add_engine, fall
         "    def add_velocity(self, body, change_m_s): raise NotImplementedError\n"
         "    def place(self, body, state): raise NotImplementedError\n"
         "    def row(self): return (self.z - 9.80665 * self.t**2 / 2, -9.80665 * self.t)\n"
-        "    def signals(self, rows):\n"
+        "    def motions(self, rows):\n"
         "        zero = np.zeros(len(rows))\n"
         "        turned = np.tile([1.0, 0, 0, 0], (len(rows), 1))\n"
         "        return {'ball.position_m': np.column_stack((zero, zero, rows[:, 0])),\n"

@@ -48,7 +48,7 @@ class Point(Simulation):
     def row(self):
         return (self.z, self.v)
 
-    def signals(self, rows):
+    def motions(self, rows):
         zero = np.zeros(len(rows))
         return {
             "ball.position_m": np.column_stack((zero, zero, rows[:, 0])),

@@ -57,7 +57,7 @@ inputs:
   right_torque: {signal: step, after: "${-torque_N_m}", time_s: 0.5}
 sensors:
   imu: {type: accelerometer, body: chassis, position_m: [0, 0, 0.03]}
-  left_encoder: {type: encoder, joint: left}
+  left_encoder: {type: encoder, joint: left, marks: 20}
 contacts:
   - {pair: [left_wheel, floor], friction: 0.8}
   - {pair: [right_wheel, floor], friction: 0.8}
@@ -101,8 +101,7 @@ def test_what_a_robot_needs_is_derived_from_its_content(robot):
         Feature.CYLINDER,
         Feature.FRICTION,
         Feature.HINGE,
-        Feature.ACTUATOR,
-        Feature.SENSOR,
+        Feature.EFFORT,
     }
 
 

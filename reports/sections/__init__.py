@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from simcompare.reports.sections.base import Section
 from simcompare.reports.sections.contrast import Contrast
+from simcompare.reports.sections.curves import Curves
 from simcompare.reports.sections.energy import Energy
 from simcompare.reports.sections.events import Events
 from simcompare.reports.sections.given import Given
@@ -18,6 +19,7 @@ from simcompare.reports.sections.signals import Signals
 SECTIONS: tuple[Section, ...] = (
     Headline(),
     Measured(),
+    Curves(),
     Events(),
     Energy(),
     Contrast(),

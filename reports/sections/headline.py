@@ -6,7 +6,7 @@ from typing import Any
 
 from simcompare.backend import DEFAULT
 from simcompare.jobs import OK
-from simcompare.reports import runs, timelines, words
+from simcompare.reports import curves, runs, timelines, words
 from simcompare.reports.figures import style_of
 from simcompare.reports.sections.base import Section
 from simcompare.results import Run
@@ -20,13 +20,17 @@ class Headline(Section):
     def context(self, run: Run) -> dict[str, Any]:
         """Answer, figure of the leading probe, and a scoreboard."""
         leading = list(runs.probes(run).items())[:1]
+        figures = [timelines.probe_figure(run, name, probe) for name, probe in leading]
+        over = [axis for axis in curves.axes_drawn(run) if curves.is_answer(run, axis)]
+        if over:  # a curve over something else than time answers more than its making
+            figures = [curves.curves_figure(run, over[0])]
         judged = runs.judged(run)
         measures = judged or runs.measures(run)
         lead = measures[0] if measures else None
         return {
             "question": run.record["question"],
             "answer": words.answer(run),
-            "figures": [timelines.probe_figure(run, name, probe) for name, probe in leading],
+            "figures": figures,
             "modes": [runs.mode_words(mode) for mode in runs.modes(run)],
             "lead": runs.measure_words(lead) if lead else None,
             "lead_unit": _unit(run, lead),

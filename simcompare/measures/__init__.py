@@ -49,6 +49,7 @@ class Request:
             raise UnknownName("role of a probe", role, self.also)
         return observe(trajectory, self.also[role])
 
+
 @dataclass(frozen=True)
 class Measured:
     """What one measure found in one trajectory.

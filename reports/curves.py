@@ -1,0 +1,148 @@
+"""Figures of series over an axis of their own, such as a response over frequency."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from simcompare.backend import DEFAULT
+from simcompare.compare import Score
+from simcompare.reports import runs
+from simcompare.reports.figures import (
+    TRUTH_STYLE,
+    Figure,
+    Panel,
+    Series,
+    style_of,
+)
+from simcompare.reports.scored import column, events_of
+from simcompare.results import TRUTH, Run
+from simcompare.trajectory import Array
+
+#: curves of more points than this are drawn as lines only
+_FEW = 40
+#: units in which a deviation is not taken as a part of the value
+_ABSOLUTE = ("deg", "rad", "s")
+
+
+def axes_drawn(run: Run) -> list[str]:
+    """Measures that serve as an axis and were found, in the order of the scenario."""
+    found = {score.measure for score in run.scores if score.index is not None}
+    return [axis for axis in dict.fromkeys(runs.axes(run).values()) if axis in found]
+
+
+def over(run: Run, axis: str) -> list[str]:
+    """Measures that are drawn over an axis."""
+    return [name for name, own in runs.axes(run).items() if own == axis]
+
+
+def is_answer(run: Run, axis: str) -> bool:
+    """Whether an axis is something else than time, so that its curves answer the question."""
+    return _unit(run, axis) != "s"
+
+
+def curves_figure(run: Run, axis: str) -> Figure:
+    """Everything that is drawn over one axis, one panel each."""
+    panels = tuple(_values(run, axis, measure) for measure in over(run, axis))
+    names = [runs.measure_words(measure) for measure in over(run, axis)]
+    listed = " and ".join((", ".join(names[:-1]), names[-1])) if len(names) > 1 else names[0]
+    title = f"{listed[0].upper()}{listed[1:]} over {runs.measure_words(axis)}"
+    caption = f"The thick grey line is the truth ({TRUTH}). "
+    if DEFAULT in runs.modes(run) and len(runs.modes(run)) > 1:
+        caption += "Hollow points are the engines by default, full ones with the physics mapped."
+    return Figure(f"curves-{axis}", title, caption.strip(), panels)
+
+
+def deviations_figure(run: Run, axis: str) -> Figure | None:
+    """How far every curve over an axis is from the truth; ``None`` where there is no truth."""
+    panels = [_deviations(run, axis, measure) for measure in over(run, axis)]
+    drawn = tuple(panel for panel in panels if panel.series)
+    if not drawn:
+        return None
+    modes = " and ".join(runs.mode_words(mode) for mode in runs.judged_modes(run))
+    return Figure(
+        f"deviations-{axis}",
+        f"Deviation from the truth over {runs.measure_words(axis)}",
+        f"Engines {modes}; an engine that is right runs along zero.",
+        drawn,
+    )
+
+
+def _values(run: Run, axis: str, measure: str) -> Panel:
+    rows = events_of(run, measure)
+    modes = sorted(runs.modes(run), key=lambda mode: mode != DEFAULT)
+    series = [
+        _curve(run, name, mode, (axis, measure), rows.get((name, mode), []))
+        for mode in modes
+        for name in runs.names(run)
+        if rows.get((name, mode))
+    ]
+    return Panel(
+        runs.measure_words(measure),
+        _label(run, axis),
+        _label(run, measure),
+        (*_truth(run, axis, measure), *series),
+        log_x=_unit(run, axis) == "Hz",
+    )
+
+
+def _deviations(run: Run, axis: str, measure: str) -> Panel:
+    rows = events_of(run, measure)
+    unit = _unit(run, measure)
+    found = [score for scores in rows.values() for score in scores if score.truth is not None]
+    # a part of a value that passes through zero means nothing
+    relative = unit not in _ABSOLUTE and all(score.truth for score in found)
+    series = []
+    for mode in runs.judged_modes(run):
+        for name in runs.names(run):
+            known = [s for s in rows.get((name, mode), []) if s.truth is not None]
+            if not known:
+                continue
+            true = column(known, "truth")
+            scale = 100 / np.abs(true) if relative else 1.0
+            drawn = _curve(run, name, mode, (axis, measure), known)
+            series.append(replace(drawn, y=(column(known, "value") - true) * scale))
+    label = "deviation (%)" if relative else f"deviation{runs.unit_words(unit)}"
+    return Panel(
+        runs.measure_words(measure), _label(run, axis), label, tuple(series),
+        log_x=_unit(run, axis) == "Hz",
+    )  # fmt: skip
+
+
+def _curve(
+    run: Run, name: str, mode: str, names: tuple[str, str], scores: Sequence[Score]
+) -> Series:
+    axis, _ = names
+    x = _places(run, axis, (name, mode), scores)
+    plain = mode == DEFAULT and len(runs.modes(run)) > 1
+    style = replace(style_of(name), hollow=plain)
+    few = len(scores) <= _FEW
+    return Series(name, x, column(scores, "value"), style, points=few, line=not (few and plain))
+
+
+def _truth(run: Run, axis: str, measure: str) -> list[Series]:
+    for key, scores in events_of(run, measure).items():
+        known = [score for score in scores if score.truth is not None]
+        if known:
+            x = _places(run, axis, key, known, of="truth")
+            return [Series(f"truth ({TRUTH})", x, column(known, "truth"), TRUTH_STYLE)]
+    return []
+
+
+def _places(
+    run: Run, axis: str, key: tuple[str, str], scores: Sequence[Score], of: str = "value"
+) -> Array:
+    """Where on the axis the scores of one source stand; what has no place there is a gap."""
+    places = {score.index: getattr(score, of) for score in events_of(run, axis).get(key, [])}
+    found = [places.get(score.index) for score in scores]
+    return np.array([np.nan if value is None else float(value) for value in found])
+
+
+def _label(run: Run, measure: str) -> str:
+    return f"{runs.measure_words(measure)}{runs.unit_words(_unit(run, measure))}"
+
+
+def _unit(run: Run, measure: str) -> str:
+    return next((score.unit for score in run.scores if score.measure == measure), "1")

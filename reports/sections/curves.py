@@ -1,0 +1,26 @@
+"""Series over an axis of their own, such as a response over frequency."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from simcompare.reports import curves
+from simcompare.reports.sections.base import Section
+from simcompare.results import Run
+
+
+class Curves(Section):
+    """Curves, and how far they are from the truth."""
+
+    name, title, template = "curves", "Curves", "figures.html"
+
+    def context(self, run: Run) -> dict[str, Any] | None:
+        """Figures for each axis; ``None`` where nothing was measured over one.
+
+        The curves that lead the report are not drawn a second time.
+        """
+        axes = curves.axes_drawn(run)
+        leading = [axis for axis in axes if curves.is_answer(run, axis)][:1]
+        figures = [curves.curves_figure(run, axis) for axis in axes if axis not in leading]
+        figures += [f for axis in axes if (f := curves.deviations_figure(run, axis)) is not None]
+        return {"figures": figures} if figures else None
