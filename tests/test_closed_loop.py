@@ -1,0 +1,116 @@
+"""A controller in the loop: what it reads, what it sets, and what it must not return."""
+
+import math
+
+import numpy as np
+import pytest
+
+import simcompare
+from simcompare import catalogue, engines
+from simcompare.backend import Settings, needs
+from simcompare.errors import InputError, UnknownName
+
+ENGINES = engines.names()
+SPATIAL = [
+    name
+    for name in ENGINES
+    if not needs(catalogue.load("robot").resolve()) - engines.get(name).features
+]
+
+
+def speed_controller(target_m_s, gain=0.2):
+    def torques(time_s, readings):
+        effort = gain * (target_m_s - readings["chassis.velocity_m_s"][0])
+        return {"left_drive": effort, "right_drive": effort}
+
+    return torques
+
+
+@pytest.mark.parametrize("engine", SPATIAL)
+def test_a_speed_controller_reaches_its_speed_on_every_engine(engine):
+    found = simcompare.control("robot", speed_controller(0.3), engine=engine)
+    speed = found.signals["chassis.velocity_m_s"][:, 0]
+    # proportional only: the error dies out with (m + 2J/r²)·r/2k = 0.05 s and leaves nothing
+    assert speed[-1] == pytest.approx(0.3, rel=1e-3)
+    assert speed.max() < 0.3 * 1.001
+    # the actuators tell what the controller gave
+    torque = found.signals["left_motor.torque_N_m"]
+    assert torque[0] == pytest.approx(0.06)
+    assert abs(torque[-1]) < 1e-4
+
+
+@pytest.mark.parametrize("engine", SPATIAL)
+def test_a_controller_that_repeats_the_signals_changes_nothing(engine):
+    scenario = catalogue.load("robot").resolve()
+    whole = engines.get(engine).simulate(scenario, Settings())
+    torque = scenario.parameters["torque_N_m"]
+    found = simcompare.control(
+        "robot", lambda t, r: {"left_drive": torque, "right_drive": torque}, engine=engine
+    )
+    np.testing.assert_allclose(
+        found.signals["chassis.position_m"], whole.signals["chassis.position_m"], atol=1e-9
+    )
+
+
+def test_readings_have_every_signal_as_plain_numbers():
+    seen = []
+
+    def look(time_s, readings):
+        seen.append((time_s, readings))
+        return {}
+
+    simcompare.control("robot", look, engine=SPATIAL[0])
+    time_s, readings = seen[100]
+    assert time_s == pytest.approx(0.1)
+    assert isinstance(readings["left.angle_rad"], float)
+    assert len(readings["chassis.orientation_wxyz"]) == 4
+    # rates from the last samples, though a controller knows nothing of the future
+    assert readings["left_motor.torque_N_m"] == pytest.approx(0.02)
+    assert seen[0][1]["chassis.velocity_m_s"] == (0.0, 0.0, 0.0)
+
+
+def test_inputs_that_are_left_out_follow_their_signals():
+    left_off = simcompare.control(
+        "robot", lambda t, r: {"left_drive": 0.0}, engine=SPATIAL[0]
+    ).signals
+    assert left_off["right_motor.torque_N_m"][50] == pytest.approx(0.02)
+    assert left_off["left_motor.torque_N_m"][50] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"left_drive": math.nan}, "left_drive = nan is not a finite number"),
+        ({"left_drive": np.array([1.0, 2.0])}, r"left_drive = array\(\[1., 2.\]\) is not one numb"),
+        ({"left_drive": "fast"}, "left_drive = 'fast' is not one number"),
+        ([0.1, 0.2], "found a list; expected a mapping of input -> number"),
+        (0.1, "found a float; expected a mapping"),
+    ],
+)
+def test_a_controller_that_returns_nonsense_is_told_what_and_when(given, words):
+    with pytest.raises(InputError, match=words) as caught:
+        simcompare.control("robot", lambda t, r: given if t > 0.0495 else {}, engine=SPATIAL[0])
+    assert "t = 0.05 s" in str(caught.value)
+
+
+def test_both_faults_of_one_step_are_told():
+    with pytest.raises(InputError) as caught:
+        simcompare.control(
+            "robot", lambda t, r: {"left_drive": math.inf, "right_drive": None}, engine=SPATIAL[0]
+        )
+    assert len(caught.value.faults) == 2
+
+
+def test_an_input_that_does_not_exist_is_named_with_the_nearest():
+    with pytest.raises(UnknownName, match="did you mean left_drive"):
+        simcompare.control("robot", lambda t, r: {"left_drve": 0.0}, engine=SPATIAL[0])
+
+
+def test_a_controller_of_a_scene_without_inputs_may_only_look():
+    found = simcompare.control("ball", lambda t, r: {}, engine="pymunk", set={"drop_height": 0.05})
+    truth = engines.get("pymunk").simulate(
+        catalogue.load("ball").resolve({"drop_height_m": 0.05}), Settings()
+    )
+    np.testing.assert_allclose(
+        found.signals["ball.position_m"], truth.signals["ball.position_m"], atol=1e-9
+    )
