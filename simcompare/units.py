@@ -40,6 +40,14 @@ UNITS_BY_SUFFIX = {
     "_H": "H",
     "_K": "K",
     "_Pa": "Pa",
+    "_W": "W",
+    "_N_m_A": "N*m/A",
+    "_N_m_rad": "N*m/rad",
+    "_N_m_s": "N*m/s",
+    "_N_s": "N/s",
+    "_V_s": "V/s",
+    "_K_W": "K/W",
+    "_J_K": "J/K",
 }
 
 _SYMBOLS = {"**2": "²", "**3": "³", "*": "·", "ohm": "Ω"}

@@ -225,7 +225,7 @@ def test_list_and_show_print_one_object(call):
     code, out, _ = call("list", "--json")
     listed = json.loads(out)
     assert code == 0
-    assert listed["scenarios"][0]["name"] == "ball"
+    assert "ball" in [scenario["name"] for scenario in listed["scenarios"]]
     assert {"dart", "mujoco", "pybullet", "pymunk"} <= set(listed["engines"])
     assert "itf_tennis_rebound" in listed["measurements"]
     code, out, _ = call("show", "ball", "--json")
@@ -438,7 +438,7 @@ def test_completion_offers_each_engine_of_a_list_once():
     assert complete.engines("pymunk,") == ["pymunk,dart", "pymunk,mujoco", "pymunk,pybullet"]
     assert complete.engines("a") == ["all"]
     assert "all" in complete.engines("")
-    assert complete.scenarios("b") == ["ball"]
+    assert complete.scenarios("bal") == ["ball"]
     assert complete.scenarios("x") == []
     assert complete.tables("jena") == ["jena_2021_table_tennis"]
     assert "mapped" in complete.contact_modes("m")

@@ -24,8 +24,9 @@ def list_(
         )
         return
     typer.echo("Scenarios (simcompare show NAME):")
+    width = max((len(name) for name, _ in scenarios), default=0)
     for name, text in scenarios:
-        typer.echo(f"  {name:<16} {text}")
+        typer.echo(f"  {name:<{width}} {text}")
     typer.echo("Engines (simcompare doctor):")
     typer.echo(f"  {', '.join(engines.names())}")
     typer.echo("Published measurements (simcompare run SCENARIO --against NAME):")

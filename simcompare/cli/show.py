@@ -10,6 +10,7 @@ from simcompare.cli import complete
 
 if TYPE_CHECKING:
     from simcompare.backend import Feature
+    from simcompare.scenario import Joint
     from simcompare.scenario_file import ScenarioFile
 
 
@@ -37,9 +38,11 @@ def show(
     typer.echo(
         f"World: gravity {world['gravity_m_s2']} m/s²,"
         f" {world['duration_s']:g} s in steps of {world['step_s']:g} s"
+        + (f", each of {world['substeps']} engine steps" if world["substeps"] > 1 else "")
     )
-    for name, body in facts["bodies"].items():
-        typer.echo(f"Body {name}: {body}")
+    for part in ("body", "joint", "actuator", "sensor"):
+        for name, words in facts[_PLURALS[part]].items():
+            typer.echo(f"{part.capitalize()} {name}: {words}")
     typer.echo(f"Needs: {', '.join(facts['needs'])}")
     for engine, lacking in facts["engines"].items():
         typer.echo(f"  {engine}: {'can run it' if not lacking else 'lacks ' + ', '.join(lacking)}")
@@ -72,6 +75,16 @@ def _facts(file: ScenarioFile) -> dict[str, Any]:
             name: "fixed" if body.fixed else f"{body.mass_kg:g} kg at {list(body.position_m)} m"
             for name, body in scenario.bodies.items()
         },
+        "joints": {name: _joint_words(joint) for name, joint in scenario.joints.items()},
+        "actuators": {
+            name: f"{actuator.type} on {actuator.joint}, input {actuator.input}"
+            f" ({scenario.inputs[actuator.input].signal})"
+            for name, actuator in scenario.actuators.items()
+        },
+        "sensors": {
+            name: f"{sensor.type} of {sensor.body or sensor.joint or '-'.join(sensor.pair or ())}"
+            for name, sensor in scenario.sensors.items()
+        },
         "needs": sorted(wanted),
         "engines": {name: _lacking(name, wanted) for name in engines.names()},
         "truth": "closed form or reference in reference.py"
@@ -79,6 +92,21 @@ def _facts(file: ScenarioFile) -> dict[str, Any]:
         else "none: engines are compared with each other only",
         "tolerances": plain["tolerances"],
     }
+
+
+_PLURALS = {"body": "bodies", "joint": "joints", "actuator": "actuators", "sensor": "sensors"}
+
+
+def _joint_words(joint: Joint) -> str:
+    own = {
+        part: value
+        for part in ("stiffness", "damping", "friction", "armature", "rate")
+        if (value := getattr(joint, part))
+    }
+    axis = "" if joint.type in ("fixed", "ball") else f" about {list(joint.axis)}"
+    axis = axis.replace("about", "along") if joint.type == "slider" else axis
+    more = "".join(f", {part} {value:g}" for part, value in own.items())
+    return f"{joint.type}{axis}, {joint.child} on {joint.parent}{more}"
 
 
 def _lacking(engine: str, wanted: frozenset[Feature]) -> list[str]:

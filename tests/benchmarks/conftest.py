@@ -10,7 +10,7 @@ def pytest_terminal_summary(terminalreporter, config):
     for benchmark in found:
         extra = benchmark.extra_info
         terminalreporter.write_line(
-            f"{benchmark.group:<20} ratio {extra['ratio']:5.2f}"
+            f"{benchmark.group:<26} ratio {extra['ratio']:5.2f}"
             f"   (pairs {extra['low']:.2f} to {extra['high']:.2f};"
             f" bare {extra['bare_ms']:.1f} ms)"
         )

@@ -1,0 +1,105 @@
+"""Series over an axis of their own: what is drawn over what, and how far it is from the truth."""
+
+import numpy as np
+import pytest
+
+from simcompare.compare import Score
+from simcompare.reports import curves, plotly_, scored
+from simcompare.reports.sections.curves import Curves
+from simcompare.reports.sections.headline import Headline
+from simcompare.results import Run
+from tests.test_reports import make_run
+
+FREQUENCIES = (1.0, 10.0, 100.0)
+
+
+def swept(modes=("default", "mapped"), unit="Hz", **truths):
+    """A run in which an amplitude of 2 % too much and a phase 1 deg too late were measured."""
+    run = make_run([("north", mode, 0.8) for mode in modes])
+    scores = []
+    rows = {
+        "frequency": (unit, FREQUENCIES, 1.0, 0.0),
+        "amplitude": ("1", (1.0, 0.5, 0.1), 1.02, 0.0),
+        "phase": ("deg", (0.0, -90.0, -170.0), 1.0, -1.0),
+    }
+    for mode in modes:
+        for name, (its_unit, values, factor, shift) in rows.items():
+            for k, true in enumerate(values):
+                value = true * factor + shift
+                known = truths.get(name, true)
+                scores.append(
+                    Score("north", mode, name, "probe", k + 1, value, None, its_unit, 1, known,
+                          None, "info")
+                )  # fmt: skip
+    record = {**run.record, "axes": {"amplitude": "frequency", "phase": "frequency"}}
+    return Run(record, (*run.scores, *scores), run.trajectories)
+
+
+def series_of(panel, label="north"):
+    return [series for series in panel.series if series.label == label]
+
+
+def test_everything_over_one_axis_is_one_figure_with_the_truth_below():
+    figure = curves.curves_figure(swept(), "frequency")
+    assert figure.title == "Amplitude and phase over frequency"
+    assert [panel.x_label for panel in figure.panels] == ["frequency (Hz)"] * 2
+    amplitude, phase = figure.panels
+    assert amplitude.log_x
+    assert amplitude.series[0].label == "truth (closed form)"
+    np.testing.assert_array_equal(amplitude.series[0].x, FREQUENCIES)
+    np.testing.assert_allclose(series_of(phase)[0].y, [-1, -91, -171])
+
+
+def test_default_is_hollow_and_below_mapped():
+    panel = curves.curves_figure(swept(), "frequency").panels[0]
+    assert [series.style.hollow for series in series_of(panel)] == [True, False]
+    assert [series.line for series in series_of(panel)] == [False, True]
+
+
+def test_deviations_are_per_cent_except_of_angles():
+    amplitude, phase = curves.deviations_figure(swept(), "frequency").panels
+    assert amplitude.y_label == "deviation (%)"
+    np.testing.assert_allclose(series_of(amplitude)[0].y, 2.0)
+    assert phase.y_label == "deviation (deg)"
+    np.testing.assert_allclose(series_of(phase)[0].y, -1.0)
+    # what the engines do by default is no claim of theirs
+    assert len(series_of(amplitude)) == 1
+
+
+def test_without_a_truth_there_are_no_deviations():
+    run = swept(frequency=None, amplitude=None, phase=None)
+    assert curves.deviations_figure(run, "frequency") is None
+    assert len(curves.curves_figure(run, "frequency").panels[0].series) == 2
+
+
+def test_curves_over_anything_but_time_lead_the_report_and_are_not_drawn_twice():
+    run = swept()
+    assert [f.name for f in Headline().context(run)["figures"]] == ["curves-frequency"]
+    assert [f.name for f in Curves().context(run)["figures"]] == ["deviations-frequency"]
+    over_time = swept(unit="s")
+    assert [f.name for f in Headline().context(over_time)["figures"]] == ["probe-height_m"]
+    assert [f.name for f in Curves().context(over_time)["figures"]] == [
+        "curves-frequency",
+        "deviations-frequency",
+    ]
+
+
+def test_curves_are_no_events():
+    assert scored.event_measures(swept()) == ["restitution"]
+
+
+def test_a_run_stored_before_there_were_axes_still_reads():
+    run = make_run()
+    assert "axes" not in run.record
+    assert Curves().context(run) is None
+
+
+@pytest.mark.parametrize("library", ["plotly", "matplotlib"])
+def test_a_logarithmic_axis_is_drawn_as_one(library):
+    figure = curves.curves_figure(swept(), "frequency")
+    if library == "plotly":
+        assert plotly_.as_dict(figure)["layout"]["xaxis"]["type"] == "log"
+    else:
+        from simcompare.reports import matplotlib_
+
+        assert matplotlib_.canvas(figure).axes[0].get_xscale() == "log"
