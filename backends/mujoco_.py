@@ -6,7 +6,6 @@ import math
 import sys
 from types import ModuleType
 from typing import Any
-from xml.etree import ElementTree as ET
 
 import numpy as np
 
@@ -20,31 +19,30 @@ from simcompare.backend import (
     Settings,
     installed_version,
 )
+from simcompare.backends._mujoco_scene import (
+    CONTACT_FREQUENCY_RAD_S,
+    CONTACT_POINTS,
+    IMPACT_PHASE,
+    geom_name,
+    impact_phase,
+    mjcf,
+    pair_names,
+    solref,
+)
 from simcompare.dashpot import damping_ratio
 from simcompare.drives import JointLaw, laws_of
 from simcompare.errors import SimulationDiverged, Unsupported
-from simcompare.kinematics import in_order, mount_of
 from simcompare.landing import ContactSteps, approaches
 from simcompare.pairs import touching_pairs
 from simcompare.rotations import rotate
 from simcompare.scenario import MOVABLE, Body, Contact, Scenario
-from simcompare.shapes import Shape, Vector
+from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
 from simcompare.state import BodyState
 from simcompare.trajectory import Array
 
-#: √(k/m) of a bouncing contact [rad/s]: it lasts 0.03 ms, far below any step that is recorded
-CONTACT_FREQUENCY_RAD_S = 1.0e5
-#: largest ω·dt during an impact
-IMPACT_PHASE = 0.01
-#: largest ζ·ω·dt during an impact: where in a step the damper sets in moves the bounce by this much
-IMPACT_DAMPING = 0.0007
 #: smallest restitution above 0 that is mapped; below it a drop takes seconds
 LEAST_RESTITUTION = 0.02
-#: points of contact between two bodies whose normal forces are read
-CONTACT_POINTS = 8
-#: impedance of the contact; at 1 the acceleration would be exactly that of spring and damper
-IMPEDANCE = 0.9999
 
 
 class MujocoSimulation(Simulation):
@@ -235,111 +233,6 @@ class MujocoBackend(EngineBackend):
 BACKEND = MujocoBackend()
 
 
-def mjcf(scenario: Scenario, mapped: bool) -> str:
-    """The scene as MJCF; in default mode it says nothing about contact."""
-    root = ET.Element("mujoco", model=scenario.name)
-    ET.SubElement(root, "compiler", angle="radian", autolimits="true")
-    # dense: the sparse Cholesky of 4.0.0 could give a wrong Hessian (google-deepmind/mujoco 3767)
-    option: dict[str, Any] = {"timestep": repr(scenario.world.engine_step_s), "jacobian": "dense"}
-    if mapped:
-        option["cone"] = "elliptic"
-    element = ET.SubElement(root, "option", gravity=_text(scenario.world.gravity_m_s2), **option)
-    # by default MuJoCo starts anew when numbers run away, as if nothing had happened
-    ET.SubElement(element, "flag", autoreset="disable")
-    _add_bodies(ET.SubElement(root, "worldbody"), scenario, mapped)
-    contacts = ET.SubElement(root, "contact")
-    for joint in scenario.joints.values():
-        ET.SubElement(contacts, "exclude", body1=joint.parent, body2=joint.child)
-    for contact in touching_pairs(scenario) if mapped else ():
-        _add_pairs(contacts, scenario, contact)
-    _add_actuators(ET.SubElement(root, "actuator"), scenario, mapped)
-    _add_sensors(ET.SubElement(root, "sensor"), scenario)
-    return ET.tostring(root, encoding="unicode")
-
-
-def _add_bodies(worldbody: ET.Element, scenario: Scenario, mapped: bool) -> None:
-    """Bodies inside one another as joints carry them; only those that stand alone are free."""
-    laws = laws_of(scenario)
-    elements: dict[str, ET.Element] = {}
-    carried = {joint.child: (name, joint) for name, joint in in_order(scenario).items()}
-    order = [name for name in scenario.bodies if name not in carried] + list(carried)
-    for name in order:
-        body = scenario.bodies[name]
-        if name not in carried:
-            pose = {"pos": _text(body.position_m), "quat": _text(body.orientation_wxyz)}
-            element = ET.SubElement(worldbody, "body", {"name": name, **pose})
-            if not body.fixed:
-                ET.SubElement(element, "freejoint", name=name)
-        else:
-            joint_name, joint = carried[name]
-            mount = mount_of(scenario, joint)
-            pose = {"pos": _text(mount.position_m), "quat": _text(mount.orientation_wxyz)}
-            element = ET.SubElement(elements[joint.parent], "body", {"name": name, **pose})
-            if joint.type in _JOINT_TYPES:
-                ET.SubElement(element, "joint", {
-                    "name": joint_name, "type": _JOINT_TYPES[joint.type],
-                    "pos": _text(mount.anchor_m), "axis": _text(mount.axis),
-                    **_passive(laws[joint_name], mapped),
-                })  # fmt: skip
-        elements[name] = element
-        if not body.fixed:
-            ET.SubElement(
-                element, "inertial", pos=_text(body.center_of_mass_m), mass=repr(body.mass_kg),
-                diaginertia=_text(body.inertia_kg_m2 or ()),
-            )  # fmt: skip
-        for i, shape in enumerate(body.shapes):
-            ET.SubElement(element, "geom", name=_geom(name, i), **_shape(shape))
-        for sensor_name, sensor in scenario.sensors.items():
-            if sensor.type == "force" and name in carried and sensor.joint == carried[name][0]:
-                ET.SubElement(element, "site", name=sensor_name)
-
-
-_JOINT_TYPES = {"hinge": "hinge", "slider": "slide"}
-
-
-def _passive(law: JointLaw, mapped: bool) -> dict[str, str]:
-    """What a joint does by itself.
-
-    MuJoCo takes a joint's damping with the rate after the step and an actuator's with the rate
-    before it; half of it in each is the mean, which belongs to the instant of the positions.
-    """
-    found = {
-        "stiffness": repr(law.stiffness), "springref": repr(law.rest),
-        "damping": repr(law.damping / 2 if mapped else law.damping),
-        "frictionloss": repr(law.friction), "armature": repr(law.armature),
-    }  # fmt: skip
-    if mapped and law.friction:
-        found["solimpfriction"] = _text((IMPEDANCE, IMPEDANCE, 0.001))
-        found["solreffriction"] = _text((0.005, 1.0))
-    return found
-
-
-def _add_actuators(actuators: ET.Element, scenario: Scenario, mapped: bool) -> None:
-    """One for each driven joint; its control is the part of the effort that follows the inputs."""
-    for name, law in laws_of(scenario).items():
-        if law.is_driven:
-            bias = (0, 0, -law.damping / 2 if mapped else 0)
-            ET.SubElement(
-                actuators, "general", name=name, joint=name, gainprm="1", biastype="affine",
-                biasprm=_text(bias),
-            )  # fmt: skip
-
-
-def _add_sensors(sensors: ET.Element, scenario: Scenario) -> None:
-    """The sensors that read the engine's own forces."""
-    for name, sensor in scenario.sensors.items():
-        if sensor.type == "force":
-            assert sensor.joint is not None
-            ET.SubElement(sensors, "force", name=name, site=name)
-        elif sensor.type == "contact_force":
-            assert sensor.pair is not None
-            first, second = sensor.pair
-            ET.SubElement(
-                sensors, "contact", name=name, body1=first, body2=second, data="force",
-                num=str(CONTACT_POINTS),
-            )  # fmt: skip
-
-
 def _refuse_bounces(scenario: Scenario) -> None:
     """A spring that bounces needs steps far shorter than it lasts, which only landing gives it."""
     values = [contact.restitution for contact in scenario.contacts if contact.restitution > 0]
@@ -353,15 +246,6 @@ def _refuse_bounces(scenario: Scenario) -> None:
             f"mujoco maps a restitution of 0 or of {LEAST_RESTITUTION:g} and more,"
             f" not {min(values):g}: the damper would need too short a step"
         )
-
-
-def solref(contact: Contact) -> tuple[float, float]:
-    """MuJoCo's two numbers for a pair: (-stiffness, -damping), both per unit of mass."""
-    if contact.restitution == 0:
-        return (0.005, 1.0)  # critically damped within 5 ms: MuJoCo's own form for no bounce
-    zeta, omega = damping_ratio(contact.restitution), CONTACT_FREQUENCY_RAD_S
-    lag = 1 + zeta * impact_phase(contact.restitution)
-    return (-(omega**2) / lag, -2 * zeta * omega / lag)
 
 
 def contact_steps(scenario: Scenario) -> ContactSteps:
@@ -378,49 +262,6 @@ def contact_steps(scenario: Scenario) -> ContactSteps:
         rest_step_s=rest / CONTACT_FREQUENCY_RAD_S,
         chunk=16,
     )
-
-
-def impact_phase(e: float) -> float:
-    """ω·dt during an impact with restitution ``e``; shorter steps for stronger dampers."""
-    return min(IMPACT_PHASE, IMPACT_DAMPING / damping_ratio(e)) if e > 0 else IMPACT_PHASE
-
-
-def _pair_names(scenario: Scenario, contact: Contact) -> dict[str, tuple[str, str]]:
-    """Name of every ``<pair>`` of a contact and the two geoms in it."""
-    first, second = contact.pair
-    geoms = [
-        (_geom(first, i), _geom(second, j))
-        for i in range(len(scenario.bodies[first].shapes))
-        for j in range(len(scenario.bodies[second].shapes))
-    ]
-    return {f"{one}-{other}": (one, other) for one, other in geoms}
-
-
-def _add_pairs(contacts: ET.Element, scenario: Scenario, contact: Contact) -> None:
-    mu = contact.friction
-    for name, (one, other) in _pair_names(scenario, contact).items():
-        ET.SubElement(
-            contacts, "pair", name=name, geom1=one, geom2=other, condim="3" if mu > 0 else "1",
-            friction=_text((mu, mu, 0.005, 0.0001, 0.0001)), solref=_text(solref(contact)),
-            solimp=_text((IMPEDANCE, IMPEDANCE, 0.001)),
-        )  # fmt: skip
-
-
-def _shape(shape: Shape) -> dict[str, Any]:
-    pose = {"pos": _text(shape.position_m)}
-    if shape.type != "plane":
-        pose["quat"] = _text(shape.orientation_wxyz)
-    match shape.type:
-        case "plane":
-            zaxis = _text(shape.normal)
-            return {"type": "plane", "size": "0 0 1", "zaxis": zaxis, "pos": pose["pos"]}
-        case "sphere":
-            return {"type": "sphere", "size": repr(shape.radius_m), **pose}
-        case "box":
-            return {"type": "box", "size": _text([edge / 2 for edge in shape.size_m]), **pose}
-        case _:
-            size = _text((shape.radius_m, shape.length_m / 2))
-            return {"type": shape.type, "size": size, **pose}
 
 
 def _audit(engine: ModuleType, model: Any, scenario: Scenario, mapped: bool) -> Audit:
@@ -468,7 +309,7 @@ def _audit_body(audit: Audit, model: Any, name: str, body: Body, free: bool) -> 
         if free:  # those on joints are compared where they are in the world
             audit.add(f"{name}.position_m.{axis}", wanted, "body_pos", (wanted, got), "m")
     for i, shape in enumerate(body.shapes):
-        size = model.geom(_geom(name, i)).size.tolist()
+        size = model.geom(geom_name(name, i)).size.tolist()
         halves = {"plane": [], "sphere": size[:1], "box": [2 * half for half in size]}
         length = [size[0], 2 * size[1]]  # cylinder and capsule
         audit.add_sizes(name, shape, "geom_size", halves.get(shape.type, length))
@@ -490,7 +331,7 @@ def _audit_pairs(audit: Audit, model: Any, scenario: Scenario, contact: Contact)
     note, units = "no bounce", ("s", "1")
     if first < 0:
         note, units = f"ζ = {-second / 2 / math.sqrt(-first):.6g}", ("1/s²", "1/s")
-    for name in _pair_names(scenario, contact):
+    for name in pair_names(scenario, contact):
         held = model.pair(name)
         for i, value in enumerate((first, second)):
             values = (value, held.solref[i])
@@ -502,14 +343,6 @@ def _audit_pairs(audit: Audit, model: Any, scenario: Scenario, contact: Contact)
 
 
 _NEUTRAL = '<mujoco><worldbody><geom name="g" size="1"/></worldbody></mujoco>'
-
-
-def _geom(body: str, index: int) -> str:
-    return f"{body}.{index}"
-
-
-def _text(values: Any) -> str:
-    return " ".join(repr(float(value)) for value in values)
 
 
 def _body_frame(orientation: Any, rate: Any) -> list[float]:

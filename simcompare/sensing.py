@@ -70,7 +70,7 @@ def acceleration_of(values: Array, time_s: Array) -> Array:
     found[1:-1] = values[2:] - 2 * values[1:-1] + values[:-2]
     found[0] = 2 * values[0] - 5 * values[1] + 4 * values[2] - values[3]
     found[-1] = 2 * values[-1] - 5 * values[-2] + 4 * values[-3] - values[-4]
-    return found / step_s**2
+    return np.asarray(found / step_s**2, dtype=float)
 
 
 def _has_motion(scenario: Scenario, signals: Mapping[str, Array]) -> bool:

@@ -269,10 +269,10 @@ def test_what_a_backend_does_not_build_is_refused_and_never_left_out(engine):
 
 
 def test_mujoco_does_not_start_anew_when_numbers_run_away(monkeypatch, tmp_path, capsys):
-    from simcompare.backends import mujoco_
+    from simcompare.backends import _mujoco_scene, mujoco_
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(mujoco_, "CONTACT_FREQUENCY_RAD_S", 1e9)
+    monkeypatch.setattr(_mujoco_scene, "CONTACT_FREQUENCY_RAD_S", 1e9)
     monkeypatch.setattr(mujoco_, "contact_steps", lambda _: None)
     with pytest.raises(SimulationDiverged):
         engines.get("mujoco").simulate(BALL.resolve({}), Settings())
