@@ -29,6 +29,7 @@ $(VENV)/.engines: pyproject.toml $(VENV)/bin/pip
 $(VENV)/.test: pyproject.toml $(VENV)/bin/pip
 	$(BIN)/pip install --quiet --editable '.[test]'
 	@$(libraries)
+	@$(checker)
 	touch $@
 
 # Debian and Ubuntu keep venv in a package of its own
@@ -42,6 +43,10 @@ $(VENV)/bin/pip:
 # dartpy's wheel needs libGL, which a machine without a screen may lack
 libraries = $(PYTHON) -c 'import ctypes; ctypes.CDLL("libGL.so.1")' 2>/dev/null || \
   ! command -v apt-get >/dev/null || { package=libgl1; $(install); }
+
+# Gazebo's checker of SDF, for the tests
+checker = ign sdf -d >/dev/null 2>&1 || gz sdf -d >/dev/null 2>&1 || \
+  ! command -v apt-get >/dev/null || { package='ignition-tools libsdformat-dev'; $(install); }
 
 # installs $$package where that is allowed, else says what to do
 install = if [ "$$(id -u)" = 0 ]; then as=; else as="sudo -n"; fi; \

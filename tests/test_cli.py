@@ -13,7 +13,7 @@ import pytest
 
 import simcompare
 from simcompare.cli import complete, console
-from simcompare.cli.run import _pairs
+from simcompare.cli.console import pairs
 from simcompare.errors import InputError
 
 HEAVY = ("numpy", "pandas", "scipy", "matplotlib", "plotly", "duckdb", "pint", "jinja2",
@@ -310,9 +310,9 @@ def test_a_small_uncertainty_never_rounds_the_value_away(value, u):
 
 
 def test_settings_are_pairs_and_a_value_may_hold_an_equals_sign():
-    assert _pairs(["a=1", " b = 30 cm ", "c=x=y"]) == {"a": "1", "b": "30 cm", "c": "x=y"}
+    assert pairs(["a=1", " b = 30 cm ", "c=x=y"]) == {"a": "1", "b": "30 cm", "c": "x=y"}
     with pytest.raises(InputError):
-        _pairs(["=1"])
+        pairs(["=1"])
 
 
 def test_a_terminal_gets_colours_only_where_they_are_wanted(tmp_path):

@@ -82,3 +82,16 @@ def progress_bar(what: str) -> Iterator[Progress | None]:
             bar.update(task, description=f"{what}: {engine}", completed=done, total=total)
 
         yield update
+
+
+def pairs(settings: list[str]) -> dict[str, str | float]:
+    """Reads ``--set`` arguments of the form parameter=value."""
+    from simcompare.errors import InputError
+
+    found: dict[str, str | float] = {}
+    for text in settings:
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip() or not value.strip():
+            raise InputError("--set", [f"{text!r} is not of the form parameter=value"])
+        found[name.strip()] = value.strip()
+    return found

@@ -36,9 +36,8 @@ def export(
     """Write a scenario as a digital twin for another simulator."""
     from simcompare import exporters
     from simcompare.cli import console
-    from simcompare.cli.run import _pairs
 
-    twin = exporters.twin(scenario, format=format, set=_pairs(settings), preset=preset)
+    twin = exporters.twin(scenario, format=format, set=console.pairs(settings), preset=preset)
     written = None
     if out is not None:
         written = _write(out, f"{twin.scenario}{exporters.FORMATS[format]}", twin.text)
@@ -53,7 +52,10 @@ def export(
             }
         )
         return
-    typer.echo(twin.text if written is None else str(written), nl=written is not None)
+    if written is None:  # UTF-8 whatever the terminal's encoding is: the text may go into a file
+        typer.echo(twin.text.encode("utf-8"), nl=False)
+    else:
+        typer.echo(str(written))
     for sentence in twin.left_out:
         typer.echo(f"left out: {sentence}", err=True)
 

@@ -53,7 +53,7 @@ def run(
             scenario,
             engine=engine,
             contact=contact,
-            set=_pairs(settings),
+            set=console.pairs(settings),
             preset=preset,
             step=step,
             seeds=seeds,
@@ -68,18 +68,6 @@ def run(
     else:
         _print(result, written)
     raise typer.Exit(130 if result.interrupted else result.exit_code)
-
-
-def _pairs(settings: list[str]) -> dict[str, str | float]:
-    from simcompare.errors import InputError
-
-    found: dict[str, str | float] = {}
-    for text in settings:
-        name, equals, value = text.partition("=")
-        if not equals or not name.strip() or not value.strip():
-            raise InputError("--set", [f"{text!r} is not of the form parameter=value"])
-        found[name.strip()] = value.strip()
-    return found
 
 
 def _write_report(result: Run) -> Path | None:

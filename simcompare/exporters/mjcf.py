@@ -1,0 +1,54 @@
+"""MJCF: the model that simcompare itself runs in MuJoCo, with its contact mapped."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from xml.etree import ElementTree as ET
+
+from simcompare.backends import _mujoco_scene, mujoco_
+from simcompare.exporters import parts
+from simcompare.exporters.parts import Twin, number
+from simcompare.scenario import Scenario
+
+#: sensors that the model holds
+_HELD_SENSORS = ("force", "contact_force")
+
+
+def write(scenario: Scenario) -> Twin:
+    """A scenario as MJCF.
+
+    A contact that bounces is a spring that lasts microseconds, so such a model gets the step that
+    the spring needs. simcompare takes that step only during impacts.
+
+    Raises:
+        InputError: ball joints, limits of joints, or a name that MuJoCo keeps to itself.
+    """
+    parts.refuse(scenario, "mjcf", parts.joint_faults(scenario, ball=False, limits=False))
+    parts.check_names(scenario, "mjcf", ["world"])
+    root = ET.fromstring(_mujoco_scene.mjcf(scenario, mapped=True))
+    option = root.find("option")
+    if bounces(scenario) and option is not None:
+        option.set("timestep", number(mujoco_.contact_steps(scenario).contact_step_s))
+    left_out = tuple(_left_out(scenario))
+    text = parts.finish(root, scenario, "mjcf", left_out)
+    return Twin(
+        scenario.name, "mjcf", text, tuple(scenario.bodies), tuple(scenario.joints), left_out
+    )
+
+
+def bounces(scenario: Scenario) -> bool:
+    """Whether any contact has a restitution."""
+    return any(contact.restitution > 0 for contact in scenario.contacts)
+
+
+def _left_out(scenario: Scenario) -> Iterator[str]:
+    if bounces(scenario):
+        step = mujoco_.contact_steps(scenario).contact_step_s
+        yield (
+            f"steps of {scenario.world.engine_step_s:g} s: the contact that bounces is a spring"
+            f" that needs {step:g} s"
+        )
+    yield from parts.drives(scenario, "set the control of the actuator {joint} to")
+    yield from parts.motion_at_start(scenario)
+    yield from parts.drag(scenario)
+    yield from parts.sensors(scenario, _HELD_SENSORS)
