@@ -38,7 +38,7 @@ from simcompare.rotations import rotate
 from simcompare.scenario import MOVABLE, Body, Contact, Scenario
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
-from simcompare.state import BodyState
+from simcompare.state import BodyState, State
 from simcompare.trajectory import Array
 
 #: smallest restitution above 0 that is mapped; below it a drop takes seconds
@@ -108,6 +108,11 @@ class MujocoSimulation(Simulation):
     def place_joint(self, joint: str, position: float, rate: float) -> None:
         at, slot = self._slots[joint]
         self._data.qpos[at], self._data.qvel[slot] = position, rate
+
+    def set_state(self, state: State) -> None:
+        super().set_state(state)
+        # the solver starts from its last solution, which is no part of a state
+        self._data.qacc_warmstart[:] = 0
 
     def origin_of(self, body: str) -> Vector:
         self._mujoco.mj_kinematics(self._model, self._data)

@@ -11,11 +11,13 @@ from simcompare import catalogue, engines, measures, run_record, units
 from simcompare.against import Match, matches
 from simcompare.backend import CONTACT_MODES, Settings
 from simcompare.compare import Repeat, Score, scores_of
+from simcompare.drives import input_values
 from simcompare.errors import InputError, OutputError, SimcompareError, UnknownName
 from simcompare.jobs import FAILED, OK, Job, Outcome
 from simcompare.results import TRUTH, Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Interrupted, Progress, run_jobs
 from simcompare.scenario import MOST_SAMPLES, Scenario
+from simcompare.sensing import complete
 from simcompare.simulation import sample_times
 from simcompare.trajectory import Trajectory
 
@@ -289,7 +291,9 @@ def truths_of(path: Path, scenarios: Sequence[Scenario]) -> list[Trajectory | No
 
 def _truth(reference: catalogue.Reference, scenario: Scenario) -> Trajectory:
     times = sample_times(scenario)
-    truth = Trajectory(TRUTH, times, reference(scenario.parameters, times))
+    signals = dict(reference(scenario.parameters, times))
+    complete(scenario, times, signals, input_values(scenario, times))
+    truth = Trajectory(TRUTH, times, signals)
     for measure in scenario.measures:
         for probe in (measure.probe, *measure.also.values()):
             measures.observe(truth, scenario.probes[probe])

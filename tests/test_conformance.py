@@ -1,5 +1,7 @@
 """Every scenario on every engine conforms to the contract that other people's backends have too."""
 
+import functools
+
 import pytest
 
 from simcompare import catalogue, engines
@@ -27,7 +29,32 @@ def test_backend_conforms(name, engine, check, contact, scenario_of):
         with pytest.raises(Unsupported, match="has no"):
             backend.simulate(scenario, Settings(contact))
         return
+    if refusals(engine, name, contact):
+        return
     check(backend, scenario, Settings(contact))
+
+
+@functools.cache
+def refusals(engine, name, contact):
+    """Why an engine that has the features refuses a scene all the same; it must say more."""
+    backend, scenario = engines.get(engine), catalogue.load(name).resolve()
+    reasons = []
+    for mode in {contact, "mapped"}:
+        try:
+            backend.open(scenario, Settings(mode)).close()
+        except Unsupported as error:
+            reasons.append(str(error))
+    for reason in reasons:
+        assert engine in reason, "a reason names the engine"
+        assert len(reason) > 40, "a reason is a sentence"
+    return reasons
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_every_scenario_runs_on_two_engines_or_more(name, scenario_of):
+    scenario = scenario_of(name)
+    able = [e for e in ENGINES if not needs(scenario) - engines.get(e).features]
+    assert len([e for e in able if not refusals(e, name, "mapped")]) >= 2
 
 
 @pytest.mark.parametrize("engine", ENGINES)
