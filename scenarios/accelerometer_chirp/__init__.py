@@ -1,0 +1,1 @@
+"""A seismic mass on a spring and a damper, swept through all frequencies."""

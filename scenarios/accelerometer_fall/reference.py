@@ -1,0 +1,32 @@
+"""Free fall of a base with a mass in it: z = u·t - g·t²/2, and no force between the two."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from simcompare.trajectory import Array
+
+
+def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array]:
+    """Motion of the base, and the force on the mass, which is none.
+
+    Args:
+        parameters: those of the scenario, SI.
+        time_s: times from the start on (n,) [s].
+
+    Returns:
+        The four signals of ``base``, and ``cell.force_N`` (n, 3).
+    """
+    g, up = parameters["gravity_m_s2"], parameters["speed_up_m_s"]
+    still, forward = np.zeros_like(time_s), parameters["speed_forward_m_s"]
+    height = up * time_s - g * time_s**2 / 2
+    none = np.zeros((len(time_s), 3))
+    return {
+        "base.position_m": np.column_stack((forward * time_s, still, height)),
+        "base.velocity_m_s": np.column_stack((still + forward, still, up - g * time_s)),
+        "base.orientation_wxyz": np.tile((1.0, 0.0, 0.0, 0.0), (len(time_s), 1)),
+        "base.rate_rad_s": none,
+        "cell.force_N": none,
+    }

@@ -1,0 +1,1 @@
+"""A seismic mass held by a force sensor, at rest on a slope."""

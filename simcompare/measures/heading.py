@@ -1,0 +1,48 @@
+"""Heading of a body: how far it turns about the vertical."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from simcompare import measures
+from simcompare.measures import Measured, Request
+from simcompare.trajectory import Array, Trajectory
+
+SERIES: tuple[str, ...] = ()
+ROLES: tuple[str, ...] = ()
+OPTIONS: tuple[str, ...] = ()
+AXES: dict[str, str] = {}
+UNITS = {"heading_drift": "rad", "heading_change": "rad"}
+
+
+def measure(trajectory: Trajectory, request: Request) -> Measured:
+    """The direction of the body's x axis on the ground, relative to where it pointed first.
+
+    Args:
+        trajectory: the source.
+        request: its probe sees any component of the orientation of the body; all four are used.
+
+    Returns:
+        ``heading_drift``, the largest angle to either side, never below 0; ``heading_change``, the
+        last angle, positive to the left, with whole turns counted.
+    """
+    yaw = yaw_of(trajectory.signals[request.probe.observe])
+    turned = yaw - yaw[0]
+    return Measured(
+        values={
+            "heading_drift": float(np.abs(turned).max()), "heading_change": float(turned[-1])
+        },
+        series={},
+        units=UNITS,
+    )  # fmt: skip
+
+
+def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
+    """What is judged: both angles beside the true ones."""
+    return measures.side_by_side(measured, truth)
+
+
+def yaw_of(orientation_wxyz: Array) -> Array:
+    """Direction of the body's x axis on the ground, counted on through whole turns (n,) [rad]."""
+    w, x, y, z = orientation_wxyz.T
+    return np.unwrap(np.arctan2(2 * (w * z + x * y), 1 - 2 * (y**2 + z**2)))

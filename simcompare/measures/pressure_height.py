@@ -1,0 +1,68 @@
+"""Height told from pressure by the standard atmosphere, as a barometer on a robot would tell it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from simcompare.measures import Measured, Request, side_by_side
+from simcompare.sensing import LAPSE_K_M, PRESSURE_EXPONENT, SEA_LEVEL_K, SEA_LEVEL_PA
+from simcompare.trajectory import Array, Trajectory
+
+SERIES = ("height_time", "told_height", "true_height")
+ROLES = ("height",)
+OPTIONS = ("count",)
+AXES = {"told_height": "height_time", "true_height": "height_time"}
+UNITS = {
+    "height_time": "s",
+    "told_height": "m",
+    "true_height": "m",
+    "climb": "m",
+    "height_error": "m",
+}
+
+
+def measure(trajectory: Trajectory, request: Request) -> Measured:
+    """Heights from pressures, and the climb from the first to the last of them.
+
+    Args:
+        trajectory: the source.
+        request: its probe sees the pressure [Pa], its role ``height`` the height above sea level
+            [m]; its option ``count`` is the number of evenly spaced samples.
+
+    Returns:
+        ``climb`` and, at these samples, ``height_time``, ``told_height`` and ``true_height``.
+    """
+    pressure = request.seen(trajectory)
+    count = max(1, min(round(request.options["count"]), len(pressure)))
+    taken = np.linspace(0, len(pressure) - 1, count).round().astype(int)
+    told = height_of(pressure)
+    return Measured(
+        values={"climb": float(told[-1] - told[0])},
+        series={
+            "height_time": trajectory.time_s[taken],
+            "told_height": told[taken],
+            "true_height": request.seen(trajectory, "height")[taken],
+        },
+        units=UNITS,
+    )
+
+
+def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
+    """What is judged: the climb, and ``height_error``.
+
+    That is the largest deviation of the height that the source tells from the height where the
+    truth is at the same time; unknown (``None``) where the two have other times.
+    """
+    found = side_by_side(measured, truth)
+    ours, theirs = measured.series["height_time"], truth.series["height_time"]
+    error = None
+    if len(ours) == len(theirs) and np.allclose(ours, theirs, rtol=1e-9, atol=1e-12):
+        deviation = np.abs(measured.series["told_height"] - truth.series["true_height"])
+        error = float(deviation.max())
+    return {**found, "height_error": (error, 0.0)}
+
+
+def height_of(pressure_Pa: Array) -> Array:
+    """Height above sea level [m] of pressures (n,) [Pa]: T_0/L·(1 - (p/p_0)^(1/exponent))."""
+    part = (pressure_Pa / SEA_LEVEL_PA) ** (1 / PRESSURE_EXPONENT)
+    return np.asarray(SEA_LEVEL_K / LAPSE_K_M * (1 - part), dtype=float)

@@ -1,0 +1,39 @@
+"""Slip of a wheel: which part of its turning does not become distance."""
+
+from __future__ import annotations
+
+from simcompare import measures
+from simcompare.measures import Measured, Request, _window
+from simcompare.trajectory import Trajectory
+
+SERIES: tuple[str, ...] = ()
+ROLES = ("angle",)
+OPTIONS = ("radius_m", "start_s", "end_s")
+AXES: dict[str, str] = {}
+UNITS = {"slip": "1"}
+
+
+def measure(trajectory: Trajectory, request: Request) -> Measured:
+    """Slip ratio 1 - Δx/(r·Δφ) over a window: 0 for a wheel that rolls, 1 for one that spins.
+
+    It is the mean of 1 - v/(r·ω), weighted with the rate ω.
+
+    Args:
+        trajectory: the source.
+        request: its probe sees how far the wheel's centre has come, its role ``angle`` how far the
+            wheel has turned; its options are the radius and the window.
+
+    Returns:
+        ``slip``, ``None`` where the window is empty or the wheel does not turn in it.
+    """
+    inside = _window.samples(trajectory.time_s, request.options)
+    position = request.seen(trajectory)[inside]
+    rolled = request.options["radius_m"] * request.seen(trajectory, "angle")[inside]
+    turned = float(rolled[-1] - rolled[0]) if len(rolled) else 0.0
+    slip = 1 - float(position[-1] - position[0]) / turned if turned else None
+    return Measured(values={"slip": slip}, series={}, units=UNITS)
+
+
+def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
+    """What is judged: the slip beside the true one."""
+    return measures.side_by_side(measured, truth)
