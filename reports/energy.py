@@ -19,8 +19,11 @@ _IMPACT = 0.02
 
 
 def height_probe(run: Run) -> Probe | None:
-    """The first probe that is a height, where the scenario tells its gravity; else ``None``."""
-    if not run.record["parameters"].get(GRAVITY):
+    """The first probe that is a height, where the scenario tells its gravity; else ``None``.
+
+    Where joints or motors do work, height and speed of one body are not all of the energy.
+    """
+    if not run.record["parameters"].get(GRAVITY) or run.record.get("driven"):
         return None
     for probe in runs.probes(run).values():
         if probe.observe.endswith(".position_m") and probe.component == 2 and probe.unit == "m":

@@ -81,6 +81,8 @@ def approaches(scenario: Scenario) -> tuple[list[Approach], list[str]]:
     while another touches would change the motion of that one.
     """
     bouncing = [contact for contact in scenario.contacts if contact.restitution > 0]
+    if not bouncing:
+        return [], []
     found = [_sphere_on_plane(scenario, *contact.pair) for contact in bouncing]
     landable = [approach for approach in found if approach is not None]
     moving = [body for body in scenario.moving_bodies().values() if body.shapes]

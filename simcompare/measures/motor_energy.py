@@ -1,4 +1,4 @@
-"""Energy of a geared motor with brushes: from the terminals to the shaft, and what is lost between."""
+"""Energy of a geared motor with brushes: from its terminals to the shaft, and what is lost."""
 
 from __future__ import annotations
 

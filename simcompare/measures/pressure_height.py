@@ -1,4 +1,4 @@
-"""Height told from pressure by the standard atmosphere, as a barometer on a robot would tell it."""
+"""Height told from pressure by the standard atmosphere, as a robot would tell it."""
 
 from __future__ import annotations
 

@@ -1,0 +1,1 @@
+"""Models of motors, as a data sheet describes them."""

@@ -1,0 +1,1 @@
+"""Models of sensors: what they resolve, and how sure their readings are."""

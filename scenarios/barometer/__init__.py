@@ -1,0 +1,1 @@
+"""A cart with a barometer that is pulled up a slope."""

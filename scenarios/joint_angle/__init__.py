@@ -1,0 +1,1 @@
+"""An arm of two links whose joint angle is told from accelerometers."""
