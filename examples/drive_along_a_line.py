@@ -2,10 +2,9 @@
 
     python examples/drive_along_a_line.py
 
-The robot starts at rest and turned by nothing, but its right motor is 10 % weaker than its left one.
-A proportional-integral controller holds 0.3 m/s by the common torque, and a proportional-derivative one
-keeps the heading by the difference of the torques. Engines in a plane run the one-wheeled variant,
-where there is no heading to keep.
+The robot's right motor is 10 % weaker than its left one. A proportional-integral controller holds
+0.3 m/s by the common torque, and a proportional-derivative one keeps the heading by the difference
+of the torques. Engines in a plane run the one-wheeled variant, where there is no heading to keep.
 """
 
 import math
@@ -27,7 +26,7 @@ class AlongALine:
     def __call__(self, time_s, readings):
         error = SPEED_M_S - readings["chassis.velocity_m_s"][0]
         self.integral += error * self.step_s
-        common = 0.05 * error + 0.1 * self.integral
+        common = 0.2 * error + 0.1 * self.integral
         if "left.rate_rad_s" not in readings:
             return {"drive": 2 * common}
         w, _, _, z = readings["chassis.orientation_wxyz"]
@@ -44,8 +43,7 @@ def main():
             except EngineMissing as error:
                 print(error)
                 break
-            except Unsupported as error:
-                print(f"{scenario}: {error}")
+            except Unsupported:
                 continue
             x, y, _ = found.signals["chassis.position_m"][-1]
             speed = found.signals["chassis.velocity_m_s"][-1, 0]

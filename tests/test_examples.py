@@ -1,0 +1,44 @@
+"""The examples run as their first lines say."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from simcompare import engines
+
+EXAMPLES = Path(__file__).parent.parent / "examples"
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)
+def test_an_example_runs(path, tmp_path):
+    done = subprocess.run(
+        [sys.executable, path],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "python examples/" + path.name in path.read_text(encoding="utf-8")
+
+
+def test_the_controller_drives_every_engine_along_the_line(tmp_path):
+    path = EXAMPLES / "drive_along_a_line.py"
+    done = subprocess.run(
+        [sys.executable, path],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    )
+    rows = {line.split()[0]: line for line in done.stdout.splitlines()}
+    assert set(rows) == set(engines.names())
+    for row in rows.values():
+        speed = float(row.partition(" s: ")[2].split()[0])
+        beside_mm = float(row.split()[-4])
+        assert speed == pytest.approx(0.3, rel=0.05)
+        assert abs(beside_mm) < 10
