@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
+import math
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from simcompare.audit import Audit
-from simcompare.backend import MAPPED, SPATIAL_RIGID_BODIES, EngineBackend, KnownLimit, Settings
+from simcompare.backend import (
+    JOINTS_AND_FORCES,
+    MAPPED,
+    SPATIAL_RIGID_BODIES,
+    EngineBackend,
+    KnownLimit,
+    Settings,
+)
+from simcompare.backends._pybullet_audit import audit_of
+from simcompare.backends._pybullet_reaction import Surplus, sensed_wrongly
+from simcompare.backends._pybullet_scene import BASE, Scene, build, gap_of
 from simcompare.errors import EngineBroken
+from simcompare.kinematics import mount_of
 from simcompare.landing import ContactSteps
-from simcompare.pairs import per_body_product, refuse_offsets, touching_pairs
-from simcompare.scenario import Body, Scenario
-from simcompare.shapes import Shape, Vector
-from simcompare.free_motion import has_drag
+from simcompare.pairs import refuse_offsets
+from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario
+from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
 from simcompare.state import BodyState
 from simcompare.trajectory import Array
@@ -27,60 +37,148 @@ REST_STEP_S = 2.5e-4
 
 
 class PybulletSimulation(Simulation):
-    """A physics client with its bodies."""
+    """A physics client with its bodies.
 
-    def __init__(
-        self,
-        engine: ModuleType,
-        client: int,
-        ids: dict[str, int],
-        scenario: Scenario,
-        audit: Audit,
-        mapped: bool,
-    ) -> None:
+    Rows hold position, orientation, velocity and rate of each free body, then coordinate and rate
+    of the joints, one articulated body after the other.
+    """
+
+    def __init__(self, scene: Scene, scenario: Scenario) -> None:
+        mapped = scene.mapped
         steps = ContactSteps(-0.5, CONTACT_STEP_S, rest_step_s=REST_STEP_S) if mapped else None
-        super().__init__(scenario, audit.finish(), steps)
-        self._bullet, self._client, self._ids = engine, client, ids
-        self._moving = [ids[name] for name in self._bodies]
-        self._dragged = any(has_drag(body) for body in self._bodies.values())
+        super().__init__(scenario, audit_of(scene).finish(), steps, exact=mapped)
+        self._bullet, self._client, self._places = scene.engine, scene.client, scene.bodies
+        self._moving = [scene.bodies[name][0] for name in self._free]
+        self._hinged = {name: scene.joints[name] for name in self._joints}
+        linked: dict[int, list[str]] = {}
+        for name, (uid, _) in self._hinged.items():
+            linked.setdefault(uid, []).append(name)
+        self._order = [name for names in linked.values() for name in names]
+        self._linked = [(u, [scene.joints[n][1] for n in names]) for u, names in linked.items()]
+        driven = self._drive.names if self._drive is not None else ()
+        self._driven = [self._order.index(name) for name in driven]
+        self._pushed = [
+            (uid, [scene.joints[driven[i]][1] for i in places], places)
+            for uid in linked
+            if (places := [i for i, name in enumerate(driven) if scene.joints[name][0] == uid])
+        ]
+        self._efforts: list[float] = []
+        wrong = sensed_wrongly(scenario) if mapped else []
+        self._surplus = Surplus(scenario, wrong) if wrong else None
+        self._readers = [self._reader(name, scene) for name in self._force_sensors]
 
     def advance(self, count: int) -> None:
         step, client = self._bullet.stepSimulation, self._client
         for _ in range(count):
             if self._dragged:
                 self._apply_drag()
+            if self._drive is not None:
+                self._push(self._joint_states())
             step(client)
+
+    def _joint_states(self) -> list[Any]:
+        """Coordinate, rate and more of all joints, in the order of the rows."""
+        read, client = self._bullet.getJointStates, self._client
+        if len(self._linked) == 1:
+            ((uid, links),) = self._linked
+            states: list[Any] = read(uid, links, client)
+            return states
+        return [state for uid, links in self._linked for state in read(uid, links, client)]
+
+    def _push(self, states: list[Any]) -> None:
+        """Puts efforts on the driven joints; PyBullet forgets them in every step."""
+        assert self._drive is not None
+        positions = [states[i][0] for i in self._driven]
+        rates = [states[i][1] for i in self._driven]
+        efforts = self._efforts = self._drive.efforts(positions, rates)
+        control, mode = self._bullet.setJointMotorControlArray, self._bullet.TORQUE_CONTROL
+        for uid, links, places in self._pushed:
+            part = [efforts[i] for i in places]
+            control(uid, links, mode, forces=part, physicsClientId=self._client)
 
     def _apply_drag(self) -> None:
         bullet, client = self._bullet, self._client
         for name, force in self.drag_forces():
-            position, _ = bullet.getBasePositionAndOrientation(self._ids[name], client)
+            uid, link = self._places[name]
             bullet.applyExternalForce(
-                self._ids[name], -1, force, position, bullet.WORLD_FRAME, physicsClientId=client
+                uid, link, force, self.origin_of(name), bullet.WORLD_FRAME, physicsClientId=client
             )
 
     def set_engine_step(self, step_s: float) -> None:
         self._bullet.setTimeStep(step_s, self._client)
 
     def stored_motion(self, body: str) -> tuple[Vector, Vector]:
-        uid = self._ids[body]
-        position: Vector = self._bullet.getBasePositionAndOrientation(uid, self._client)[0]
-        velocity: Vector = self._bullet.getBaseVelocity(uid, self._client)[0]
+        uid, link = self._places[body]
+        position: Vector
+        velocity: Vector
+        if link == BASE:
+            position = self._bullet.getBasePositionAndOrientation(uid, self._client)[0]
+            velocity = self._bullet.getBaseVelocity(uid, self._client)[0]
+        else:
+            state = self._bullet.getLinkState(uid, link, 1, 1, self._client)
+            position, velocity = state[0], state[6]
         return position, velocity
 
     def add_velocity(self, body: str, change_m_s: Vector) -> None:
-        uid = self._ids[body]
+        uid, _ = self._places[body]
         linear, angular = self._bullet.getBaseVelocity(uid, self._client)
         moved = [v + dv for v, dv in zip(linear, change_m_s, strict=True)]
         self._bullet.resetBaseVelocity(uid, moved, angular, self._client)
 
     def place(self, body: str, state: BodyState) -> None:
-        uid, client = self._ids[body], self._client
+        (uid, _), client = self._places[body], self._client
         w, x, y, z = state.orientation_wxyz
         self._bullet.resetBasePositionAndOrientation(uid, state.position_m, (x, y, z, w), client)
         self._bullet.resetBaseVelocity(uid, state.velocity_m_s, state.rate_rad_s, client)
 
+    def place_joint(self, joint: str, position: float, rate: float) -> None:
+        self._bullet.resetJointState(
+            *self._hinged[joint], position, rate, physicsClientId=self._client
+        )
+
+    def _reader(self, name: str, scene: Scene) -> Any:
+        """A function that reads one force sensor."""
+        sensor, bullet, client = self._force_sensors[name], self._bullet, self._client
+        if sensor.type == "contact_force":
+            first, second = (scene.bodies[body] for body in sensor.pair or ())
+            chosen = {
+                "bodyA": first[0], "linkIndexA": first[1],
+                "bodyB": second[0], "linkIndexB": second[1], "physicsClientId": client,
+            }  # fmt: skip
+
+            # Bullet leaves old forces on points that are too far apart to act
+            gap = gap_of(self.scenario) if scene.mapped else math.inf
+
+            def normal_force() -> tuple[float, ...]:
+                points = bullet.getContactPoints(**chosen)
+                return (float(sum(point[9] for point in points if point[8] <= gap)),)
+
+            return normal_force
+        assert sensor.joint is not None
+        uid, link = scene.joints[sensor.joint]
+        joint = self.scenario.joints[sensor.joint]
+        # the friction of a slider acts as the force of a motor, which is no part of the reaction
+        axis = mount_of(self.scenario, joint).axis if joint.type == "slider" else (0.0, 0.0, 0.0)
+        ax, ay, az = axis
+
+        def force() -> tuple[float, ...]:
+            _, _, (fx, fy, fz, _, _, _), motor = bullet.getJointState(uid, link, client)
+            return fx + motor * ax, fy + motor * ay, fz + motor * az
+
+        return force
+
+    def forces(self) -> list[float]:
+        return [value for read in self._readers for value in read()]
+
+    def origin_of(self, body: str) -> Vector:
+        return self.stored_motion(body)[0]
+
     def row(self) -> tuple[float, ...]:
+        moved = [value for state in self._joint_states() for value in state[:2]]
+        return (*self._base_row(), *moved)
+
+    def _base_row(self) -> tuple[float, ...]:
+        """Position, orientation, velocity and rate of all free bodies."""
         pose, motion, client = (
             self._bullet.getBasePositionAndOrientation,
             self._bullet.getBaseVelocity,
@@ -94,7 +192,9 @@ class PybulletSimulation(Simulation):
         return values
 
     def record(self, count: int) -> Any:
-        if self._dragged or len(self._moving) != 1:
+        if self._surplus is not None:
+            return self._record_without_surplus(count, self._surplus)
+        if not self.is_plain:
             return super().record(count)
         bullet, client, uid = self._bullet, self._client, self._moving[0]
         step, pose, motion = (
@@ -110,14 +210,40 @@ class PybulletSimulation(Simulation):
             rows.append((*position, *orientation, *linear, *angular))
         return rows
 
+    def _record_without_surplus(self, count: int, surplus: Surplus) -> Array:
+        before, after, efforts = [self.row()], [], []
+        for _ in range(count):
+            self.advance(1)
+            efforts.append(self._efforts)
+            forces = self.forces()
+            self.advance(self.substeps - 1)
+            before.append(self.row())
+            after.append((*before[-1], *forces))
+        rows, given = np.array(after), np.array(efforts)
+        names = self._drive.names if self._drive is not None else ()
+        pushed = {name: given[:, i] for i, name in enumerate(names)}
+        found = surplus.forces(self.motions(np.array(before[:-1])), pushed, count)
+        column = len(before[0])
+        for sensor in self._force_sensors.values():
+            if sensor.joint in found:
+                rows[:, column : column + 3] -= found[sensor.joint]
+            column += SENSOR_SIGNALS[sensor.type][1]
+        return rows
+
     def motions(self, rows: Array) -> dict[str, Array]:
         found: dict[str, Array] = {}
-        for i, name in enumerate(self._bodies):
+        for i, name in enumerate(self._free):
             part = rows[:, 13 * i : 13 * i + 13]
             found[f"{name}.position_m"] = part[:, :3].copy()
             found[f"{name}.orientation_wxyz"] = np.roll(part[:, 3:7], 1, axis=1)
             found[f"{name}.velocity_m_s"] = part[:, 7:10].copy()
             found[f"{name}.rate_rad_s"] = part[:, 10:].copy()
+        column = 13 * len(self._free)
+        for name in self._order:
+            position, rate = MOVABLE[self._joints[name].type]
+            found[f"{name}.{position}"] = rows[:, column].copy()
+            found[f"{name}.{rate}"] = rows[:, column + 1].copy()
+            column += 2
         return found
 
     def close(self) -> None:
@@ -131,7 +257,7 @@ class PybulletBackend(EngineBackend):
     module = "pybullet"
     distribution = "pybullet"
     install = "pip install 'simcompare[pybullet]'"
-    features = SPATIAL_RIGID_BODIES
+    features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     known_limits = (
         KnownLimit(
             "Restitution is 0 by default, and bodies lose 4 % of their speed a second to damping.",
@@ -155,11 +281,43 @@ class PybulletBackend(EngineBackend):
             "Damping, contact thresholds and solver parameters have setters and no getters.",
             "PyBullet Quickstart Guide, getDynamicsInfo, getPhysicsEngineParameters",
         ),
+        KnownLimit(
+            "By default a motor holds every joint at rest, with up to 1 N·m·s or N·s in each step;"
+            " a robot does not move until that is switched off.",
+            "PyBullet Quickstart Guide, setJointMotorControl2; measured: acceleration 0.0000",
+        ),
+        KnownLimit(
+            "No coordinate gets faster than 100 m/s or rad/s until maxJointVelocity is raised.",
+            "bulletphysics/bullet3, btMultiBody.h, m_maxCoordinateVelocity; measured",
+        ),
+        KnownLimit(
+            "A cylinder touches a plane at one point at a time, at an end that rounding picks, so"
+            " that a robot on such wheels turns by itself; mapped takes the two rims instead.",
+            "measured: turned by 1.8 rad within a metre; 1e-6 rad with rims",
+        ),
+        KnownLimit(
+            "Reaction forces take Coriolis and gyroscopic terms in twice, so they are wrong in free"
+            " bodies that turn and where joints move on moving bodies; mapped takes them off.",
+            "bulletphysics/bullet3 issues 2966, 4451, pull request 4583; measured: 12 m/s² too much"
+            " on a robot at 2 m/s, 1e-10 m/s² when taken off",
+        ),
+        KnownLimit(
+            "There is no armature: it is added to the child's moment of inertia about the hinge,"
+            " which is exact while the parent does not turn; a slider cannot have one.",
+            "PyBullet Quickstart Guide, changeDynamics; spatial inertia of a geared rotor",
+        ),
+        KnownLimit(
+            "Bodies that joints hold together do not touch each other by default.",
+            "PyBullet Quickstart Guide, loadURDF, URDF_USE_SELF_COLLISION",
+        ),
     )
     mapping = (
         "restitution of the moving body = e, of the fixed one = 1 (Bullet multiplies);"
-        " contactProcessingThreshold = 0, contactSlop = 0, erp = contactERP = 0,"
-        " restitutionVelocityThreshold = 0, damping = 0; impacts in steps of at most 2 µs"
+        " contactProcessingThreshold = 0, or 10 µm where nothing bounces, contactSlop = 0,"
+        " erp = contactERP = 0 where something bounces, restitutionVelocityThreshold = 0,"
+        " damping = 0; impacts in steps of at most 2 µs; cylinders on planes as their two rims;"
+        " with joints: motors off, Coulomb friction as a motor towards rest of that strength,"
+        " springs, dampers and drives as efforts, sweeps until they change 1e-12 m/s"
     )
 
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
@@ -168,154 +326,11 @@ class PybulletBackend(EngineBackend):
         if client < 0:
             raise EngineBroken("pybullet opened no physics client")
         try:
-            mapped = settings.contact == MAPPED
-            return _build(engine, client, scenario, mapped)
+            scene = build(engine, client, scenario, settings.contact == MAPPED)
+            return PybulletSimulation(scene, scenario)
         except BaseException:
             engine.disconnect(client)
             raise
 
 
 BACKEND = PybulletBackend()
-
-
-def _build(engine: ModuleType, client: int, scenario: Scenario, mapped: bool) -> Simulation:
-    world = scenario.world
-    engine.setGravity(*world.gravity_m_s2, physicsClientId=client)
-    engine.setTimeStep(world.step_s, client)
-    if mapped:
-        bounces = any(contact.restitution > 0 for contact in scenario.contacts)
-        engine.setPhysicsEngineParameter(
-            # without error reduction a bounce gets no energy from penetration; stacks need it
-            **({"erp": 0, "contactERP": 0} if bounces else {}),
-            contactSlop=0,
-            restitutionVelocityThreshold=0,
-            physicsClientId=client,
-        )
-    restitution = per_body_product(scenario, "restitution", "pybullet") if mapped else {}
-    friction = per_body_product(scenario, "friction", "pybullet") if mapped else {}
-    audit = Audit("pybullet")
-    _audit_world(engine, client, audit, scenario)
-    ids = {}
-    for name, body in scenario.bodies.items():
-        uid = _add_body(engine, client, body)
-        ids[name] = uid
-        if mapped:
-            engine.changeDynamics(
-                uid, -1, restitution=restitution[name], lateralFriction=friction[name],
-                linearDamping=0, angularDamping=0, contactProcessingThreshold=0,
-                physicsClientId=client,
-            )  # fmt: skip
-        _audit_body(engine, client, audit, (name, uid), body)
-    _audit_contacts(engine, client, audit, scenario, ids, (restitution, friction))
-    return PybulletSimulation(engine, client, ids, scenario, audit, mapped)
-
-
-def _add_body(engine: ModuleType, client: int, body: Body) -> int:
-    shapes = [_shape(engine, client, shape) for shape in body.shapes]
-    w, x, y, z = body.orientation_wxyz
-    uid: int = engine.createMultiBody(
-        body.mass_kg or 0.0,
-        shapes[0] if shapes else -1,
-        -1,
-        body.position_m,
-        (x, y, z, w),
-        physicsClientId=client,
-    )
-    if not body.fixed:
-        # mass again with the inertia: setting the inertia alone has been seen to lose the mass
-        engine.changeDynamics(
-            uid, -1, mass=body.mass_kg, localInertiaDiagonal=body.inertia_kg_m2,
-            physicsClientId=client,
-        )  # fmt: skip
-        engine.resetBaseVelocity(uid, body.velocity_m_s, body.rate_rad_s, client)
-    return uid
-
-
-def _shape(engine: ModuleType, client: int, shape: Shape) -> int:
-    pose: dict[str, Any] = {"collisionFramePosition": shape.position_m, "physicsClientId": client}
-    if shape.type != "plane":
-        w, x, y, z = shape.orientation_wxyz
-        pose["collisionFrameOrientation"] = (x, y, z, w)
-    create = engine.createCollisionShape
-    match shape.type:
-        case "plane":
-            uid = create(engine.GEOM_PLANE, planeNormal=shape.normal, **pose)
-        case "sphere":
-            uid = create(engine.GEOM_SPHERE, radius=shape.radius_m, **pose)
-        case "box":
-            uid = create(engine.GEOM_BOX, halfExtents=[e / 2 for e in shape.size_m], **pose)
-        case "cylinder":
-            size = {"radius": shape.radius_m, "height": shape.length_m}
-            uid = create(engine.GEOM_CYLINDER, **size, **pose)
-        case _:
-            size = {"radius": shape.radius_m, "height": shape.length_m}
-            uid = create(engine.GEOM_CAPSULE, **size, **pose)
-    return int(uid)
-
-
-def _audit_world(engine: ModuleType, client: int, audit: Audit, scenario: Scenario) -> None:
-    held = engine.getPhysicsEngineParameters(client)
-    step = scenario.world.step_s
-    audit.add("step_s", step, "fixedTimeStep", (step, held["fixedTimeStep"]), "s")
-    for axis, wanted in zip("xyz", scenario.world.gravity_m_s2, strict=True):
-        parameter = f"gravityAcceleration{axis.upper()}"
-        audit.add(f"gravity_m_s2.{axis}", wanted, parameter, (wanted, held[parameter]), "m/s²")
-
-
-def _audit_body(
-    engine: ModuleType, client: int, audit: Audit, name_uid: tuple[str, int], body: Body
-) -> None:
-    name, uid = name_uid
-    if body.fixed:
-        return
-    info = engine.getDynamicsInfo(uid, -1, client)
-    audit.add(f"{name}.mass_kg", body.mass_kg, "mass", (body.mass_kg, info[0]), "kg")
-    for axis, wanted, got in zip("123", body.inertia_kg_m2 or (), info[2], strict=True):
-        quantity = f"{name}.inertia_kg_m2.{axis}"
-        audit.add(quantity, wanted, "localInertiaDiagonal", (wanted, got), "kg·m²")
-    position = engine.getBasePositionAndOrientation(uid, client)[0]
-    for axis, wanted, got in zip("xyz", body.position_m, position, strict=True):
-        audit.add(f"{name}.position_m.{axis}", wanted, "basePosition", (wanted, got), "m")
-    for shape in body.shapes:
-        held = engine.getCollisionShapeData(uid, -1, client)[0][3]
-        # cylinders and capsules: length first
-        order = {"plane": [], "sphere": held[:1], "box": held}.get(shape.type, [held[1], held[0]])
-        audit.add_sizes(name, shape, "getCollisionShapeData", order)
-
-
-def _audit_contacts(
-    engine: ModuleType,
-    client: int,
-    audit: Audit,
-    scenario: Scenario,
-    ids: dict[str, int],
-    per_body: tuple[dict[str, float], dict[str, float]],
-) -> None:
-    restitution, friction = per_body
-    for contact in touching_pairs(scenario):
-        for name in contact.pair:
-            info = engine.getDynamicsInfo(ids[name], -1, client)
-            note = "Bullet multiplies the two" if restitution else "engine's default"
-            pair = "-".join(contact.pair)
-            values = (restitution.get(name), info[5])
-            quantity = f"{pair} restitution"
-            parameter = f"restitution of {name}"
-            audit.add(quantity, contact.restitution, parameter, values, "1", note)
-            values = (friction.get(name), info[1])
-            parameter = f"lateralFriction of {name}"
-            audit.add(f"{pair} friction", contact.friction, parameter, values, "1", note)
-    for parameter, default in _NO_GETTER.items():
-        note = "PyBullet has no getter for it"
-        if not restitution:
-            note += "; left at its default" + (f" of {default:g}" if default else "")
-        audit.add("contact", None, parameter, (0.0 if restitution else None, None), "", note)
-
-
-#: parameters that are set in mapped mode and cannot be read back, with their defaults as known
-_NO_GETTER = {
-    "contactSlop": 1e-5,
-    "restitutionVelocityThreshold": 0.2,
-    "linearDamping": 0.04,
-    "angularDamping": 0.04,
-    "contactProcessingThreshold": None,
-}

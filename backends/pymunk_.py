@@ -3,65 +3,201 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from simcompare.audit import Audit
-from simcompare.backend import MAPPED, EngineBackend, Feature, KnownLimit, Settings
-from simcompare.landing import ContactSteps
-from simcompare.pairs import per_body_product, refuse_offsets, touching_pairs
-from simcompare.scenario import Body, Scenario
-from simcompare.shapes import Shape, Vector
+from simcompare.backend import (
+    JOINTS_AND_FORCES,
+    MAPPED,
+    EngineBackend,
+    Feature,
+    KnownLimit,
+    Settings,
+)
+from simcompare.backends._pymunk_forces import ForceReader
+from simcompare.backends._pymunk_scene import Scene, angle_of, audit_of, build
+from simcompare.drives import Drive
 from simcompare.free_motion import has_drag
+from simcompare.landing import ContactSteps
+from simcompare.pairs import refuse_offsets
+from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario
+from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
-from simcompare.state import BodyState
+from simcompare.state import BodyState, State
 from simcompare.trajectory import Array
 
 #: longest step during an impact [s]
 CONTACT_STEP_S = 4.0e-6
-#: a plane is a bar this long to either side and this thick [m]
-BAR_HALF_LENGTH_M, BAR_RADIUS_M = 1000.0, 0.5
-#: overlap that mapped mode allows [m]; the default of 0.1 is meant for pixels
-SLOP_M = 1e-9
 
 
 class PymunkSimulation(Simulation):
-    """A space with its bodies."""
+    """A space with its bodies; those on joints move like all others, held by constraints."""
 
-    def __init__(
-        self,
-        space: Any,
-        bodies: dict[str, Any],
-        scenario: Scenario,
-        audit: Audit,
-        mapped: bool,
-    ) -> None:
-        # Chipmunk advances positions before velocities, hence the stagger of +1/2
+    #: Chipmunk advances positions before velocities
+    LEAD = 1
+
+    def __init__(self, engine: ModuleType, scenario: Scenario, mapped: bool) -> None:
+        # hence the stagger of +1/2
         steps = ContactSteps(
             stagger=0.5,
             contact_step_s=CONTACT_STEP_S,
             # a longer step at rest would multiply the remembered impulse and throw the body up
             rest_step_s=CONTACT_STEP_S,
         )
-        super().__init__(scenario, audit.finish(), steps if mapped else None)
-        self._space, self._held = space, bodies
-        self._moving = [bodies[name] for name in self._bodies]
-        self._dragged = any(has_drag(body) for body in self._bodies.values())
-        self._step_s = scenario.world.step_s
+        self._engine, self._mapped = engine, mapped
+        scene = build(engine, scenario, mapped)
+        super().__init__(
+            scenario, audit_of(scene).finish(), steps if mapped else None, exact=mapped
+        )
+        self._use(scene)
+        self._step_s = self._whole_step_s
+        self._reader = ForceReader(scenario, self._force_sensors)
+        self._drag: dict[str, Vector] = {}
+        self._first_forces: Sequence[float] | None = None
+        bouncing = any(contact.restitution > 0 for contact in scenario.contacts)
+        if mapped and self._landing is None and not bouncing:
+            # velocities at the start are not staggered yet: they belong to a step of length zero
+            self._engine_step_s = 0.0
+
+    def _use(self, scene: Scene) -> None:
+        self._scene, self._space, self._held = scene, scene.space, scene.bodies
+        self._moving = [scene.bodies[name] for name in self._bodies]
+        names = self._drive.names if self._drive is not None else ()
+        self._driven = [scene.joints[name] for name in names]
+        self._share_loads()
+
+    def _share_loads(self) -> None:
+        """Gives all driven joints of a body the same load, which is passed on once in each step."""
+        loads = {body: [0.0, 0.0, 0.0] for body in self._held.values()}
+        pushed, turned = set(), set()
+        for joint in self._driven:
+            joint.parent_load, joint.child_load = loads[joint.parent], loads[joint.child]
+            turned.add(joint.parent)
+            if joint.joint.type == "slider":
+                pushed |= {joint.parent, joint.child}
+            else:
+                turned.add(joint.child)
+        self._pushed = [(body, loads[body]) for body in self._moving if body in pushed]
+        self._turned = [(body, loads[body]) for body in self._moving if body in turned]
+
+    def use_step(self, step_s: float, resting: frozenset[str]) -> None:
+        if self._landing is not None:  # else the step never changes
+            super().use_step(step_s, resting)
+
+    def set_engine_step(self, step_s: float) -> None:
+        self._step_s = step_s
 
     def advance(self, count: int) -> None:
-        step, step_s = self._space.step, self._step_s
+        step, step_s, drive = self._space.step, self._step_s, self._drive
         for _ in range(count):
+            if drive is not None:
+                self._push(drive)
             if self._dragged:
-                for name, (fx, _, fz) in self.drag_forces():
+                self._drag = dict(self.drag_forces())
+                for name, (fx, _, fz) in self._drag.items():
                     body = self._held[name]
                     body.apply_force_at_world_point((fx, fz), body.position)
             step(step_s)
 
-    def set_engine_step(self, step_s: float) -> None:
-        self._step_s = step_s
+    def _push(self, drive: Drive) -> None:
+        """Gives all joints their efforts of the next engine step."""
+        step_s = self._step_s
+        motions = [joint.motion(step_s) for joint in self._driven]
+        efforts = drive.efforts(*zip(*motions, strict=True))
+        for joint, effort in zip(self._driven, efforts, strict=True):
+            joint.push(effort)
+        for body, load in self._pushed:
+            body.force = (load[0], load[1])
+            load[0] = load[1] = 0.0
+        for body, load in self._turned:
+            body.torque, load[2] = load[2], 0.0
+
+    def _begin(self) -> None:
+        """Moves the velocities from the start to half a step after it, where they are stored.
+
+        The engine itself tells by how much: bodies are put where they were a step before the start,
+        so that the step that ends there gives all accelerations at the start.
+        """
+        step_s, index = self._step_s, self._count * self.substeps
+        start = [_motion(body) for body in self._moving]
+        for body, (x, z, vx, vz, angle, rate) in zip(self._moving, start, strict=True):
+            body.position = (x - step_s * vx, z - step_s * vz)
+            body.angle = angle - step_s * rate
+        if self._drive is not None:
+            self._drive.go_to(index - 1, None)
+        self._reader.mark(self._scene)
+        self.advance(1)
+        for body, (x, z, *_, angle, _) in zip(self._moving, start, strict=True):
+            body.position, body.angle = (x, z), angle
+        if self._force_sensors:
+            self._first_forces = self.forces()
+        changes = [_motion(body) for body in self._moving]
+        for part in (-0.5, 0.5):
+            for body, (_, _, vx, vz, _, rate), (_, _, ux, uz, _, spin) in zip(
+                self._moving, start, changes, strict=True
+            ):
+                body.velocity = (vx + part * (ux - vx), vz + part * (uz - vz))
+                body.angular_velocity = rate + part * (spin - rate)
+            if part < 0 and self._drive is not None:
+                rates = [joint.motion(step_s)[1] for joint in self._driven]
+                self._drive.go_to(index, rates)
+        self._engine_step_s = step_s
+
+    def record(self, count: int) -> Any:
+        if self._engine_step_s == 0.0 and self._landing is None:
+            self._begin()
+        if self.is_plain:
+            return self._record_one(count)
+        advance, row, substeps = self.advance, self.row, self.substeps
+        rows: list[Sequence[float]] = []
+        for _ in range(count):
+            if not self._force_sensors:
+                advance(substeps)
+                rows.append(row())
+                continue
+            advance(substeps - 1)
+            self._reader.mark(self._scene)
+            advance(1)
+            rows.append((*row(), *self.forces()))
+        return rows
+
+    def _record_one(self, count: int) -> list[Sequence[float]]:
+        step, step_s, body = self._space.step, self._step_s, self._moving[0]
+        rows: list[Sequence[float]] = []
+        for _ in range(count):
+            step(step_s)
+            rows.append((*body.position, *body.velocity, body.angle, body.angular_velocity))
+        return rows
+
+    def row(self) -> tuple[float, ...]:
+        values: tuple[float, ...] = ()
+        for body in self._moving:
+            values += (*body.position, *body.velocity, body.angle, body.angular_velocity)
+        return values
+
+    def motions(self, rows: Array) -> dict[str, Array]:
+        found: dict[str, Array] = {}
+        zero = np.zeros(len(rows))
+        columns: dict[str, Sequence[Array | float]] = {}
+        for i, name in enumerate(self._bodies):
+            x, z, vx, vz, angle, rate = columns[name] = list(rows[:, 6 * i : 6 * i + 6].T)
+            # turning from x to z is negative about y, which points away from the viewer
+            half = -angle / 2
+            found[f"{name}.position_m"] = np.column_stack((x, zero, z))
+            found[f"{name}.orientation_wxyz"] = np.column_stack(
+                (np.cos(half), zero, np.sin(half), zero)
+            )
+            found[f"{name}.velocity_m_s"] = np.column_stack((vx, zero, vz))
+            found[f"{name}.rate_rad_s"] = np.column_stack((zero, -rate, zero))
+        for name, joint in self._joints.items():
+            parent = columns.get(joint.parent) or _motion(self._held[joint.parent])
+            moved = self._scene.joints[name].recorded(parent, columns[joint.child])
+            for part, values in zip(MOVABLE[joint.type], moved, strict=True):
+                found[f"{name}.{part}"] = values
+        return found
 
     def stored_motion(self, body: str) -> tuple[Vector, Vector]:
         held = self._held[body]
@@ -77,39 +213,58 @@ class PymunkSimulation(Simulation):
         held = self._held[body]
         held.position = (state.position_m[0], state.position_m[2])
         held.velocity = (state.velocity_m_s[0], state.velocity_m_s[2])
-        held.angle = _angle(state.orientation_wxyz)
+        held.angle = angle_of(state.orientation_wxyz)
         held.angular_velocity = -state.rate_rad_s[1]
 
-    def row(self) -> tuple[float, ...]:
-        values: tuple[float, ...] = ()
-        for body in self._moving:
-            values += (*body.position, *body.velocity, body.angle, body.angular_velocity)
-        return values
+    def place_joint(self, joint: str, position: float, rate: float) -> None:
+        """Nothing is left to do: its bodies were placed, all with coordinates of their own."""
 
-    def record(self, count: int) -> Any:
-        if self._dragged or len(self._moving) != 1:
-            return super().record(count)
-        step, step_s, body = self._space.step, self._step_s, self._moving[0]
-        rows = []
-        for _ in range(count):
-            step(step_s)
-            rows.append((*body.position, *body.velocity, body.angle, body.angular_velocity))
-        return rows
+    def set_state(self, state: State) -> None:
+        # a new space: impulses that this one remembers from elsewhere would act in the next step
+        self._use(build(self._engine, self.scenario, self._mapped))
+        super().set_state(state)
+        for name, joint in self._scene.joints.items():
+            self.place(joint.joint.child, state.bodies[joint.joint.child])
+            coordinate, _ = state.joints.get(name, (0.0, 0.0))
+            # an orientation does not tell how many turns the joint has made
+            missing = (joint.angle_of_child(coordinate) - joint.child.angle) / (2 * math.pi)
+            joint.child.angle += 2 * math.pi * round(missing)
 
-    def motions(self, rows: Array) -> dict[str, Array]:
-        found: dict[str, Array] = {}
-        zero = np.zeros(len(rows))
-        for i, name in enumerate(self._bodies):
-            x, z, vx, vz, angle, rate = rows[:, 6 * i : 6 * i + 6].T
-            # turning from x to z is negative about y, which points away from the viewer
-            half = -angle / 2
-            found[f"{name}.position_m"] = np.column_stack((x, zero, z))
-            found[f"{name}.orientation_wxyz"] = np.column_stack(
-                (np.cos(half), zero, np.sin(half), zero)
-            )
-            found[f"{name}.velocity_m_s"] = np.column_stack((vx, zero, vz))
-            found[f"{name}.rate_rad_s"] = np.column_stack((zero, -rate, zero))
+    # --- forces -------------------------------------------------------------------------------
+
+    def drag_forces(self) -> list[tuple[str, Vector]]:
+        """Drag at the end of the next step, where the forces of a step act."""
+        if not self._mapped:
+            return super().drag_forces()
+        forces, ahead_s = [], self._engine_step_s / 2
+        for name, body in self._bodies.items():
+            if body.drag is None or not has_drag(body):
+                continue
+            _, velocity = self.stored_motion(name)
+            change = self._free_acceleration(name, velocity)
+            vx, vy, vz = (v + a * ahead_s for v, a in zip(velocity, change, strict=True))
+            scale = -body.drag.factor_kg_m * math.hypot(vx, vy, vz)
+            forces.append((name, (scale * vx, scale * vy, scale * vz)))
+        return forces
+
+    def signals(
+        self, rows: Array, time_s: Array, inputs: Any, *, lagging: bool = True
+    ) -> dict[str, Array]:
+        found = super().signals(rows, time_s, inputs, lagging=lagging)
+        if lagging and self._first_forces is not None:
+            values = iter(self._first_forces)
+            for name, sensor in self._force_sensors.items():
+                part, size = SENSOR_SIGNALS[sensor.type]
+                first = [next(values) for _ in range(size)]
+                found[f"{name}.{part}"][0] = first if size > 1 else first[0]
         return found
+
+    def forces(self) -> list[float]:
+        return self._reader.read(self._scene, self._step_s, self._drag)
+
+
+def _motion(body: Any) -> tuple[float, ...]:
+    return (*body.position, *body.velocity, body.angle, body.angular_velocity)
 
 
 class PymunkBackend(EngineBackend):
@@ -119,12 +274,10 @@ class PymunkBackend(EngineBackend):
     module = "pymunk"
     distribution = "pymunk"
     install = "pip install 'simcompare[pymunk]'"
-    features = frozenset(
-        {
-            Feature.FREE_BODY, Feature.PLANE, Feature.SPHERE, Feature.BOX,
-            Feature.RESTITUTION, Feature.FRICTION, Feature.DRAG,
-        }
-    )  # fmt: skip
+    features = JOINTS_AND_FORCES | {
+        Feature.FREE_BODY, Feature.PLANE, Feature.SPHERE, Feature.BOX,
+        Feature.RESTITUTION, Feature.FRICTION, Feature.DRAG,
+    }  # fmt: skip
     known_limits = (
         KnownLimit(
             "Two-dimensional: it runs scenarios whose motion stays in the x-z plane.",
@@ -141,133 +294,51 @@ class PymunkBackend(EngineBackend):
             "Chipmunk cpSpaceStep.c; measured",
         ),
         KnownLimit(
-            "There is no half space: a plane is a bar 2 km long and 1 m thick.",
-            "pymunk documentation, Segment",
+            "There is no half space: a plane is a bar 2 km long and 1 m thick. A slider reaches"
+            " 1 km to either side.",
+            "pymunk documentation, Segment, GrooveJoint",
+        ),
+        KnownLimit(
+            "Joints are constraints that are solved one after the other, 10 times by default: that"
+            " leaves gaps where a heavy body hangs on a light one, and where gaps are closed at"
+            " once such bodies run away.",
+            "Chipmunk cpSpaceStep.c; measured: a double pendulum of 10 g and 1 kg, error_bias = 0",
+        ),
+        KnownLimit(
+            "Joints give way, and by default are drawn together by less than a hundredth in a step"
+            " of 1 ms.",
+            "pymunk documentation, Constraint.error_bias; measured: a pendulum of 0.3 m at 8 rad/s"
+            " is 0.7 mm too long",
+        ),
+        KnownLimit(
+            "A groove joint whose parts lie askew to its bodies' centres lets its point leave the"
+            " groove, the more the faster it slides.",
+            "Chipmunk cpGrooveJoint.c, grooveConstrain; measured: 16 mm at 1 m/s",
+        ),
+        KnownLimit(
+            "Joints have no armature: it is added to the child's moment of inertia, which is exact"
+            " only while the parent does not turn; on a slider it is refused.",
+            "pymunk documentation, Constraint",
+        ),
+        KnownLimit(
+            "A joint tells only the magnitude of its impulse: the force through it is taken from"
+            " the change of momentum of all that it carries.",
+            "pymunk documentation, Constraint.impulse",
         ),
     )
     mapping = (
         "elasticity of the moving body = e, of the fixed one = 1 (pymunk multiplies);"
-        " collision_slop = 1e-9 m; impacts in steps of at most 4 µs"
+        " collision_slop = 1e-9 m; impacts in steps of at most 4 µs; joints: error_bias = 0, so"
+        " that a gap is closed in the next step, in as many iterations as leave 1e-6 of an error"
+        " (by the spectral radius of Gauss and Seidel's matrix, bodies as drawn); a slider's groove"
+        " passes through the centre of mass of one body, beside that of the other; efforts and drag"
+        " are those at the end of a step, where they act; the first velocities are set half a step"
+        " after the start, where the engine holds them"
     )
 
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
         refuse_offsets(scenario, self.name)
-        mapped = settings.contact == MAPPED
-        space = engine.Space()
-        gx, _, gz = scenario.world.gravity_m_s2
-        space.gravity = (gx, gz)
-        if mapped:
-            space.collision_slop = SLOP_M
-        restitution = per_body_product(scenario, "restitution", self.name) if mapped else {}
-        friction = per_body_product(scenario, "friction", self.name) if mapped else {}
-        bodies, shapes = {}, {}
-        for name, body in scenario.bodies.items():
-            bodies[name], shapes[name] = _add_body(engine, space, body)
-            for shape in shapes[name] if mapped else ():
-                shape.elasticity, shape.friction = restitution[name], friction[name]
-        audit = Audit(self.name)
-        _audit_world(audit, space, scenario, mapped)
-        for name, body in scenario.moving_bodies().items():
-            _audit_body(audit, name, body, (bodies[name], shapes[name]))
-        _audit_contacts(audit, scenario, shapes, (restitution, friction))
-        return PymunkSimulation(space, bodies, scenario, audit, mapped)
+        return PymunkSimulation(engine, scenario, settings.contact == MAPPED)
 
 
 BACKEND = PymunkBackend()
-
-
-def _add_body(engine: ModuleType, space: Any, body: Body) -> tuple[Any, list[Any]]:
-    if body.fixed:
-        held = engine.Body(body_type=engine.Body.STATIC)
-    else:
-        assert body.inertia_kg_m2 is not None
-        held = engine.Body(body.mass_kg, body.inertia_kg_m2[1])
-    held.position = (body.position_m[0], body.position_m[2])
-    held.angle = _angle(body.orientation_wxyz)
-    if not body.fixed:
-        held.velocity = (body.velocity_m_s[0], body.velocity_m_s[2])
-        held.angular_velocity = -body.rate_rad_s[1]
-    shapes = [_shape(engine, held, shape) for shape in body.shapes]
-    space.add(held, *shapes)
-    return held, shapes
-
-
-def _shape(engine: ModuleType, held: Any, shape: Shape) -> Any:
-    x, z = shape.position_m[0], shape.position_m[2]
-    match shape.type:
-        case "plane":
-            nx, nz = shape.normal[0], shape.normal[2]
-            length = math.hypot(nx, nz)
-            nx, nz = nx / length, nz / length
-            cx, cz = x - nx * BAR_RADIUS_M, z - nz * BAR_RADIUS_M
-            ends = [
-                (cx + side * BAR_HALF_LENGTH_M * nz, cz - side * BAR_HALF_LENGTH_M * nx)
-                for side in (-1, 1)
-            ]
-            return engine.Segment(held, *ends, BAR_RADIUS_M)
-        case "sphere":
-            return engine.Circle(held, shape.radius_m, (x, z))
-        case _:
-            assert shape.type == "box"
-            a, b = shape.size_m[0] / 2, shape.size_m[2] / 2
-            turned = engine.Transform.identity().translated(x, z)
-            turned = turned.rotated(_angle(shape.orientation_wxyz))
-            return engine.Poly(held, [(-a, -b), (a, -b), (a, b), (-a, b)], turned)
-
-
-def _audit_world(audit: Audit, space: Any, scenario: Scenario, mapped: bool) -> None:
-    gx, _, gz = scenario.world.gravity_m_s2
-    audit.add("gravity_m_s2.x", gx, "Space.gravity.x", (gx, space.gravity[0]), "m/s²")
-    audit.add("gravity_m_s2.z", gz, "Space.gravity.y", (gz, space.gravity[1]), "m/s²")
-    step_s = scenario.world.step_s
-    audit.add("step_s", step_s, "Space.step(dt)", (step_s, None), "s", "an argument of each step")
-    slop = (SLOP_M if mapped else None, space.collision_slop)
-    note = "" if mapped else "engine's default: overlap that is left alone"
-    audit.add("contact", None, "Space.collision_slop", slop, "m", note)
-    audit.add("damping", None, "Space.damping", (1.0, space.damping), "1", "1 means none")
-
-
-def _audit_body(audit: Audit, name: str, body: Body, held: tuple[Any, list[Any]]) -> None:
-    moving, shapes = held
-    audit.add(f"{name}.mass_kg", body.mass_kg, "Body.mass", (body.mass_kg, moving.mass), "kg")
-    assert body.inertia_kg_m2 is not None
-    moment = body.inertia_kg_m2[1]
-    quantity = f"{name}.inertia_kg_m2.2"
-    audit.add(quantity, moment, "Body.moment", (moment, moving.moment), "kg·m²")
-    x, z = body.position_m[0], body.position_m[2]
-    audit.add(f"{name}.position_m.x", x, "Body.position.x", (x, moving.position[0]), "m")
-    audit.add(f"{name}.position_m.z", z, "Body.position.y", (z, moving.position[1]), "m")
-    for shape, solid in zip(body.shapes, shapes, strict=True):
-        if shape.type == "sphere":
-            audit.add_sizes(name, shape, "Circle.radius", [solid.radius])
-        elif shape.type == "box":
-            corners = np.array(solid.get_vertices())
-            along, up = (float(np.linalg.norm(corners[i + 1] - corners[i])) for i in (0, 1))
-            # the order of the corners may begin with either edge; the third edge is not there
-            edges = [along, up] if math.isclose(along, shape.size_m[0]) else [up, along]
-            audit.add_sizes(name, shape, "Poly.vertices", [edges[0], shape.size_m[1], edges[1]])
-
-
-def _audit_contacts(
-    audit: Audit,
-    scenario: Scenario,
-    shapes: dict[str, list[Any]],
-    per_body: tuple[dict[str, float], dict[str, float]],
-) -> None:
-    restitution, friction = per_body
-    note = "pymunk multiplies the two" if restitution else "engine's default"
-    for contact in touching_pairs(scenario):
-        pair = "-".join(contact.pair)
-        for name in contact.pair:
-            held = shapes[name][0]
-            values = (restitution.get(name), held.elasticity)
-            parameter = f"elasticity of {name}"
-            audit.add(f"{pair} restitution", contact.restitution, parameter, values, "1", note)
-            values = (friction.get(name), held.friction)
-            parameter = f"friction of {name}"
-            audit.add(f"{pair} friction", contact.friction, parameter, values, "1", note)
-
-
-def _angle(orientation_wxyz: Any) -> float:
-    """Angle in pymunk's plane of a turn about y; from x towards z is positive there."""
-    return -2 * math.atan2(orientation_wxyz[2], orientation_wxyz[0])

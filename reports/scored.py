@@ -89,7 +89,7 @@ def contrast_figure(run: Run) -> Figure | None:
     measures = runs.judged(run)
     if not measures:
         return None
-    ticks = tuple(runs.measure_words(name).replace(" ", "\n", 1) for name in measures)
+    ticks = tuple(runs.measure_words(name).replace(" ", "\n") for name in measures)
     panels = []
     for mode in runs.modes(run):
         names = runs.names(run)

@@ -9,11 +9,13 @@ constant T of a motor by h/2T, and a resonance by ζ·ω·h.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from simcompare.errors import InputError, UnknownName
 from simcompare.scenario import DcMotor, Joint, Scenario
 from simcompare.trajectory import Array
 
@@ -73,6 +75,39 @@ def input_values(scenario: Scenario, time_s: Array) -> dict[str, Array]:
     return {
         name: np.asarray(signal.at(time_s), dtype=float) for name, signal in scenario.inputs.items()
     }
+
+
+def checked_inputs(
+    scenario: Scenario, time_s: float, given: Mapping[str, float] | None
+) -> dict[str, float] | None:
+    """Values of all inputs at a time: those that are given, the others from their signals.
+
+    Raises:
+        InputError: a value that is not one finite number (all of them are named), or no mapping.
+        UnknownName: an input that the scenario does not have.
+    """
+    if given is None:
+        return None
+    where = f"inputs at t = {time_s:g} s"
+    if not isinstance(given, Mapping):
+        kind = type(given).__name__
+        raise InputError(where, [f"found a {kind}; expected a mapping of input -> number"])
+    now = input_values(scenario, np.array([time_s]))
+    values = {name: float(v[0]) for name, v in now.items()}
+    faults = []
+    for name, value in given.items():
+        if name not in values:
+            raise UnknownName(f"input of {scenario.name}", str(name), values)
+        try:
+            values[name] = float(value)
+        except (TypeError, ValueError):
+            faults.append(f"{name} = {value!r} is not one number")
+            continue
+        if not math.isfinite(values[name]):
+            faults.append(f"{name} = {value!r} is not a finite number")
+    if faults:
+        raise InputError(where, faults)
+    return values
 
 
 def open_loop(laws: Mapping[str, JointLaw], inputs: Mapping[str, Array], count: int) -> Array:

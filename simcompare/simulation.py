@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from abc import abstractmethod
 from collections import deque
@@ -12,15 +11,16 @@ from typing import ClassVar
 import numpy as np
 
 from simcompare.audit import Audit, AuditRow
-from simcompare.drives import Drive, input_values
-from simcompare.errors import InputError, UnknownName, Unsupported
+from simcompare.drives import Drive, checked_inputs, input_values
+from simcompare.errors import Unsupported
 from simcompare.free_motion import FreeMotion
 from simcompare.kinematics import add_children
 from simcompare.landing import ContactSteps, Landing, approaches
+from simcompare.pairs import touching_pairs
 from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario
 from simcompare.sensing import complete
 from simcompare.shapes import Vector
-from simcompare.state import BodyState, State
+from simcompare.state import BodyState, State, half_a_step_back
 from simcompare.trajectory import BODY_SIGNALS, Array, Trajectory
 
 #: what a controller reads: every signal now, a number or a tuple of its components
@@ -77,6 +77,9 @@ class Simulation(FreeMotion):
         self._recent: deque[tuple[float, Sequence[float], dict[str, float]]] = deque(maxlen=_RECENT)
         if steps is not None:
             self._prepare_landing(steps)
+        if exact and not self.LEAD and not touching_pairs(scenario):
+            # velocities at the start belong to a step of length zero, see _stagger_start
+            self._engine_step_s = 0.0
 
     @property
     def is_plain(self) -> bool:
@@ -211,7 +214,7 @@ class Simulation(FreeMotion):
             InputError: values that are not finite numbers, or no mapping.
             UnknownName: an input that the scenario does not have.
         """
-        self._take_step(self._checked_inputs(inputs))
+        self._take_step(checked_inputs(self.scenario, self.time_s, inputs))
 
     def read(self) -> Readings:
         """Every signal now, as a controller sees it; forces are those of the last engine step."""
@@ -235,6 +238,7 @@ class Simulation(FreeMotion):
         if self._drive is not None:
             self._drive.hold(inputs)
         if self._landing is None:
+            self._stagger_start()
             row: Sequence[float] = self.record(1)[0]
         elif self._landing.free_steps(self) >= 1:
             self.use_step(self._whole_step_s, frozenset())
@@ -248,35 +252,26 @@ class Simulation(FreeMotion):
         self._remember(row, inputs or {})
         return row
 
+    def _stagger_start(self) -> None:
+        """Moves the velocities from the start to half a step before it, where steps store them.
+
+        Else all motion runs ahead by half a step of the first acceleration. The engine itself tells
+        how large that is, by a step that is taken back. Where bodies touch, it is left as it is: an
+        engine may find the contact only in the second step.
+        """
+        if self._engine_step_s or self.LEAD:
+            return
+        start = self.state
+        self.advance(1)
+        after = self.state
+        names = self._drive.names if self._drive is not None else None
+        self.set_state(half_a_step_back(start, after, self._whole_step_s, names))
+
     def _row_now(self) -> Sequence[float]:
         return (*self.row(), *[0.0] * self._force_columns)
 
     def _remember(self, row: Sequence[float], inputs: dict[str, float]) -> None:
         self._recent.append((self.time_s, row, inputs))
-
-    def _checked_inputs(self, inputs: Mapping[str, float] | None) -> dict[str, float] | None:
-        if inputs is None:
-            return None
-        where = f"inputs at t = {self.time_s:g} s"
-        if not isinstance(inputs, Mapping):
-            kind = type(inputs).__name__
-            raise InputError(where, [f"found a {kind}; expected a mapping of input -> number"])
-        now = np.array([self.time_s])
-        values = {name: float(v[0]) for name, v in input_values(self.scenario, now).items()}
-        faults = []
-        for name, value in inputs.items():
-            if name not in values:
-                raise UnknownName(f"input of {self.scenario.name}", str(name), values)
-            try:
-                values[name] = float(value)
-            except (TypeError, ValueError):
-                faults.append(f"{name} = {value!r} is not one number")
-                continue
-            if not math.isfinite(values[name]):
-                faults.append(f"{name} = {value!r} is not a finite number")
-        if faults:
-            raise InputError(where, faults)
-        return values
 
     @property
     def state(self) -> State:
@@ -349,16 +344,20 @@ class Simulation(FreeMotion):
         )
 
     def _record_all(self, count: int) -> list[list[Sequence[float]] | Array]:
+        if self._landing is None:
+            self._stagger_start()
+            whole = self.record(count)
+            self._count += count
+            return [whole]
         blocks: list[list[Sequence[float]] | Array] = []
         done = 0
         while done < count:
-            free = count if self._landing is None else self._landing.free_steps(self)
+            free = self._landing.free_steps(self)
             if free:
                 taken = min(free, count - done)
                 self.use_step(self._whole_step_s, frozenset())
                 blocks.append(self.record(taken))
             else:
-                assert self._landing is not None
                 taken = 1
                 self._landing.step(self)
                 blocks.append([self.row()])
@@ -372,7 +371,7 @@ class Simulation(FreeMotion):
         """Steps with a controller in the loop; writes what it gave into the recorded inputs."""
         rows = []
         for k in range(count):
-            given = self._checked_inputs(controller(self.time_s, self.read()))
+            given = checked_inputs(self.scenario, self.time_s, controller(self.time_s, self.read()))
             for name, value in (given or {}).items():
                 inputs[name][k:] = value
             rows.append(self._take_step(given))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 
@@ -33,3 +33,38 @@ class State:
     velocity_step_s: float = field(default=0.0)
     joints: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     rates_before: tuple[float, ...] | None = None
+
+
+def half_a_step_back(
+    start: State, after: State, step_s: float, driven: Sequence[str] | None
+) -> State:
+    """The start with all velocities moved to half a step before it, by how they change in a step.
+
+    Args:
+        start: the state with velocities of its own instant.
+        after: the state that one engine step makes of it.
+        step_s: the engine step [s].
+        driven: driven joints, whose rates one step earlier are chosen so that the first estimate of
+            the rate at the positions' instant (see ``drives``) is the rate at the start itself.
+    """
+
+    def back(value: float, later: float) -> float:
+        return value - (later - value) / 2
+
+    bodies = {
+        name: BodyState(
+            held.position_m,
+            held.orientation_wxyz,
+            tuple(map(back, held.velocity_m_s, after.bodies[name].velocity_m_s)),
+            tuple(map(back, held.rate_rad_s, after.bodies[name].rate_rad_s)),
+        )
+        for name, held in start.bodies.items()
+    }
+    joints = {
+        name: (position, back(rate, after.joints[name][1]))
+        for name, (position, rate) in start.joints.items()
+    }
+    before = None
+    if driven is not None:
+        before = tuple(3 * joints[name][1] - 2 * start.joints[name][1] for name in driven)
+    return State(start.time_s, bodies, step_s, joints, before)

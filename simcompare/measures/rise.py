@@ -81,5 +81,5 @@ def _shapes(scaled: Array, tau: float) -> Array:
 
 def _solve(columns: Array, values: Array) -> tuple[Array, Array]:
     """Least squares: the coefficients and what they leave over."""
-    coefficients = np.linalg.lstsq(columns, values, rcond=None)[0]
+    coefficients = np.asarray(np.linalg.lstsq(columns, values, rcond=None)[0], dtype=float)
     return coefficients, np.asarray(values - columns @ coefficients, dtype=float)

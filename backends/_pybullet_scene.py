@@ -1,0 +1,341 @@
+"""A scene as PyBullet's bodies: what joints carry becomes links of one articulated body."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import ModuleType
+
+from simcompare.drives import JointLaw, laws_of
+from simcompare.errors import Unsupported
+from simcompare.kinematics import Mount, mount_of
+from simcompare.pairs import per_body_product, touching_pairs
+from simcompare.scenario import Scenario
+from simcompare.shapes import Cylinder, Quaternion, Vector
+
+#: a body, as PyBullet calls it: number of the articulated body and of its link, -1 for its base
+Place = tuple[int, int]
+BASE = -1
+
+#: largest speed of any coordinate; PyBullet's own 100 m/s or rad/s would be a wall
+MOST_SPEED = 1.0e9
+#: the solver sweeps over contacts and joints until they move each other by 1e-12 m/s or rad/s, but
+#: not for ever; by default it stops at 50 sweeps or at 3e-4
+SWEEPS, RESIDUAL = 500, 1.0e-24
+#: gap [m] from which on a contact acts that does not bounce: at 0 it would alternate
+CONTACT_GAP_M = 1.0e-5
+#: collision margin [m] of the shapes that PyBullet makes; it rounds the edges of cylinders
+MARGIN_M = 1.0e-3
+
+
+@dataclass
+class Scene:
+    """What was built, by the names of the scenario.
+
+    Attributes:
+        engine: the imported engine.
+        client: its physics client.
+        scenario: what was built.
+        mapped: whether contact and joints follow the scenario, or are left to the engine.
+        bodies: place of every body.
+        joints: place of every joint, which is that of its child.
+        restitution: per body; empty where it is left to the engine.
+        friction: per body, likewise.
+    """
+
+    engine: ModuleType
+    client: int
+    scenario: Scenario
+    mapped: bool
+    bodies: dict[str, Place] = field(default_factory=dict)
+    joints: dict[str, Place] = field(default_factory=dict)
+    restitution: Mapping[str, float] = field(default_factory=dict)
+    friction: Mapping[str, float] = field(default_factory=dict)
+
+
+def build(engine: ModuleType, client: int, scenario: Scenario, mapped: bool) -> Scene:
+    """Builds all bodies and joints in an empty client."""
+    scene = Scene(engine, client, scenario, mapped)
+    _set_world(scene)
+    if mapped:
+        scene.restitution = per_body_product(scenario, "restitution", "pybullet")
+        scene.friction = per_body_product(scenario, "friction", "pybullet")
+    laws = laws_of(scenario)
+    for root, joints in trees(scenario).items():
+        _add_tree(scene, root, joints)
+        for name in (root, *(scenario.joints[joint].child for joint in joints)):
+            _set_dynamics(scene, name, inertia_of(scenario, name, laws))
+        for joint in joints:
+            _set_joint(scene, joint, laws.get(joint))
+        _filter_contacts(scene, root, joints)
+    return scene
+
+
+def trees(scenario: Scenario) -> dict[str, list[str]]:
+    """Joints below each body that no joint carries, each after the one that carries its parent."""
+    below: dict[str, list[str]] = {}
+    for name, joint in scenario.joints.items():
+        below.setdefault(joint.parent, []).append(name)
+
+    def walk(body: str) -> list[str]:
+        found = []
+        for name in below.get(body, ()):
+            found += [name, *walk(scenario.joints[name].child)]
+        return found
+
+    carried = {joint.child for joint in scenario.joints.values()}
+    return {body: walk(body) for body in scenario.bodies if body not in carried}
+
+
+def inertia_of(scenario: Scenario, body: str, laws: Mapping[str, JointLaw]) -> Vector | None:
+    """Moments of inertia of a body, with the armature of the hinge that carries it.
+
+    Raises:
+        Unsupported: the armature cannot be added to one of the moments.
+    """
+    moments = scenario.bodies[body].inertia_kg_m2
+    for name, joint in scenario.joints.items():
+        armature = laws[name].armature if name in laws else 0.0
+        if joint.child != body or not armature or moments is None:
+            continue
+        if joint.type != "hinge":
+            raise Unsupported(f"pybullet has no armature, and {name}, a slider, has one")
+        added = [
+            armature if abs(abs(a) - 1) < 1e-9 else 0.0 for a in mount_of(scenario, joint).axis
+        ]
+        if not any(added):
+            raise Unsupported(
+                f"pybullet has no armature; it can be added to a moment of inertia of {body}, but"
+                f" the axis of {name} is none of its principal axes"
+            )
+        first, second, third = (i + a for i, a in zip(moments, added, strict=True))
+        moments = (first, second, third)
+    return moments
+
+
+def is_iterated(scenario: Scenario) -> bool:
+    """Whether the solver sweeps until nothing changes: with joints, and where forces are read."""
+    read = any(s.type in ("force", "contact_force") for s in scenario.sensors.values())
+    return bool(scenario.joints) or read
+
+
+def gap_of(scenario: Scenario) -> float:
+    """Largest gap [m] at which a contact acts; a bounce must not begin before there is none."""
+    return 0.0 if any(contact.restitution > 0 for contact in scenario.contacts) else CONTACT_GAP_M
+
+
+def _set_world(scene: Scene) -> None:
+    engine, client, world = scene.engine, scene.client, scene.scenario.world
+    engine.setGravity(*world.gravity_m_s2, physicsClientId=client)
+    engine.setTimeStep(world.engine_step_s, client)
+    if not scene.mapped:
+        return
+    if any(contact.restitution > 0 for contact in scene.scenario.contacts):
+        # without error reduction a bounce gets no energy from penetration; stacks need it
+        engine.setPhysicsEngineParameter(erp=0, contactERP=0, physicsClientId=client)
+    if is_iterated(scene.scenario):
+        engine.setPhysicsEngineParameter(
+            numSolverIterations=SWEEPS, solverResidualThreshold=RESIDUAL, physicsClientId=client
+        )
+    engine.setPhysicsEngineParameter(
+        contactSlop=0, restitutionVelocityThreshold=0, physicsClientId=client
+    )
+
+
+def _add_tree(scene: Scene, root: str, joints: list[str]) -> None:
+    """One articulated body: a base and, in its order, the child of each joint."""
+    engine, client, bodies = scene.engine, scene.client, scene.scenario.bodies
+    mounts = {name: mount_of(scene.scenario, scene.scenario.joints[name]) for name in joints}
+    base = bodies[root]
+    uid: int = engine.createMultiBody(
+        base.mass_kg or 0.0,
+        _shape(scene, root, (0.0, 0.0, 0.0)),
+        -1,
+        base.position_m,
+        _xyzw(base.orientation_wxyz),
+        **_links(scene, root, mounts),
+        flags=engine.URDF_USE_SELF_COLLISION if _touching_within(scene, root, joints) else 0,
+        physicsClientId=client,
+    )
+    scene.bodies[root] = (uid, BASE)
+    # PyBullet may number the links in an order of its own; their names tell which is which
+    names = [engine.getJointInfo(uid, i, client)[12].decode() for i in range(len(joints))]
+    for i, name in enumerate(joints):
+        place = (uid, names.index(f"link{i + 1}"))
+        scene.joints[name] = scene.bodies[scene.scenario.joints[name].child] = place
+    if not base.fixed:
+        engine.resetBaseVelocity(uid, base.velocity_m_s, base.rate_rad_s, client)
+
+
+def _links(scene: Scene, root: str, mounts: Mapping[str, Mount]) -> dict[str, list[object]]:
+    """Link lists of a tree. A link's frame lies at its joint and is turned as its body is."""
+    engine, scenario = scene.engine, scene.scenario
+    kinds = {"hinge": engine.JOINT_REVOLUTE, "slider": engine.JOINT_PRISMATIC}
+    order, anchors = {root: 0}, {root: (0.0, 0.0, 0.0)}
+    lists: dict[str, list[object]] = {key: [] for key in _LINK_LISTS}
+    for name, mount in mounts.items():
+        joint = scenario.joints[name]
+        child = scenario.bodies[joint.child]
+        order[joint.child], anchors[joint.child] = len(order), mount.anchor_m
+        from_joint = _minus((0.0, 0.0, 0.0), mount.anchor_m)
+        row = (
+            child.mass_kg, _shape(scene, joint.child, from_joint), -1,
+            _minus(joint.anchor_m, anchors[joint.parent]), _xyzw(mount.orientation_wxyz),
+            from_joint, (0.0, 0.0, 0.0, 1.0), order[joint.parent],
+            kinds.get(joint.type, engine.JOINT_FIXED), mount.axis,
+        )  # fmt: skip
+        for key, value in zip(_LINK_LISTS, row, strict=True):
+            lists[key].append(value)
+    return lists if mounts else {}
+
+
+_LINK_LISTS = (
+    "linkMasses", "linkCollisionShapeIndices", "linkVisualShapeIndices", "linkPositions",
+    "linkOrientations", "linkInertialFramePositions", "linkInertialFrameOrientations",
+    "linkParentIndices", "linkJointTypes", "linkJointAxis",
+)  # fmt: skip
+
+
+def _set_dynamics(scene: Scene, name: str, inertia: Vector | None) -> None:
+    engine, body, (uid, link) = scene.engine, scene.scenario.bodies[name], scene.bodies[name]
+    at = {"physicsClientId": scene.client}
+    if not body.fixed:
+        # mass again with the inertia: setting the inertia alone has been seen to lose the mass
+        engine.changeDynamics(uid, link, mass=body.mass_kg, localInertiaDiagonal=inertia, **at)
+    if scene.mapped:
+        gap = gap_of(scene.scenario)
+        engine.changeDynamics(
+            uid, link, restitution=scene.restitution[name], lateralFriction=scene.friction[name],
+            linearDamping=0, angularDamping=0, contactProcessingThreshold=gap, **at,
+        )  # fmt: skip
+        # by itself: together with the friction it has been seen to leave that at its default
+        engine.changeDynamics(uid, link, maxJointVelocity=MOST_SPEED, **at)
+
+
+def _set_joint(scene: Scene, name: str, law: JointLaw | None) -> None:
+    """Start, friction and sensor of a joint; by default PyBullet brakes it with a motor."""
+    engine, at, (uid, link) = scene.engine, {"physicsClientId": scene.client}, scene.joints[name]
+    if any(s.type == "force" and s.joint == name for s in scene.scenario.sensors.values()):
+        engine.enableJointForceTorqueSensor(uid, link, True, **at)
+    if law is None:
+        return
+    engine.resetJointState(uid, link, 0.0, scene.scenario.joints[name].rate, **at)
+    if scene.mapped:
+        engine.changeDynamics(uid, link, jointDamping=0, **at)
+    if scene.mapped or law.friction:
+        engine.setJointMotorControl2(
+            uid, link, engine.VELOCITY_CONTROL, targetVelocity=0, force=law.friction, **at
+        )
+
+
+def _touching_within(scene: Scene, root: str, joints: list[str]) -> list[frozenset[str]]:
+    """Pairs of one tree that are to touch; PyBullet's own default is that none does."""
+    members = {root, *(scene.scenario.joints[joint].child for joint in joints)}
+    pairs = [frozenset(contact.pair) for contact in touching_pairs(scene.scenario)]
+    return [pair for pair in pairs if pair <= members]
+
+
+def _filter_contacts(scene: Scene, root: str, joints: list[str]) -> None:
+    """Leaves, of all pairs of a tree, only those that are to touch."""
+    touching = _touching_within(scene, root, joints)
+    if not touching:
+        return
+    members = [root, *(scene.scenario.joints[joint].child for joint in joints)]
+    for i, first in enumerate(members):
+        for second in members[i + 1 :]:
+            (uid, link), (_, other) = scene.bodies[first], scene.bodies[second]
+            scene.engine.setCollisionFilterPair(
+                uid, uid, link, other, frozenset((first, second)) in touching, scene.client
+            )
+
+
+def _shape(scene: Scene, body: str, origin: Vector) -> int:
+    """Collision shape of a body whose origin is at ``origin`` in the link's frame; -1 for none."""
+    engine, shapes = scene.engine, scene.scenario.bodies[body].shapes
+    if not shapes:
+        return -1
+    shape = shapes[0]
+    position = _plus(origin, shape.position_m)
+    if isinstance(shape, Cylinder) and has_rims(scene, body):
+        return _rims(scene, shape, position)
+    size: dict[str, object]
+    match shape.type:
+        case "plane":
+            kind, size = engine.GEOM_PLANE, {"planeNormal": shape.normal}
+        case "sphere":
+            kind, size = engine.GEOM_SPHERE, {"radius": shape.radius_m}
+        case "box":
+            kind, size = engine.GEOM_BOX, {"halfExtents": [e / 2 for e in shape.size_m]}
+        case "cylinder":
+            kind, size = engine.GEOM_CYLINDER, _round(shape.radius_m, shape.length_m)
+        case _:
+            kind, size = engine.GEOM_CAPSULE, _round(shape.radius_m, shape.length_m)
+    if shape.type != "plane":
+        size["collisionFrameOrientation"] = _xyzw(shape.orientation_wxyz)
+    uid: int = engine.createCollisionShape(
+        kind, collisionFramePosition=position, physicsClientId=scene.client, **size
+    )
+    return uid
+
+
+def has_rims(scene: Scene, body: str) -> bool:
+    """Whether a body's cylinder is built as its two rims.
+
+    Bullet finds one point at a time of a cylinder on a plane, at an end that it picks by rounding,
+    so a wheel would be driven now at its left edge and now at its right. Bullet's own cylinder has
+    edges that are rounded by its margin; the two rings that make these edges touch a plane just
+    where the whole cylinder does, and give a point each.
+    """
+    shapes, bodies = scene.scenario.bodies[body].shapes, scene.scenario.bodies
+    others = [
+        bodies[other].shapes
+        for contact in touching_pairs(scene.scenario)
+        if body in contact.pair
+        for other in contact.pair
+        if other != body
+    ]
+    return (
+        scene.mapped
+        and isinstance(shapes[0], Cylinder)
+        and min(shapes[0].radius_m, shapes[0].length_m / 2) > MARGIN_M
+        and bool(others)
+        and all(shape.type == "plane" for other in others for shape in other)
+    )
+
+
+def _rims(scene: Scene, shape: Cylinder, position: Vector) -> int:
+    """Two discs as thick as their margins on both sides: rings about the ends of the cylinder."""
+    w, x, y, z = shape.orientation_wxyz
+    axis = (2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y))
+    aside = shape.length_m / 2 - MARGIN_M
+    uid: int = scene.engine.createCollisionShapeArray(
+        shapeTypes=[scene.engine.GEOM_CYLINDER] * 2,
+        radii=[shape.radius_m] * 2,
+        lengths=[2 * MARGIN_M] * 2,
+        collisionFramePositions=[
+            _plus(position, (side * axis[0], side * axis[1], side * axis[2]))
+            for side in (-aside, aside)
+        ],
+        collisionFrameOrientations=[_xyzw(shape.orientation_wxyz)] * 2,
+        physicsClientId=scene.client,
+    )
+    return uid
+
+
+def _round(radius_m: float, length_m: float) -> dict[str, object]:
+    return {"radius": radius_m, "height": length_m}
+
+
+def _xyzw(orientation_wxyz: Quaternion) -> Quaternion:
+    w, x, y, z = orientation_wxyz
+    return x, y, z, w
+
+
+def _plus(one: Vector, other: Vector) -> Vector:
+    x, y, z = (a + b for a, b in zip(one, other, strict=True))
+    return x, y, z
+
+
+def _minus(one: Vector, other: Vector) -> Vector:
+    x, y, z = (a - b for a, b in zip(one, other, strict=True))
+    return x, y, z

@@ -1,0 +1,1 @@
+"""Scenario: the wheeled robot with wheels that are drawn as cylinders."""

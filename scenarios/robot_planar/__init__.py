@@ -1,0 +1,1 @@
+"""Scenario: the wheeled robot in a plane, with one wheel that stands for both."""
