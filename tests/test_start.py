@@ -53,7 +53,7 @@ def test_damped_motion_from_the_start_is_of_second_order(engine):
         # m·a = F - d·v: speed 3/4·(1 - exp(-2t))
         truth = 0.75 * (t - (1 - np.exp(-2 * t)) / 2)
         errors.append(np.abs(found.signals["slide.position_m"] - truth).max())
-    assert errors[0] < 2e-5
+    assert errors[0] < 1e-4  # half a step of the first acceleration would be 3.7e-3
     assert 3.3 < errors[0] / errors[1] < 4.8
 
 
