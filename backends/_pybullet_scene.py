@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import combinations
 from types import ModuleType
 
 from simcompare.drives import JointLaw, laws_of
@@ -26,6 +27,9 @@ SWEEPS, RESIDUAL = 500, 1.0e-24
 CONTACT_GAP_M = 1.0e-5
 #: collision margin [m] of the shapes that PyBullet makes; it rounds the edges of cylinders
 MARGIN_M = 1.0e-3
+#: softness of contacts with rims, of the inverse mass and the step: two rims under one wheel share
+#: its load evenly, which otherwise would be left to the order in which they are found
+SOFTNESS = 0.05
 
 
 @dataclass
@@ -135,11 +139,38 @@ def _set_world(scene: Scene) -> None:
         engine.setPhysicsEngineParameter(erp=0, contactERP=0, physicsClientId=client)
     if is_iterated(scene.scenario):
         engine.setPhysicsEngineParameter(
-            numSolverIterations=SWEEPS, solverResidualThreshold=RESIDUAL, physicsClientId=client
-        )
+            numSolverIterations=SWEEPS, solverResidualThreshold=RESIDUAL, globalCFM=softness(scene),
+            physicsClientId=client,
+        )  # fmt: skip
     engine.setPhysicsEngineParameter(
         contactSlop=0, restitutionVelocityThreshold=0, physicsClientId=client
     )
+
+
+def softness(scene: Scene) -> float:
+    """Bullet's constraint force mixing, 0 where no cylinder is built as rims.
+
+    A contact that carries the weight of all bodies sinks by about g·dt² for it.
+    """
+    if not any(has_rims(scene, name) for name in scene.scenario.moving_bodies()):
+        return 0.0
+    mass = sum(body.mass_kg or 0.0 for body in scene.scenario.moving_bodies().values())
+    return SOFTNESS * scene.scenario.world.engine_step_s / mass
+
+
+def refresh_contacts(scene: Scene) -> None:
+    """Lets Bullet forget its points of contact, by telling it anew which bodies may touch."""
+    bodies, roots = scene.scenario.bodies, trees(scene.scenario)
+    pairs = [
+        (first, second)
+        for first, second in combinations(roots, 2)
+        if not (bodies[first].fixed and bodies[second].fixed)
+    ]
+    for root, joints in roots.items():
+        pairs += [(a, b) for a, b in map(tuple, _touching_within(scene, root, joints))]
+    for first, second in pairs:
+        (uid, link), (other, end) = scene.bodies[first], scene.bodies[second]
+        scene.engine.setCollisionFilterPair(uid, other, link, end, True, scene.client)
 
 
 def _add_tree(scene: Scene, root: str, joints: list[str]) -> None:
@@ -296,6 +327,7 @@ def has_rims(scene: Scene, body: str) -> bool:
     ]
     return (
         scene.mapped
+        and bool(shapes)
         and isinstance(shapes[0], Cylinder)
         and min(shapes[0].radius_m, shapes[0].length_m / 2) > MARGIN_M
         and bool(others)

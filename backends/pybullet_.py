@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import weakref
 from types import ModuleType
 from typing import Any
 
@@ -18,7 +19,7 @@ from simcompare.backend import (
 )
 from simcompare.backends._pybullet_audit import audit_of
 from simcompare.backends._pybullet_reaction import Surplus, sensed_wrongly
-from simcompare.backends._pybullet_scene import BASE, Scene, build, gap_of
+from simcompare.backends._pybullet_scene import BASE, Scene, build, gap_of, refresh_contacts
 from simcompare.errors import EngineBroken
 from simcompare.kinematics import mount_of
 from simcompare.landing import ContactSteps
@@ -26,7 +27,7 @@ from simcompare.pairs import refuse_offsets
 from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
-from simcompare.state import BodyState
+from simcompare.state import BodyState, State
 from simcompare.trajectory import Array
 
 #: longest step during an impact [s]; the bias g·dt/v of reduced coordinates stays below 1e-4 down
@@ -47,6 +48,8 @@ class PybulletSimulation(Simulation):
         mapped = scene.mapped
         steps = ContactSteps(-0.5, CONTACT_STEP_S, rest_step_s=REST_STEP_S) if mapped else None
         super().__init__(scenario, audit_of(scene).finish(), steps, exact=mapped)
+        self._saved: dict[int, int] = {}
+        self._scene = scene
         self._bullet, self._client, self._places = scene.engine, scene.client, scene.bodies
         self._moving = [scene.bodies[name][0] for name in self._free]
         self._hinged = {name: scene.joints[name] for name in self._joints}
@@ -135,6 +138,25 @@ class PybulletSimulation(Simulation):
         self._bullet.resetJointState(
             *self._hinged[joint], position, rate, physicsClientId=self._client
         )
+
+    @property
+    def state(self) -> State:
+        """The present state; PyBullet keeps its own copy, which also has the points of contact."""
+        found = super().state
+        self._saved[id(found)] = self._bullet.saveState(self._client)
+        forget = weakref.finalize(
+            found, _forget, self._bullet, self._client, self._saved, id(found)
+        )
+        forget.atexit = False
+        return found
+
+    def set_state(self, state: State) -> None:
+        super().set_state(state)
+        if id(state) in self._saved:
+            number = self._saved[id(state)]
+            self._bullet.restoreState(number, physicsClientId=self._client)
+        else:
+            refresh_contacts(self._scene)
 
     def _reader(self, name: str, scene: Scene) -> Any:
         """A function that reads one force sensor."""
@@ -247,7 +269,15 @@ class PybulletSimulation(Simulation):
         return found
 
     def close(self) -> None:
+        self._saved.clear()
         self._bullet.disconnect(self._client)
+
+
+def _forget(bullet: ModuleType, client: int, saved: dict[int, int], state: int) -> None:
+    """Frees PyBullet's copy of a state that nobody holds any more."""
+    number = saved.pop(state, None)
+    if number is not None:
+        bullet.removeState(number, client)
 
 
 class PybulletBackend(EngineBackend):

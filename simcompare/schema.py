@@ -20,13 +20,17 @@ def build() -> dict[str, Any]:
     schema["properties"]["parameters"] = _mapping_of("Parameter")
     schema["properties"]["presets"] = _mapping_of("Preset")
     schema["properties"]["extends"] = {"type": "string"}
-    # a variant says only what differs
-    schema["anyOf"] = [{"required": schema.pop("required")}, {"required": ["extends"]}]
     schema["title"] = "simcompare scenario"
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     for part in [*(definitions[name] for name in definitions if name not in _PLAIN), schema]:
         part["properties"] = {k: _or_expression(v) for k, v in part.get("properties", {}).items()}
-    return schema
+    whole = {
+        key: schema.pop(key) for key in ("properties", "required", "additionalProperties", "type")
+    }
+    # a variant says only what differs: parts of parts, and null for what it takes away
+    own = {key: whole["properties"][key] for key in ("name", "title", "question")}
+    variant = {"properties": own, "required": list(own)}
+    return {**schema, "if": {"required": ["extends"]}, "then": variant, "else": whole}
 
 
 _PLAIN = ("Parameter", "Preset")

@@ -121,7 +121,7 @@ def test_armature_is_added_to_the_moment_about_the_hinge():
     bodies = {"base": {"fixed": True}, "arm": body(1.0, (0.5, 0.6, 0.2), orientation_wxyz=turned)}
     t = run(scene(bodies, {"pivot": hinge(armature=0.3)}, **driven("pivot")))
     angle = t.signals["pivot.angle_rad"][-1]
-    assert angle == pytest.approx(0.5 * (1 / 0.5) * 0.5 * (0.5 + 1e-3), rel=1e-9)
+    assert angle == pytest.approx((1 / 0.5) * 0.5**2 / 2, rel=1e-9)
     (row,) = (row for row in t.audit if row.quantity == "pivot.armature")
     assert (row.set_value, row.read_value) == (0.5, 0.5)
 
@@ -244,8 +244,9 @@ def test_the_contact_force_of_what_rests_is_its_weight_and_ends_when_it_leaves()
     }
     scenario = scene(bodies, duration=0.1, sensors=sensors)
     t = run(scenario)
-    for name in sensors:
-        np.testing.assert_allclose(t.signals[f"{name}.normal_force_N"][5:], 0.5 * G, rtol=1e-4)
+    # the box begins on one corner, as Bullet finds a point in each step
+    for name, first, off in (("under_ball", 0, 1e-12), ("under_box", 60, 1e-4)):
+        np.testing.assert_allclose(t.signals[f"{name}.normal_force_N"][first:], G / 2, rtol=off)
     simulation = BACKEND.open(scenario, Settings())
     simulation.step()
     resting = simulation.state

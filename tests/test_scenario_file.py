@@ -223,9 +223,7 @@ def test_the_committed_schema_is_the_one_of_the_model():
 def test_every_scenario_fits_the_schema(name):
     tree = yaml.safe_load(catalogue.find(name).read_text(encoding="utf-8"))
     built = schema.build()
-    assert set(tree) <= set(built["properties"])
-    required = {key for choice in built["anyOf"] for key in choice["required"]}
-    assert "extends" in tree or required - {"extends"} <= set(tree)
+    assert set(tree) <= set(built["else"]["properties"])
     jsonschema = pytest.importorskip("jsonschema")
     jsonschema.Draft202012Validator(built).validate(tree)
 
@@ -234,5 +232,70 @@ def test_the_schema_lets_every_number_be_an_expression_but_no_text():
     built = schema.build()
     mass = json.dumps(built["$defs"]["Body"]["properties"]["mass_kg"])
     assert "\\\\$" in mass
-    assert "\\\\$" not in json.dumps(built["properties"]["title"])
+    assert "\\\\$" not in json.dumps(built["else"]["properties"]["title"])
     assert "\\\\$" not in json.dumps(built["$defs"]["Parameter"])
+
+
+def test_the_schema_asks_a_whole_scenario_for_all_its_parts_and_a_variant_for_its_own_words():
+    jsonschema = pytest.importorskip("jsonschema")
+    validator = jsonschema.Draft202012Validator(schema.build())
+    words = {"name": "toy", "title": "Toy", "question": "Does it move?"}
+    assert list(validator.iter_errors(words))
+    assert not list(
+        validator.iter_errors({**words, "extends": "../x/x.yaml", "probes": {"p": None}})
+    )
+    assert list(validator.iter_errors({"extends": "../x/x.yaml"}))
+
+
+VARIANT = """\
+extends: toy.yaml
+name: toy_high
+title: High toy
+question: Does it fall longer?
+parameters:
+  height_m: {value: 2.0}
+world: {duration_s: 3}
+bodies:
+  ball: {mass_kg: 5}
+  second: {fixed: true}
+"""
+
+
+def test_a_variant_is_merged_onto_what_it_extends(write):
+    write("toy.yaml", TOY)
+    file = read(write("toy_high.yaml", VARIANT))
+    scenario = file.resolve()
+    assert file.name == scenario.name == "toy_high"
+    assert (scenario.world.duration_s, scenario.world.step_s) == (3, 0.01)
+    assert scenario.bodies["ball"].mass_kg == 5
+    assert scenario.bodies["ball"].position_m == (0, 0, 2)
+    assert list(scenario.bodies) == ["ball", "second"]
+    # the bounds are those of the base
+    assert file.parameters["height_m"].max == 2
+    assert [path.name for path in file.extends] == ["toy.yaml"]
+
+
+def test_null_takes_away_and_a_list_is_replaced(write):
+    write("toy.yaml", TOY)
+    text = VARIANT.replace("  ball: {mass_kg: 5}", "  ball: {inertia_kg_m2: [2, 2, 3]}") + (
+        "presets: null\n"
+    )
+    file = read(write("toy_high.yaml", text))
+    assert file.presets == {}
+    assert file.resolve().bodies["ball"].inertia_kg_m2 == (2, 2, 3)
+
+
+def test_a_variant_of_nothing_or_of_itself_is_told(write):
+    with pytest.raises(InputError, match=r"line 1, extends: there is no file .*toy.yaml"):
+        read(write("alone/toy_high.yaml", VARIANT))
+    with pytest.raises(InputError, match="extends itself"):
+        read(write("self/toy.yaml", VARIANT))
+    write("ring/toy.yaml", "extends: toy_high.yaml\n")
+    with pytest.raises(InputError, match="extends itself"):
+        read(write("ring/toy_high.yaml", VARIANT))
+
+
+def test_a_fault_of_a_variant_is_told_with_its_own_line(write):
+    write("toy.yaml", TOY)
+    with pytest.raises(InputError, match=r"line 9, bodies\.ball\.mass_kg: Input should be greater"):
+        read(write("toy_high.yaml", VARIANT.replace("mass_kg: 5", "mass_kg: -5")))
