@@ -27,8 +27,8 @@ SWEEPS, RESIDUAL = 500, 1.0e-24
 CONTACT_GAP_M = 1.0e-5
 #: collision margin [m] of the shapes that PyBullet makes; it rounds the edges of cylinders
 MARGIN_M = 1.0e-3
-#: softness of contacts with rims, of the inverse mass and the step: two rims under one wheel share
-#: its load evenly, which otherwise would be left to the order in which they are found
+#: softness of contacts where there are rims, in steps over the mass of all bodies: so the two rims
+#: of a wheel share its load evenly, which else the order would decide in which they are found
 SOFTNESS = 0.05
 
 

@@ -345,7 +345,8 @@ class PybulletBackend(EngineBackend):
         "restitution of the moving body = e, of the fixed one = 1 (Bullet multiplies);"
         " contactProcessingThreshold = 0, or 10 µm where nothing bounces, contactSlop = 0,"
         " erp = contactERP = 0 where something bounces, restitutionVelocityThreshold = 0,"
-        " damping = 0; impacts in steps of at most 2 µs; cylinders on planes as their two rims;"
+        " damping = 0; impacts in steps of at most 2 µs; cylinders on planes as their two rims, with a"
+        " globalCFM that shares the load among them;"
         " with joints: motors off, Coulomb friction as a motor towards rest of that strength,"
         " springs, dampers and drives as efforts, sweeps until they change 1e-12 m/s"
     )

@@ -38,8 +38,9 @@ class Simulation(FreeMotion):
         scenario: the scene.
         audit: what the backend set and read back.
         steps: how the engine is stepped through an impact; ``None`` takes the step as it is.
-        exact: whether efforts on joints are applied at the instant of the positions, to second
-            order; else with rates as they are stored, as a plain loop would.
+        exact: whether the engine takes semi-implicit steps and is to be given efforts on joints at
+            the instant of the positions, and the start half a step earlier, to second order; else
+            rates are taken as they are stored, as a plain loop would.
     """
 
     #: 1 where the engine advances positions before velocities, so that the forces of a step act
@@ -54,7 +55,7 @@ class Simulation(FreeMotion):
         audit: Sequence[AuditRow],
         steps: ContactSteps | None,
         *,
-        exact: bool = True,
+        exact: bool = False,
     ) -> None:
         super().__init__(scenario)
         self.audit = tuple(audit)
