@@ -46,7 +46,11 @@ def _by_default(run: Run) -> str | None:
     within = sum(share is not None and share <= 1 for share in shares)
     words, true = runs.measure_words(lead), _number(scores[0].truth, scores[0].unit)
     subject = count_of(within, len(scores))
-    comes = "comes" if len(scores) == 1 or within in (0, 1) else "come"
+    one = len(scores) == 1 or within in (0, 1)
+    if scores[0].truth == 0:  # an error, of which there should be none
+        keeps = "keeps" if one else "keep"
+        return f"By default {subject} {keeps} the {words} within its tolerance{_shown(scores)}."
+    comes = "comes" if one else "come"
     return (
         f"By default {subject} {comes} within the tolerance of the true {words} of {true}"
         f"{_shown(scores)}."

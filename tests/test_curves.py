@@ -103,3 +103,15 @@ def test_a_logarithmic_axis_is_drawn_as_one(library):
         from simcompare.reports import matplotlib_
 
         assert matplotlib_.canvas(figure).axes[0].get_xscale() == "log"
+
+
+def test_a_truth_of_zero_is_an_error_to_keep_small():
+    from simcompare.reports import words
+
+    run = make_run([("north", "default", 0.002), ("south", "default", 0.02)], truth=0.0)
+    tolerances = {"restitution": {"relative": None, "absolute": 0.01, "reason": "Because of it."}}
+    run = Run({**run.record, "tolerances": tolerances}, run.scores, run.trajectories)
+    assert words.answer(run)[0] == (
+        "By default 1 of 2 engines keeps the restitution within its tolerance:"
+        " the values lie between 0.002 and 0.02."
+    )
