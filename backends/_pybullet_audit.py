@@ -121,7 +121,7 @@ def _audit_armature(audit: Audit, scene: Scene, name: str, armature: float) -> N
     for wanted, value, got in zip(own, put, held, strict=True):
         if value != wanted:
             parameter = f"localInertiaDiagonal of {child}"
-            note = "added to the child's moment; exact while the parent does not turn"
+            note = "added to the child's moment; mapped gives the reaction to the parent"
             audit.add(f"{name}.armature", armature, parameter, (value, got), "kg·m²", note)
 
 

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from simcompare.backends._pybullet_scene import inertia_of, trees
+from simcompare.backends._pybullet_scene import inertia_of, trees, turning_bodies
 from simcompare.drives import laws_of
 from simcompare.errors import Unsupported
 from simcompare.kinematics import add_children, mount_of
@@ -38,11 +38,11 @@ def sensed_wrongly(scenario: Scenario) -> list[str]:
         Unsupported: what is too much is not known.
     """
     sensed = {sensor.joint for sensor in scenario.sensors.values() if sensor.type == "force"}
-    found = []
+    turning, found = turning_bodies(scenario), []
     for root, joints in trees(scenario).items():
         here = [name for name in joints if name in sensed]
         moving = set() if scenario.bodies[root].fixed else {root}
-        turning, carried = set(moving), bool(moving)
+        carried = bool(moving)
         for name in joints:
             joint = scenario.joints[name]
             if here and joint.type == "slider" and joint.parent in turning:
@@ -50,8 +50,6 @@ def sensed_wrongly(scenario: Scenario) -> list[str]:
             carried |= joint.type in MOVABLE and joint.parent in moving
             if joint.type in MOVABLE or joint.parent in moving:
                 moving.add(joint.child)
-            if joint.type == "hinge" or joint.parent in turning:
-                turning.add(joint.child)
         found += here if carried else []
     return found
 
@@ -76,6 +74,10 @@ class Surplus:
         self._scenario, self._wanted, laws = scenario, joints, laws_of(scenario)
         self._trees = {r: js for r, js in trees(scenario).items() if not set(js).isdisjoint(joints)}
         self._mounts = {name: mount_of(scenario, joint) for name, joint in scenario.joints.items()}
+        self._axes = {
+            name: np.array(joint.axis) / np.linalg.norm(joint.axis)
+            for name, joint in scenario.joints.items()
+        }
         self._mass = {n: float(b.mass_kg or 0.0) for n, b in scenario.moving_bodies().items()}
         self._rates = {
             name: f"{name}.{MOVABLE[joint.type][1]}"
@@ -84,18 +86,23 @@ class Surplus:
         self._moments = {n: inertia_of(scenario, n, laws) for n in self._mass}
 
     def forces(
-        self, signals: dict[str, Array], efforts: Mapping[str, Array], count: int
+        self,
+        signals: dict[str, Array],
+        efforts: Mapping[str, Array],
+        reactions: Mapping[str, Array],
+        count: int,
     ) -> dict[str, Array]:
         """Surplus of each joint's force on its child, in the child's frame [N] (n, 3).
 
         Args:
             signals: motion of the free bodies and of the joints before each step.
             efforts: given to joints in it.
+            reactions: of armatures, torques about their joints on the parents.
             count: number of steps.
         """
         found = {}
         for root, joints in self._trees.items():
-            loose = self._without_contacts(root, joints, signals, efforts, count)
+            loose = self._without_contacts(root, joints, signals, (efforts, reactions), count)
             reach, mass, force, motions = self._equations(root, joints, loose, count, second=True)
             freedoms = np.asarray(-np.linalg.solve(mass, force)[:, :, 0], dtype=float)
             pulls = {
@@ -117,7 +124,7 @@ class Surplus:
         root: str,
         joints: Sequence[str],
         signals: Mapping[str, Array],
-        efforts: Mapping[str, Array],
+        given: tuple[Mapping[str, Array], Mapping[str, Array]],
         count: int,
     ) -> dict[str, Array]:
         """The motion that the second pass starts from: the velocities that the first one gave."""
@@ -131,7 +138,12 @@ class Surplus:
         movable = [name for name in joints if name in self._rates]
         first = mass.shape[1] - len(movable)
         for column, name in enumerate(movable, start=first):
-            drive[:, column] += efforts.get(name, 0.0)
+            drive[:, column] += given[0].get(name, 0.0)
+            if name in given[1]:
+                parent = self._scenario.joints[name].parent
+                back, orientation = reach[parent][0].transpose(0, 2, 1), motions[parent][1]
+                axis = rotate(orientation, np.tile(self._axes[name], (count, 1)))
+                drive += given[1][name][:, None] * _times(back, axis)
         step_s = self._scenario.world.engine_step_s
         change = step_s * np.linalg.solve(mass, drive[:, :, None])[:, :, 0]
         found = dict(signals)

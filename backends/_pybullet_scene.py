@@ -91,6 +91,16 @@ def trees(scenario: Scenario) -> dict[str, list[str]]:
     return {body: walk(body) for body in scenario.bodies if body not in carried}
 
 
+def turning_bodies(scenario: Scenario) -> set[str]:
+    """Bodies that can turn: the free ones, and what hinges carry."""
+    found = set(scenario.free_bodies())
+    for joints in trees(scenario).values():
+        for joint in (scenario.joints[name] for name in joints):
+            if joint.type == "hinge" or joint.parent in found:
+                found.add(joint.child)
+    return found
+
+
 def inertia_of(scenario: Scenario, body: str, laws: Mapping[str, JointLaw]) -> Vector | None:
     """Moments of inertia of a body, with the armature of the hinge that carries it.
 

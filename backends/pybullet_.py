@@ -19,7 +19,9 @@ from simcompare.backend import (
 )
 from simcompare.backends._pybullet_audit import audit_of
 from simcompare.backends._pybullet_reaction import Surplus, sensed_wrongly
+from simcompare.backends._pybullet_rotors import Memory, Rotors
 from simcompare.backends._pybullet_scene import BASE, Scene, build, gap_of, refresh_contacts
+from simcompare.drives import Drive
 from simcompare.errors import EngineBroken
 from simcompare.kinematics import mount_of
 from simcompare.landing import ContactSteps
@@ -48,7 +50,7 @@ class PybulletSimulation(Simulation):
         mapped = scene.mapped
         steps = ContactSteps(-0.5, CONTACT_STEP_S, rest_step_s=REST_STEP_S) if mapped else None
         super().__init__(scenario, audit_of(scene).finish(), steps, exact=mapped)
-        self._saved: dict[int, int] = {}
+        self._saved: dict[int, tuple[int, Memory]] = {}
         self._scene = scene
         self._bullet, self._client, self._places = scene.engine, scene.client, scene.bodies
         self._moving = [scene.bodies[name][0] for name in self._free]
@@ -66,17 +68,23 @@ class PybulletSimulation(Simulation):
             if (places := [i for i, name in enumerate(driven) if scene.joints[name][0] == uid])
         ]
         self._efforts: list[float] = []
+        self._rotors = Rotors(scene, self._order)
         wrong = sensed_wrongly(scenario) if mapped else []
         self._surplus = Surplus(scenario, wrong) if wrong else None
         self._readers = [self._reader(name, scene) for name in self._force_sensors]
 
     def advance(self, count: int) -> None:
-        step, client = self._bullet.stepSimulation, self._client
+        step, client, drive = self._bullet.stepSimulation, self._client, self._drive
+        has_rotors = bool(self._rotors.names)
         for _ in range(count):
             if self._dragged:
                 self._apply_drag()
-            if self._drive is not None:
-                self._push(self._joint_states())
+            if drive is not None or has_rotors:
+                states = self._joint_states()
+                if has_rotors:
+                    self._rotors.push(states)
+                if drive is not None:
+                    self._push(drive, states)
             step(client)
 
     def _joint_states(self) -> list[Any]:
@@ -88,12 +96,11 @@ class PybulletSimulation(Simulation):
             return states
         return [state for uid, links in self._linked for state in read(uid, links, client)]
 
-    def _push(self, states: list[Any]) -> None:
+    def _push(self, drive: Drive, states: list[Any]) -> None:
         """Puts efforts on the driven joints; PyBullet forgets them in every step."""
-        assert self._drive is not None
         positions = [states[i][0] for i in self._driven]
         rates = [states[i][1] for i in self._driven]
-        efforts = self._efforts = self._drive.efforts(positions, rates)
+        efforts = self._efforts = drive.efforts(positions, rates)
         control, mode = self._bullet.setJointMotorControlArray, self._bullet.TORQUE_CONTROL
         for uid, links, places in self._pushed:
             part = [efforts[i] for i in places]
@@ -143,7 +150,7 @@ class PybulletSimulation(Simulation):
     def state(self) -> State:
         """The present state; PyBullet keeps its own copy, which also has the points of contact."""
         found = super().state
-        self._saved[id(found)] = self._bullet.saveState(self._client)
+        self._saved[id(found)] = self._bullet.saveState(self._client), self._rotors.memory
         forget = weakref.finalize(
             found, _forget, self._bullet, self._client, self._saved, id(found)
         )
@@ -153,10 +160,14 @@ class PybulletSimulation(Simulation):
     def set_state(self, state: State) -> None:
         super().set_state(state)
         if id(state) in self._saved:
-            number = self._saved[id(state)]
+            number, memory = self._saved[id(state)]
             self._bullet.restoreState(number, physicsClientId=self._client)
-        else:
-            refresh_contacts(self._scene)
+            self._rotors.remember(memory)
+            return
+        refresh_contacts(self._scene)
+        driven = self._drive.names if self._drive is not None else ()
+        known = state.rates_before or [state.joints[name][1] for name in driven]
+        self._rotors.begin(dict(zip(driven, known, strict=True)))
 
     def _reader(self, name: str, scene: Scene) -> Any:
         """A function that reads one force sensor."""
@@ -233,19 +244,22 @@ class PybulletSimulation(Simulation):
         return rows
 
     def _record_without_surplus(self, count: int, surplus: Surplus) -> Array:
-        before, after, efforts = [self.row()], [], []
+        before, after, efforts, torques = [self.row()], [], [], []
         for _ in range(count):
             self.advance(1)
             efforts.append(self._efforts)
+            torques.append(self._rotors.torques)
             forces = self.forces()
             self.advance(self.substeps - 1)
             before.append(self.row())
             after.append((*before[-1], *forces))
-        rows, given = np.array(after), np.array(efforts)
+        rows, motion = np.array(after), self.motions(np.array(before[:-1]))
         names = self._drive.names if self._drive is not None else ()
-        pushed = {name: given[:, i] for i, name in enumerate(names)}
-        found = surplus.forces(self.motions(np.array(before[:-1])), pushed, count)
-        column = len(before[0])
+        pushed, turned = (
+            {name: np.array(given)[:, i] for i, name in enumerate(owners)}
+            for owners, given in ((names, efforts), (self._rotors.names, torques))
+        )
+        found, column = surplus.forces(motion, pushed, turned, count), len(before[0])
         for sensor in self._force_sensors.values():
             if sensor.joint in found:
                 rows[:, column : column + 3] -= found[sensor.joint]
@@ -273,11 +287,13 @@ class PybulletSimulation(Simulation):
         self._bullet.disconnect(self._client)
 
 
-def _forget(bullet: ModuleType, client: int, saved: dict[int, int], state: int) -> None:
+def _forget(
+    bullet: ModuleType, client: int, saved: dict[int, tuple[int, Memory]], state: int
+) -> None:
     """Frees PyBullet's copy of a state that nobody holds any more."""
-    number = saved.pop(state, None)
-    if number is not None:
-        bullet.removeState(number, client)
+    kept = saved.pop(state, None)
+    if kept is not None:
+        bullet.removeState(kept[0], client)
 
 
 class PybulletBackend(EngineBackend):
@@ -333,8 +349,9 @@ class PybulletBackend(EngineBackend):
         ),
         KnownLimit(
             "There is no armature: it is added to the child's moment of inertia about the hinge,"
-            " which is exact while the parent does not turn; a slider cannot have one.",
-            "PyBullet Quickstart Guide, changeDynamics; spatial inertia of a geared rotor",
+            " and mapped gives its reaction to the parent one step late; exact while the parent"
+            " does not turn about the hinge. A slider cannot have one.",
+            "PyBullet Quickstart Guide, changeDynamics; measured: load of a robot's caster",
         ),
         KnownLimit(
             "Bodies that joints hold together do not touch each other by default.",
@@ -345,8 +362,8 @@ class PybulletBackend(EngineBackend):
         "restitution of the moving body = e, of the fixed one = 1 (Bullet multiplies);"
         " contactProcessingThreshold = 0, or 10 µm where nothing bounces, contactSlop = 0,"
         " erp = contactERP = 0 where something bounces, restitutionVelocityThreshold = 0,"
-        " damping = 0; impacts in steps of at most 2 µs; cylinders on planes as their two rims, with a"
-        " globalCFM that shares the load among them;"
+        " damping = 0; impacts in steps of at most 2 µs; cylinders on planes as their two rims,"
+        " between which a globalCFM shares the load;"
         " with joints: motors off, Coulomb friction as a motor towards rest of that strength,"
         " springs, dampers and drives as efforts, sweeps until they change 1e-12 m/s"
     )

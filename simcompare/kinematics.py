@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from simcompare.rotations import conjugate, multiply, quaternions_of, rotate
+from simcompare.rotations import conjugate, cross, multiply, quaternions_of, rotate
 from simcompare.scenario import MOVABLE, Body, Joint, Scenario
 from simcompare.shapes import Quaternion, Vector
 from simcompare.trajectory import Array
@@ -112,11 +112,11 @@ def _follow(mount: Mount, joint: Joint, above: _Motion, moved: tuple[Array, Arra
     own = np.zeros_like(position)
     spin = rate
     if joint.type == "hinge":
-        own, spin = np.cross(axis * speed, from_anchor), rate + axis * speed
+        own, spin = cross(axis * speed, from_anchor), rate + axis * speed
     elif joint.type == "slider":
         away, own = away + axis * coordinate, axis * speed
     child = multiply(turned, np.tile(mount.orientation_wxyz, (len(position), 1)))
-    return position + away, child, velocity + np.cross(rate, away) + own, spin
+    return position + away, child, velocity + cross(rate, away) + own, spin
 
 
 def _unit(axis: Vector) -> Array:

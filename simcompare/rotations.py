@@ -26,11 +26,18 @@ def rotation_vector_of(orientation_wxyz: Sequence[float]) -> Array:
     return np.asarray(axis * factor, dtype=float)
 
 
+def cross(first: Array, second: Array) -> Array:
+    """Cross products (n, 3) of vectors (n, 3); numpy's own takes ten times as long for few rows."""
+    a, b, c = first[:, 0], first[:, 1], first[:, 2]
+    x, y, z = second[:, 0], second[:, 1], second[:, 2]
+    return np.column_stack((b * z - c * y, c * x - a * z, a * y - b * x))
+
+
 def rotate(orientation_wxyz: Array, vectors: Array) -> Array:
     """Vectors (n, 3) turned by quaternions wxyz (n, 4): body frame to world frame."""
     w, u = orientation_wxyz[:, :1], orientation_wxyz[:, 1:]
-    t = 2.0 * np.cross(u, vectors)
-    return np.asarray(vectors + w * t + np.cross(u, t), dtype=float)
+    t = 2.0 * cross(u, vectors)
+    return np.asarray(vectors + w * t + cross(u, t), dtype=float)
 
 
 def multiply(first_wxyz: Array, second_wxyz: Array) -> Array:
@@ -38,7 +45,7 @@ def multiply(first_wxyz: Array, second_wxyz: Array) -> Array:
     w, u = first_wxyz[:, :1], first_wxyz[:, 1:]
     a, v = second_wxyz[:, :1], second_wxyz[:, 1:]
     scalar = w * a - np.sum(u * v, axis=1, keepdims=True)
-    return np.hstack((scalar, w * v + a * u + np.cross(u, v)))
+    return np.hstack((scalar, w * v + a * u + cross(u, v)))
 
 
 def conjugate(orientation_wxyz: Array) -> Array:

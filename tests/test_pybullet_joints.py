@@ -126,6 +126,24 @@ def test_armature_is_added_to_the_moment_about_the_hinge():
     assert (row.set_value, row.read_value) == (0.5, 0.5)
 
 
+def test_armature_pushes_back_on_what_carries_it():
+    scenario = catalogue.load("robot_motor").resolve()
+    values, t = scenario.parameters, run(scenario)
+    chassis, wheel = scenario.bodies["chassis"], scenario.bodies["left_wheel"]
+    radius, gravity = values["wheel_radius_m"], values["gravity_m_s2"]
+    height, behind, to_caster = (
+        values[n] for n in ("center_height_m", "center_behind_m", "caster_behind_m")
+    )
+    x = t.signals["chassis.position_m"][:, 0]
+    acceleration = np.gradient(np.gradient(x, t.time_s), t.time_s)[100]
+    # moments about the line on which the wheels stand; the rotors are not turned by the floor
+    moment = behind * chassis.mass_kg * gravity + acceleration * (
+        chassis.mass_kg * height + 2 * wheel.mass_kg * radius + 2 * wheel.inertia_kg_m2[1] / radius
+    )
+    load = t.signals["caster.normal_force_N"][100]
+    assert load == pytest.approx(moment / to_caster, rel=5e-4)
+
+
 @pytest.mark.parametrize(
     ("joint", "reason"),
     [
