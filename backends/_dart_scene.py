@@ -53,8 +53,8 @@ class Scene:
         return [shape.getDynamicsAspect() for shape, owner in self.owners.items() if owner == body]
 
 
-def build_scene(engine: ModuleType, scenario: Scenario, mapped: bool) -> Scene:
-    """Builds the whole scene at its start; in default mode it says nothing about contact."""
+def build_scene(engine: ModuleType, scenario: Scenario, mapped: bool, told: bool) -> Scene:
+    """Builds the whole scene at its start; ``told``: with the scenario's coefficients."""
     world = engine.simulation.World()
     world.setGravity(scenario.world.gravity_m_s2)
     world.setTimeStep(scenario.world.engine_step_s)
@@ -75,6 +75,8 @@ def build_scene(engine: ModuleType, scenario: Scenario, mapped: bool) -> Scene:
     _let_trees_touch_themselves(scene, scenario)
     for tree in scene.trees:
         world.addSkeleton(tree)
+    if told:
+        _set_contacts(scene, scenario)
     if mapped:
         detector = engine.collision.OdeCollisionDetector()
         world.getConstraintSolver().setCollisionDetector(detector)
@@ -82,7 +84,6 @@ def build_scene(engine: ModuleType, scenario: Scenario, mapped: bool) -> Scene:
         options = world.getDeactivationOptions()
         options.mEnabled = False
         world.setDeactivationOptions(options)
-        _set_contacts(scene, scenario)
         if _touches_at_points(scenario):
             _solve_friction_exactly(engine, world)
     return scene
@@ -348,16 +349,16 @@ def _audit_law(audit: Audit, held: Any, name: str, law: JointLaw, mapped: bool) 
 
 
 def _audit_contacts(audit: Audit, scene: Scene, scenario: Scenario) -> None:
-    mapped = bool(scene.restitution)
+    told = bool(scene.restitution)
     for contact in touching_pairs(scenario):
         pair = "-".join(contact.pair)
         first, second = (scene.aspects(name)[0] for name in contact.pair)
-        note = "DART multiplies the two" if mapped else "engine's default"
+        note = "DART multiplies the two" if told else "engine's default"
         for name, aspect in zip(contact.pair, (first, second), strict=True):
             values = (scene.restitution.get(name), aspect.getRestitutionCoeff())
             parameter = f"restitutionCoeff of {name}"
             audit.add(f"{pair} restitution", contact.restitution, parameter, values, "1", note)
         smaller = min(first.getFrictionCoeff(), second.getFrictionCoeff())
-        values = (contact.friction if mapped else None, smaller)
-        note = "DART takes the smaller" if mapped else "engine's default"
+        values = (contact.friction if told else None, smaller)
+        note = "DART takes the smaller" if told else "engine's default"
         audit.add(f"{pair} friction", contact.friction, "frictionCoeff", values, "1", note)

@@ -24,8 +24,14 @@ CONTACT_POINTS = 8
 IMPEDANCE = 0.9999
 
 
-def mjcf(scenario: Scenario, mapped: bool) -> str:
-    """The scene as MJCF; in default mode it says nothing about contact."""
+def mjcf(scenario: Scenario, mapped: bool, told: bool = True) -> str:
+    """The scene as MJCF.
+
+    Args:
+        scenario: the scene.
+        mapped: whether contacts and joints follow the scenario as well as MuJoCo can.
+        told: whether the scenario's friction is given; without it nothing is said about contact.
+    """
     root = ET.Element("mujoco", model=scenario.name)
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
     # dense: the sparse Cholesky of 4.0.0 could give a wrong Hessian (google-deepmind/mujoco 3767)
@@ -39,8 +45,8 @@ def mjcf(scenario: Scenario, mapped: bool) -> str:
     contacts = ET.SubElement(root, "contact")
     for joint in scenario.joints.values():
         ET.SubElement(contacts, "exclude", body1=joint.parent, body2=joint.child)
-    for contact in touching_pairs(scenario) if mapped else ():
-        _add_pairs(contacts, scenario, contact)
+    for contact in touching_pairs(scenario) if told else ():
+        _add_pairs(contacts, scenario, contact, mapped)
     _add_actuators(ET.SubElement(root, "actuator"), scenario, mapped)
     _add_sensors(ET.SubElement(root, "sensor"), scenario)
     return ET.tostring(root, encoding="unicode")
@@ -154,13 +160,15 @@ def pair_names(scenario: Scenario, contact: Contact) -> dict[str, tuple[str, str
     return {f"{one}-{other}": (one, other) for one, other in geoms}
 
 
-def _add_pairs(contacts: ET.Element, scenario: Scenario, contact: Contact) -> None:
+def _add_pairs(contacts: ET.Element, scenario: Scenario, contact: Contact, mapped: bool) -> None:
     mu = contact.friction
+    stiff: dict[str, Any] = {
+        "solref": _text(solref(contact)), "solimp": _text((IMPEDANCE, IMPEDANCE, 0.001)),
+    }  # fmt: skip
     for name, (one, other) in pair_names(scenario, contact).items():
         ET.SubElement(
             contacts, "pair", name=name, geom1=one, geom2=other, condim="3" if mu > 0 else "1",
-            friction=_text((mu, mu, 0.005, 0.0001, 0.0001)), solref=_text(solref(contact)),
-            solimp=_text((IMPEDANCE, IMPEDANCE, 0.001)),
+            friction=_text((mu, mu, 0.005, 0.0001, 0.0001)), **(stiff if mapped else {}),
         )  # fmt: skip
 
 

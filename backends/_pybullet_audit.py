@@ -99,7 +99,7 @@ def _audit_law(audit: Audit, scene: Scene, name: str) -> None:
         if value:
             note = "an effort, given anew before each step"
             audit.add(f"{name}.{part}", value, "TORQUE_CONTROL", (value, None), "SI", note)
-    if law.friction or scene.mapped:
+    if law.friction or scene.restitution:
         note = "the most that a motor towards rest gives; it has no getter"
         put = (law.friction, None)
         audit.add(f"{name}.friction", law.friction, "VELOCITY_CONTROL force", put, "SI", note)
@@ -129,7 +129,7 @@ def _audit_contacts(audit: Audit, scene: Scene) -> None:
     for contact in touching_pairs(scene.scenario):
         for name in contact.pair:
             info = scene.engine.getDynamicsInfo(*scene.bodies[name], scene.client)
-            note = "Bullet multiplies the two" if scene.mapped else "engine's default"
+            note = "Bullet multiplies the two" if scene.restitution else "engine's default"
             pair = "-".join(contact.pair)
             values = (scene.restitution.get(name), info[5])
             quantity = f"{pair} restitution"

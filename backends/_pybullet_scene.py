@@ -40,7 +40,7 @@ class Scene:
         engine: the imported engine.
         client: its physics client.
         scenario: what was built.
-        mapped: whether contact and joints follow the scenario, or are left to the engine.
+        mapped: whether contact and joints follow the scenario as well as the engine can.
         bodies: place of every body.
         joints: place of every joint, which is that of its child.
         restitution: per body; empty where it is left to the engine.
@@ -57,11 +57,14 @@ class Scene:
     friction: Mapping[str, float] = field(default_factory=dict)
 
 
-def build(engine: ModuleType, client: int, scenario: Scenario, mapped: bool) -> Scene:
-    """Builds all bodies and joints in an empty client."""
+def build(engine: ModuleType, client: int, scenario: Scenario, mapped: bool, told: bool) -> Scene:
+    """Builds all bodies and joints in an empty client; ``told``: with the scenario's coefficients.
+
+    A joint's friction is one of them, in place of the motor that brakes each joint by default.
+    """
     scene = Scene(engine, client, scenario, mapped)
     _set_world(scene)
-    if mapped:
+    if told:
         scene.restitution = per_body_product(scenario, "restitution", "pybullet")
         scene.friction = per_body_product(scenario, "friction", "pybullet")
     laws = laws_of(scenario)
@@ -243,12 +246,16 @@ def _set_dynamics(scene: Scene, name: str, inertia: Vector | None) -> None:
     if not body.fixed:
         # mass again with the inertia: setting the inertia alone has been seen to lose the mass
         engine.changeDynamics(uid, link, mass=body.mass_kg, localInertiaDiagonal=inertia, **at)
+    if scene.restitution:
+        engine.changeDynamics(
+            uid, link, restitution=scene.restitution[name], lateralFriction=scene.friction[name],
+            **at,
+        )  # fmt: skip
     if scene.mapped:
         gap = gap_of(scene.scenario)
         engine.changeDynamics(
-            uid, link, restitution=scene.restitution[name], lateralFriction=scene.friction[name],
-            linearDamping=0, angularDamping=0, contactProcessingThreshold=gap, **at,
-        )  # fmt: skip
+            uid, link, linearDamping=0, angularDamping=0, contactProcessingThreshold=gap, **at
+        )
         # by itself: together with the friction it has been seen to leave that at its default
         engine.changeDynamics(uid, link, maxJointVelocity=MOST_SPEED, **at)
 
@@ -263,7 +270,7 @@ def _set_joint(scene: Scene, name: str, law: JointLaw | None) -> None:
     engine.resetJointState(uid, link, 0.0, scene.scenario.joints[name].rate, **at)
     if scene.mapped:
         engine.changeDynamics(uid, link, jointDamping=0, **at)
-    if scene.mapped or law.friction:
+    if scene.restitution or law.friction:
         engine.setJointMotorControl2(
             uid, link, engine.VELOCITY_CONTROL, targetVelocity=0, force=law.friction, **at
         )

@@ -37,7 +37,7 @@ class Scene:
 
     Attributes:
         scenario: what was built.
-        mapped: whether contact and joints follow the scenario, or are left to the engine.
+        mapped: whether contact and joints follow the scenario as well as the engine can.
         space: the engine's space.
         bodies: the engine's bodies.
         shapes: the shapes of every body.
@@ -58,13 +58,14 @@ class Scene:
     sweeps: int | None = None
 
 
-def build(engine: ModuleType, scenario: Scenario, mapped: bool) -> Scene:
-    """Builds all bodies and joints in a new space."""
+def build(engine: ModuleType, scenario: Scenario, mapped: bool, told: bool) -> Scene:
+    """Builds all bodies and joints in a new space; ``told``: with the scenario's coefficients."""
     scene = Scene(scenario, mapped, engine.Space())
     gx, _, gz = scenario.world.gravity_m_s2
     scene.space.gravity = (gx, gz)
     if mapped:
         scene.space.collision_slop = SLOP_M
+    if told:
         scene.restitution = per_body_product(scenario, "restitution", "pymunk")
         scene.friction = per_body_product(scenario, "friction", "pymunk")
     laws = laws_of(scenario)
@@ -94,7 +95,7 @@ def _add_body(
     held.angle = angle_of(body.orientation_wxyz)
     raised = SLOP_M if scene.mapped and not approaches(scene.scenario)[0] else 0.0
     shapes = [_shape(engine, held, shape, raised) for shape in body.shapes]
-    for shape in shapes if scene.mapped else ():
+    for shape in shapes if scene.restitution else ():
         shape.elasticity, shape.friction = scene.restitution[name], scene.friction[name]
     scene.bodies[name], scene.shapes[name] = held, shapes
     scene.space.add(held, *shapes)
@@ -226,7 +227,7 @@ def _audit_efforts(audit: Audit, linkage: Linkage, mapped: bool) -> None:
 
 
 def _audit_contacts(audit: Audit, scene: Scene) -> None:
-    note = "pymunk multiplies the two" if scene.mapped else "engine's default"
+    note = "pymunk multiplies the two" if scene.restitution else "engine's default"
     for contact in touching_pairs(scene.scenario):
         pair = "-".join(contact.pair)
         for name in contact.pair:

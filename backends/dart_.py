@@ -329,7 +329,7 @@ class DartBackend(EngineBackend):
 
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
         mapped = settings.contact == MAPPED
-        scene = build_scene(engine, scenario, mapped)
+        scene = build_scene(engine, scenario, mapped, settings.gives_coefficients)
         return DartSimulation(scene, scenario, audit_scene(scene, scenario, mapped), mapped)
 
 

@@ -229,10 +229,10 @@ class MujocoBackend(EngineBackend):
         mapped = settings.contact == MAPPED
         if mapped:
             _refuse_bounces(scenario)
-        model = engine.MjModel.from_xml_string(mjcf(scenario, mapped))
-        return MujocoSimulation(
-            engine, scenario, model, _audit(engine, model, scenario, mapped), mapped
-        )
+        told = settings.gives_coefficients
+        model = engine.MjModel.from_xml_string(mjcf(scenario, mapped, told))
+        audit = _audit(engine, model, scenario, settings)
+        return MujocoSimulation(engine, scenario, model, audit, mapped)
 
 
 BACKEND = MujocoBackend()
@@ -269,8 +269,8 @@ def contact_steps(scenario: Scenario) -> ContactSteps:
     )
 
 
-def _audit(engine: ModuleType, model: Any, scenario: Scenario, mapped: bool) -> Audit:
-    audit = Audit("mujoco")
+def _audit(engine: ModuleType, model: Any, scenario: Scenario, settings: Settings) -> Audit:
+    audit, mapped = Audit("mujoco"), settings.contact == MAPPED
     world = scenario.world
     step_s = world.engine_step_s
     audit.add("engine step_s", step_s, "opt.timestep", (step_s, model.opt.timestep), "s")
@@ -285,6 +285,8 @@ def _audit(engine: ModuleType, model: Any, scenario: Scenario, mapped: bool) -> 
             _audit_pairs(audit, model, scenario, contact)
         else:
             _audit_default(engine, audit, contact)
+        if settings.gives_coefficients:
+            _audit_friction(audit, model, scenario, contact)
     return audit
 
 
@@ -343,8 +345,13 @@ def _audit_pairs(audit: Audit, model: Any, scenario: Scenario, contact: Contact)
             parameter = f"solref[{i}]"
             quantity = f"{label} restitution"
             audit.add(quantity, contact.restitution, parameter, values, units[i], note)
-        mu = contact.friction
-        audit.add(f"{label} friction", mu, "pair_friction", (mu, held.friction[0]), "1")
+
+
+def _audit_friction(audit: Audit, model: Any, scenario: Scenario, contact: Contact) -> None:
+    mu = contact.friction
+    for name in pair_names(scenario, contact):
+        values = (mu, model.pair(name).friction[0])
+        audit.add(f"{'-'.join(contact.pair)} friction", mu, "pair_friction", values, "1")
 
 
 _NEUTRAL = '<mujoco><worldbody><geom name="g" size="1"/></worldbody></mujoco>'

@@ -374,7 +374,9 @@ class PybulletBackend(EngineBackend):
         if client < 0:
             raise EngineBroken("pybullet opened no physics client")
         try:
-            scene = build(engine, client, scenario, settings.contact == MAPPED)
+            scene = build(
+                engine, client, scenario, settings.contact == MAPPED, settings.gives_coefficients
+            )
             return PybulletSimulation(scene, scenario)
         except BaseException:
             engine.disconnect(client)

@@ -39,7 +39,7 @@ class PymunkSimulation(Simulation):
     #: Chipmunk advances positions before velocities
     LEAD = 1
 
-    def __init__(self, engine: ModuleType, scenario: Scenario, mapped: bool) -> None:
+    def __init__(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> None:
         # hence the stagger of +1/2
         steps = ContactSteps(
             stagger=0.5,
@@ -47,8 +47,9 @@ class PymunkSimulation(Simulation):
             # a longer step at rest would multiply the remembered impulse and throw the body up
             rest_step_s=CONTACT_STEP_S,
         )
-        self._engine, self._mapped = engine, mapped
-        scene = build(engine, scenario, mapped)
+        mapped = settings.contact == MAPPED
+        self._engine, self._mapped, self._told = engine, mapped, settings.gives_coefficients
+        scene = build(engine, scenario, mapped, self._told)
         super().__init__(
             scenario, audit_of(scene).finish(), steps if mapped else None, exact=mapped
         )
@@ -221,7 +222,7 @@ class PymunkSimulation(Simulation):
 
     def set_state(self, state: State) -> None:
         # a new space: impulses that this one remembers from elsewhere would act in the next step
-        self._use(build(self._engine, self.scenario, self._mapped))
+        self._use(build(self._engine, self.scenario, self._mapped, self._told))
         super().set_state(state)
         for name, joint in self._scene.joints.items():
             self.place(joint.joint.child, state.bodies[joint.joint.child])
@@ -338,7 +339,7 @@ class PymunkBackend(EngineBackend):
 
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
         refuse_offsets(scenario, self.name)
-        return PymunkSimulation(engine, scenario, settings.contact == MAPPED)
+        return PymunkSimulation(engine, scenario, settings)
 
 
 BACKEND = PymunkBackend()

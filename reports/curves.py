@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from simcompare.backend import DEFAULT
+from simcompare.backend import SHOWN_MODES
 from simcompare.compare import Score
 from simcompare.reports import runs
 from simcompare.reports.figures import (
@@ -50,8 +50,12 @@ def curves_figure(run: Run, axis: str) -> Figure:
     listed = " and ".join((", ".join(names[:-1]), names[-1])) if len(names) > 1 else names[0]
     title = f"{listed[0].upper()}{listed[1:]} over {runs.measure_words(axis)}"
     caption = f"The thick grey line is the truth ({TRUTH}). "
-    if DEFAULT in runs.modes(run) and len(runs.modes(run)) > 1:
-        caption += "Hollow points are the engines by default, full ones with the physics mapped."
+    hollow = [runs.mode_words(mode) for mode in runs.modes(run) if mode in SHOWN_MODES]
+    if hollow and len(runs.modes(run)) > 1:
+        caption += (
+            f"Hollow points are the engines {' or '.join(hollow)},"
+            " full ones with the physics mapped."
+        )
     return Figure(f"curves-{axis}", title, caption.strip(), panels)
 
 
@@ -72,7 +76,7 @@ def deviations_figure(run: Run, axis: str) -> Figure | None:
 
 def _values(run: Run, axis: str, measure: str) -> Panel:
     rows = events_of(run, measure)
-    modes = sorted(runs.modes(run), key=lambda mode: mode != DEFAULT)
+    modes = sorted(runs.modes(run), key=lambda mode: mode not in SHOWN_MODES)
     series = [
         _curve(run, name, mode, (axis, measure), rows.get((name, mode), []))
         for mode in modes
@@ -116,7 +120,7 @@ def _curve(
 ) -> Series:
     axis, _ = names
     x = _places(run, axis, (name, mode), scores)
-    plain = mode == DEFAULT and len(runs.modes(run)) > 1
+    plain = mode in SHOWN_MODES and len(runs.modes(run)) > 1
     style = replace(style_of(name), hollow=plain)
     few = len(scores) <= _FEW
     return Series(name, x, column(scores, "value"), style, points=few, line=not (few and plain))

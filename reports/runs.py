@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from simcompare.backend import DEFAULT, MAPPED
+from simcompare.backend import COEFFICIENTS, DEFAULT, MAPPED, SHOWN_MODES
 from simcompare.compare import PASS, Score
 from simcompare.errors import UnknownName
 from simcompare.jobs import OK
@@ -17,6 +17,7 @@ from simcompare.trajectory import Array, Trajectory
 
 _MODES = {
     DEFAULT: ("as each engine behaves by default", "by default"),
+    COEFFICIENTS: ("with the scenario's coefficients", "with coefficients"),
     MAPPED: ("scenario's physics mapped", "mapped"),
 }
 
@@ -28,7 +29,7 @@ def modes(run: Run) -> list[str]:
 
 def judged_modes(run: Run) -> list[str]:
     """Modes in which the engines were given the scenario's physics; all if there is none."""
-    return [mode for mode in modes(run) if mode != DEFAULT] or modes(run)
+    return [mode for mode in modes(run) if mode not in SHOWN_MODES] or modes(run)
 
 
 def names(run: Run) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from simcompare.backend import DEFAULT
+from simcompare.backend import DEFAULT, SHOWN_MODES
 from simcompare.compare import Score
 from simcompare.reports import numbers, runs
 from simcompare.results import TRUTH, Run
@@ -33,13 +33,14 @@ def count_of(part: int, whole: int, noun: str = "engine") -> str:
 
 
 def _truthful(run: Run, mode: str) -> str | None:
-    return _by_default(run) if mode == DEFAULT else _given(run, mode)
+    return _as_it_comes(run, mode) if mode in SHOWN_MODES else _given(run, mode)
 
 
-def _by_default(run: Run) -> str | None:
-    """How near the engines come to the leading measure when nobody tells them the physics."""
+def _as_it_comes(run: Run, mode: str) -> str | None:
+    """How near the engines come to the leading measure when nobody tells them all the physics."""
     lead = runs.judged(run)[0]
-    scores = _scores(run, DEFAULT, lead)
+    scores = _scores(run, mode, lead)
+    head = "By default" if mode == DEFAULT else "Given no more than the coefficients,"
     if not scores or scores[0].truth is None:
         return None
     shares = [runs.share_of_tolerance(run, score) for score in scores]
@@ -49,10 +50,10 @@ def _by_default(run: Run) -> str | None:
     one = len(scores) == 1 or within in (0, 1)
     if scores[0].truth == 0:  # an error, of which there should be none
         keeps = "keeps" if one else "keep"
-        return f"By default {subject} {keeps} the {words} within its tolerance{_shown(scores)}."
+        return f"{head} {subject} {keeps} the {words} within its tolerance{_shown(scores)}."
     comes = "comes" if one else "come"
     return (
-        f"By default {subject} {comes} within the tolerance of the true {words} of {true}"
+        f"{head} {subject} {comes} within the tolerance of the true {words} of {true}"
         f"{_shown(scores)}."
     )
 

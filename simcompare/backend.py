@@ -25,8 +25,10 @@ if TYPE_CHECKING:
     from simcompare.trajectory import Trajectory
 
 #: contact modes that every backend knows
-DEFAULT, MAPPED = "default", "mapped"
-CONTACT_MODES = (DEFAULT, MAPPED)
+DEFAULT, COEFFICIENTS, MAPPED = "default", "coefficients", "mapped"
+CONTACT_MODES = (DEFAULT, COEFFICIENTS, MAPPED)
+#: those in which an engine is shown, and not judged: nobody gave it all of the scenario's physics
+SHOWN_MODES = (DEFAULT, COEFFICIENTS)
 
 
 class Feature(enum.StrEnum):
@@ -89,12 +91,19 @@ class Settings:
     """How a scenario is run.
 
     Attributes:
-        contact: contact mode: the engine's own "default", or the scenario's physics "mapped".
+        contact: contact mode: the engine's own "default"; the scenario's "coefficients" of
+            restitution and friction (also of joints) in an engine that is else as it comes; or the
+            scenario's physics "mapped".
         seed: seed of every random number in the run.
     """
 
     contact: str = MAPPED
     seed: int = 0
+
+    @property
+    def gives_coefficients(self) -> bool:
+        """Whether restitution and friction are given to the engine."""
+        return self.contact != DEFAULT
 
 
 @runtime_checkable
@@ -264,9 +273,10 @@ def refuse(backend: Backend, scenario: Scenario, settings: Settings) -> None:
     wanted = needs(scenario)
     if settings.contact == DEFAULT:
         wanted -= {Feature.RESTITUTION, Feature.FRICTION}
-    elif settings.contact != MAPPED:
+    elif settings.contact not in CONTACT_MODES:
         raise Unsupported(
-            f"{backend.name} knows no contact mode {settings.contact!r}; known: default, mapped"
+            f"{backend.name} knows no contact mode {settings.contact!r};"
+            f" known: {', '.join(CONTACT_MODES)}"
         )
     lacking = sorted(wanted - backend.features)
     if lacking:

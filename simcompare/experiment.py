@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from simcompare import catalogue, engines, measures, run_record, units
 from simcompare.against import Match, matches
-from simcompare.backend import CONTACT_MODES, Settings
+from simcompare.backend import CONTACT_MODES, DEFAULT, MAPPED, Settings
 from simcompare.compare import Repeat, Score, scores_of
 from simcompare.drives import input_values
 from simcompare.errors import InputError, OutputError, SimcompareError, UnknownName
@@ -33,7 +33,7 @@ def run(
     scenario: str = "ball",
     *,
     engine: str = "all",
-    contact: str | Sequence[str] = CONTACT_MODES,
+    contact: str | Sequence[str] = (DEFAULT, MAPPED),
     set: Mapping[str, str | float] | None = None,
     preset: str | None = None,
     step: str | float | None = None,

@@ -27,7 +27,7 @@ def rotation_vector_of(orientation_wxyz: Sequence[float]) -> Array:
 
 
 def cross(first: Array, second: Array) -> Array:
-    """Cross products (n, 3) of vectors (n, 3); numpy's own takes ten times as long for few rows."""
+    """Cross products (n, 3) of vectors (n, 3); three times as fast as numpy's own for few rows."""
     a, b, c = first[:, 0], first[:, 1], first[:, 2]
     x, y, z = second[:, 0], second[:, 1], second[:, 2]
     return np.column_stack((b * z - c * y, c * x - a * z, a * y - b * x))

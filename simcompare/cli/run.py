@@ -25,7 +25,8 @@ def run(
     ),
     contact: str = typer.Option(
         "default,mapped",
-        help="'default': the engine as it comes; 'mapped': the scenario's physics translated.",
+        help="'default': the engine as it comes; 'coefficients': with the scenario's restitution"
+        " and friction; 'mapped': all of the scenario's physics translated.",
         autocompletion=complete.contact_modes,
     ),
     settings: list[str] = typer.Option(
