@@ -8,8 +8,8 @@ from xml.etree import ElementTree as ET
 from simcompare.dashpot import damping_ratio
 from simcompare.drives import JointLaw, laws_of
 from simcompare.kinematics import in_order, mount_of
-from simcompare.pairs import touching_pairs
-from simcompare.scenario import Contact, Scenario
+from simcompare.pairs import jointed_pairs, touching_pairs, untouching_pairs
+from simcompare.scenario import Contact, Scenario, Sensor
 from simcompare.shapes import Shape
 
 #: √(k/m) of a bouncing contact [rad/s]: it lasts 0.03 ms, far below any step that is recorded
@@ -18,8 +18,8 @@ CONTACT_FREQUENCY_RAD_S = 1.0e5
 IMPACT_PHASE = 0.01
 #: largest ζ·ω·dt during an impact: where in a step the damper sets in moves the bounce by this much
 IMPACT_DAMPING = 0.0007
-#: points of contact between two bodies whose normal forces are read
-CONTACT_POINTS = 8
+#: most points of contact that MuJoCo finds between two shapes (two boxes)
+SHAPE_POINTS = 8
 #: impedance of the contact; at 1 the acceleration would be exactly that of spring and damper
 IMPEDANCE = 0.9999
 
@@ -43,8 +43,8 @@ def mjcf(scenario: Scenario, mapped: bool, told: bool = True) -> str:
     ET.SubElement(element, "flag", autoreset="disable")
     _add_bodies(ET.SubElement(root, "worldbody"), scenario, mapped)
     contacts = ET.SubElement(root, "contact")
-    for joint in scenario.joints.values():
-        ET.SubElement(contacts, "exclude", body1=joint.parent, body2=joint.child)
+    for first, second in untouching_pairs(scenario) if told else jointed_pairs(scenario):
+        ET.SubElement(contacts, "exclude", body1=first, body2=second)
     for contact in touching_pairs(scenario) if told else ():
         _add_pairs(contacts, scenario, contact, mapped)
     _add_actuators(ET.SubElement(root, "actuator"), scenario, mapped)
@@ -131,7 +131,7 @@ def _add_sensors(sensors: ET.Element, scenario: Scenario) -> None:
             first, second = sensor.pair
             ET.SubElement(
                 sensors, "contact", name=name, body1=first, body2=second, data="force",
-                num=str(CONTACT_POINTS),
+                num=str(contact_points(scenario, sensor)),
             )  # fmt: skip
 
 
@@ -158,6 +158,13 @@ def pair_names(scenario: Scenario, contact: Contact) -> dict[str, tuple[str, str
         for j in range(len(scenario.bodies[second].shapes))
     ]
     return {f"{one}-{other}": (one, other) for one, other in geoms}
+
+
+def contact_points(scenario: Scenario, sensor: Sensor) -> int:
+    """Points of contact whose normal forces a contact sensor adds up: all that there can be."""
+    assert sensor.pair is not None
+    first, second = (len(scenario.bodies[name].shapes) for name in sensor.pair)
+    return SHAPE_POINTS * first * second
 
 
 def _add_pairs(contacts: ET.Element, scenario: Scenario, contact: Contact, mapped: bool) -> None:

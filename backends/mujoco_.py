@@ -21,8 +21,8 @@ from simcompare.backend import (
 )
 from simcompare.backends._mujoco_scene import (
     CONTACT_FREQUENCY_RAD_S,
-    CONTACT_POINTS,
     IMPACT_PHASE,
+    contact_points,
     geom_name,
     impact_phase,
     mjcf,
@@ -137,9 +137,10 @@ class MujocoSimulation(Simulation):
                 columns.append(sensordata[:, column : column + 3])
                 column += 3
             else:
-                block = sensordata[:, column : column + 3 * CONTACT_POINTS]
+                width = 3 * contact_points(self.scenario, sensor)
+                block = sensordata[:, column : column + width]
                 columns.append(block[:, ::3].sum(axis=1, keepdims=True))
-                column += 3 * CONTACT_POINTS
+                column += width
         return np.hstack(columns)
 
     def record(self, count: int) -> Any:

@@ -280,4 +280,4 @@ def refuse(backend: Backend, scenario: Scenario, settings: Settings) -> None:
         )
     lacking = sorted(wanted - backend.features)
     if lacking:
-        raise Unsupported(f"{backend.name} has no {', no '.join(lacking)}")
+        raise Unsupported(f"simcompare's backend for {backend.name} has no {', no '.join(lacking)}")

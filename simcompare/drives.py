@@ -99,6 +99,8 @@ def checked_inputs(
         if name not in values:
             raise UnknownName(f"input of {scenario.name}", str(name), values)
         try:
+            if isinstance(value, str | bool):
+                raise TypeError
             values[name] = float(value)
         except (TypeError, ValueError):
             faults.append(f"{name} = {value!r} is not one number")

@@ -51,6 +51,9 @@ class UnknownName(SimcompareError):
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         self.kind, self.name, self.known = kind, name, tuple(sorted(known))
         near = difflib.get_close_matches(name, self.known, n=3, cutoff=0.5)
+        if not self.known:
+            super().__init__(f"no {kind} is called {name!r}; there is none at all")
+            return
         hint = f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(self.known)}"
         super().__init__(f"no {kind} is called {name!r}; {hint}")
 

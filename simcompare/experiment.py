@@ -76,6 +76,8 @@ def run(
         _check_step(file.resolve(values, preset=preset), step_s)
     if seeds is not None and seeds < 1:
         raise InputError("--seeds", [f"{seeds} is not a number of repeats; expected 1 or more"])
+    if seeds is not None and file.resolve(values, preset=preset).dither is None:
+        raise InputError("--seeds", [f"{file.name} has nothing that is dithered between repeats"])
     scenarios = repeats_of(file, values, preset, step_s, seeds)
     truths = truths_of(file.path, scenarios)
     if out is not None:
@@ -282,6 +284,8 @@ def truths_of(path: Path, scenarios: Sequence[Scenario]) -> list[Trajectory | No
         return [None] * len(scenarios)
     try:
         return [_truth(reference, scenario) for scenario in scenarios]
+    except InputError:  # it refuses these parameters, and says why
+        raise
     # a user's own code may raise anything, also SystemExit
     except (Exception, SystemExit) as error:
         where = str(path.with_name("reference.py"))

@@ -27,6 +27,24 @@ def touching_pairs(scenario: Scenario) -> list[Contact]:
     return found
 
 
+def jointed_pairs(scenario: Scenario) -> list[tuple[str, str]]:
+    """Pairs of bodies that a joint connects; they never touch."""
+    return [(joint.parent, joint.child) for joint in scenario.joints.values()]
+
+
+def untouching_pairs(scenario: Scenario) -> list[tuple[str, str]]:
+    """Pairs that are not to touch: jointed ones, and moving ones that no contact names."""
+    named = {frozenset(contact.pair) for contact in scenario.contacts}
+    moving = [name for name, body in scenario.moving_bodies().items() if body.shapes]
+    jointed = jointed_pairs(scenario)
+    known = {frozenset(pair) for pair in jointed}
+    return jointed + [
+        pair
+        for pair in combinations(moving, 2)
+        if frozenset(pair) not in named and frozenset(pair) not in known
+    ]
+
+
 def per_body_product(
     scenario: Scenario, prop: Literal["restitution", "friction"], engine: str
 ) -> dict[str, float]:

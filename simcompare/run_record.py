@@ -80,7 +80,7 @@ def of_run(
         "truth": truth,
         "probes": dumped["probes"],
         "axes": _axes(nominal),
-        "driven": bool(nominal.joints or nominal.actuators),
+        "has_joints": bool(nominal.joints),
         "tolerances": dumped["tolerances"],
         "scenario_sha256": _sha256_of((file.path, *file.extends)),
         "software": {

@@ -57,6 +57,14 @@ class Body(Pose):
                     f"no mass has the moments {self.inertia_kg_m2}:"
                     " one exceeds the sum of the others"
                 )
+        if self.fixed and (self.mass_kg is not None or self.inertia_kg_m2 is not None):
+            raise ValueError("a fixed body has no mass and no inertia: it never moves")
+        if self.fixed and (self.drag is not None or any((*self.velocity_m_s, *self.rate_rad_s))):
+            raise ValueError("a fixed body has neither velocity nor drag")
+        if not self.fixed and any(shape.type == "plane" for shape in self.shapes):
+            raise ValueError("a plane is half of all space, and no shape of a body that moves")
+        if self.drag is not None and self.drag.factor_kg_m and any(self.center_of_mass_m):
+            raise ValueError("drag acts on bodies whose centre of mass is at their origin")
         return self
 
 
@@ -88,11 +96,15 @@ class Joint(Frozen):
         if self.parent == self.child:
             raise ValueError(f"joins {self.parent} to itself")
         if self.lower is not None and self.upper is not None and self.lower > self.upper:
-            raise ValueError(f"{self.lower=} is above {self.upper=}")
-        if self.type not in MOVABLE and any(
-            (self.rate, self.stiffness, self.damping, self.friction, self.armature)
+            raise ValueError(f"the lower limit {self.lower:g} is above the upper {self.upper:g}")
+        if self.type not in MOVABLE and (
+            any((self.rate, self.stiffness, self.rest, self.damping, self.friction, self.armature))
+            or self.lower is not None
+            or self.upper is not None
         ):
-            raise ValueError(f"a {self.type} joint has no rate, spring, damper or friction here")
+            raise ValueError(f"a {self.type} joint has no rate, spring, damper or limit here")
+        if self.rest and not self.stiffness:
+            raise ValueError("rest is where a spring is relaxed, and stiffness is 0")
         return self
 
 
@@ -171,6 +183,10 @@ class Sensor(Pose):
                 raise ValueError(f"a sensor of type {self.type} needs a {place}, and only that")
         if (self.marks is not None) != (self.type == "encoder"):
             raise ValueError("marks are what an encoder needs, and no other sensor")
+        if place != "body" and (any(self.position_m) or any(self.orientation_wxyz[1:])):
+            raise ValueError(f"a sensor of type {self.type} has no pose of its own")
+        if self.pair is not None and self.pair[0] == self.pair[1]:
+            raise ValueError(f"{self.pair[0]} cannot touch itself")
         return self
 
 
@@ -218,24 +234,24 @@ class Measure(Frozen):
 
 
 class Tolerance(Frozen):
-    """Largest accepted deviation from the truth, and why it is that large."""
+    """Largest accepted deviation from the truth, and why it is that large.
+
+    With both, the larger one counts: an absolute one is what is left where the truth is near 0.
+    """
 
     relative: PositiveFloat | None = None
     absolute: PositiveFloat | None = None
     reason: str = Field(min_length=10)
 
     @model_validator(mode="after")
-    def _one_of_two(self) -> Tolerance:
-        if (self.relative is None) == (self.absolute is None):
-            raise ValueError("give either relative or absolute, not both and not neither")
+    def _at_least_one(self) -> Tolerance:
+        if self.relative is None and self.absolute is None:
+            raise ValueError("give relative, absolute, or both of which the larger counts")
         return self
 
     def width(self, truth: float) -> float:
         """Half-width of the accepted band around ``truth``, in the unit of the truth."""
-        if self.absolute is not None:
-            return self.absolute
-        assert self.relative is not None
-        return self.relative * abs(truth)
+        return max(self.absolute or 0.0, (self.relative or 0.0) * abs(truth))
 
 
 class Dither(Frozen):
@@ -318,7 +334,8 @@ class Scenario(Frozen):
     def contact_of(self, first: str, second: str) -> Contact:
         """Contact of two bodies; a pair that is not named has no restitution and no friction.
 
-        Two moving bodies whose pair is not named are left to what the engine makes of them.
+        Two moving bodies whose pair is not named do not touch, except in the contact mode
+        "default", where the engine decides.
         """
         for contact in self.contacts:
             if set(contact.pair) == {first, second}:

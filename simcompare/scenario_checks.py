@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from simcompare import measures
+from simcompare import measures, units
 from simcompare.errors import UnknownName
 from simcompare.scenario import (
     ACTUATOR_SIGNALS,
@@ -28,6 +28,8 @@ def faults_between_parts(scenario: Scenario) -> dict[str, str]:
         _pairs_given_twice,
         _impossible_joints,
         _impossible_drives,
+        _impossible_contacts,
+        _without_effect,
         _impossible_probes,
         _unjudged_tolerances,
     ):
@@ -149,6 +151,42 @@ def _impossible_drives(scenario: Scenario) -> dict[str, str]:
     return found
 
 
+def _without_effect(scenario: Scenario) -> dict[str, str]:
+    """What would be read and left out by every engine, so that nobody counts on it."""
+    found = {
+        f"{kind}.{name}": "a name has no dot; that comes before the signal"
+        for kind in ("bodies", "joints", "actuators", "sensors", "inputs")
+        for name in getattr(scenario, kind)
+        if "." in name
+    }
+    used = {actuator.input for actuator in scenario.actuators.values()}
+    for name in scenario.inputs:
+        if name not in used:
+            found[f"inputs.{name}"] = "no actuator follows it"
+    for joint in scenario.joints.values():
+        drag = scenario.bodies[joint.child].drag
+        if drag is not None and drag.factor_kg_m > 0:
+            found[f"bodies.{joint.child}.drag"] = "drag acts on bodies that hang on no joint"
+    return found
+
+
+def _impossible_contacts(scenario: Scenario) -> dict[str, str]:
+    """Pairs that never touch, though something is said of their contact."""
+    found = {}
+    jointed = {frozenset((j.parent, j.child)): name for name, j in scenario.joints.items()}
+    touching = {f"contacts.{i}": contact.pair for i, contact in enumerate(scenario.contacts)}
+    touching.update({f"sensors.{name}": s.pair for name, s in scenario.sensors.items() if s.pair})
+    for place, pair in touching.items():
+        bare = [name for name in pair if not scenario.bodies[name].shapes]
+        if frozenset(pair) in jointed:
+            found[place] = (
+                f"{' and '.join(pair)} never touch: {jointed[frozenset(pair)]} joins them"
+            )
+        elif bare:
+            found[place] = f"{' and '.join(bare)} cannot touch anything without a shape"
+    return found
+
+
 def _impossible_probes(scenario: Scenario) -> dict[str, str]:
     found = {}
     for name, probe in scenario.probes.items():
@@ -157,7 +195,7 @@ def _impossible_probes(scenario: Scenario) -> dict[str, str]:
         if part not in known:
             have = ", ".join(known) or "none"
             found[f"probes.{name}.observe"] = f"{owner} has no signal {part!r} (there are: {have})"
-        elif fault := _component_fault(probe, part, known[part]):
+        elif fault := _component_fault(probe, part, known[part]) or _unit_fault(probe, part):
             found[f"probes.{name}"] = fault
     return found
 
@@ -179,6 +217,12 @@ def _component_fault(probe: Probe, part: str, width: int) -> str | None:
     if probe.component is None or probe.component >= width:
         return f"{part} needs a component from 0 to {width - 1}"
     return None
+
+
+def _unit_fault(probe: Probe, part: str) -> str | None:
+    """A probe shows a signal as it is recorded, so its unit is that of the signal."""
+    unit = units.symbol(units.unit_of(part))
+    return None if probe.unit == unit else f"{part} is in {unit}, not in {probe.unit}"
 
 
 def _unjudged_tolerances(scenario: Scenario) -> dict[str, str]:

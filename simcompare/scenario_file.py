@@ -243,11 +243,31 @@ def _read_with_bases(
     if base in (*above, path.resolve()):
         raise InputError(str(path), [f"line {lines[EXTENDS]}, extends: {base.name} extends itself"])
     if not base.is_file():
-        raise InputError(str(path), [f"line {lines[EXTENDS]}, extends: there is no file {base}"])
+        raise InputError(
+            str(path),
+            [
+                f"line {lines[EXTENDS]}, extends: there is no file {base};"
+                " expected a path from this file, such as ../robot/robot.yaml"
+            ],
+        )
     merged, _, below, bases = _read_with_bases(base, (*above, path.resolve()))
     if below:
         raise InputError(str(base), describe(below, {}))
+    faults.update(_taken_from_nothing(merged, tree, ""))
     return _merged(merged, tree), lines, faults, (base, *bases)
+
+
+def _taken_from_nothing(base: Any, change: Any, place: str) -> dict[str, str]:  # noqa: ANN401
+    """Places where a variant takes away what the base does not have."""
+    found: dict[str, str] = {}
+    for key, value in change.items() if isinstance(change, dict) else ():
+        where = f"{place}.{key}" if place else str(key)
+        below = base.get(key) if isinstance(base, dict) else None
+        if value is None and not (isinstance(base, dict) and key in base):
+            found[where] = "null takes away what the extended scenario has, and it has no such part"
+        elif isinstance(value, dict):
+            found.update(_taken_from_nothing(below, value, where))
+    return found
 
 
 def _merged(base: Any, change: Any) -> Any:  # noqa: ANN401
@@ -328,12 +348,26 @@ def faults_of(error: ValidationError) -> dict[str, str]:
     """Faults that pydantic found, as dotted place -> sentence with the value found."""
     faults = {}
     for item in error.errors():
-        place = ".".join(str(part) for part in item["loc"])
-        message = item["msg"].removeprefix("Value error, ")
+        place = ".".join(_place_of(item["loc"]))
+        message = _MESSAGES.get(item["type"]) or item["msg"].removeprefix("Value error, ")
         found = item.get("input")
         shown = "" if isinstance(found, dict | list) else f", found {found!r}"
         faults[place] = f"{message}{shown}"
     return faults
+
+
+def _place_of(loc: tuple[int | str, ...]) -> list[str]:
+    """Place in the file, without the kinds of parts that pydantic adds as if they were places."""
+    parts = [str(part) for part in loc]
+    if parts[0] in ("actuators", "inputs") and len(parts) > 2:
+        del parts[2]
+    if "shapes" in parts[2:] and len(parts) > parts.index("shapes", 2) + 2:
+        del parts[parts.index("shapes", 2) + 2]
+    return parts
+
+
+#: what pydantic says, in words for people who do not program
+_MESSAGES = {"missing": "is missing", "extra_forbidden": "is not known here"}
 
 
 def describe(faults: Mapping[str, str], lines: Mapping[str, int]) -> list[str]:

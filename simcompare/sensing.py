@@ -104,7 +104,11 @@ def _add_actuator(
     if angle is None:
         return
     k, ratio = actuator.torque_constant_N_m_A, actuator.gear_ratio
-    current = (given - k * ratio * rate_of(angle, time_s)) / actuator.resistance_Ohm
+    # too few samples, as at the start of a controlled run, leave the rate that the source stores
+    stored = signals.get(f"{actuator.joint}.rate_rad_s")
+    short = len(time_s) < 3 and stored is not None
+    rate = stored if short and stored is not None else rate_of(angle, time_s)
+    current = (given - k * ratio * rate) / actuator.resistance_Ohm
     current = signals.setdefault(f"{name}.current_A", current)
     signals.setdefault(f"{name}.torque_N_m", actuator.efficiency * ratio * k * current)
 
@@ -150,7 +154,8 @@ def _gyroscope(
     """Rate in the sensor's frame (n, 3), from how the orientation changes between samples."""
     _, orientation = _pose(scenario, sensor, len(time_s), signals)
     if len(time_s) < 3:
-        return np.zeros((len(time_s), 3))
+        stored = signals.get(f"{sensor.body}.rate_rad_s", np.zeros((len(time_s), 3)))
+        return rotate(conjugate(orientation), stored)
     turns = multiply(conjugate(orientation[:-1]), orientation[1:])
     between = rotation_vectors_of(turns) / np.diff(time_s)[:, None]
     ends = 1.5 * between[[0, -1]] - 0.5 * between[[1, -2]]

@@ -50,7 +50,7 @@ class Ramp(Frozen):
     @model_validator(mode="after")
     def _forward(self) -> Ramp:
         if self.end_s <= self.start_s:
-            raise ValueError(f"{self.end_s=} must be later than {self.start_s=}")
+            raise ValueError(f"end_s = {self.end_s:g} is not later than start_s = {self.start_s:g}")
         return self
 
     def at(self, time_s: Array) -> Array:

@@ -12,7 +12,7 @@ import numpy as np
 
 from simcompare.audit import Audit, AuditRow
 from simcompare.drives import Drive, checked_inputs, input_values
-from simcompare.errors import Unsupported
+from simcompare.errors import InputError, Unsupported
 from simcompare.free_motion import FreeMotion
 from simcompare.kinematics import add_children
 from simcompare.landing import ContactSteps, Landing, approaches
@@ -80,7 +80,7 @@ class Simulation(FreeMotion):
             self._prepare_landing(steps)
         if exact and not self.LEAD and not touching_pairs(scenario):
             # velocities at the start belong to a step of length zero, see _stagger_start
-            self._engine_step_s = 0.0
+            self._engine_step_s, self._stagger = 0.0, -0.5
 
     @property
     def is_plain(self) -> bool:
@@ -101,12 +101,12 @@ class Simulation(FreeMotion):
             return
         if self._force_sensors:
             raise Unsupported("forces are not recorded while impacts are landed on")
+        if self.substeps > 1:
+            raise Unsupported("where impacts are landed on, recorded steps are not divided further")
         self._landing = Landing(pairs, self.scenario.world.step_s, steps)
         self._stagger = steps.stagger
         # the scenario's initial velocities are not staggered: they belong to a step of length zero
         self._engine_step_s = 0.0
-        # flights take whole recorded steps, impacts parts of them: no further division is needed
-        self.substeps, self._whole_step_s = 1, self.scenario.world.step_s
         self.notes += (
             f"a recorded step with an impact in it is divided into {self._landing.parts} parts"
             f" of {self._landing.part_s:.3g} s; flights take whole steps",
@@ -190,7 +190,10 @@ class Simulation(FreeMotion):
             body = self._bodies[name]
             # how a body on a joint moves follows from the joint
             for part in BODY_SIGNALS if name in self._free else ("position_m", "orientation_wxyz"):
-                compare(f"{name}.{part}", getattr(body, part), getattr(held, part))
+                wanted, got = getattr(body, part), getattr(held, part)
+                if len(wanted) == 4 and sum(a * b for a, b in zip(wanted, got, strict=True)) < 0:
+                    got = tuple(-value for value in got)  # the same rotation
+                compare(f"{name}.{part}", wanted, got)
             if name not in self._free:  # elsewhere the state is the engine's own word already
                 compare(f"{name}.position_m", body.position_m, self.origin_of(name))
         for name, (position, rate) in state.joints.items():
@@ -218,7 +221,11 @@ class Simulation(FreeMotion):
         self._take_step(checked_inputs(self.scenario, self.time_s, inputs))
 
     def read(self) -> Readings:
-        """Every signal now, as a controller sees it; forces are those of the last engine step."""
+        """Every signal now, as a controller sees it.
+
+        Forces are those at the start of the last recorded step (with a lead: at its end), 0 before
+        the first one. What needs an acceleration feels none in the first three samples.
+        """
         if not self._recent:
             self._remember(self._row_now(), {})
         times = np.array([time for time, _, _ in self._recent])
@@ -266,7 +273,9 @@ class Simulation(FreeMotion):
         self.advance(1)
         after = self.state
         names = self._drive.names if self._drive is not None else None
+        seen = list(self._recent)
         self.set_state(half_a_step_back(start, after, self._whole_step_s, names))
+        self._recent.extend(seen)
 
     def _row_now(self) -> Sequence[float]:
         return (*self.row(), *[0.0] * self._force_columns)
@@ -372,7 +381,13 @@ class Simulation(FreeMotion):
         """Steps with a controller in the loop; writes what it gave into the recorded inputs."""
         rows = []
         for k in range(count):
-            given = checked_inputs(self.scenario, self.time_s, controller(self.time_s, self.read()))
+            given = controller(self.time_s, self.read())
+            if given is None:
+                raise InputError(
+                    f"inputs at t = {self.time_s:g} s",
+                    ["the controller returned nothing; expected a mapping of input -> number"],
+                )
+            given = checked_inputs(self.scenario, self.time_s, given)
             for name, value in (given or {}).items():
                 inputs[name][k:] = value
             rows.append(self._take_step(given))

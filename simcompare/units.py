@@ -127,6 +127,8 @@ def conversion_factor(given: str, unit: str, where: str) -> float:
 
 def _converted(number: float, given: str, unit: str, where: str) -> float:
     expected = "a plain number, no unit" if unit == "1" else f"{symbol(unit)} or a multiple of it"
+    # as people write them: Nm, m/s2
+    given = re.sub(r"Nm\b", "N*m", re.sub(r"(?<=[a-z])([23])\b", r"**\1", given))
     # pint reads units as Python expressions; only what can be a unit reaches it
     if not _UNIT.match(given):
         raise InputError(where, [f"{given!r} is not a unit; expected {expected}"])

@@ -82,7 +82,9 @@ def test_inputs_that_are_left_out_follow_their_signals():
     [
         ({"left_drive": math.nan}, "left_drive = nan is not a finite number"),
         ({"left_drive": np.array([1.0, 2.0])}, r"left_drive = array\(\[1., 2.\]\) is not one numb"),
-        ({"left_drive": "fast"}, "left_drive = 'fast' is not one number"),
+        ({"left_drive": "0.1"}, "left_drive = '0.1' is not one number"),
+        ({"left_drive": True}, "left_drive = True is not one number"),
+        (None, "the controller returned nothing; expected a mapping"),
         ([0.1, 0.2], "found a list; expected a mapping of input -> number"),
         (0.1, "found a float; expected a mapping"),
     ],
@@ -114,3 +116,16 @@ def test_a_controller_of_a_scene_without_inputs_may_only_look():
     np.testing.assert_allclose(
         found.signals["ball.position_m"], truth.signals["ball.position_m"], atol=1e-9
     )
+
+
+def test_a_controller_reads_rates_and_currents_from_the_first_sample_on():
+    seen = []
+
+    def look(time_s, readings):
+        seen.append(readings)
+        return {}
+
+    simcompare.control("motor_bench", look, engine="pymunk")
+    # at rest the whole voltage drives the current, and no false rate takes from it
+    assert seen[0]["motor.current_A"] == pytest.approx(6.0 / 6.0)
+    assert seen[1]["motor.current_A"] < seen[0]["motor.current_A"]

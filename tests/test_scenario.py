@@ -194,10 +194,13 @@ def test_an_orientation_that_is_no_rotation_is_refused(wxyz):
     assert Pose(orientation_wxyz=(0.6, 0, 0, -0.8)).orientation_wxyz[3] == -0.8
 
 
-@pytest.mark.parametrize("given", [{}, {"relative": 0.1, "absolute": 0.1}])
-def test_a_tolerance_needs_exactly_one_of_relative_and_absolute(given):
-    with pytest.raises(ValidationError, match="either relative or absolute"):
-        Tolerance(reason="because it is so", **given)
+def test_a_tolerance_is_relative_or_absolute_or_the_larger_of_both():
+    reason = "because it is so"
+    with pytest.raises(ValidationError, match="give relative, absolute, or both"):
+        Tolerance(reason=reason)
+    both = Tolerance(relative=0.1, absolute=0.2, reason=reason)
+    assert both.width(0.0) == 0.2
+    assert both.width(-5.0) == 0.5
 
 
 def test_a_tolerance_needs_a_reason_and_has_a_width():
@@ -215,7 +218,7 @@ def test_a_signal_table_is_sorted_and_complete():
         Table(signal="table", time_s=(0, 0), value=(1, 2))
     with pytest.raises(ValidationError, match="2 times but 3 values"):
         Table(signal="table", time_s=(0, 1), value=(1, 2, 3))
-    with pytest.raises(ValidationError, match="must be later"):
+    with pytest.raises(ValidationError, match="end_s = 1 is not later than start_s = 2"):
         Ramp(signal="ramp", end=1, start_s=2, end_s=1)
 
 
@@ -312,3 +315,61 @@ def test_moments_of_inertia_obey_the_triangle_inequality():
     """No distribution of mass has I_z > I_x + I_y; engines reject it or go wrong in silence."""
     with pytest.raises(ValidationError):
         Body(mass_kg=1.0, inertia_kg_m2=(1.0, 1.0, 5.0))
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ({"fixed": True, "mass_kg": 1.0}, "a fixed body has no mass"),
+        ({"fixed": True, "velocity_m_s": [1, 0, 0]}, "neither velocity nor drag"),
+        (
+            {"mass_kg": 1, "inertia_kg_m2": [1, 1, 1], "shapes": [{"type": "plane"}]},
+            "a plane is half of all space",
+        ),
+        (
+            {"mass_kg": 1, "inertia_kg_m2": [1, 1, 1], "center_of_mass_m": [0, 0, 0.1],
+             "drag": {"coefficient": 0.5, "area_m2": 1, "air_density_kg_m3": 1}},
+            "centre of mass is at their origin",
+        ),
+    ],
+)  # fmt: skip
+def test_what_no_engine_would_apply_is_refused_on_a_body(body, words):
+    with pytest.raises(ValidationError, match=words):
+        Body.model_validate(body)
+
+
+@pytest.mark.parametrize(
+    ("change", "place", "words"),
+    [
+        ({"inputs": {"u": {"signal": "constant", "value": 1}}}, "inputs.u", "no actuator follows"),
+        ({"contacts": [{"pair": ["frame", "disk"]}]}, "contacts.0", "never touch: hinge joins"),
+        ({"sensors": {"f": {"type": "contact_force", "pair": ["disk", "floor"]}}}, "sensors.f",
+         "disk cannot touch anything without a shape"),
+        ({"probes": {"p": {"observe": "hinge.angle_rad", "label": "x", "unit": "deg"}}},
+         "probes.p", "angle_rad is in rad, not in deg"),
+        ({"bodies": {"a.b": {"fixed": True}}}, "bodies.a.b", "a name has no dot"),
+    ],
+)  # fmt: skip
+def test_what_would_have_no_effect_is_told(change, place, words):
+    from simcompare.scenario_checks import faults_between_parts
+
+    disk = {"mass_kg": 1, "inertia_kg_m2": [1, 1, 1]}
+    bodies = {"frame": {"fixed": True}, "disk": disk, "floor": {"fixed": True,
+              "shapes": [{"type": "plane"}]}} | change.get("bodies", {})  # fmt: skip
+    joints = {"hinge": {"type": "hinge", "parent": "frame", "child": "disk", "axis": [0, 1, 0]}}
+    scenario = Scenario.model_validate({**plain(), "joints": joints, **change, "bodies": bodies})
+    assert words in faults_between_parts(scenario)[place]
+
+
+@pytest.mark.parametrize(
+    "sensor",
+    [
+        {"type": "force", "joint": "j", "position_m": [0, 0, 1]},
+        {"type": "encoder", "joint": "j", "marks": 4, "orientation_wxyz": [0, 1, 0, 0]},
+    ],
+)
+def test_a_sensor_of_a_joint_has_no_pose_of_its_own(sensor):
+    from simcompare.scenario import Sensor
+
+    with pytest.raises(ValidationError, match="no pose of its own"):
+        Sensor.model_validate(sensor)

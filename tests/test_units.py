@@ -129,3 +129,16 @@ def test_a_name_is_found_with_and_without_its_suffix():
 
 def test_a_whole_name_is_preferred_to_a_name_without_its_suffix():
     assert units.find_name("length", ["length_m", "length"]) == "length"
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("10mNm", "N*m", 0.01),
+        ("2 Nm", "N*m", 2.0),
+        ("9.81m/s2", "m/s**2", 9.81),
+        ("3cm2", "m**2", 3e-4),
+    ],
+)
+def test_units_are_read_as_people_write_them(text, unit, value):
+    assert units.to_si(text, unit, "--set") == pytest.approx(value)
