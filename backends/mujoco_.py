@@ -32,6 +32,7 @@ from simcompare.backends._mujoco_scene import (
 from simcompare.dashpot import damping_ratio
 from simcompare.drives import JointLaw, laws_of
 from simcompare.errors import SimulationDiverged, Unsupported
+from simcompare.kinematics import Mount, mount_of
 from simcompare.landing import ContactSteps, approaches
 from simcompare.pairs import touching_pairs
 from simcompare.rotations import rotate
@@ -281,6 +282,7 @@ def _audit(engine: ModuleType, model: Any, scenario: Scenario, settings: Setting
         _audit_body(audit, model, name, body, name in scenario.free_bodies())
     for name, law in laws_of(scenario).items():
         _audit_joint(audit, model, name, law, mapped)
+        _audit_place(audit, model, name, mount_of(scenario, scenario.joints[name]))
     for contact in touching_pairs(scenario):
         if mapped:
             _audit_pairs(audit, model, scenario, contact)
@@ -297,12 +299,23 @@ def _audit_joint(audit: Audit, model: Any, name: str, law: JointLaw, mapped: boo
     note = "half with the rate before the step, half with that after it" if mapped else ""
     for part, wanted, got, extra in (
         ("stiffness", law.stiffness, held.stiffness[0], ""),
+        ("rest", law.rest, model.qpos_spring[int(held.qposadr[0])], ""),
         ("damping", law.damping, model.dof_damping[dof] + explicit, note),
         ("friction", law.friction, model.dof_frictionloss[dof], ""),
         ("armature", law.armature, model.dof_armature[dof], ""),
     ):
         if wanted:
             audit.add(f"{name}.{part}", wanted, f"dof {part}", (wanted, got), "SI", extra)
+
+
+def _audit_place(audit: Audit, model: Any, name: str, mount: Mount) -> None:
+    """Axis and anchor of a joint, both in the child's frame."""
+    held = model.joint(name)
+    rows = (("axis", mount.axis, held.axis, "1"), ("anchor_m", mount.anchor_m, held.pos, "m"))
+    for part, wanted, got, unit in rows:
+        for axis, a, b in zip("xyz", wanted, got.tolist(), strict=True):
+            clean = a if abs(a - b) < 1e-12 else b  # MuJoCo makes the axis a unit vector once more
+            audit.add(f"{name}.{part}.{axis}", a, f"jnt_{part[:4]}", (a, clean), unit)
 
 
 def _audit_body(audit: Audit, model: Any, name: str, body: Body, free: bool) -> None:
@@ -316,6 +329,10 @@ def _audit_body(audit: Audit, model: Any, name: str, body: Body, free: bool) -> 
     for axis, wanted, got in zip("xyz", body.position_m, held.pos, strict=True):
         if free:  # those on joints are compared where they are in the world
             audit.add(f"{name}.position_m.{axis}", wanted, "body_pos", (wanted, got), "m")
+    for axis, wanted, got in zip("xyz", body.center_of_mass_m, held.ipos, strict=True):
+        if wanted:
+            quantity = f"{name}.center_of_mass_m.{axis}"
+            audit.add(quantity, wanted, "body_ipos", (wanted, got), "m")
     for i, shape in enumerate(body.shapes):
         size = model.geom(geom_name(name, i)).size.tolist()
         halves = {"plane": [], "sphere": size[:1], "box": [2 * half for half in size]}

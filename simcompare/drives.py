@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from simcompare.errors import InputError, UnknownName
+from simcompare.errors import InputError, UnknownName, Unsupported
 from simcompare.scenario import DcMotor, Joint, Scenario
 from simcompare.trajectory import Array
 
@@ -121,6 +121,30 @@ def open_loop(laws: Mapping[str, JointLaw], inputs: Mapping[str, Array], count: 
     return efforts
 
 
+#: longest step in J/D of a damper, where estimated rates are still stable (1 by theory)
+STABLE_DAMPING = 0.9
+#: longest step in √(J/k) of a spring (2 by theory, without a damper)
+STABLE_SPRING = 1.5
+
+
+def felt_inertia(scenario: Scenario, name: str) -> float:
+    """Least inertia that a joint's effort can meet [kg·m² or kg]: of child and parent alone.
+
+    They move against each other, so it is the product over the sum of both; further bodies that
+    they carry, or hang on, only add to it. Turning is taken about the axis through each centre of
+    mass, which the distance to the axis also only adds to.
+    """
+    joint = scenario.joints[name]
+    shares = []
+    for body in (scenario.bodies[joint.parent], scenario.bodies[joint.child]):
+        if body.fixed:
+            continue
+        assert body.mass_kg is not None
+        assert body.inertia_kg_m2 is not None
+        shares.append(body.mass_kg if joint.type == "slider" else min(body.inertia_kg_m2))
+    return 1 / sum(1 / share for share in shares)
+
+
 class Drive:
     """Efforts on the driven joints of one simulation, engine step by engine step.
 
@@ -145,6 +169,27 @@ class Drive:
         self._index, self._first = 0, 0
         self._rows: list[list[float]] = []
         self._held: list[float] | None = None
+        self._unchecked = exact
+
+    def _refuse_stiffness(self) -> None:
+        """Springs and dampers too stiff for the step; explicit efforts would grow without end.
+
+        Raises:
+            Unsupported: one is; names the longest step that would do.
+        """
+        self._unchecked = False
+        for name, law in self.laws.items():
+            inertia = felt_inertia(self._scenario, name) + law.armature
+            longest_s = min(
+                STABLE_DAMPING * inertia / law.damping if law.damping else math.inf,
+                STABLE_SPRING * math.sqrt(inertia / law.stiffness) if law.stiffness else math.inf,
+            )
+            if self._step_s > longest_s:
+                raise Unsupported(
+                    f"the spring or damper of {name} is too stiff for engine steps of"
+                    f" {self._step_s:g} s, where it is an effort of its own; use a step of"
+                    f" {longest_s:.2g} s or less"
+                )
 
     def hold(self, inputs: Mapping[str, float] | None) -> None:
         """Gives all inputs fixed values until the next call; ``None``: the scenario's signals."""
@@ -174,6 +219,8 @@ class Drive:
             positions: coordinates as the engine holds them before the step.
             rates: rates as it stores them.
         """
+        if self._unchecked:
+            self._refuse_stiffness()
         open_efforts = self._next_row()
         before = self.rates_before if self._exact and self.rates_before is not None else rates
         self.rates_before = list(rates)

@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from simcompare.audit import Audit, AuditRow
+from simcompare.audit import AuditRow
 from simcompare.drives import Drive, checked_inputs, input_values
 from simcompare.errors import InputError, Unsupported
 from simcompare.free_motion import FreeMotion
@@ -20,7 +20,7 @@ from simcompare.pairs import touching_pairs
 from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario
 from simcompare.sensing import complete
 from simcompare.shapes import Vector
-from simcompare.state import BodyState, State, half_a_step_back
+from simcompare.state import BodyState, State, across, compare_start, half_a_step_back
 from simcompare.trajectory import BODY_SIGNALS, Array, Trajectory
 
 #: what a controller reads: every signal now, a number or a tuple of its components
@@ -78,9 +78,11 @@ class Simulation(FreeMotion):
         self._recent: deque[tuple[float, Sequence[float], dict[str, float]]] = deque(maxlen=_RECENT)
         if steps is not None:
             self._prepare_landing(steps)
-        if exact and not self.LEAD and not touching_pairs(scenario):
+        self._touches = bool(touching_pairs(scenario))
+        if exact and not self.LEAD and self._landing is None:
             # velocities at the start belong to a step of length zero, see _stagger_start
-            self._engine_step_s, self._stagger = 0.0, -0.5
+            self._engine_step_s = 0.0
+            self._stagger = 0.0 if self._touches else -0.5
 
     @property
     def is_plain(self) -> bool:
@@ -178,28 +180,8 @@ class Simulation(FreeMotion):
         Raises:
             ReadBackMismatch: they differ; every component that does is named.
         """
-        audit = Audit(engine, relative=1e-6)
-
-        def compare(what: str, wanted: Sequence[float], held: Sequence[float]) -> None:
-            for axis, a, b in zip("wxyz"[-len(wanted) :], wanted, held, strict=True):
-                clean = a if abs(a - b) < 1e-12 else b  # rounding about 0 is no difference
-                audit.add(f"{what}.{axis}", a, "state", (a, clean), "")
-
-        state = self.state
-        for name, held in state.bodies.items():
-            body = self._bodies[name]
-            # how a body on a joint moves follows from the joint
-            for part in BODY_SIGNALS if name in self._free else ("position_m", "orientation_wxyz"):
-                wanted, got = getattr(body, part), getattr(held, part)
-                if len(wanted) == 4 and sum(a * b for a, b in zip(wanted, got, strict=True)) < 0:
-                    got = tuple(-value for value in got)  # the same rotation
-                compare(f"{name}.{part}", wanted, got)
-            if name not in self._free:  # elsewhere the state is the engine's own word already
-                compare(f"{name}.position_m", body.position_m, self.origin_of(name))
-        for name, (position, rate) in state.joints.items():
-            compare(f"{name}.position", (0.0,), (position,))
-            compare(f"{name}.rate", (self._joints[name].rate,), (rate,))
-        audit.finish()
+        held = {name: self.origin_of(name) for name in self._bodies if name not in self._free}
+        compare_start(engine, self.scenario, self.state, held)
 
     # --- the stepping form --------------------------------------------------------------------
 
@@ -264,14 +246,19 @@ class Simulation(FreeMotion):
         """Moves the velocities from the start to half a step before it, where steps store them.
 
         Else all motion runs ahead by half a step of the first acceleration. The engine itself tells
-        how large that is, by a step that is taken back. Where bodies touch, it is left as it is: an
-        engine may find the contact only in the second step.
+        how large that is, by steps that are taken back. Where bodies may touch, an engine may find
+        the contact only in its second step, so that one tells, and only of motion across gravity:
+        along it, bodies are still settling on what they touch.
         """
         if self._engine_step_s or self.LEAD:
             return
-        start = self.state
+        start = before = self.state
         self.advance(1)
         after = self.state
+        if self._touches:
+            before = after
+            self.advance(1)
+            after = across(start, before, self.state, self.scenario.world.gravity_m_s2)
         names = self._drive.names if self._drive is not None else None
         seen = list(self._recent)
         self.set_state(half_a_step_back(start, after, self._whole_step_s, names))

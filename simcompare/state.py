@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+
+from simcompare.audit import Audit
+from simcompare.scenario import Scenario
+from simcompare.shapes import Vector
+from simcompare.trajectory import BODY_SIGNALS
 
 
 @dataclass(frozen=True)
@@ -33,6 +39,37 @@ class State:
     velocity_step_s: float = field(default=0.0)
     joints: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     rates_before: tuple[float, ...] | None = None
+
+
+def across(start: State, before: State, after: State, gravity: Vector) -> State:
+    """The start with the change of velocities from ``before`` to ``after``, across gravity only.
+
+    Free bodies keep their velocity along gravity and their rates across it; joints take all.
+    """
+    norm = math.sqrt(sum(g * g for g in gravity)) or 1.0
+    down = [g / norm for g in gravity]
+
+    def along(vector: Sequence[float]) -> list[float]:
+        size = sum(a * b for a, b in zip(vector, down, strict=True))
+        return [size * b for b in down]
+
+    bodies = {}
+    for name, held in start.bodies.items():
+        one, two = before.bodies[name], after.bodies[name]
+        change = [b - a for a, b in zip(one.velocity_m_s, two.velocity_m_s, strict=True)]
+        turn = [b - a for a, b in zip(one.rate_rad_s, two.rate_rad_s, strict=True)]
+        level = [c - d for c, d in zip(change, along(change), strict=True)]
+        bodies[name] = BodyState(
+            held.position_m,
+            held.orientation_wxyz,
+            tuple(v + c for v, c in zip(held.velocity_m_s, level, strict=True)),
+            tuple(r + c for r, c in zip(held.rate_rad_s, along(turn), strict=True)),
+        )
+    joints = {
+        name: (position, rate + after.joints[name][1] - before.joints[name][1])
+        for name, (position, rate) in start.joints.items()
+    }
+    return State(start.time_s, bodies, start.velocity_step_s, joints)
 
 
 def half_a_step_back(
@@ -68,3 +105,41 @@ def half_a_step_back(
     if driven is not None:
         before = tuple(3 * joints[name][1] - 2 * start.joints[name][1] for name in driven)
     return State(start.time_s, bodies, step_s, joints, before)
+
+
+def compare_start(
+    engine: str, scenario: Scenario, state: State, origins: Mapping[str, Vector]
+) -> None:
+    """Compares the motion that an engine holds at the start with the scenario's.
+
+    Args:
+        engine: name of the engine, for the message.
+        scenario: the scene.
+        state: what the engine holds.
+        origins: where the engine itself has the bodies that hang on joints [m].
+
+    Raises:
+        ReadBackMismatch: they differ; every component that does is named.
+    """
+    audit = Audit(engine, relative=1e-6)
+
+    def compare(what: str, wanted: Sequence[float], held: Sequence[float]) -> None:
+        for axis, a, b in zip("wxyz"[-len(wanted) :], wanted, held, strict=True):
+            clean = a if abs(a - b) < 1e-12 else b  # rounding about 0 is no difference
+            audit.add(f"{what}.{axis}", a, "state", (a, clean), "")
+
+    free = scenario.free_bodies()
+    for name, held in state.bodies.items():
+        body = scenario.bodies[name]
+        # how a body on a joint moves follows from the joint
+        for part in BODY_SIGNALS if name in free else ("position_m", "orientation_wxyz"):
+            wanted, got = getattr(body, part), getattr(held, part)
+            if len(wanted) == 4 and sum(a * b for a, b in zip(wanted, got, strict=True)) < 0:
+                got = tuple(-value for value in got)  # the same rotation
+            compare(f"{name}.{part}", wanted, got)
+    for name, origin in origins.items():
+        compare(f"{name}.position_m", scenario.bodies[name].position_m, origin)
+    for name, (position, rate) in state.joints.items():
+        compare(f"{name}.position", (0.0,), (position,))
+        compare(f"{name}.rate", (scenario.joints[name].rate,), (rate,))
+    audit.finish()

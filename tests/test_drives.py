@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from simcompare.drives import Drive, input_values, laws_of, open_loop
+from simcompare.drives import Drive, felt_inertia, input_values, laws_of, open_loop
+from simcompare.errors import Unsupported
 from simcompare.scenario import Scenario
 
 MOTOR = {
@@ -132,3 +133,20 @@ def _ramp():
     from simcompare.signals import Ramp
 
     return Ramp(signal="ramp", start=0.0, end=1.0, start_s=0.0, end_s=1.0)
+
+
+@pytest.mark.parametrize(
+    "joint", [{"damping": 1200.0}, {"stiffness": 4e6}], ids=["damper", "spring"]
+)
+def test_what_is_too_stiff_for_the_step_is_refused_with_the_step_that_would_do(joint):
+    drive = Drive(scene(joint), 0.001, 0, True)
+    with pytest.raises(Unsupported, match=r"hinge is too stiff .* use a step of 0.00075 s or less"):
+        drive.efforts([0.0], [0.0])
+    Drive(scene(joint), 0.0007, 0, True).efforts([0.0], [0.0])
+
+
+def test_what_an_effort_meets_is_the_product_over_the_sum_of_both_bodies():
+    assert felt_inertia(scene(), "hinge") == 1.0
+    tree = scene().model_dump()
+    tree["bodies"]["frame"] = {"mass_kg": 3.0, "inertia_kg_m2": [3.0, 3.0, 3.0]}
+    assert felt_inertia(Scenario.model_validate(tree), "hinge") == pytest.approx(0.75)
