@@ -12,7 +12,7 @@ from simcompare.audit import Audit
 from simcompare.drives import JointLaw, laws_of
 from simcompare.errors import Unsupported
 from simcompare.kinematics import Mount, in_order, mount_of
-from simcompare.pairs import per_body_product, touching_pairs
+from simcompare.pairs import per_body_product, touching_pairs, untouching_pairs
 from simcompare.rotations import matrix_of, rotation_vector_of
 from simcompare.scenario import Body, Joint, Scenario
 from simcompare.shapes import Shape
@@ -20,8 +20,6 @@ from simcompare.trajectory import Array
 
 #: relative violation of Coulomb's cone at which its solver stops
 FRICTION_TOLERANCE = 1e-6
-#: largest armature on a parent, over its own moment of inertia, that may push back on it
-RECOIL_SHARE = 0.5
 
 
 @dataclass
@@ -77,6 +75,7 @@ def build_scene(engine: ModuleType, scenario: Scenario, mapped: bool, told: bool
         world.addSkeleton(tree)
     if told:
         _set_contacts(scene, scenario)
+        _keep_apart(scene, scenario)
     if mapped:
         detector = engine.collision.OdeCollisionDetector()
         world.getConstraintSolver().setCollisionDetector(detector)
@@ -139,29 +138,6 @@ def _armature(joint: Joint, law: JointLaw, mount: Mount) -> Array:
     return np.asarray(law.armature * np.outer(axis, axis), dtype=float)
 
 
-def recoiling(scenario: Scenario) -> dict[str, Array]:
-    """Joints whose armature has to push back on their parents, with the armature as a vector.
-
-    Where it is part of the child's moment of inertia, nothing reaches the parent. A parent that is
-    fixed feels nothing, and one that is not heavier than the armature would be shaken to pieces by
-    a torque that comes one step late.
-    """
-    found, total = {}, dict.fromkeys(scenario.bodies, 0.0)
-    for name, law in laws_of(scenario).items():
-        joint = scenario.joints[name]
-        if law.armature and not scenario.bodies[joint.parent].fixed:
-            axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
-            found[name] = np.asarray(law.armature * axis, dtype=float)
-            total[joint.parent] += law.armature
-    moments = {name: body.inertia_kg_m2 for name, body in scenario.bodies.items()}
-    parents = {name: scenario.joints[name].parent for name in found}
-    return {
-        name: vector
-        for name, vector in found.items()
-        if total[parents[name]] < RECOIL_SHARE * min(moments[parents[name]] or (0.0,))
-    }
-
-
 def _furnish(engine: ModuleType, scene: Scene, name: str, body: Body, node: Any) -> None:
     """Gives a node its name, mass and shapes."""
     node.setName(name)
@@ -217,6 +193,13 @@ def _let_trees_touch_themselves(scene: Scene, scenario: Scenario) -> None:
         if first is second:
             first.enableSelfCollisionCheck()
             first.disableAdjacentBodyCheck()  # those that a joint connects
+
+
+def _keep_apart(scene: Scene, scenario: Scenario) -> None:
+    """Lets pairs pass through one another that are not to touch."""
+    known = scene.world.getConstraintSolver().getCollisionOption().collisionFilter
+    for first, second in untouching_pairs(scenario):
+        known.addBodyNodePairToBlackList(scene.nodes[first], scene.nodes[second])
 
 
 def _set_contacts(scene: Scene, scenario: Scenario) -> None:

@@ -14,7 +14,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from simcompare.backends._pybullet_scene import inertia_of, trees, turning_bodies
+from simcompare.backends._pybullet_scene import inertia_of, trees
+from simcompare.backends._recoil import rotors_of, turning_bodies
 from simcompare.drives import laws_of
 from simcompare.errors import Unsupported
 from simcompare.kinematics import add_children, mount_of
@@ -74,10 +75,7 @@ class Surplus:
         self._scenario, self._wanted, laws = scenario, joints, laws_of(scenario)
         self._trees = {r: js for r, js in trees(scenario).items() if not set(js).isdisjoint(joints)}
         self._mounts = {name: mount_of(scenario, joint) for name, joint in scenario.joints.items()}
-        self._axes = {
-            name: np.array(joint.axis) / np.linalg.norm(joint.axis)
-            for name, joint in scenario.joints.items()
-        }
+        self._rotors = rotors_of(scenario)
         self._mass = {n: float(b.mass_kg or 0.0) for n, b in scenario.moving_bodies().items()}
         self._rates = {
             name: f"{name}.{MOVABLE[joint.type][1]}"
@@ -89,7 +87,7 @@ class Surplus:
         self,
         signals: dict[str, Array],
         efforts: Mapping[str, Array],
-        reactions: Mapping[str, Array],
+        recoil: Array,
         count: int,
     ) -> dict[str, Array]:
         """Surplus of each joint's force on its child, in the child's frame [N] (n, 3).
@@ -97,12 +95,13 @@ class Surplus:
         Args:
             signals: motion of the free bodies and of the joints before each step.
             efforts: given to joints in it.
-            reactions: of armatures, torques about their joints on the parents.
+            recoil: of armatures (n, rotors, 4): torque about the axis on the parent, and torque on
+                the child in its frame.
             count: number of steps.
         """
         found = {}
         for root, joints in self._trees.items():
-            loose = self._without_contacts(root, joints, signals, (efforts, reactions), count)
+            loose = self._without_contacts(root, joints, signals, (efforts, recoil), count)
             reach, mass, force, motions = self._equations(root, joints, loose, count, second=True)
             freedoms = np.asarray(-np.linalg.solve(mass, force)[:, :, 0], dtype=float)
             pulls = {
@@ -124,7 +123,7 @@ class Surplus:
         root: str,
         joints: Sequence[str],
         signals: Mapping[str, Array],
-        given: tuple[Mapping[str, Array], Mapping[str, Array]],
+        given: tuple[Mapping[str, Array], Array],
         count: int,
     ) -> dict[str, Array]:
         """The motion that the second pass starts from: the velocities that the first one gave."""
@@ -135,15 +134,16 @@ class Surplus:
                 _, shift, _, _ = reach[name]
                 pull = self._weight_and_drag(name, motions[name][2])
                 drive += _times(shift.transpose(0, 2, 1), pull)
+        for i, rotor in enumerate(self._rotors):
+            on_parent = given[1][:, i, :1] * rotor.parent_axis
+            for body, torque in ((rotor.parent, on_parent), (rotor.child, given[1][:, i, 1:])):
+                if body in reach:
+                    turn, *_ = reach[body]
+                    drive += _times(turn.transpose(0, 2, 1), rotate(motions[body][1], torque))
         movable = [name for name in joints if name in self._rates]
         first = mass.shape[1] - len(movable)
         for column, name in enumerate(movable, start=first):
             drive[:, column] += given[0].get(name, 0.0)
-            if name in given[1]:
-                parent = self._scenario.joints[name].parent
-                back, orientation = reach[parent][0].transpose(0, 2, 1), motions[parent][1]
-                axis = rotate(orientation, np.tile(self._axes[name], (count, 1)))
-                drive += given[1][name][:, None] * _times(back, axis)
         step_s = self._scenario.world.engine_step_s
         change = step_s * np.linalg.solve(mass, drive[:, :, None])[:, :, 0]
         found = dict(signals)

@@ -10,7 +10,7 @@ from types import ModuleType
 from simcompare.drives import JointLaw, laws_of
 from simcompare.errors import Unsupported
 from simcompare.kinematics import Mount, mount_of
-from simcompare.pairs import per_body_product, touching_pairs
+from simcompare.pairs import per_body_product, touching_pairs, untouching_pairs
 from simcompare.scenario import Scenario
 from simcompare.shapes import Cylinder, Quaternion, Vector
 
@@ -75,6 +75,8 @@ def build(engine: ModuleType, client: int, scenario: Scenario, mapped: bool, tol
         for joint in joints:
             _set_joint(scene, joint, laws.get(joint))
         _filter_contacts(scene, root, joints)
+    for first, second in untouching_pairs(scenario) if told else ():
+        _filter(scene, first, second, touches=False)
     return scene
 
 
@@ -92,16 +94,6 @@ def trees(scenario: Scenario) -> dict[str, list[str]]:
 
     carried = {joint.child for joint in scenario.joints.values()}
     return {body: walk(body) for body in scenario.bodies if body not in carried}
-
-
-def turning_bodies(scenario: Scenario) -> set[str]:
-    """Bodies that can turn: the free ones, and what hinges carry."""
-    found = set(scenario.free_bodies())
-    for joints in trees(scenario).values():
-        for joint in (scenario.joints[name] for name in joints):
-            if joint.type == "hinge" or joint.parent in found:
-                found.add(joint.child)
-    return found
 
 
 def inertia_of(scenario: Scenario, body: str, laws: Mapping[str, JointLaw]) -> Vector | None:
@@ -173,17 +165,27 @@ def softness(scene: Scene) -> float:
 
 def refresh_contacts(scene: Scene) -> None:
     """Lets Bullet forget its points of contact, by telling it anew which bodies may touch."""
-    bodies, roots = scene.scenario.bodies, trees(scene.scenario)
-    pairs = [
-        (first, second)
-        for first, second in combinations(roots, 2)
-        if not (bodies[first].fixed and bodies[second].fixed)
-    ]
-    for root, joints in roots.items():
-        pairs += [(a, b) for a, b in map(tuple, _touching_within(scene, root, joints))]
-    for first, second in pairs:
-        (uid, link), (other, end) = scene.bodies[first], scene.bodies[second]
-        scene.engine.setCollisionFilterPair(uid, other, link, end, True, scene.client)
+    for first, second in _touching(scene):
+        _filter(scene, first, second, touches=True)
+
+
+def _touching(scene: Scene) -> list[tuple[str, str]]:
+    """All pairs that may touch; by default also unnamed ones, where both move by themselves."""
+    scenario = scene.scenario
+    found = [contact.pair for contact in touching_pairs(scenario)]
+    if not scene.restitution:
+        known = {frozenset(pair) for pair in found}
+        found += [
+            pair
+            for pair in untouching_pairs(scenario)
+            if scene.bodies[pair[0]][0] != scene.bodies[pair[1]][0] and frozenset(pair) not in known
+        ]
+    return found
+
+
+def _filter(scene: Scene, first: str, second: str, *, touches: bool) -> None:
+    (uid, link), (other, end) = scene.bodies[first], scene.bodies[second]
+    scene.engine.setCollisionFilterPair(uid, other, link, end, touches, scene.client)
 
 
 def _add_tree(scene: Scene, root: str, joints: list[str]) -> None:
@@ -289,12 +291,8 @@ def _filter_contacts(scene: Scene, root: str, joints: list[str]) -> None:
     if not touching:
         return
     members = [root, *(scene.scenario.joints[joint].child for joint in joints)]
-    for i, first in enumerate(members):
-        for second in members[i + 1 :]:
-            (uid, link), (_, other) = scene.bodies[first], scene.bodies[second]
-            scene.engine.setCollisionFilterPair(
-                uid, uid, link, other, frozenset((first, second)) in touching, scene.client
-            )
+    for first, second in combinations(members, 2):
+        _filter(scene, first, second, touches=frozenset((first, second)) in touching)
 
 
 def _shape(scene: Scene, body: str, origin: Vector) -> int:

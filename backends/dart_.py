@@ -17,7 +17,8 @@ from simcompare.backend import (
     KnownLimit,
     Settings,
 )
-from simcompare.backends._dart_scene import Scene, audit_scene, build_scene, recoiling
+from simcompare.backends._dart_scene import Scene, audit_scene, build_scene
+from simcompare.backends._recoil import Motion, RecoilingSimulation
 from simcompare.landing import ContactSteps
 from simcompare.rotations import quaternions_of, rotation_vector_of
 from simcompare.scenario import MOVABLE, Scenario
@@ -32,7 +33,7 @@ CONTACT_STEP_S = 2.0e-6
 _BLOCK = 4096
 
 
-class DartSimulation(Simulation):
+class DartSimulation(RecoilingSimulation):
     """A world and the skeletons in it that move."""
 
     def __init__(self, scene: Scene, scenario: Scenario, audit: Audit, mapped: bool) -> None:
@@ -57,16 +58,20 @@ class DartSimulation(Simulation):
         self._prepare_drive(mapped)
 
     def _prepare_drive(self, mapped: bool) -> None:
-        """Finds out whether efforts depend on the motion, and which armatures push back."""
+        """Finds out whether efforts depend on the motion, and which armatures recoil."""
         laws = self._drive.laws if self._drive else {}
-        self._recoils = [
-            (list(laws).index(name), self._scene.nodes[self._joints[name].parent], moment)
-            for name, moment in (recoiling(self.scenario) if mapped else {}).items()
-            if name in laws
-        ]
-        depends = any(law.stiffness or law.damping for law in laws.values())
         # by default DART's own springs and dampers act
-        self._follows = mapped and (depends or bool(self._recoils))
+        self._follows = mapped and any(law.stiffness or law.damping for law in laws.values())
+        self._prepare_recoil(given=mapped)
+        nodes, dofs = self._scene.nodes, self._scene.dofs
+        self._rotors = [
+            (
+                dofs[rotor.joint].getVelocity, nodes[rotor.child].getSpatialVelocity,
+                nodes[rotor.parent].addExtTorque, nodes[rotor.child].addExtTorque,
+                np.array(rotor.parent_axis),
+            )
+            for rotor in (self._recoil.rotors if self._recoil else ())
+        ]  # fmt: skip
 
     def _prepare_sensors(self) -> None:
         """Finds for every force sensor what reads its wrench, or its place among the pairs."""
@@ -93,8 +98,21 @@ class DartSimulation(Simulation):
 
     def _driver(self, count: int) -> Callable[[], None] | None:
         """What sets the efforts of the next ``count`` engine steps, one step a call."""
-        if self._drive is None:
-            return None
+        drive = None if self._drive is None else self._effort_driver(count)
+        if self._recoil is None:
+            return drive
+        if drive is None:
+            return self._push_back
+        push_back = self._push_back
+
+        def both() -> None:
+            push_back()
+            drive()
+
+        return both
+
+    def _effort_driver(self, count: int) -> Callable[[], None]:
+        assert self._drive is not None
         dofs = [self._scene.dofs[name] for name in self._drive.names]
         setters = [dof.setForce for dof in dofs]
         if self._follows:
@@ -112,31 +130,27 @@ class DartSimulation(Simulation):
     ) -> Callable[[], None]:
         """Sets efforts that depend on the motion."""
         assert self._drive is not None
-        efforts, recoil = self._drive.efforts, self._recoil if self._recoils else None
+        efforts = self._drive.efforts
         positions = [dof.getPosition for dof in dofs]
         rates = [dof.getVelocity for dof in dofs]
 
         def follow() -> None:
-            now = [get() for get in rates]
-            if recoil:
-                recoil(now)
-            given = efforts([get() for get in positions], now)
+            given = efforts([get() for get in positions], [get() for get in rates])
             for put, effort in zip(setters, given, strict=True):
                 put(effort)
 
         return follow
 
-    def _recoil(self, rates: list[float]) -> None:
-        """Gives parents the torque by which armatures that speed up push back on them.
+    def rotor_motions(self) -> list[Motion]:
+        return [(rate(), spin().tolist()[:3]) for rate, spin, *_ in self._rotors]
 
-        It is taken from the step before, since that of the coming one is not known yet.
-        """
-        before = self._drive.rates_before if self._drive else None
-        if before is None:
-            return
-        step_s = self.scenario.world.engine_step_s
-        for i, parent, moment in self._recoils:
-            parent.addExtTorque(moment * ((rates[i] - before[i]) / step_s), True)
+    def _push_back(self) -> None:
+        """Gives both bodies of armatures what is missing on them in the next step."""
+        assert self._recoil is not None
+        torques = self._recoil.torques(self.rotor_motions())
+        for (_, _, push, turn, axis), (back, *given) in zip(self._rotors, torques, strict=True):
+            push(back * axis, True)
+            turn(np.array(given), True)
 
     def _open_loop(self, count: int) -> Iterator[list[float]]:
         assert self._drive is not None
@@ -147,9 +161,6 @@ class DartSimulation(Simulation):
         self._world.setTimeStep(step_s)
 
     def stored_motion(self, body: str) -> tuple[Vector, Vector]:
-        if body not in self._roots:
-            vx, vy, vz = self._scene.nodes[body].getLinearVelocity().tolist()
-            return self.origin_of(body), (vx, vy, vz)
         root = self._roots[body]
         _, _, _, x, y, z = root.getPositions().tolist()
         _, _, _, vx, vy, vz = root.getVelocities().tolist()

@@ -19,8 +19,9 @@ from simcompare.backend import (
 )
 from simcompare.backends._pybullet_audit import audit_of
 from simcompare.backends._pybullet_reaction import Surplus, sensed_wrongly
-from simcompare.backends._pybullet_rotors import Memory, Rotors
+from simcompare.backends._pybullet_rotors import Rotors
 from simcompare.backends._pybullet_scene import BASE, Scene, build, gap_of, refresh_contacts
+from simcompare.backends._recoil import Motion, RecoilingSimulation
 from simcompare.drives import Drive
 from simcompare.errors import EngineBroken
 from simcompare.kinematics import mount_of
@@ -39,7 +40,7 @@ CONTACT_STEP_S = 2.0e-6
 REST_STEP_S = 2.5e-4
 
 
-class PybulletSimulation(Simulation):
+class PybulletSimulation(RecoilingSimulation):
     """A physics client with its bodies.
 
     Rows hold position, orientation, velocity and rate of each free body, then coordinate and rate
@@ -50,7 +51,7 @@ class PybulletSimulation(Simulation):
         mapped = scene.mapped
         steps = ContactSteps(-0.5, CONTACT_STEP_S, rest_step_s=REST_STEP_S) if mapped else None
         super().__init__(scenario, audit_of(scene).finish(), steps, exact=mapped)
-        self._saved: dict[int, tuple[int, Memory]] = {}
+        self._saved: dict[int, int] = {}
         self._scene = scene
         self._bullet, self._client, self._places = scene.engine, scene.client, scene.bodies
         self._moving = [scene.bodies[name][0] for name in self._free]
@@ -68,24 +69,28 @@ class PybulletSimulation(Simulation):
             if (places := [i for i, name in enumerate(driven) if scene.joints[name][0] == uid])
         ]
         self._efforts: list[float] = []
-        self._rotors = Rotors(scene, self._order)
+        self._prepare_recoil(given=mapped)
+        self._rotors = Rotors(scene, self._order, self._recoil) if self._recoil else None
         wrong = sensed_wrongly(scenario) if mapped else []
         self._surplus = Surplus(scenario, wrong) if wrong else None
         self._readers = [self._reader(name, scene) for name in self._force_sensors]
 
     def advance(self, count: int) -> None:
         step, client, drive = self._bullet.stepSimulation, self._client, self._drive
-        has_rotors = bool(self._rotors.names)
+        rotors = self._rotors
         for _ in range(count):
             if self._dragged:
                 self._apply_drag()
-            if drive is not None or has_rotors:
+            if drive is not None or rotors is not None:
                 states = self._joint_states()
-                if has_rotors:
-                    self._rotors.push(states)
+                if rotors is not None:
+                    rotors.push(states)
                 if drive is not None:
                     self._push(drive, states)
             step(client)
+
+    def rotor_motions(self) -> list[Motion]:
+        return [] if self._rotors is None else self._rotors.motions(self._joint_states())
 
     def _joint_states(self) -> list[Any]:
         """Coordinate, rate and more of all joints, in the order of the rows."""
@@ -107,27 +112,22 @@ class PybulletSimulation(Simulation):
             control(uid, links, mode, forces=part, physicsClientId=self._client)
 
     def _apply_drag(self) -> None:
-        bullet, client = self._bullet, self._client
+        push, frame, client = (
+            self._bullet.applyExternalForce,
+            self._bullet.WORLD_FRAME,
+            self._client,
+        )
         for name, force in self.drag_forces():
-            uid, link = self._places[name]
-            bullet.applyExternalForce(
-                uid, link, force, self.origin_of(name), bullet.WORLD_FRAME, physicsClientId=client
-            )
+            uid, _ = self._places[name]
+            push(uid, BASE, force, self.origin_of(name), frame, physicsClientId=client)
 
     def set_engine_step(self, step_s: float) -> None:
         self._bullet.setTimeStep(step_s, self._client)
 
     def stored_motion(self, body: str) -> tuple[Vector, Vector]:
-        uid, link = self._places[body]
-        position: Vector
-        velocity: Vector
-        if link == BASE:
-            position = self._bullet.getBasePositionAndOrientation(uid, self._client)[0]
-            velocity = self._bullet.getBaseVelocity(uid, self._client)[0]
-        else:
-            state = self._bullet.getLinkState(uid, link, 1, 1, self._client)
-            position, velocity = state[0], state[6]
-        return position, velocity
+        uid, _ = self._places[body]
+        velocity: Vector = self._bullet.getBaseVelocity(uid, self._client)[0]
+        return self.origin_of(body), velocity
 
     def add_velocity(self, body: str, change_m_s: Vector) -> None:
         uid, _ = self._places[body]
@@ -150,7 +150,7 @@ class PybulletSimulation(Simulation):
     def state(self) -> State:
         """The present state; PyBullet keeps its own copy, which also has the points of contact."""
         found = super().state
-        self._saved[id(found)] = self._bullet.saveState(self._client), self._rotors.memory
+        self._saved[id(found)] = self._bullet.saveState(self._client)
         forget = weakref.finalize(
             found, _forget, self._bullet, self._client, self._saved, id(found)
         )
@@ -160,14 +160,9 @@ class PybulletSimulation(Simulation):
     def set_state(self, state: State) -> None:
         super().set_state(state)
         if id(state) in self._saved:
-            number, memory = self._saved[id(state)]
-            self._bullet.restoreState(number, physicsClientId=self._client)
-            self._rotors.remember(memory)
-            return
-        refresh_contacts(self._scene)
-        driven = self._drive.names if self._drive is not None else ()
-        known = state.rates_before or [state.joints[name][1] for name in driven]
-        self._rotors.begin(dict(zip(driven, known, strict=True)))
+            self._bullet.restoreState(self._saved[id(state)], physicsClientId=self._client)
+        else:
+            refresh_contacts(self._scene)
 
     def _reader(self, name: str, scene: Scene) -> Any:
         """A function that reads one force sensor."""
@@ -204,7 +199,13 @@ class PybulletSimulation(Simulation):
         return [value for read in self._readers for value in read()]
 
     def origin_of(self, body: str) -> Vector:
-        return self.stored_motion(body)[0]
+        uid, link = self._places[body]
+        position: Vector
+        if link == BASE:
+            position = self._bullet.getBasePositionAndOrientation(uid, self._client)[0]
+        else:
+            position = self._bullet.getLinkState(uid, link, 0, 1, self._client)[0]
+        return position
 
     def row(self) -> tuple[float, ...]:
         moved = [value for state in self._joint_states() for value in state[:2]]
@@ -248,18 +249,15 @@ class PybulletSimulation(Simulation):
         for _ in range(count):
             self.advance(1)
             efforts.append(self._efforts)
-            torques.append(self._rotors.torques)
+            torques.append(self._rotors.torques if self._rotors else [])
             forces = self.forces()
             self.advance(self.substeps - 1)
             before.append(self.row())
             after.append((*before[-1], *forces))
         rows, motion = np.array(after), self.motions(np.array(before[:-1]))
         names = self._drive.names if self._drive is not None else ()
-        pushed, turned = (
-            {name: np.array(given)[:, i] for i, name in enumerate(owners)}
-            for owners, given in ((names, efforts), (self._rotors.names, torques))
-        )
-        found, column = surplus.forces(motion, pushed, turned, count), len(before[0])
+        pushed = {name: np.array(efforts)[:, i] for i, name in enumerate(names)}
+        found, column = surplus.forces(motion, pushed, np.array(torques), count), len(before[0])
         for sensor in self._force_sensors.values():
             if sensor.joint in found:
                 rows[:, column : column + 3] -= found[sensor.joint]
@@ -287,13 +285,11 @@ class PybulletSimulation(Simulation):
         self._bullet.disconnect(self._client)
 
 
-def _forget(
-    bullet: ModuleType, client: int, saved: dict[int, tuple[int, Memory]], state: int
-) -> None:
+def _forget(bullet: ModuleType, client: int, saved: dict[int, int], state: int) -> None:
     """Frees PyBullet's copy of a state that nobody holds any more."""
     kept = saved.pop(state, None)
     if kept is not None:
-        bullet.removeState(kept[0], client)
+        bullet.removeState(kept, client)
 
 
 class PybulletBackend(EngineBackend):

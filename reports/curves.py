@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -11,6 +12,7 @@ from simcompare.backend import SHOWN_MODES
 from simcompare.compare import Score
 from simcompare.reports import runs
 from simcompare.reports.figures import (
+    MOST_PANELS,
     TRUTH_STYLE,
     Figure,
     Panel,
@@ -43,35 +45,44 @@ def is_answer(run: Run, axis: str) -> bool:
     return _unit(run, axis) != "s"
 
 
-def curves_figure(run: Run, axis: str) -> Figure:
-    """Everything that is drawn over one axis, one panel each."""
-    panels = tuple(_values(run, axis, measure) for measure in over(run, axis))
-    names = [runs.measure_words(measure) for measure in over(run, axis)]
-    listed = " and ".join((", ".join(names[:-1]), names[-1])) if len(names) > 1 else names[0]
-    title = f"{listed[0].upper()}{listed[1:]} over {runs.measure_words(axis)}"
-    caption = f"The thick grey line is the truth ({TRUTH}). "
+def curves_figures(run: Run, axis: str) -> list[Figure]:
+    """Everything that is drawn over one axis, one panel each, a few panels a figure."""
+    panels = [_values(run, axis, measure) for measure in over(run, axis)]
+    true = any(series.style == TRUTH_STYLE for panel in panels for series in panel.series)
+    caption = f"The thick grey line is the truth ({TRUTH}). " if true else ""
     hollow = [runs.mode_words(mode) for mode in runs.modes(run) if mode in SHOWN_MODES]
     if hollow and len(runs.modes(run)) > 1:
         caption += (
             f"Hollow points are the engines {' or '.join(hollow)},"
             " full ones with the physics mapped."
         )
-    return Figure(f"curves-{axis}", title, caption.strip(), panels)
+    return _figures(f"curves-{axis}", f"over {_words(run, axis)}", caption.strip(), panels)
 
 
-def deviations_figure(run: Run, axis: str) -> Figure | None:
-    """How far every curve over an axis is from the truth; ``None`` where there is no truth."""
+def deviations_figures(run: Run, axis: str) -> list[Figure]:
+    """How far every curve over an axis is from the truth; empty where there is no truth."""
     panels = [_deviations(run, axis, measure) for measure in over(run, axis)]
-    drawn = tuple(panel for panel in panels if panel.series)
-    if not drawn:
-        return None
     modes = " and ".join(runs.mode_words(mode) for mode in runs.judged_modes(run))
-    return Figure(
+    return _figures(
         f"deviations-{axis}",
-        f"Deviation from the truth over {runs.measure_words(axis)}",
+        f"over {_words(run, axis)}: deviation from the truth",
         f"Engines {modes}; an engine that is right runs along zero.",
-        drawn,
+        [panel for panel in panels if panel.series],
     )
+
+
+def _figures(name: str, ending: str, caption: str, panels: Sequence[Panel]) -> list[Figure]:
+    """Panels in as few figures as can be read, as even as possible."""
+    count = math.ceil(len(panels) / MOST_PANELS)
+    size = math.ceil(len(panels) / max(count, 1))
+    found = []
+    for i in range(count):
+        part = tuple(panels[i * size : (i + 1) * size])
+        *others, last = (panel.title for panel in part)
+        listed = f"{', '.join(others)} and {last}" if others else last
+        title = f"{listed[0].upper()}{listed[1:]} {ending}"
+        found.append(Figure(f"{name}-{i + 1}" if i else name, title, caption, part))
+    return found
 
 
 def _values(run: Run, axis: str, measure: str) -> Panel:
@@ -85,7 +96,7 @@ def _values(run: Run, axis: str, measure: str) -> Panel:
     ]
     return Panel(
         runs.measure_words(measure),
-        _label(run, axis),
+        _axis_label(run, axis),
         _label(run, measure),
         (*_truth(run, axis, measure), *series),
         log_x=_unit(run, axis) == "Hz",
@@ -110,7 +121,7 @@ def _deviations(run: Run, axis: str, measure: str) -> Panel:
             series.append(replace(drawn, y=(column(known, "value") - true) * scale))
     label = "deviation (%)" if relative else f"deviation{runs.unit_words(unit)}"
     return Panel(
-        runs.measure_words(measure), _label(run, axis), label, tuple(series),
+        runs.measure_words(measure), _axis_label(run, axis), label, tuple(series),
         log_x=_unit(run, axis) == "Hz",
     )  # fmt: skip
 
@@ -142,6 +153,15 @@ def _places(
     places = {score.index: getattr(score, of) for score in events_of(run, axis).get(key, [])}
     found = [places.get(score.index) for score in scores]
     return np.array([np.nan if value is None else float(value) for value in found])
+
+
+def _words(run: Run, axis: str) -> str:
+    """What an axis is called; every axis of time has a name of its own in a scenario."""
+    return "time" if _unit(run, axis) == "s" else runs.measure_words(axis)
+
+
+def _axis_label(run: Run, axis: str) -> str:
+    return f"{_words(run, axis)}{runs.unit_words(_unit(run, axis))}"
 
 
 def _label(run: Run, measure: str) -> str:

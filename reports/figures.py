@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,14 @@ from simcompare.trajectory import Array
 
 #: a line of more points than this is thinned out before it is drawn
 MOST_POINTS = 5000
+#: more panels than this side by side cannot be read
+MOST_PANELS = 3
+#: so many letters fit side by side below a panel
+_TICK_LETTERS = 50
+#: a span below this part of the size is no variation, and values below the second are rounding
+_NO_SPAN, _DUST = 1e-6, 1e-9
+#: sizes whose ticks read well without a power of ten
+_PLAIN_SIZES = (1e-3, 1e6)
 # Okabe and Ito: told apart by colour-blind readers; yellow is left out, it vanishes on white
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 _DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
@@ -117,6 +126,12 @@ class Panel:
         every = np.concatenate(values)
         return float(every.min()) - 0.5, float(every.max()) + 0.5
 
+    @property
+    def slanted(self) -> bool:
+        """Whether the names at the ticks would run into each other if they lay flat."""
+        lines = [line for tick in self.x_ticks or () for line in tick.split("\n")]
+        return len(self.x_ticks or ()) * max(map(len, lines), default=0) > _TICK_LETTERS
+
 
 @dataclass(frozen=True)
 class Figure:
@@ -135,6 +150,30 @@ class Figure:
     caption: str
     panels: tuple[Panel, ...]
     share_y: bool = False
+
+    @property
+    def legend(self) -> dict[str, Series]:
+        """The series that stands for each label: the first that is not hollow, else the first."""
+        found: dict[str, Series] = {}
+        for series in (series for panel in self.panels for series in panel.series):
+            if series.label not in found or (
+                found[series.label].style.hollow and not series.style.hollow
+            ):
+                found[series.label] = series
+        return found
+
+    def y_range(self, panel: Panel) -> tuple[float, float] | None:
+        """Lowest and highest y of one of the panels, ``None`` to fit the data."""
+        if panel.y_range is not None or panel.log_y:
+            return panel.y_range
+        panels = self.panels if self.share_y else (panel,)
+        return _calm_range(_values(row for one in panels for row in one.series))
+
+    def plain_y(self, panel: Panel) -> bool:
+        """Whether the numbers at the y axis of a panel read well without a power of ten."""
+        low, high = self.y_range(panel) or (0.0, 0.0)
+        values = np.append(_values(panel.series), (low, high))
+        return _PLAIN_SIZES[0] <= float(np.abs(values).max()) < _PLAIN_SIZES[1]
 
 
 @functools.cache
@@ -158,17 +197,36 @@ def spread(i: int, count: int, width: float = 0.4) -> float:
 
 def fitted_range(series: tuple[Series, ...], bands: tuple[Band, ...]) -> tuple[float, float]:
     """A y range in which all points, their uncertainties and the bands are seen."""
-    parts = [np.array([band.low, band.high]) for band in bands]
-    for row in series:
-        u = np.zeros(len(row.y)) if row.u is None else np.nan_to_num(row.u)
-        parts += [row.y - u, row.y + u]
-    values = np.concatenate(parts) if parts else np.zeros(0)
-    values = values[np.isfinite(values)]
+    values = np.append(_values(series), [(band.low, band.high) for band in bands])
     if len(values) == 0:
         return 0.0, 1.0
     low, high = float(values.min()), float(values.max())
-    margin = 0.08 * (high - low) or 0.1 * abs(high) or 1.0
-    return low - margin, high + margin
+    margin = 0.08 * (high - low)
+    return _calm_range(values) or (low - margin, high + margin)
+
+
+def _values(series: Iterable[Series]) -> Array:
+    """Every finite y of some series with the ends of its uncertainty bars."""
+    parts = [np.zeros(0)]
+    for row in series:
+        u = np.zeros(len(row.y)) if row.u is None else np.nan_to_num(row.u)
+        parts += [row.y - u, row.y + u]
+    values = np.concatenate(parts)
+    return values[np.isfinite(values)]
+
+
+def _calm_range(values: Array) -> tuple[float, float] | None:
+    """A range in which rounding looks like nothing; ``None`` where the values really vary."""
+    if len(values) == 0:
+        return None
+    low, high = float(values.min()), float(values.max())
+    size = max(abs(low), abs(high))
+    if size < _DUST:
+        return -_NO_SPAN, _NO_SPAN
+    if high - low >= _NO_SPAN * size:
+        return None
+    middle = (low + high) / 2
+    return middle - 0.1 * size, middle + 0.1 * size
 
 
 def decimated(x: Array, y: Array, most: int = MOST_POINTS) -> tuple[Array, Array]:

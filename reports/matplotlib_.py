@@ -16,6 +16,8 @@ FORMATS = ("pdf", "png", "svg")
 DPI = 300
 #: two columns of a journal [inch]; a single panel takes one and a half
 _WIDTH, _SINGLE_WIDTH, _HEIGHT = 7.2, 5.0, 3.1
+#: powers of ten between which numbers are written whole
+_PLAIN = (-3, 6)
 #: from pixels on a screen to points on paper
 _SCALE = 0.55
 #: size of a legend entry without its text, and of a letter of it
@@ -88,13 +90,16 @@ def draw(page: Any, figure: Figure) -> None:  # noqa: ANN401  (a Figure or a Sub
     row = page.subplots(1, len(widths), sharey=figure.share_y, squeeze=False, width_ratios=widths)[
         0
     ]
-    handles: dict[str, Any] = {}
+    legend = figure.legend
+    handles: dict[str, Any] = dict.fromkeys(legend)
     for i, (axes, panel) in enumerate(zip(row, figure.panels, strict=True)):
         for band in panel.bands:
             handles.setdefault(band.label, _band(axes, band))
         for series in panel.series:
-            handles.setdefault(series.label, _series(axes, series))
-        _frame(axes, panel, labelled=i == 0 or not figure.share_y)
+            handle = _series(axes, series)
+            if series is legend[series.label]:
+                handles[series.label] = handle
+        _frame(axes, panel, figure.y_range(panel), labelled=i == 0 or not figure.share_y)
     if handles:
         page.legend(
             list(handles.values()), list(handles), loc="outside upper center", frameon=False,
@@ -109,23 +114,35 @@ def _columns(page: Any, labels: Iterable[str]) -> int:  # noqa: ANN401
     return max(1, min(len(widths), int(free / max(widths)) if sum(widths) > free else len(widths)))
 
 
-def _frame(axes: Axes, panel: Panel, *, labelled: bool) -> None:
+def _frame(
+    axes: Axes, panel: Panel, y_range: tuple[float, float] | None, *, labelled: bool
+) -> None:
+    from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
+
     axes.set_title(panel.title, fontweight="bold")
     axes.set_xlabel(panel.x_label)
     if labelled:
         axes.set_ylabel(panel.y_label)
     if panel.log_y:
         axes.set_yscale("log")
+    else:  # whole numbers where they read well, not differences from a number in a corner
+        axes.ticklabel_format(axis="y", useOffset=False, scilimits=_PLAIN)
     if panel.log_x:
         axes.set_xscale("log")
-    if panel.y_range is not None:
-        axes.set_ylim(*panel.y_range)
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axes.xaxis.set_minor_formatter(NullFormatter())
+    if y_range is not None:
+        axes.set_ylim(*y_range)
     if panel.whole_x:
-        from matplotlib.ticker import MaxNLocator
-
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     if panel.x_ticks is not None:
-        axes.set_xticks(range(len(panel.x_ticks)), panel.x_ticks)
+        ticks = [tick.replace("\n", " ") if panel.slanted else tick for tick in panel.x_ticks]
+        axes.set_xticks(range(len(ticks)), ticks)
+        if panel.slanted:
+            axes.tick_params("x", rotation=40)
+            for text in axes.get_xticklabels():
+                text.set(ha="right", rotation_mode="anchor")
     if panel.x_range is not None:
         axes.set_xlim(*panel.x_range)
 

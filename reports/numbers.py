@@ -9,6 +9,8 @@ _PLAIN = (-3, 6)
 _MISSING = "–"
 #: relative size below which a difference of two doubles is rounding
 _ROUNDING = 1e-12
+#: significant digits of a value whose uncertainty is not known
+_LEAST_DIGITS, _MOST_DIGITS = 4, 12
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -27,7 +29,11 @@ def plain(value: float | None, digits: int = 6) -> str:
 
 
 def with_u(
-    value: float | None, u: float | None, unit: str = "1", scale: float | None = None
+    value: float | None,
+    u: float | None,
+    unit: str = "1",
+    scale: float | None = None,
+    digits: int = 6,
 ) -> str:
     """``value ± u``: u in two significant digits, the value to the same place.
 
@@ -36,6 +42,7 @@ def with_u(
         u: its standard deviation or uncertainty; left out where it is ``None``.
         unit: unit, ``"1"`` for none.
         scale: size of the quantity (its truth, say); what is a rounding error of it counts as 0.
+        digits: significant digits of the value where its uncertainty is not known.
     """
     if value is None or not math.isfinite(value):
         return _MISSING
@@ -43,7 +50,7 @@ def with_u(
     value = value if abs(value) > smallest else 0.0
     after = "" if unit in ("", "1") else f" {unit}"
     if u is None or not math.isfinite(u):
-        return plain(value) + after
+        return plain(value, digits) + after
     if u <= smallest:  # all repeats fell into the same sample: "± 0" would claim too much
         return plain(value) + after
     power = _power(max(abs(value), u))
@@ -52,6 +59,14 @@ def with_u(
     if power is None:
         return f"({text}){after}" if after else text
     return f"({text})·10{_raised(power)}{after}"
+
+
+def digits(value: float | None, tolerance: float | None) -> int:
+    """Digits of a value whose uncertainty is not known: the last a hundredth of its tolerance."""
+    if not value or not math.isfinite(value) or not tolerance:
+        return _LEAST_DIGITS
+    apart = math.floor(math.log10(abs(value))) - math.floor(math.log10(tolerance))
+    return min(max(_LEAST_DIGITS, apart + 3), _MOST_DIGITS)
 
 
 def percent(part: float | None) -> str:

@@ -18,6 +18,8 @@ from simcompare.trajectory import Array
 FONT_PX = 16
 #: space between panels, as part of the width
 _GAP, _SHARED_GAP = 0.1, 0.03
+#: numbers along the x axes of all panels together
+_TICKS = 14
 #: digits that are kept of a coordinate; a screen shows fewer
 _DIGITS = 7
 _INK, _GRID = "#222222", "#E3E3E3"
@@ -65,20 +67,23 @@ def as_dict(figure: Figure) -> dict[str, Any]:
         "shapes": [],
     }
     data: list[dict[str, Any]] = []
+    most_ticks = max(4, _TICKS // max(len(figure.panels), 1))
     listed: set[str] = set()
+    legend = figure.legend
+    ranks = {label: rank for rank, label in enumerate(legend, start=1)}
     for i, (panel, domain) in enumerate(zip(figure.panels, _domains(figure), strict=True)):
         axis = "" if i == 0 else str(i + 1)
         shared = figure.share_y and i > 0
-        layout[f"xaxis{axis}"] = _x_axis(panel, domain, axis)
-        layout[f"yaxis{axis}"] = _y_axis(panel, axis, shared)
+        layout[f"xaxis{axis}"] = _x_axis(panel, domain, axis, most_ticks)
+        layout[f"yaxis{axis}"] = _y_axis(figure, panel, axis, shared)
         middle = (domain[0] + domain[1]) / 2
         layout["annotations"].append(_head(panel.title, middle))
         for band in panel.bands:
             layout["shapes"] += _band(band, axis, band.label not in listed)
             listed.add(band.label)
         for series in panel.series:
-            data.append(_trace(series, axis, series.label not in listed))
-            listed.add(series.label)
+            trace = _trace(series, axis, series is legend[series.label])
+            data.append(trace | {"legendrank": ranks[series.label]})
     return {"data": data, "layout": layout}
 
 
@@ -104,34 +109,45 @@ def _axis(label: str) -> dict[str, Any]:
         "showline": True,
         "mirror": True,
         "ticks": "outside",
+        "automargin": True,
         "exponentformat": "power",
     }
 
 
-def _x_axis(panel: Panel, domain: tuple[float, float], axis: str) -> dict[str, Any]:
+def _x_axis(
+    panel: Panel, domain: tuple[float, float], axis: str, most_ticks: int
+) -> dict[str, Any]:
     found = {**_axis(panel.x_label), "domain": list(domain), "anchor": f"y{axis}"}
+    found |= {"tickangle": 0, "nticks": most_ticks}
     if panel.x_range is not None:
         found["range"] = list(panel.x_range)
         if panel.whole_x:
             found |= {"tick0": 0, "dtick": max(1, round((panel.x_range[1]) / 10))}
     if panel.log_x:
-        found |= {"type": "log", "dtick": 1, "minor": {"dtick": "D1", "ticks": "outside"}}
+        # a format of its own keeps plotly from writing 2 and 5 small and without their power
+        found |= {"type": "log", "dtick": "D2", "tickformat": "~g"}
+        found["minor"] = {"dtick": "D1", "ticks": "outside"}
     if panel.x_ticks is not None:
         count = len(panel.x_ticks)
         found |= {
             "tickvals": list(range(count)),
-            "ticktext": [_text(tick) for tick in panel.x_ticks],
-            "tickangle": 0,
+            "ticktext": [
+                _text(tick.replace("\n", " ") if panel.slanted else tick) for tick in panel.x_ticks
+            ],
+            "tickangle": -40 if panel.slanted else 0,
         }
     return found
 
 
-def _y_axis(panel: Panel, axis: str, shared: bool) -> dict[str, Any]:
+def _y_axis(figure: Figure, panel: Panel, axis: str, shared: bool) -> dict[str, Any]:
     found = {**_axis("" if shared else panel.y_label), "anchor": f"x{axis}"}
     if panel.log_y:
         found |= {"type": "log", "dtick": 1}
-    if panel.y_range is not None:
-        low, high = np.log10(panel.y_range) if panel.log_y else panel.y_range
+    elif figure.plain_y(panel):
+        found["exponentformat"] = "none"
+    y_range = figure.y_range(panel)
+    if y_range is not None:
+        low, high = np.log10(y_range) if panel.log_y else y_range
         found["range"] = [float(low), float(high)]
     if shared:
         found |= {"matches": "y", "showticklabels": False}

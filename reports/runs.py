@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from simcompare.backend import COEFFICIENTS, DEFAULT, MAPPED, SHOWN_MODES
@@ -134,17 +134,26 @@ def score_of(run: Run, source: str, contact: str, measure: str) -> Score | None:
 
 def measures(run: Run) -> list[str]:
     """Everything that was measured once a run: what has a tolerance first."""
-    found = dict.fromkeys(score.measure for score in run.scores if score.index is None)
-    first = [name for name in run.record["tolerances"] if name in found]
-    return first + [name for name in found if name not in first]
+    return toleranced_first(run, (s.measure for s in run.scores if s.index is None))
+
+
+def toleranced_first(run: Run, measures: Iterable[str]) -> list[str]:
+    """Each measure once: first what has a tolerance, else in the order in which it is given.
+
+    Scores stand in the order of the scenario's own ``measures``; the tolerances of one that
+    extends another begin with those of the other.
+    """
+    tolerances = run.record["tolerances"]
+    return sorted(dict.fromkeys(measures), key=lambda name: name not in tolerances)
 
 
 def judged(run: Run) -> list[str]:
-    """What has a truth and a tolerance, in the order in which the scenario names it."""
+    """What has a truth and a tolerance, in the order in which the scenario measures it."""
     found = {
         score.measure for score in run.scores if score.index is None and score.truth is not None
     }
-    return [name for name in run.record["tolerances"] if name in found]
+    tolerances = run.record["tolerances"]
+    return [name for name in measures(run) if name in found and name in tolerances]
 
 
 def width(run: Run, score: Score) -> float | None:
@@ -172,8 +181,14 @@ def passed(run: Run, source: str, mode: str) -> tuple[int, int]:
     return verdicts.count(PASS), len(verdicts)
 
 
-def value_words(score: Score | None, unit: bool = False) -> str:
+def value_words(run: Run, score: Score | None) -> str:
     """A score as ``value ± u``."""
     if score is None:
         return "–"
-    return numbers.with_u(score.value, score.u, score.unit if unit else "1", score.truth)
+    scale, digits = size(run, score), numbers.digits(score.value, width(run, score))
+    return numbers.with_u(score.value, score.u, scale=scale, digits=digits)
+
+
+def size(run: Run, score: Score) -> float:
+    """Beside what a value of a measure is no more than rounding: its truth, its tolerance."""
+    return max(abs(score.truth or 0.0), width(run, score) or 0.0)

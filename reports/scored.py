@@ -33,13 +33,14 @@ def event_measures(run: Run) -> list[str]:
     Series over an axis of their own are curves, see ``curves``.
     """
     curves = {name for pair in runs.axes(run).items() for name in pair}
-    found = dict.fromkeys(
-        s.measure
-        for s in run.scores
-        if s.index is not None and s.truth is not None and s.measure not in curves
+    return runs.toleranced_first(
+        run,
+        (
+            s.measure
+            for s in run.scores
+            if s.index is not None and s.truth is not None and s.measure not in curves
+        ),
     )
-    first = [name for name in run.record["tolerances"] if name in found]
-    return first + [name for name in found if name not in first]
 
 
 def events_of(run: Run, measure: str) -> dict[tuple[str, str], list[Score]]:

@@ -80,7 +80,7 @@ def _worst(run: Run, mode: str) -> str:
     share, score = max(shares, key=lambda pair: pair[0])
     if score.value is None or score.truth is None or share == 0:
         return ""
-    off = numbers.with_u(abs(score.value - score.truth), score.u, score.unit, score.truth)
+    off = numbers.with_u(abs(score.value - score.truth), score.u, score.unit, score.truth, 3)
     return (
         f"; the largest deviation is {numbers.percent(share)} of its tolerance:"
         f" {score.source}, {runs.measure_words(score.measure)} off by {off}"
@@ -104,13 +104,15 @@ def _shown(scores: list[Score]) -> str:
     values = sorted(score.value for score in scores if score.value is not None)
     if not values:
         return ": no value could be measured"
+    missing = [score.source for score in scores if score.value is None]
+    none = f"; {' and '.join(missing)} gave none" if missing else ""
     unit = scores[0].unit
     # what is a rounding error of the truth is 0
     truth = abs(scores[0].truth or 0.0)
     low, high = (value if abs(value) > 1e-12 * truth else 0.0 for value in (values[0], values[-1]))
     if numbers.plain(low, 2) == numbers.plain(high, 2):
-        return f": the value is {_number(low, unit)}"
-    return f": the values lie between {numbers.plain(low, 2)} and {_number(high, unit, 2)}"
+        return f": the value is {_number(low, unit)}{none}"
+    return f": the values lie between {numbers.plain(low, 2)} and {_number(high, unit, 2)}{none}"
 
 
 def _number(value: float, unit: str, digits: int = 4) -> str:

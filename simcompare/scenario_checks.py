@@ -211,6 +211,12 @@ def _signals_of(scenario: Scenario, owner: str) -> dict[str, int]:
     return dict([SENSOR_SIGNALS[scenario.sensors[owner].type]])
 
 
+def recorded_signals(scenario: Scenario) -> list[str]:
+    """Names of everything that is recorded, in the order of the file."""
+    owners = (*scenario.bodies, *scenario.joints, *scenario.actuators, *scenario.sensors)
+    return [f"{owner}.{part}" for owner in owners for part in _signals_of(scenario, owner)]
+
+
 def _component_fault(probe: Probe, part: str, width: int) -> str | None:
     if width == 1:
         return None if probe.component is None else f"{part} is one number and has no component"

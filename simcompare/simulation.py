@@ -368,13 +368,13 @@ class Simulation(FreeMotion):
         """Steps with a controller in the loop; writes what it gave into the recorded inputs."""
         rows = []
         for k in range(count):
-            given = controller(self.time_s, self.read())
-            if given is None:
+            answer = controller(self.time_s, self.read())
+            if answer is None:
                 raise InputError(
                     f"inputs at t = {self.time_s:g} s",
                     ["the controller returned nothing; expected a mapping of input -> number"],
                 )
-            given = checked_inputs(self.scenario, self.time_s, given)
+            given = checked_inputs(self.scenario, self.time_s, answer)
             for name, value in (given or {}).items():
                 inputs[name][k:] = value
             rows.append(self._take_step(given))

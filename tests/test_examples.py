@@ -4,6 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from simcompare import engines
@@ -42,3 +43,19 @@ def test_the_controller_drives_every_engine_along_the_line(tmp_path):
         beside_mm = float(row.split()[-4])
         assert speed == pytest.approx(0.3, rel=0.05)
         assert abs(beside_mm) < 10
+
+
+def test_the_scene_with_joints_that_is_shown_to_contributors_runs(tmp_path):
+    import simcompare
+
+    text = (EXAMPLES.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    scene = text.partition("```yaml\nname: driven_pendulum")[2].partition("```")[0]
+    path = tmp_path / "driven_pendulum.yaml"
+    path.write_text("name: driven_pendulum" + scene, encoding="utf-8")
+    run = simcompare.run(str(path), contact="mapped")
+    ends = [score.value for score in run.scores if score.measure == "final"]
+    assert len(ends) == len(engines.names())
+    # it swings up and comes to rest where m·g·l·sin φ is between the motor's torque ± friction
+    torque, weight = 0.8 * 48 * 0.0055 * 2 / 6, 0.2 * 9.80665 * 0.3
+    for end in ends:
+        assert abs(weight * np.sin(end)) == pytest.approx(torque, abs=0.002)

@@ -17,10 +17,14 @@ class Curves(Section):
     def context(self, run: Run) -> dict[str, Any] | None:
         """Figures for each axis; ``None`` where nothing was measured over one.
 
-        The curves that lead the report are not drawn a second time.
+        The figure that leads the report is not drawn a second time.
         """
         axes = curves.axes_drawn(run)
         leading = [axis for axis in axes if curves.is_answer(run, axis)][:1]
-        figures = [curves.curves_figure(run, axis) for axis in axes if axis not in leading]
-        figures += [f for axis in axes if (f := curves.deviations_figure(run, axis)) is not None]
+        figures = [
+            figure
+            for axis in axes
+            for figure in curves.curves_figures(run, axis)[1 if axis in leading else 0 :]
+        ]
+        figures += [figure for axis in axes for figure in curves.deviations_figures(run, axis)]
         return {"figures": figures} if figures else None

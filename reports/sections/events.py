@@ -35,7 +35,10 @@ def _table(run: Run, measure: str) -> dict[str, Any]:
         "title": runs.measure_words(measure) + runs.unit_words(longest[0].unit),
         "columns": [f"{name}, {runs.mode_words(mode)}" for name, mode in rows],
         "rows": [
-            [str(k + 1), *(runs.value_words(r[k] if k < len(r) else None) for r in rows.values())]
+            [
+                str(k + 1),
+                *(runs.value_words(run, r[k] if k < len(r) else None) for r in rows.values()),
+            ]
             for k in range(count)
         ],
     }

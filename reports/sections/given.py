@@ -33,6 +33,8 @@ class Given(Section):
             for row in block["rows"]
             if row["state"] == LEFT
         ]
+        # what the scenario asks for, such as the friction of a joint, matters most
+        left.sort(key=lambda row: not row["asked"])
         return {"blocks": blocks, "left": left}
 
 
@@ -40,7 +42,7 @@ def state_of(row: Mapping[str, Any]) -> str:
     """Whether the engine holds the scenario's value, its own, or a translation of it."""
     wanted, given, held = row["scenario_value"], row["set_value"], row["read_value"]
     if held is None:
-        return UNREAD
+        return LEFT if given is None else UNREAD
     if wanted is None or abs(wanted - held) <= 1e-9 * max(abs(wanted), abs(held)):
         return SAME
     return LEFT if given is None else TRANSLATED
@@ -59,6 +61,8 @@ def _block(source: Mapping[str, Any]) -> dict[str, Any]:
                 "held": numbers.plain(row["read_value"]),
                 "unit": "" if row["unit"] == "1" else row["unit"],
                 "note": row["note"],
+                "read": row["read_value"] is not None,
+                "asked": row["scenario_value"] is not None,
                 "state": state,
                 "words": _WORDS[state],
             }

@@ -23,7 +23,7 @@ class Headline(Section):
         figures = [timelines.probe_figure(run, name, probe) for name, probe in leading]
         over = [axis for axis in curves.axes_drawn(run) if curves.is_answer(run, axis)]
         if over:  # a curve over something else than time answers more than its making
-            figures = [curves.curves_figure(run, over[0])]
+            figures = curves.curves_figures(run, over[0])[:1]
         judged = runs.judged(run)
         measures = judged or runs.measures(run)
         lead = measures[0] if measures else None
@@ -53,7 +53,9 @@ def _row(run: Run, name: str, lead: str | None) -> dict[str, Any]:
         met, of = runs.passed(run, name, mode)
         cells.append(
             {
-                "value": runs.value_words(runs.score_of(run, name, mode, lead) if lead else None),
+                "value": runs.value_words(
+                    run, runs.score_of(run, name, mode, lead) if lead else None
+                ),
                 "met": None if mode in SHOWN_MODES or not of else met,
                 "of": len(runs.judged(run)),
             }

@@ -31,7 +31,7 @@ class Scores(Section):
             "groups": [_group(run, measure) for measure in measures],
             "missing": runs.not_run(run),
             "repeats": run.record["repeats"],
-            "truth": TRUTH,
+            "truth": TRUTH if any(s.truth is not None for s in run.scores) else None,
         }
 
 
@@ -44,12 +44,17 @@ def _group(run: Run, measure: str) -> dict[str, Any]:
     return {
         "title": runs.measure_words(measure),
         "unit": runs.unit_words(first.unit),
-        "truth": None if first.truth is None else numbers.plain(first.truth),
+        "truth": None if first.truth is None else _truth(run, first),
         "tolerance": None if accepted is None else numbers.plain(accepted, 3),
         "relative": None if relative is None else numbers.percent(relative),
         "reason": tolerance["reason"] if tolerance else None,
         "rows": [_row(run, name, measure) for name in runs.names(run) if _ran(run, name)],
     }
+
+
+def _truth(run: Run, score: Score) -> str:
+    digits = 6 if score.u is not None else numbers.digits(score.truth, runs.width(run, score))
+    return numbers.with_u(score.truth, None, scale=runs.size(run, score), digits=digits)
 
 
 def _ran(run: Run, name: str) -> bool:
@@ -67,9 +72,10 @@ def _cell(run: Run, score: Score | None) -> dict[str, Any] | None:
         return None
     deviation = "–"
     if score.value is not None and score.truth is not None:
-        deviation = numbers.with_u(score.value - score.truth, score.u, scale=score.truth)
+        size, digits = runs.size(run, score), 6 if score.u is not None else 4
+        deviation = numbers.with_u(score.value - score.truth, score.u, scale=size, digits=digits)
     return {
-        "value": runs.value_words(score),
+        "value": runs.value_words(run, score),
         "deviation": deviation,
         "share": numbers.percent(runs.share_of_tolerance(run, score)),
         "verdict": score.verdict,

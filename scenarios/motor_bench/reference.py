@@ -14,6 +14,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from simcompare.errors import InputError
 from simcompare.trajectory import Array
 
 
@@ -27,6 +28,9 @@ def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array
     Returns:
         Angles and rates of both joints, voltage, current and torque of the motor, force on the
         scale, marks of the encoder, each (n,).
+
+    Raises:
+        InputError: the motor cannot overcome its own friction.
     """
     angle, rate = motion(parameters, time_s)
     lever = parameters["lever_m"]
@@ -50,6 +54,13 @@ def constants(parameters: Mapping[str, float]) -> tuple[float, float]:
     """Torque c at standstill [N·m] and its fall with speed D [N·m·s/rad]."""
     k, resistance = parameters["torque_constant_N_m_A"], parameters["resistance_Ohm"]
     standstill = k * parameters["voltage_V"] / resistance - parameters["friction_N_m"]
+    if standstill <= 0:
+        fault = (
+            f"the motor does not start: {parameters['voltage_V']:g} V at {resistance:g} Ω give it"
+            f" {k * parameters['voltage_V'] / resistance:.3g} N·m, and its friction_N_m is"
+            f" {parameters['friction_N_m']:g}; use more voltage_V or less of the others"
+        )
+        raise InputError("parameters of motor_bench", [fault])
     return standstill, k * k / resistance + parameters["damping_N_m_s_rad"]
 
 

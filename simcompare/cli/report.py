@@ -17,7 +17,10 @@ def report(
         autocompletion=lambda: list(FORMATS),
     ),
     out: Path = typer.Option(
-        None, help="File to write (a folder for png and svg); beside the first run by default."
+        None,
+        "--out",
+        "-o",
+        help="File to write (a folder for png and svg); beside the first run by default.",
     ),
 ) -> None:
     """Write a comparison report from stored runs."""

@@ -40,7 +40,7 @@ def run(
         help="Measured bounces: a CSV file or a published table.",
         autocompletion=complete.tables,
     ),
-    out: Path = typer.Option(Path("runs"), help="Folder for the run's own folder."),
+    out: Path = typer.Option(Path("runs"), "--out", "-o", help="Folder for the run's own folder."),
     report: bool = typer.Option(True, help="Write report.html into the run's folder."),
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
     time_limit: float = typer.Option(120.0, help="Longest time for one simulation, in seconds."),

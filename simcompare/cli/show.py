@@ -43,6 +43,7 @@ def show(
     for part in ("body", "joint", "actuator", "sensor"):
         for name, words in facts[_PLURALS[part]].items():
             typer.echo(f"{part.capitalize()} {name}: {words}")
+    typer.echo(f"Signals: {', '.join(facts['signals'])}")
     typer.echo(f"Needs: {', '.join(facts['needs'])}")
     for engine, lacking in facts["engines"].items():
         typer.echo(f"  {engine}: {'can run it' if not lacking else 'lacks ' + ', '.join(lacking)}")
@@ -56,6 +57,7 @@ def show(
 def _facts(file: ScenarioFile) -> dict[str, Any]:
     from simcompare import catalogue, engines, units
     from simcompare.backend import needs
+    from simcompare.scenario_checks import recorded_signals
 
     scenario = file.resolve()
     wanted = needs(scenario)
@@ -85,6 +87,7 @@ def _facts(file: ScenarioFile) -> dict[str, Any]:
             name: f"{sensor.type} of {sensor.body or sensor.joint or '-'.join(sensor.pair or ())}"
             for name, sensor in scenario.sensors.items()
         },
+        "signals": recorded_signals(scenario),
         "needs": sorted(wanted),
         "engines": {name: _lacking(name, wanted) for name in engines.names()},
         "truth": "closed form or reference in reference.py"

@@ -15,6 +15,7 @@ from simcompare.errors import InputError
 from simcompare.rotations import conjugate, matrix_of, multiply, rotate
 from simcompare.scenario import Body, Contact, DcMotor, Scenario
 from simcompare.shapes import Plane, Quaternion, Vector
+from simcompare.signals import Signal
 from simcompare.trajectory import Array
 
 
@@ -221,7 +222,7 @@ def drives(scenario: Scenario, how: str = "give the joint {joint}") -> Iterator[
             f"{name}: {how.format(joint=actuator.joint)} {gain:.9g}"
             f" {'N' if actuator.type == 'force' else 'N·m'} for each"
             f" {'volt' if motor else 'unit'} of the input {actuator.input}"
-            f" ({scenario.inputs[actuator.input].signal})"
+            f" ({_signal_words(scenario.inputs[actuator.input])})"
             + ("; back-EMF and losses are in the joint's damping and friction" if motor else "")
         )
 
@@ -260,3 +261,9 @@ def refuse(scenario: Scenario, format: str, faults: Sequence[str]) -> None:
     """Raises an :class:`InputError` if there are faults."""
     if faults:
         raise InputError(f"{scenario.name}, --format {format}", faults)
+
+
+def _signal_words(signal: Signal) -> str:
+    """A signal with its numbers, as the scenario has them."""
+    values = signal.model_dump(exclude={"signal"})
+    return ", ".join([signal.signal, *(f"{key} {value}" for key, value in values.items())])
