@@ -46,34 +46,24 @@ class ForceReader:
         """Remembers the momenta before a step."""
         self._before = {name: _momentum(scene, on) for name, on in self._carried.items()}
 
-    def read(self, scene: Scene, step_s: float, drag: Mapping[str, Vector]) -> list[float]:
-        """All readings after the step.
-
-        Args:
-            scene: the scene.
-            step_s: length of the step [s].
-            drag: drag on bodies during the step [N].
-        """
+    def read(self, scene: Scene, step_s: float) -> list[float]:
+        """All readings after a step of this length [s]."""
         found: list[float] = []
         for name, sensor in self._sensors.items():
             if sensor.pair is not None:
                 first, second = (scene.bodies[body] for body in sensor.pair)
                 found.append(_normal_impulse(first, second) / step_s)
             else:
-                found += self._through(name, scene, step_s, drag)
+                found += self._through(name, scene, step_s)
         return found
 
-    def _through(
-        self, name: str, scene: Scene, step_s: float, drag: Mapping[str, Vector]
-    ) -> Vector:
+    def _through(self, name: str, scene: Scene, step_s: float) -> Vector:
         """Force of a joint's parent on its child, in the child's frame."""
         before, after = self._before[name], _momentum(scene, self._carried[name])
         fx, fz = (after[0] - before[0]) / step_s, (after[1] - before[1]) / step_s
         for carried in self._carried[name]:
             body = scene.bodies[carried]
             fx, fz = fx - body.mass * self._gravity[0], fz - body.mass * self._gravity[1]
-            if carried in drag:
-                fx, fz = fx - drag[carried][0], fz - drag[carried][2]
             if scene.shapes[carried]:
                 jx, jz = _contact_impulse(body)
                 fx, fz = fx - jx / step_s, fz - jz / step_s

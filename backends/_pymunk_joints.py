@@ -109,7 +109,7 @@ class Hinge(Linkage):
 
     def _constraints(self, engine: ModuleType, mapped: bool) -> list[Constraint]:
         del mapped
-        self._sign = -math.copysign(1.0, self.joint.axis[1])
+        self.sign = -math.copysign(1.0, self.joint.axis[1])
         found = [engine.PivotJoint(self.parent, self.child, self.anchor, self.child_anchor)]
         if self.law.friction:
             found.append(engine.SimpleMotor(self.parent, self.child, 0.0))
@@ -120,21 +120,21 @@ class Hinge(Linkage):
         del step_s
         if not self.senses:
             return 0.0, 0.0
-        parent, child, sign = self.parent, self.child, self._sign
+        parent, child, sign = self.parent, self.child, self.sign
         turn, rate = child.angle - parent.angle - self.turned, child.angular_velocity
         return sign * turn, sign * (rate - parent.angular_velocity)
 
     def push(self, effort: float) -> None:
-        torque = self._sign * effort
+        torque = self.sign * effort
         self.child_load[2] += torque
         self.parent_load[2] -= torque
 
     def recorded(self, parent: Motion, child: Motion) -> tuple[Array, Array]:
         angle, rate = child[4] - parent[4] - self.turned, child[5] - parent[5]
-        return np.asarray(self._sign * angle), np.asarray(self._sign * rate)
+        return np.asarray(self.sign * angle), np.asarray(self.sign * rate)
 
     def angle_of_child(self, coordinate: float) -> float:
-        return float(self.parent.angle + self.turned + self._sign * coordinate)
+        return float(self.parent.angle + self.turned + self.sign * coordinate)
 
     def audit(self, audit: Audit) -> None:
         pivot = self.constraints[0]

@@ -116,7 +116,7 @@ class Recoil:
         self.lag = 1 / (self._part * (1 - most))
         if self.lag > MOST_LAG:
             raise Unsupported(
-                f"{_told(rotors)} too large for an engine without it: its {self._lags}"
+                f"{_told(rotors)} too large for an engine without it: {self._late('would lag')}"
             )
         #: steps in which it settles to a thousandth of a thousandth
         self.tries = math.ceil(14 * self.lag)

@@ -18,7 +18,8 @@ from simcompare.backend import (
     Settings,
 )
 from simcompare.backends._pymunk_forces import ForceReader
-from simcompare.backends._pymunk_scene import Scene, angle_of, audit_of, build
+from simcompare.backends._pymunk_scene import Scene, angle_of, audit_of, build, kinematics_of
+from simcompare.backends._recoil import Motion, RecoilingSimulation
 from simcompare.drives import Drive
 from simcompare.free_motion import has_drag
 from simcompare.landing import ContactSteps
@@ -33,7 +34,7 @@ from simcompare.trajectory import Array
 CONTACT_STEP_S = 4.0e-6
 
 
-class PymunkSimulation(Simulation):
+class PymunkSimulation(RecoilingSimulation):
     """A space with its bodies; those on joints move like all others, held by constraints."""
 
     #: Chipmunk advances positions before velocities
@@ -53,10 +54,10 @@ class PymunkSimulation(Simulation):
         super().__init__(
             scenario, audit_of(scene).finish(), steps if mapped else None, exact=mapped
         )
+        self._prepare_recoil(given=mapped)
         self._use(scene)
         self._step_s = self._whole_step_s
         self._reader = ForceReader(scenario, self._force_sensors)
-        self._drag: dict[str, Vector] = {}
         self._first_forces: Sequence[float] | None = None
         bouncing = any(contact.restitution > 0 for contact in scenario.contacts)
         if mapped and self._landing is None and not bouncing:
@@ -69,6 +70,10 @@ class PymunkSimulation(Simulation):
         names = self._drive.names if self._drive is not None else ()
         self._driven = [scene.joints[name] for name in names]
         self._share_loads()
+        self._rotors = [
+            (scene.joints[r.joint].sign, scene.bodies[r.parent], scene.bodies[r.child])
+            for r in (self._recoil.rotors if self._recoil else ())
+        ]
 
     def _share_loads(self) -> None:
         """Gives all driven joints of a body the same load, which is passed on once in each step."""
@@ -96,9 +101,10 @@ class PymunkSimulation(Simulation):
         for _ in range(count):
             if drive is not None:
                 self._push(drive)
+            if self._rotors:
+                self._push_back()
             if self._dragged:
-                self._drag = dict(self.drag_forces())
-                for name, (fx, _, fz) in self._drag.items():
+                for name, (fx, _, fz) in self.drag_forces():
                     body = self._held[name]
                     body.apply_force_at_world_point((fx, fz), body.position)
             step(step_s)
@@ -116,36 +122,86 @@ class PymunkSimulation(Simulation):
         for body, load in self._turned:
             body.torque, load[2] = load[2], 0.0
 
+    def rotor_motions(self) -> list[Motion]:
+        return [
+            (
+                sign * (child.angular_velocity - parent.angular_velocity),
+                (0.0, -child.angular_velocity, 0.0),
+            )
+            for sign, parent, child in self._rotors
+        ]
+
+    def _push_back(self) -> None:
+        """Gives both bodies of armatures what is missing on them in the next step."""
+        assert self._recoil is not None
+        torques = self._recoil.torques(self.rotor_motions())
+        for (sign, parent, child), (back, _, along, _) in zip(self._rotors, torques, strict=True):
+            parent.torque += sign * back
+            child.torque -= along
+
     def _begin(self) -> None:
         """Moves the velocities from the start to half a step after it, where they are stored.
 
         The engine itself tells by how much: bodies are put where they were a step before the start,
         so that the step that ends there gives all accelerations at the start.
+
+        Bodies on joints go along chords, which leaves gaps that the engine closes in the next step.
+        What the joints' motion alone bends them by is put into the start as such a gap, else forces
+        and velocities would have to find it in the first two steps.
         """
         step_s, index = self._step_s, self._count * self.substeps
         start = [_motion(body) for body in self._moving]
-        for body, (x, z, vx, vz, angle, rate) in zip(self._moving, start, strict=True):
-            body.position = (x - step_s * vx, z - step_s * vz)
-            body.angle = angle - step_s * rate
-        if self._drive is not None:
-            self._drive.go_to(index - 1, None)
-        self._reader.mark(self._scene)
-        self.advance(1)
-        for body, (x, z, *_, angle, _) in zip(self._moving, start, strict=True):
-            body.position, body.angle = (x, z), angle
-        if self._force_sensors:
-            self._first_forces = self.forces()
-        changes = [_motion(body) for body in self._moving]
-        for part in (-0.5, 0.5):
-            for body, (_, _, vx, vz, _, rate), (_, _, ux, uz, _, spin) in zip(
-                self._moving, start, changes, strict=True
+        bends = self._bends(step_s)
+        for body, (x, z, *_), (bend_x, bend_z) in zip(self._moving, start, bends, strict=True):
+            body.position = (x - bend_x, z - bend_z)
+        reached = [tuple(body.position) for body in self._moving]
+        earlier = [
+            (vx - bend_x / step_s, vz - bend_z / step_s, rate)
+            for (_, _, vx, vz, _, rate), (bend_x, bend_z) in zip(start, bends, strict=True)
+        ]
+        for last in [False] * (self._recoil.tries if self._recoil else 0) + [True]:
+            for body, (x, z), (ux, uz, rate), (*_, angle, _) in zip(
+                self._moving, reached, earlier, start, strict=True
             ):
-                body.velocity = (vx + part * (ux - vx), vz + part * (uz - vz))
-                body.angular_velocity = rate + part * (spin - rate)
+                body.position = (x - step_s * ux, z - step_s * uz)
+                body.angle = angle - step_s * rate
+                body.velocity, body.angular_velocity = (ux, uz), rate
+            self._step_to(index, last)
+            for body, place, (*_, angle, _) in zip(self._moving, reached, start, strict=True):
+                body.position, body.angle = place, angle
+        later = [_motion(body) for body in self._moving]
+        for part in (-0.5, 0.5):
+            for body, (_, _, vx, vz, _, rate), (ux, uz, was), (_, _, wx, wz, _, spin) in zip(
+                self._moving, start, earlier, later, strict=True
+            ):
+                body.velocity = (vx + part * (wx - ux), vz + part * (wz - uz))
+                body.angular_velocity = rate + part * (spin - was)
             if part < 0 and self._drive is not None:
                 rates = [joint.motion(step_s)[1] for joint in self._driven]
                 self._drive.go_to(index, rates)
         self._engine_step_s = step_s
+
+    def _step_to(self, index: int, last: bool) -> None:
+        """Takes the step that ends at the start, the last time to stay."""
+        if self._drive is not None:
+            self._drive.go_to(index - 1, None)
+        if last:
+            self._reader.mark(self._scene)
+        self.advance(1)
+        if self._recoil is not None:
+            self._recoil.look(self.rotor_motions())
+            self._recoil.begin(self._recoil.felt)
+        if last and self._force_sensors:
+            self._first_forces = self.forces()
+
+    def _bends(self, step_s: float) -> list[tuple[float, float]]:
+        """Half the second differences of all positions about now, if joints kept their rates."""
+        state = self.state
+        joints = {
+            name: np.array([q + k * step_s * rate for k in (-1, 0, 1)])
+            for name, (q, rate) in state.joints.items()
+        }
+        return kinematics_of(self.scenario, state, joints, step_s)
 
     def record(self, count: int) -> Any:
         if self._engine_step_s == 0.0 and self._landing is None:
@@ -261,7 +317,7 @@ class PymunkSimulation(Simulation):
         return found
 
     def forces(self) -> list[float]:
-        return self._reader.read(self._scene, self._step_s, self._drag)
+        return self._reader.read(self._scene, self._step_s)
 
 
 def _motion(body: Any) -> tuple[float, ...]:
