@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from simcompare import measures
-from simcompare.measures import Request, final, history, level
+from simcompare.measures import Request, final, history, level, side_by_side
 from simcompare.scenario import Probe
 from simcompare.trajectory import Trajectory
 
@@ -55,14 +55,14 @@ def test_level_of_a_window_without_samples_is_unknown():
     found = level.measure(made(np.ones(10)), asked(start_s=5.0, end_s=6.0))
     assert found.values["mean"] is None
     truth = level.measure(made(np.ones(1000)), asked(start_s=5.0, end_s=6.0))
-    assert level.against(found, truth) == {"mean": (None, 1.0)}
-    assert level.against(truth, found) == {}
+    assert side_by_side(found, truth) == {"mean": (None, 1.0)}
+    assert side_by_side(truth, found) == {}
 
 
 def test_final_is_the_last_sample_beside_the_true_one():
     found = final.measure(made([1, 2, 7]), asked())
     truth = final.measure(made([1, 2, 8]), asked())
-    assert final.against(found, truth) == {"final": (7.0, 8.0)}
+    assert side_by_side(found, truth) == {"final": (7.0, 8.0)}
 
 
 def test_history_keeps_the_first_and_the_last_sample():

@@ -14,6 +14,7 @@ from simcompare.measures import (
     heading,
     motor_energy,
     rise,
+    side_by_side,
     slip,
 )
 from simcompare.rotations import multiply, quaternions_of
@@ -334,6 +335,6 @@ def test_each_is_judged_beside_the_truth():
         ours, true = (
             module.measure(made(t, x=f * (t + 0.1 * np.expm1(-t / 0.1))), asked) for f in (2, 1)
         )
-        assert module.against(ours, true) == {
+        assert side_by_side(ours, true) == {
             name: (ours.values[name], true.values[name]) for name in module.UNITS
         }

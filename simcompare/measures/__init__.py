@@ -87,7 +87,13 @@ class MeasureModule(Protocol):
     def measure(self, trajectory: Trajectory, request: Request) -> Measured:
         """Measures one trajectory."""
 
-    def against(self, measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
+
+class Judge(Protocol):
+    """What a module may offer besides, as ``against``; without it values stand side by side."""
+
+    def __call__(
+        self, measured: Measured, truth: Measured
+    ) -> dict[str, tuple[float | None, float]]:
         """Values to be judged: name -> (value of the source, value of the truth)."""
 
 
@@ -117,8 +123,13 @@ def units_of(measure: Measure, scenario: Scenario) -> dict[str, str]:
     return {name: own if unit == OF_PROBE else unit for name, unit in units.items()}
 
 
+def judge_of(measure: Measure) -> Judge:
+    """How what a measure finds is set against the truth."""
+    return cast(Judge, getattr(load(measure.function), "against", side_by_side))
+
+
 def side_by_side(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
-    """Every value that the truth has, beside it: the usual ``against`` of a measure."""
+    """Every value that the truth has, beside it."""
     return {
         name: (measured.values[name], true)
         for name, true in truth.values.items()

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.hardware.sensors import encoder
-from simcompare.measures import Measured, Request, side_by_side
+from simcompare.measures import Measured, Request
 from simcompare.trajectory import Array, Trajectory
 
 SERIES = ("gate_time", "counted_speed", "mean_speed", "period_time", "timed_speed")
@@ -79,11 +79,6 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         },
         units=UNITS,
     )
-
-
-def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
-    """What is judged: every value beside that of the truth."""
-    return side_by_side(measured, truth)
 
 
 def _gates(time_s: Array, gate_s: float) -> NDArray[np.intp]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare import measures
 from simcompare.measures import Measured, Request
 from simcompare.trajectory import Array, Trajectory
 
@@ -81,11 +80,6 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         series={},
         units=UNITS,
     )
-
-
-def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
-    """What is judged: each energy beside the true one, the imbalance beside the truth's own."""
-    return measures.side_by_side(measured, truth)
 
 
 def _rate(time_s: Array, values: Array) -> Array:

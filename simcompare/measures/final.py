@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from simcompare import measures
 from simcompare.measures import OF_PROBE, Measured, Request
 from simcompare.trajectory import Trajectory
 
@@ -22,8 +21,3 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     """
     last = float(request.seen(trajectory)[-1])
     return Measured(values={"final": last}, series={}, units=UNITS)
-
-
-def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
-    """What is judged: the last sample beside the true one."""
-    return measures.side_by_side(measured, truth)

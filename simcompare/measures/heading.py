@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare import measures
 from simcompare.measures import Measured, Request
 from simcompare.trajectory import Array, Trajectory
 
@@ -35,11 +34,6 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         series={},
         units=UNITS,
     )  # fmt: skip
-
-
-def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
-    """What is judged: both angles beside the true ones."""
-    return measures.side_by_side(measured, truth)
 
 
 def yaw_of(orientation_wxyz: Array) -> Array:

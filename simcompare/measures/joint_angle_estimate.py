@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare.measures import OF_PROBE, Measured, Request, side_by_side
+from simcompare.measures import OF_PROBE, Measured, Request
 from simcompare.trajectory import Array, Trajectory
 
 #: samples at the end of a record where differences of differences are one-sided
@@ -97,11 +97,6 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         },
         units=UNITS,
     )
-
-
-def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
-    """What is judged: every value beside that of the truth."""
-    return side_by_side(measured, truth)
 
 
 def angle_between(first: _Plane, second: _Plane) -> Array:

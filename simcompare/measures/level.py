@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from simcompare import measures
-from simcompare.measures import OF_PROBE, Measured, Request
+from simcompare.measures import OF_PROBE, Measured, Request, _window
 from simcompare.trajectory import Trajectory
-
-#: sample times are multiples of a step, and a window's edge may miss one by rounding only
-ROUNDING = 1e-9
 
 SERIES: tuple[str, ...] = ()
 ROLES: tuple[str, ...] = ()
@@ -26,14 +22,6 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     Returns:
         ``mean``, ``None`` where the window holds no sample.
     """
-    time_s, values = trajectory.time_s, request.seen(trajectory)
-    start_s, end_s = request.options["start_s"], request.options["end_s"]
-    slack_s = ROUNDING * max(abs(start_s), abs(end_s))
-    inside = values[(time_s >= start_s - slack_s) & (time_s <= end_s + slack_s)]
+    inside = request.seen(trajectory)[_window.samples(trajectory.time_s, request.options)]
     mean = float(inside.mean()) if len(inside) else None
     return Measured(values={"mean": mean}, series={}, units=UNITS)
-
-
-def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
-    """What is judged: the mean beside the true one."""
-    return measures.side_by_side(measured, truth)

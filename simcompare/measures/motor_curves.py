@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from simcompare.hardware.motors.dc_motor import Housing
-from simcompare.measures import Measured, Request, side_by_side
+from simcompare.measures import Measured, Request
 from simcompare.sensing import rate_of
 from simcompare.trajectory import Array, Trajectory
 
@@ -82,11 +82,6 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         series=_curves(*points),
         units=UNITS,
     )
-
-
-def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
-    """What is judged: every value beside that of the truth."""
-    return side_by_side(measured, truth)
 
 
 def _section_means(rows: Array, time_s: Array, window: tuple[float, float], count: int) -> Array:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare import measures
 from simcompare.measures import Measured, Request
 from simcompare.trajectory import Trajectory
 
@@ -45,8 +44,3 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     imbalance = (electrical - copper - gear - shaft) / electrical if electrical else None
     values = (electrical, copper, gear, shaft, imbalance)
     return Measured(values=dict(zip(UNITS, values, strict=True)), series={}, units=UNITS)
-
-
-def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
-    """What is judged: each energy beside the true one."""
-    return measures.side_by_side(measured, truth)

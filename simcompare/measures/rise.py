@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare import measures
 from simcompare.measures import Measured, Request, _window
 from simcompare.trajectory import Array, Trajectory
 
@@ -42,11 +41,6 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     time_s, position = trajectory.time_s[inside], request.seen(trajectory)[inside]
     found = _fit(time_s, position) if len(time_s) >= FEWEST_SAMPLES else (None, None)
     return Measured(values=dict(zip(UNITS, found, strict=True)), series={}, units=UNITS)
-
-
-def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
-    """What is judged: both numbers beside the true ones."""
-    return measures.side_by_side(measured, truth)
 
 
 def _fit(time_s: Array, position_m: Array) -> tuple[float, float] | tuple[None, None]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from simcompare import measures
 from simcompare.measures import Measured, Request, _window
 from simcompare.trajectory import Trajectory
 
@@ -32,8 +31,3 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     turned = float(rolled[-1] - rolled[0]) if len(rolled) else 0.0
     slip = 1 - float(position[-1] - position[0]) / turned if turned else None
     return Measured(values={"slip": slip}, series={}, units=UNITS)
-
-
-def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
-    """What is judged: the slip beside the true one."""
-    return measures.side_by_side(measured, truth)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from simcompare import measures
 from simcompare.measures import Measured, Request
 from simcompare.trajectory import Trajectory
 
@@ -41,8 +40,3 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         series={},
         units=UNITS,
     )
-
-
-def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
-    """What is judged: both angles beside the true ones."""
-    return measures.side_by_side(measured, truth)
