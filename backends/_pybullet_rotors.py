@@ -32,7 +32,8 @@ class Rotors:
 
     def motions(self, states: Sequence[Sequence[Any]]) -> list[Motion]:
         """How the rotors move, by the states of the joints."""
-        read, client, found = self._engine.getLinkState, self._client, []
+        read, client = self._engine.getLinkState, self._client
+        found: list[Motion] = []
         for slot, (uid, link) in zip(self._slots, self._children, strict=True):
             link_state = read(uid, link, 1, 1, client)
             found.append((states[slot][1], _to_body(link_state[1], link_state[7])))

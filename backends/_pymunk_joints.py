@@ -63,6 +63,8 @@ class Linkage(ABC):
         self.parent_load, self.child_load = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
         #: whether its effort depends on the joint's motion
         self.senses = bool(law.stiffness or law.damping)
+        #: which way the child turns in the plane while its coordinate grows
+        self.sign = -math.copysign(1.0, self.joint.axis[1])
         self.constraints: list[Constraint] = self._constraints(engine, mapped)
         for constraint in self.constraints:
             constraint.collide_bodies = False
@@ -109,7 +111,6 @@ class Hinge(Linkage):
 
     def _constraints(self, engine: ModuleType, mapped: bool) -> list[Constraint]:
         del mapped
-        self.sign = -math.copysign(1.0, self.joint.axis[1])
         found = [engine.PivotJoint(self.parent, self.child, self.anchor, self.child_anchor)]
         if self.law.friction:
             found.append(engine.SimpleMotor(self.parent, self.child, 0.0))
@@ -186,6 +187,11 @@ class Slider(Linkage):
             point = _across(self._heading, self._beside)
         self._groove_points = (*ends, point)
         return engine.GrooveJoint(carrier, other, *self._groove_points)
+
+    def is_at_its_end(self) -> bool:
+        """Whether the groove ends here, beyond which it would hold the body."""
+        away = self.child.position - self.parent.position
+        return math.hypot(*away) > 0.999 * GROOVE_HALF_LENGTH_M
 
     def _brake(self, engine: ModuleType) -> Constraint:
         """Coulomb friction: a groove across the axis that gives way, and never pulls back."""

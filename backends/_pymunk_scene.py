@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from simcompare.audit import Audit
-from simcompare.backends._pymunk_joints import LINKAGES, Linkage, armature_of
+from simcompare.backends._pymunk_joints import LINKAGES, Linkage, Point, armature_of
 from simcompare.backends._pymunk_sweeps import sweeps_for
 from simcompare.drives import JointLaw, laws_of
 from simcompare.errors import Unsupported
@@ -20,7 +20,8 @@ from simcompare.landing import approaches
 from simcompare.pairs import per_body_product, touching_pairs
 from simcompare.scenario import MOVABLE, Body, Scenario
 from simcompare.shapes import Shape
-from simcompare.trajectory import BODY_SIGNALS
+from simcompare.state import State
+from simcompare.trajectory import BODY_SIGNALS, Array
 
 if TYPE_CHECKING:
     import pymunk
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 BAR_HALF_LENGTH_M, BAR_RADIUS_M = 1000.0, 0.5
 #: overlap that mapped mode allows [m]; the default of 0.1 is meant for pixels
 SLOP_M = 1e-9
+#: bodies that can have bits of their own in Chipmunk's 32, two of which are shared
+MOST_PARTNERS = 30
 
 
 @dataclass
@@ -71,6 +74,8 @@ def build(engine: ModuleType, scenario: Scenario, mapped: bool, told: bool) -> S
     laws = laws_of(scenario)
     for name, body in scenario.bodies.items():
         _add_body(engine, scene, name, body, armature_of(scenario.joints, laws, name))
+    if told:
+        _keep_apart(engine, scene)
     for name, joint in in_order(scenario).items():
         law = laws.get(name, JointLaw())
         linkage = LINKAGES[joint.type](engine, scene.bodies, scenario, name, law, mapped)
@@ -101,6 +106,34 @@ def _add_body(
     scene.space.add(held, *shapes)
 
 
+def _keep_apart(engine: ModuleType, scene: Scene) -> None:
+    """Lets moving bodies pass through one another whose pair the scenario does not name.
+
+    Each of those that are named has a bit of its own; all others share one, and so do fixed bodies.
+    """
+    scenario, alone, fixed = scene.scenario, 1, 2
+    partners: dict[str, set[str]] = {}
+    for contact in touching_pairs(scenario):
+        first, second = contact.pair
+        if not (scenario.bodies[first].fixed or scenario.bodies[second].fixed):
+            partners.setdefault(first, set()).add(second)
+            partners.setdefault(second, set()).add(first)
+    bits = {name: fixed << i for i, name in enumerate(partners, start=1)}
+    if len(bits) > MOST_PARTNERS:
+        raise Unsupported(
+            f"pymunk keeps at most {MOST_PARTNERS} moving bodies apart that may touch others,"
+            f" not {len(bits)}"
+        )
+    for name, body in scenario.bodies.items():
+        if body.fixed:
+            known = engine.ShapeFilter(categories=fixed)
+        else:
+            mask = fixed | sum(bits[other] for other in partners.get(name, ()))
+            known = engine.ShapeFilter(categories=bits.get(name, alone), mask=mask)
+        for shape in scene.shapes[name]:
+            shape.filter = known
+
+
 def _start(scene: Scene) -> None:
     """Velocities at the start; those of bodies on joints follow from the joints' rates."""
     scenario = scene.scenario
@@ -117,6 +150,34 @@ def _start(scene: Scene) -> None:
         vx, _, vz = signals[f"{name}.velocity_m_s"][0].tolist()
         scene.bodies[name].velocity = (vx, vz)
         scene.bodies[name].angular_velocity = -float(signals[f"{name}.rate_rad_s"][0][1])
+
+
+def bends_of(scenario: Scenario, state: State, step_s: float) -> list[Point]:
+    """Half the second differences of all positions in a step, if joints kept their rates."""
+    times = step_s * np.array((-1.0, 0.0, 1.0))
+    signals: dict[str, Array] = {}
+    for name in scenario.free_bodies():
+        held = state.bodies[name]
+        half = (times * held.rate_rad_s[1] - angle_of(held.orientation_wxyz)) / 2
+        zero = np.zeros(3)
+        signals[f"{name}.position_m"] = held.position_m + np.outer(times, held.velocity_m_s)
+        signals[f"{name}.orientation_wxyz"] = np.column_stack(
+            (np.cos(half), zero, np.sin(half), zero)
+        )
+        for part in ("velocity_m_s", "rate_rad_s"):
+            signals[f"{name}.{part}"] = np.tile(getattr(held, part), (3, 1))
+    for name, joint in scenario.movable_joints().items():
+        position, rate = state.joints[name]
+        coordinate, speed = MOVABLE[joint.type]
+        signals[f"{name}.{coordinate}"] = position + rate * times
+        signals[f"{name}.{speed}"] = np.full(3, rate)
+    add_children(scenario, signals, 3)
+    found = []
+    for name in scenario.moving_bodies():
+        before, now, after = signals[f"{name}.position_m"]
+        x, _, z = ((before + after) / 2 - now).tolist()
+        found.append((x, z))
+    return found
 
 
 def _shape(engine: ModuleType, held: pymunk.Body, shape: Shape, raised_m: float) -> pymunk.Shape:

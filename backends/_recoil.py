@@ -100,13 +100,14 @@ class Recoil:
 
     Attributes:
         lag: steps by which the torques lag behind the motion.
+        rests: whether it is left out for the time being.
 
     Raises:
         Unsupported: that would be too many.
     """
 
     def __init__(self, scenario: Scenario, rotors: Sequence[Rotor]) -> None:
-        self.rotors = rotors
+        self.rotors, self.rests = rotors, False
         self.before: Pairs | None = None
         self.felt: Pairs | None = None
         self._step_s = scenario.world.engine_step_s
@@ -160,7 +161,7 @@ class Recoil:
         for rotor, (rate, (x, y, z)) in zip(self.rotors, motions, strict=True):
             a, b, c = rotor.axis
             now.append((rate, a * x + b * y + c * z - rate))
-        if self.before is not None:
+        if self.before is not None and not self.rests:
             step_s, part = self._step_s, self._part
             new = [
                 ((rate - rate_was) / step_s, (carried - was) / step_s)
@@ -242,14 +243,20 @@ class RecoilingSimulation(Simulation):
     def set_state(self, state: State) -> None:
         super().set_state(state)
         if self._recoil is not None:
-            known = isinstance(state, RecoilState)
-            self._recoil.before = state.before if known else None
-            self._recoil.felt = state.felt if known else None
+            self._recoil.begin(None)
+            if isinstance(state, RecoilState):
+                self._recoil.before, self._recoil.felt = state.before, state.felt
 
     def _stagger_start(self) -> None:
         recoil = self._recoil
         if recoil is None or self._engine_step_s or self.LEAD:
             super()._stagger_start()
+            return
+        if self._touches:
+            # an engine may find the contact late, so that the first acceleration tells nothing
+            recoil.rests = True
+            super()._stagger_start()
+            recoil.rests = False
             return
         start, felt = self.state, None
         for _ in range(recoil.tries):

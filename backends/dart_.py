@@ -316,12 +316,10 @@ class DartBackend(EngineBackend):
         ),
         KnownLimit(
             "There is no armature: it is part of the child's moment of inertia about the joint's"
-            " axis, which is exact while the parent does not turn. What a driven armature pushes"
-            " back on a moving parent lags by a step, and is left out where the parent's own moment"
-            " of inertia is below twice the armature.",
-            "measured: rate 0.5 % off with a parent of a hundred times the armature, that turns"
-            " freely; tyre loads 1 % off in a robot that turns at 1 rad/s, with an armature of five"
-            " times its wheels' moment of inertia",
+            " axis, and mapped gives both bodies the torques that are missing where the parent"
+            " turns, a step late. An armature that outweighs its parent is refused.",
+            "DART Joint; measured: trees of three tumbling bodies come as close as MuJoCo's, 0.3 mm"
+            " in 0.3 s at 1 ms, and errors halve with the step",
         ),
         KnownLimit(
             "Impulses know nothing of a damper of DART's own, which is used by default: Coulomb"

@@ -345,9 +345,10 @@ class PybulletBackend(EngineBackend):
         ),
         KnownLimit(
             "There is no armature: it is added to the child's moment of inertia about the hinge,"
-            " and mapped gives its reaction to the parent one step late; exact while the parent"
-            " does not turn about the hinge. A slider cannot have one.",
-            "PyBullet Quickstart Guide, changeDynamics; measured: load of a robot's caster",
+            " and mapped gives both bodies the torques that are missing where the parent turns, a"
+            " step late. One that outweighs its parent is refused, and a slider cannot have one.",
+            "PyBullet Quickstart Guide, changeDynamics; measured: trees of three tumbling bodies"
+            " come as close as MuJoCo's, 0.3 mm in 0.3 s at 1 ms, and errors halve with the step",
         ),
         KnownLimit(
             "Bodies that joints hold together do not touch each other by default.",

@@ -7,7 +7,7 @@ import pytest
 
 from simcompare import catalogue, engines
 from simcompare.backend import Settings
-from simcompare.errors import Unsupported
+from simcompare.errors import SimulationDiverged, Unsupported
 from simcompare.scenario import Scenario
 
 pytest.importorskip("dartpy")
@@ -153,14 +153,6 @@ def test_substeps_are_smaller_steps():
     parts = run(scene(*slider(**law), duration_s=0.2, step_s=0.004, world={"substeps": 4}))
     for name in ("slide.position_m", "slide.velocity_m_s"):
         np.testing.assert_array_equal(parts.signals[name], whole.signals[name][::4])
-
-
-def test_air_drags_on_a_body_on_a_joint():
-    drag = {"coefficient": 1.0, "area_m2": 0.1, "air_density_kg_m3": 2.0}
-    bodies, joints = slider(axis=(0, 0, 1))
-    bodies["mass"]["drag"] = drag
-    found = run(scene(bodies, joints, duration_s=6.0, step_s=0.005))
-    assert found.signals["slide.velocity_m_s"][-1] == pytest.approx(-math.sqrt(G / 0.1), rel=1e-3)
 
 
 def test_what_hangs_on_nothing_common_is_recorded_each_by_itself():
@@ -361,3 +353,25 @@ def test_friction_that_no_smaller_of_two_gives_is_refused():
     contacts = [{"pair": pair, "friction": mu} for pair, mu in pairs.items()]
     with pytest.raises(Unsupported, match="takes the smaller"):
         BACKEND.open(scene(bodies, {}, contacts=contacts), MAPPED)
+
+
+@pytest.mark.parametrize("contact", ["mapped", "coefficients", "default"])
+@pytest.mark.parametrize("named", [True, False])
+def test_moving_bodies_touch_only_where_they_are_named(contact, named):
+    ball = [{"type": "sphere", "radius_m": 0.05}]
+    bodies = {
+        "a": link(shapes=ball, velocity_m_s=(1, 0, 0)),
+        "b": link(shapes=ball, position_m=(0.2, 0, 0)),
+    }
+    contacts = [{"pair": ("a", "b")}] if named else []
+    found = run(scene(bodies, {}, 0.3, contacts=contacts), Settings(contact))
+    moved = found.signals["b.position_m"][-1, 0] > 0.21
+    assert moved == (named or contact == "default")
+
+
+def test_numbers_without_sense_are_an_error():
+    push = {"signal": "constant", "value": 1e12}
+    drive = {"type": "force", "joint": "slide", "input": "push"}
+    told = scene(*slider(), 0.1, inputs={"push": push}, actuators={"motor": drive})
+    with pytest.raises(SimulationDiverged, match=r"slide\.velocity_m_s"):
+        run(told)

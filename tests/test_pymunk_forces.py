@@ -64,6 +64,20 @@ def test_a_load_cell_agrees_with_the_impulse_of_its_constraint():
         assert read == pytest.approx(pivot.impulse / 0.001, rel=1e-9)
 
 
+@pytest.mark.parametrize("free", [False, True])
+def test_forces_are_right_from_the_first_sample_on_where_joints_move(free):
+    """A mass swings as told at the start, alone and with a heavy body that it hangs on."""
+    hinge = {"type": "hinge", "parent": "base", "child": "bob", "axis": [0, 1, 0], "rate": 5}
+    root = body(1e9, 1e9) if free else {"fixed": True}
+    bodies = {"base": root, "bob": body(1.0, 0.001, [0, 0, -0.5])}
+    sensors = {"cell": {"type": "force", "joint": "hinge"}}
+    force = signals(bodies, {"hinge": hinge}, sensors=sensors)["cell.force_N"]
+    weight = 0 if free else G
+    swing = 25 * 0.5
+    np.testing.assert_allclose(force[:3, 2], weight + swing, rtol=2e-4)
+    np.testing.assert_allclose(force[:3, 0], 0, atol=0.15)
+
+
 def test_the_force_through_a_slider_counts_its_spring():
     tilt, stiffness, mass = 0.5, 200.0, 0.5
     rail = {"frame": {"fixed": True, "orientation_wxyz": turned(tilt)}}

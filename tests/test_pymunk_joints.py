@@ -7,7 +7,7 @@ import pytest
 
 from simcompare import engines
 from simcompare.backend import Settings
-from simcompare.errors import Unsupported
+from simcompare.errors import SimulationDiverged, Unsupported
 from tests.planar_scenes import FRAME, G, body, run, scene, signals, turned
 
 
@@ -363,3 +363,31 @@ def test_what_was_set_is_on_record():
     moment = {row.quantity: row for row in found.audit}["disk.inertia_kg_m2.2"]
     assert (moment.scenario_value, moment.read_value) == (0.01, pytest.approx(0.014))
     assert "armature" in moment.note
+
+
+@pytest.mark.parametrize("contact", ["mapped", "coefficients", "default"])
+@pytest.mark.parametrize("named", [True, False])
+def test_moving_bodies_touch_only_where_they_are_named(contact, named):
+    ball = [{"type": "sphere", "radius_m": 0.05}]
+    bodies = {
+        "a": body(shapes=ball, velocity_m_s=(1, 0, 0)),
+        "b": body(shapes=ball, at=(0.2, 0, 0)),
+    }
+    contacts = [{"pair": ("a", "b")}] if named else []
+    found = run(scene(bodies, {}, 0.3, contacts=contacts), contact)
+    moved = found.signals["b.position_m"][-1, 0] > 0.21
+    assert moved == (named or contact == "default")
+
+
+@pytest.mark.parametrize(
+    ("force", "what"), [(1e7, "end of its rail"), (1e200, r"slider\.velocity_m_s")]
+)
+def test_numbers_without_sense_are_an_error(force, what):
+    slider = {"type": "slider", "parent": "frame", "child": "mass", "axis": [1, 0, 0]}
+    drive = {"type": "force", "joint": "slider", "input": "push"}
+    more = {
+        "inputs": {"push": {"signal": "constant", "value": force}},
+        "actuators": {"drive": drive},
+    }
+    with pytest.raises(SimulationDiverged, match=what):
+        signals({**FRAME, "mass": body()}, {"slider": slider}, **more)
