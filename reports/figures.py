@@ -153,13 +153,11 @@ class Figure:
 
     @property
     def legend(self) -> dict[str, Series]:
-        """The series that stands for each label: the first that is not hollow, else the first."""
+        """The series that stands for each label: one that is not hollow where there is one."""
+        rows = [series for panel in self.panels for series in panel.series]
         found: dict[str, Series] = {}
-        for series in (series for panel in self.panels for series in panel.series):
-            if series.label not in found or (
-                found[series.label].style.hollow and not series.style.hollow
-            ):
-                found[series.label] = series
+        for series in sorted(rows, key=lambda row: row.style.hollow):
+            found.setdefault(series.label, series)
         return found
 
     def y_range(self, panel: Panel) -> tuple[float, float] | None:

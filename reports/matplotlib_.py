@@ -125,6 +125,7 @@ def _frame(
         axes.set_ylabel(panel.y_label)
     if panel.log_y:
         axes.set_yscale("log")
+        axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     else:  # whole numbers where they read well, not differences from a number in a corner
         axes.ticklabel_format(axis="y", useOffset=False, scilimits=_PLAIN)
     if panel.log_x:

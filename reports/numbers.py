@@ -8,7 +8,7 @@ import math
 _PLAIN = (-3, 6)
 _MISSING = "–"
 #: relative size below which a difference of two doubles is rounding
-_ROUNDING = 1e-12
+ROUNDING = 1e-12
 #: significant digits of a value whose uncertainty is not known
 _LEAST_DIGITS, _MOST_DIGITS = 4, 12
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -20,6 +20,7 @@ def plain(value: float | None, digits: int = 6) -> str:
         return _MISSING
     if value == 0:
         return "0"
+    value = float(f"{value:.{digits - 1}e}")  # rounded first: 9.99 becomes 10, not 10·10⁰
     power = _power(value)
     mantissa = value / 10.0 ** (power or 0)
     place = digits - 1 - math.floor(math.log10(abs(mantissa)))
@@ -46,7 +47,7 @@ def with_u(
     """
     if value is None or not math.isfinite(value):
         return _MISSING
-    smallest = _ROUNDING * max(abs(value), abs(scale or 0.0))
+    smallest = ROUNDING * max(abs(value), abs(scale or 0.0))
     value = value if abs(value) > smallest else 0.0
     after = "" if unit in ("", "1") else f" {unit}"
     if u is None or not math.isfinite(u):

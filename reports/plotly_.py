@@ -17,11 +17,13 @@ from simcompare.trajectory import Array
 
 FONT_PX = 16
 #: space between panels, as part of the width
-_GAP, _SHARED_GAP = 0.1, 0.03
+_GAP, _SHARED_GAP = 0.12, 0.03
 #: numbers along the x axes of all panels together
 _TICKS = 14
 #: digits that are kept of a coordinate; a screen shows fewer
 _DIGITS = 7
+#: whole numbers; plotly's own are small digits without their power beside large powers of ten
+_LOG_TICKS = "~g"
 _INK, _GRID = "#222222", "#E3E3E3"
 _BAND_FILL, _BAND_LINE = "rgba(0, 0, 0, 0.09)", "#555555"
 
@@ -54,6 +56,7 @@ def as_dict(figure: Figure) -> dict[str, Any]:
         "font": {"size": FONT_PX, "color": _INK},
         "paper_bgcolor": "#ffffff",
         "plot_bgcolor": "#ffffff",
+        "separators": ".",  # no comma between thousands
         "margin": {"l": 84, "r": 16, "t": 96, "b": 64},
         "legend": {
             "orientation": "h",
@@ -82,8 +85,10 @@ def as_dict(figure: Figure) -> dict[str, Any]:
             layout["shapes"] += _band(band, axis, band.label not in listed)
             listed.add(band.label)
         for series in panel.series:
-            trace = _trace(series, axis, series is legend[series.label])
-            data.append(trace | {"legendrank": ranks[series.label]})
+            chosen = series is legend.get(series.label)
+            data.append(_trace(series, axis, chosen) | {"legendrank": ranks[series.label]})
+            if chosen:  # once, also where two panels show the same
+                legend.pop(series.label)
     return {"data": data, "layout": layout}
 
 
@@ -124,8 +129,7 @@ def _x_axis(
         if panel.whole_x:
             found |= {"tick0": 0, "dtick": max(1, round((panel.x_range[1]) / 10))}
     if panel.log_x:
-        # a format of its own keeps plotly from writing 2 and 5 small and without their power
-        found |= {"type": "log", "dtick": "D2", "tickformat": "~g"}
+        found |= {"type": "log", "dtick": "D2", "tickformat": _LOG_TICKS}
         found["minor"] = {"dtick": "D1", "ticks": "outside"}
     if panel.x_ticks is not None:
         count = len(panel.x_ticks)
@@ -142,7 +146,7 @@ def _x_axis(
 def _y_axis(figure: Figure, panel: Panel, axis: str, shared: bool) -> dict[str, Any]:
     found = {**_axis("" if shared else panel.y_label), "anchor": f"x{axis}"}
     if panel.log_y:
-        found |= {"type": "log", "dtick": 1}
+        found |= {"type": "log", "dtick": 1, "tickformat": _LOG_TICKS}
     elif figure.plain_y(panel):
         found["exponentformat"] = "none"
     y_range = figure.y_range(panel)

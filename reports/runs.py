@@ -171,7 +171,8 @@ def share_of_tolerance(run: Run, score: Score) -> float | None:
     accepted = width(run, score)
     if score.value is None or score.truth is None or not accepted:
         return None
-    return abs(score.value - score.truth) / accepted
+    deviation = abs(score.value - score.truth)
+    return deviation / accepted if deviation > numbers.ROUNDING * size(run, score) else 0.0
 
 
 def passed(run: Run, source: str, mode: str) -> tuple[int, int]:
@@ -190,5 +191,8 @@ def value_words(run: Run, score: Score | None) -> str:
 
 
 def size(run: Run, score: Score) -> float:
-    """Beside what a value of a measure is no more than rounding: its truth, its tolerance."""
-    return max(abs(score.truth or 0.0), width(run, score) or 0.0)
+    """Beside what a value of a measure may be no more than rounding: its truth, its tolerance.
+
+    A tolerance counts a hundredfold: nobody looks at a ten-thousand-millionth of it.
+    """
+    return max(abs(score.truth or 0.0), 100 * (width(run, score) or 0.0))

@@ -109,7 +109,9 @@ def _shown(scores: list[Score]) -> str:
     unit = scores[0].unit
     # what is a rounding error of the truth is 0
     truth = abs(scores[0].truth or 0.0)
-    low, high = (value if abs(value) > 1e-12 * truth else 0.0 for value in (values[0], values[-1]))
+    low, high = (
+        value if abs(value) > numbers.ROUNDING * truth else 0.0 for value in (values[0], values[-1])
+    )
     if numbers.plain(low, 2) == numbers.plain(high, 2):
         return f": the value is {_number(low, unit)}{none}"
     return f": the values lie between {numbers.plain(low, 2)} and {_number(high, unit, 2)}{none}"

@@ -247,8 +247,8 @@ class Simulation(FreeMotion):
 
         Else all motion runs ahead by half a step of the first acceleration. The engine itself tells
         how large that is, by steps that are taken back. Where bodies may touch, an engine may find
-        the contact only in its second step, so that one tells, and only of motion across gravity:
-        along it, bodies are still settling on what they touch.
+        the contact only in its second step, and let it slip in that one, so the third tells, and
+        only of motion across gravity: along it, bodies are still settling on what they touch.
         """
         if self._engine_step_s or self.LEAD:
             return
@@ -256,7 +256,8 @@ class Simulation(FreeMotion):
         self.advance(1)
         after = self.state
         if self._touches:
-            before = after
+            self.advance(1)
+            before = self.state
             self.advance(1)
             after = across(start, before, self.state, self.scenario.world.gravity_m_s2)
         names = self._drive.names if self._drive is not None else None

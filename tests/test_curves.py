@@ -40,7 +40,7 @@ def series_of(panel, label="north"):
 
 
 def test_everything_over_one_axis_is_one_figure_with_the_truth_below():
-    figure = curves.curves_figure(swept(), "frequency")
+    figure = curves.curves_figures(swept(), "frequency")[0]
     assert figure.title == "Amplitude and phase over frequency"
     assert [panel.x_label for panel in figure.panels] == ["frequency (Hz)"] * 2
     amplitude, phase = figure.panels
@@ -50,14 +50,44 @@ def test_everything_over_one_axis_is_one_figure_with_the_truth_below():
     np.testing.assert_allclose(series_of(phase)[0].y, [-1, -91, -171])
 
 
+def test_an_axis_of_time_is_called_time_whatever_its_name():
+    run = swept(unit="s")
+    figure, deviations = Curves().context(run)["figures"]
+    assert figure.title == "Amplitude and phase over time"
+    assert deviations.title == "Amplitude and phase over time: deviation from the truth"
+    assert {panel.x_label for panel in (*figure.panels, *deviations.panels)} == {"time (s)"}
+
+
+def test_no_figure_has_more_panels_than_can_be_read():
+    run = swept()
+    axes = dict.fromkeys(("amplitude", "phase", "more", "and more", "the last"), "frequency")
+    run = Run({**run.record, "axes": axes}, run.scores, run.trajectories)
+    found = curves.curves_figures(run, "frequency")
+    assert [len(figure.panels) for figure in found] == [3, 2]
+    assert [figure.name for figure in found] == ["curves-frequency", "curves-frequency-2"]
+    assert found[1].title == "And more and the last over frequency"
+    # the first leads the report, the others follow
+    assert Headline().context(run)["figures"][0].name == "curves-frequency"
+    assert Curves().context(run)["figures"][0].name == "curves-frequency-2"
+
+
+def test_the_legend_shows_an_engine_as_it_is_with_the_physics_mapped():
+    figure = curves.curves_figures(swept(), "frequency")[0]
+    assert not figure.legend["north"].style.hollow
+    traces = plotly_.as_dict(figure)["data"]
+    shown = [trace for trace in traces if trace["showlegend"]]
+    assert [trace["name"] for trace in shown] == ["truth (closed form)", "north"]
+    assert shown[1]["marker"]["symbol"] == curves.style_of("north").marker
+
+
 def test_default_is_hollow_and_below_mapped():
-    panel = curves.curves_figure(swept(), "frequency").panels[0]
+    panel = curves.curves_figures(swept(), "frequency")[0].panels[0]
     assert [series.style.hollow for series in series_of(panel)] == [True, False]
     assert [series.line for series in series_of(panel)] == [False, True]
 
 
 def test_deviations_are_per_cent_except_of_angles():
-    amplitude, phase = curves.deviations_figure(swept(), "frequency").panels
+    amplitude, phase = curves.deviations_figures(swept(), "frequency")[0].panels
     assert amplitude.y_label == "deviation (%)"
     np.testing.assert_allclose(series_of(amplitude)[0].y, 2.0)
     assert phase.y_label == "deviation (deg)"
@@ -68,8 +98,10 @@ def test_deviations_are_per_cent_except_of_angles():
 
 def test_without_a_truth_there_are_no_deviations():
     run = swept(frequency=None, amplitude=None, phase=None)
-    assert curves.deviations_figure(run, "frequency") is None
-    assert len(curves.curves_figure(run, "frequency").panels[0].series) == 2
+    assert curves.deviations_figures(run, "frequency") == []
+    figure = curves.curves_figures(run, "frequency")[0]
+    assert len(figure.panels[0].series) == 2
+    assert "truth" not in figure.caption
 
 
 def test_curves_over_anything_but_time_lead_the_report_and_are_not_drawn_twice():
@@ -96,13 +128,16 @@ def test_a_run_stored_before_there_were_axes_still_reads():
 
 @pytest.mark.parametrize("library", ["plotly", "matplotlib"])
 def test_a_logarithmic_axis_is_drawn_as_one(library):
-    figure = curves.curves_figure(swept(), "frequency")
+    figure = curves.curves_figures(swept(), "frequency")[0]
     if library == "plotly":
-        assert plotly_.as_dict(figure)["layout"]["xaxis"]["type"] == "log"
+        axis = plotly_.as_dict(figure)["layout"]["xaxis"]
+        assert (axis["type"], axis["dtick"], axis["tickformat"]) == ("log", "D2", "~g")
     else:
         from simcompare.reports import matplotlib_
 
-        assert matplotlib_.canvas(figure).axes[0].get_xscale() == "log"
+        axes = matplotlib_.canvas(figure).axes[0]
+        assert axes.get_xscale() == "log"
+        assert axes.xaxis.get_major_formatter()(20.0) == "20"
 
 
 def test_a_truth_of_zero_is_an_error_to_keep_small():

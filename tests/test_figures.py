@@ -116,6 +116,59 @@ def test_fitted_range_holds_bars_and_bands_and_survives_nothing():
     assert fitted_range((line([2.0]),), ())[0] < 2.0
 
 
+@pytest.mark.parametrize(
+    ("y", "found"),
+    [
+        ([-0.029] * 3, (-0.0319, -0.0261)),
+        ([5.0, 5.0 + 1e-7], (4.5, 5.5)),
+        ([0.0, 1e-13, -3e-13], (-1e-6, 1e-6)),
+        ([0.0, 2e-6], None),
+        ([96023.0, 96034.0], None),
+        ([math.nan], None),
+    ],
+)
+def test_what_does_not_vary_is_drawn_as_a_calm_line(y, found):
+    row = panel(line(y))
+    assert figure(row).y_range(row) == (found and pytest.approx(found))
+    if found:
+        assert fitted_range((line(y),), ()) == pytest.approx(found)
+
+
+def test_panels_of_one_axis_are_calm_only_together():
+    still, moving = panel(line([1.0, 1.0])), panel(line([1.0, 2.0]))
+    assert figure(still, moving, share_y=True).y_range(still) is None
+    assert figure(still, moving).y_range(still) == pytest.approx((0.9, 1.1))
+
+
+@pytest.mark.parametrize(
+    ("y", "plain"), [([96023.0, 96034.0], True), ([0.0, 2e-6], False), ([0.0, 3e7], False)]
+)
+def test_only_very_small_and_large_sizes_have_a_power_of_ten(y, plain):
+    one = figure(panel(line(y)))
+    axis = plotly_.as_dict(one)["layout"]["yaxis"]
+    assert axis["exponentformat"] == ("none" if plain else "power")
+    page = matplotlib_.canvas(one)
+    page.draw_without_rendering()
+    assert (page.axes[0].yaxis.get_offset_text().get_text() == "") == plain
+
+
+def test_names_that_would_run_into_each_other_are_slanted():
+    few, many = ("one", "two"), tuple(f"a measure\nnumber {i}" for i in range(8))
+    for ticks, slanted in ((few, False), (many, True)):
+        one = figure(panel(line([1.0] * len(ticks)), x_ticks=ticks))
+        axis = plotly_.as_dict(one)["layout"]["xaxis"]
+        assert (axis["tickangle"] != 0) == slanted
+        assert axis["automargin"]
+        text = matplotlib_.canvas(one).axes[0].get_xticklabels()[0]
+        assert (text.get_rotation() != 0) == slanted
+
+
+def test_numbers_at_the_x_axis_lie_flat():
+    axis = plotly_.as_dict(figure(*[panel(line([1.0, 2.0]))] * 3))["layout"]["xaxis"]
+    assert axis["tickangle"] == 0
+    assert axis["nticks"] <= 5
+
+
 # energy
 
 

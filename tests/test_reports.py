@@ -3,6 +3,7 @@
 import errno
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -208,6 +209,31 @@ def test_numbers_alone(value, digits, text):
     assert numbers.plain(value, digits) == text
 
 
+@pytest.mark.parametrize(
+    ("value", "tolerance", "text"),
+    [
+        (1.953602, 0.0059, "1.9536"), (1.953712, 0.0059, "1.95371"),
+        (2.53838e-4, 0.01, "2.538·10⁻⁴"),
+        (11.50189, 0.0144, "11.5019"), (123.456, None, "123.5"), (0.0, 0.1, "0"), (None, 0.1, "–"),
+    ],
+)  # fmt: skip
+def test_digits_of_a_value_of_unknown_uncertainty_follow_its_tolerance(value, tolerance, text):
+    assert numbers.plain(value, numbers.digits(value, tolerance)) == text
+
+
+def test_a_number_is_rounded_before_its_power_is_taken():
+    assert numbers.plain(9.99e-10, 2) == "1·10⁻⁹"
+
+
+def test_dust_beside_the_tolerance_is_nothing():
+    run = make_run([("north", "mapped", 0.8)], truth=0.0)
+    score = Score(
+        "north", "mapped", "settling_time", "", None, 4.7e-14, None, "s", 1, 1e-14, 0.1, "pass"
+    )
+    assert runs.value_words(run, score) == "0"
+    assert runs.share_of_tolerance(run, score) == 0
+
+
 # the answer in words
 
 
@@ -233,6 +259,21 @@ def test_answer_without_truth_and_with_engines_that_did_not_run():
     run = make_run([("north", "mapped", 0.7), ("south", "mapped", None)], truth=None)
     assert "there is no truth" in words.answer(run)[0]
     assert words.answer(run)[-1] == "Did not run: south; the reasons are below."
+
+
+def test_answer_names_engines_that_gave_no_value():
+    run = make_run([("north", "default", 0.5), ("south", "default", 0.7)])
+    gone = [replace(s, value=None) if s.source == "south" else s for s in run.scores]
+    run = Run(run.record, tuple(gone), run.trajectories)
+    assert words.answer(run)[0].endswith("the value is 0.5; south gave none.")
+
+
+def test_what_is_measured_first_leads_and_not_what_has_the_first_tolerance():
+    tolerances = dict(reversed(TOLERANCES.items()))
+    run = make_run(tolerances=tolerances)
+    assert runs.judged(run) == runs.measures(run) == ["restitution", "settling_time"]
+    without = make_run(tolerances={"settling_time": TOLERANCES["settling_time"]})
+    assert runs.measures(without) == ["settling_time", "restitution"]
 
 
 def test_interrupted_run_says_so():
@@ -363,6 +404,19 @@ def test_further_probes_have_a_section_of_their_own():
     assert builder.blocks_of([run])[0].figures[0].name == "probe-height_m"
 
 
+def test_most_of_many_signals_are_folded_away(html):
+    probe = make_run().record["probes"]["height_m"]
+    probes = {f"p{i}_m": {**probe, "label": f"Signal {i}"} for i in range(6)}
+    text = html(make_run(probes=probes))
+    assert "<details><summary>The same for Signal 3; Signal 4; Signal 5</summary>" in text
+    assert len(re.findall(r'id="run1-figure-probe-p\d_m"', text)) == 6
+
+
+def test_scores_speak_of_the_truth_only_where_there_is_one(html):
+    assert "Deviations are from the closed form" in html(make_run())
+    assert "Deviations are from" not in html(make_run(truth=None))
+
+
 def test_several_runs_have_a_block_each(html):
     text = html(RUNS["both modes"], RUNS["against"])
     assert '<article id="run1">' in text
@@ -388,12 +442,25 @@ def test_every_section_has_its_template():
     [
         (0.8, 0.8, 0.8, "same"), (0.8, None, 0.0, "left"), (0.8, 1.0, 1.0, "translated"),
         (0.8, 0.8, None, "unread"), (None, 1e-9, 1e-9, "same"), (0.0, 0.0, 0.0, "same"),
-        (0.1, 0.1, 0.10000000000000001, "same"),
+        (0.1, 0.1, 0.10000000000000001, "same"), (0.0, None, None, "left"),
     ],
 )  # fmt: skip
 def test_audit_tells_own_values_from_translated_ones(wanted, given, held, state):
     row = {"scenario_value": wanted, "set_value": given, "read_value": held}
     assert state_of(row) == state
+
+
+def test_what_was_left_without_a_getter_is_told_in_its_note_and_comes_first(html):
+    unread = {**audit_row("default"), "read_value": None, "note": "its motor was left on"}
+    rows = [
+        {**unread, "quantity": "contact", "scenario_value": None, "note": "left at 0.04"},
+        {**unread, "quantity": "wheel.friction"},
+    ]
+    run = make_run([("north", "default", 0.0)])
+    run.record["sources"][0]["audit"] = rows
+    left = builder.blocks_of([run])[0].contexts["given"]["left"]
+    assert [row["quantity"] for row in left] == ["wheel.friction", "contact"]
+    assert html(run).count("its motor was left on") == 2
 
 
 # the figures
