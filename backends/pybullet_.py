@@ -78,15 +78,15 @@ class PybulletSimulation(RecoilingSimulation):
     def advance(self, count: int) -> None:
         step, client, drive = self._bullet.stepSimulation, self._client, self._drive
         rotors = self._rotors
+        looks = rotors is not None or (drive is not None and drive.follows)
         for _ in range(count):
             if self._dragged:
                 self._apply_drag()
-            if drive is not None or rotors is not None:
-                states = self._joint_states()
-                if rotors is not None:
-                    rotors.push(states)
-                if drive is not None:
-                    self._push(drive, states)
+            states = self._joint_states() if looks else []
+            if rotors is not None:
+                rotors.push(states)
+            if drive is not None:
+                self._push(drive, states)
             step(client)
 
     def rotor_motions(self) -> list[Motion]:
@@ -103,8 +103,8 @@ class PybulletSimulation(RecoilingSimulation):
 
     def _push(self, drive: Drive, states: list[Any]) -> None:
         """Puts efforts on the driven joints; PyBullet forgets them in every step."""
-        positions = [states[i][0] for i in self._driven]
-        rates = [states[i][1] for i in self._driven]
+        positions = [states[i][0] for i in self._driven] if drive.follows else []
+        rates = [states[i][1] for i in self._driven] if drive.follows else []
         efforts = self._efforts = drive.efforts(positions, rates)
         control, mode = self._bullet.setJointMotorControlArray, self._bullet.TORQUE_CONTROL
         for uid, links, places in self._pushed:

@@ -164,6 +164,8 @@ class Drive:
         self.laws = {name: law for name, law in laws_of(scenario).items() if law.is_driven}
         self.names = tuple(self.laws)
         self._scenario, self._step_s, self._lead, self._exact = scenario, step_s, lead, exact
+        #: whether efforts follow the motion, and not the inputs alone
+        self.follows = any(law.stiffness or law.damping for law in self.laws.values())
         self._linear = [(law.stiffness, law.rest, law.damping) for law in self.laws.values()]
         self.rates_before: list[float] | None = None
         self._index, self._first = 0, 0
@@ -217,8 +219,10 @@ class Drive:
 
         Args:
             positions: coordinates as the engine holds them before the step.
-            rates: rates as it stores them.
+            rates: rates as it stores them; neither is looked at unless the efforts follow them.
         """
+        if not self.follows:
+            return self._next_row()
         if self._unchecked:
             self._refuse_stiffness()
         open_efforts = self._next_row()

@@ -6,6 +6,7 @@ here once for a whole recording is cheaper than asking for every body in every s
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -37,13 +38,27 @@ class Mount:
 def mount_of(scenario: Scenario, joint: Joint) -> Mount:
     """How a joint's child is drawn relative to its parent."""
     parent, child = scenario.bodies[joint.parent], scenario.bodies[joint.child]
-    to_parent = conjugate(_row(parent.orientation_wxyz))
-    away = np.subtract(child.position_m, parent.position_m)
+    return _mount(
+        (parent.position_m, parent.orientation_wxyz),
+        (child.position_m, child.orientation_wxyz),
+        joint.anchor_m,
+        joint.axis,
+    )
+
+
+_Pose = tuple[Vector, Quaternion]
+
+
+@functools.lru_cache(maxsize=256)
+def _mount(parent: _Pose, child: _Pose, anchor_m: Vector, joint_axis: Vector) -> Mount:
+    """The same from plain values; a controlled run asks for it in every step."""
+    to_parent = conjugate(_row(parent[1]))
+    away = np.subtract(child[0], parent[0])
     position = rotate(to_parent, away[None])[0]
-    orientation = multiply(to_parent, _row(child.orientation_wxyz))
+    orientation = multiply(to_parent, _row(child[1]))
     to_child = conjugate(orientation)
-    anchor = rotate(to_child, (np.array(joint.anchor_m) - position)[None])[0]
-    axis = rotate(to_child, _unit(joint.axis)[None])[0]
+    anchor = rotate(to_child, (np.array(anchor_m) - position)[None])[0]
+    axis = rotate(to_child, _unit(joint_axis)[None])[0]
     w, x, y, z = orientation[0].tolist()
     return Mount(_vector(position), (w, x, y, z), _vector(anchor), _vector(axis))
 

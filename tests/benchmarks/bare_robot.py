@@ -2,7 +2,7 @@
 
 Every class builds the scene with sphere wheels, gives the torque in each step and records position,
 orientation, velocity and rate of the chassis and angle and rate of both wheels, through the
-engine's own API.
+engine's own API. Solvers are those of the backends, so that the ratio is the cost of the tool.
 """
 
 import numpy as np
@@ -61,7 +61,10 @@ class Pybullet:
         p, at = pybullet, {"physicsClientId": self.client}
         p.setGravity(0, 0, -G, **at)
         p.setTimeStep(step_s, **at)
-        p.setPhysicsEngineParameter(contactSlop=0, **at)
+        # the solver that the robot needs, as the backend has it
+        p.setPhysicsEngineParameter(
+            contactSlop=0, numSolverIterations=500, solverResidualThreshold=1e-24, **at
+        )
         plane = p.createMultiBody(0, p.createCollisionShape(p.GEOM_PLANE, **at), **at)
         wheel = p.createCollisionShape(p.GEOM_SPHERE, radius=RADIUS, **at)
         caster = p.createCollisionShape(
@@ -115,6 +118,11 @@ class Dart:
         self.world.setTimeStep(step_s)
         detector = dart.collision.OdeCollisionDetector()
         self.world.getConstraintSolver().setCollisionDetector(detector)
+        # the solver that the robot's friction needs, as the backend has it
+        options = dart.constraint.NsgsFrictionSolver.Options()
+        options.tolerance, options.maxSweeps = 1e-6, 100
+        solver = dart.constraint.NsgsFrictionSolver(options)
+        self.world.getConstraintSolver().setBoxedLcpSolver(solver)
         self.robot = dart.dynamics.Skeleton("robot")
         _, chassis = self.robot.createFreeJointAndBodyNodePair()
         self._fill(dart, chassis, (BODY, BODY_MOMENTS), CASTER, 0.0, (-BEHIND, 0, CASTER - HEIGHT))
