@@ -112,9 +112,11 @@ def _shown(scores: list[Score]) -> str:
     low, high = (
         value if abs(value) > numbers.ROUNDING * truth else 0.0 for value in (values[0], values[-1])
     )
-    if numbers.plain(low, 2) == numbers.plain(high, 2):
+    digits = 2 if numbers.plain(low, 2) != numbers.plain(high, 2) else 4
+    if numbers.plain(low, digits) == numbers.plain(high, digits):
         return f": the value is {_number(low, unit)}{none}"
-    return f": the values lie between {numbers.plain(low, 2)} and {_number(high, unit, 2)}{none}"
+    between = f"{numbers.plain(low, digits)} and {_number(high, unit, digits)}"
+    return f": the values lie between {between}{none}"
 
 
 def _number(value: float, unit: str, digits: int = 4) -> str:
