@@ -79,3 +79,32 @@ def test_going_back_to_the_start_begins_anew(engine):
         simulation.close()
     assert ends[0] == ends[1]
     assert ends[0][0] == pytest.approx(0.5 * 0.1 + 0.75 * 0.01, abs=1e-9)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_drag_in_free_flight_is_of_second_order(engine):
+    from scipy.integrate import solve_ivp
+
+    ball = {
+        "mass_kg": 0.0027, "inertia_kg_m2": [1e-6, 1e-6, 1e-6], "velocity_m_s": [5, 0, 3],
+        "drag": {"coefficient": 0.5, "area_m2": 1.2566e-3, "air_density_kg_m3": 1.2},
+    }  # fmt: skip
+    errors = []
+    for step_s in (0.004, 0.002):
+        tree = {
+            "name": "thrown", "title": "Thrown", "question": "How far?",
+            "world": {"duration_s": 0.4, "step_s": step_s}, "bodies": {"ball": ball},
+        }  # fmt: skip
+        scenario = Scenario.model_validate(tree)
+        found = engines.get(engine).simulate(scenario, Settings())
+        factor = scenario.bodies["ball"].drag.factor_kg_m / 0.0027
+
+        def fall(_, y, factor=factor):
+            return [*y[2:], *(-factor * np.hypot(*y[2:]) * y[2:] + [0, -9.80665])]
+
+        truth = solve_ivp(
+            fall, (0, 0.4), [0, 0, 5, 3], t_eval=found.time_s[-1:], rtol=1e-11, atol=1e-12
+        ).y[:2, 0]
+        errors.append(np.abs(found.signals["ball.position_m"][-1, [0, 2]] - truth).max())
+    assert 3.0 < errors[0] / errors[1] < 5.0
+    assert errors[1] < 5e-5
