@@ -100,14 +100,13 @@ class Recoil:
 
     Attributes:
         lag: steps by which the torques lag behind the motion.
-        rests: whether it is left out for the time being.
 
     Raises:
         Unsupported: that would be too many.
     """
 
     def __init__(self, scenario: Scenario, rotors: Sequence[Rotor]) -> None:
-        self.rotors, self.rests = rotors, False
+        self.rotors = rotors
         self.before: Pairs | None = None
         self.felt: Pairs | None = None
         self._step_s = scenario.world.engine_step_s
@@ -161,7 +160,7 @@ class Recoil:
         for rotor, (rate, (x, y, z)) in zip(self.rotors, motions, strict=True):
             a, b, c = rotor.axis
             now.append((rate, a * x + b * y + c * z - rate))
-        if self.before is not None and not self.rests:
+        if self.before is not None:
             step_s, part = self._step_s, self._part
             new = [
                 ((rate - rate_was) / step_s, (carried - was) / step_s)
@@ -251,12 +250,6 @@ class RecoilingSimulation(Simulation):
         recoil = self._recoil
         if recoil is None or self._engine_step_s or self.LEAD:
             super()._stagger_start()
-            return
-        if self._touches:
-            # an engine may find the contact late, so that the first acceleration tells nothing
-            recoil.rests = True
-            super()._stagger_start()
-            recoil.rests = False
             return
         start, felt = self.state, None
         for _ in range(recoil.tries):

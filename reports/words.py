@@ -112,7 +112,7 @@ def _shown(scores: list[Score]) -> str:
     low, high = (
         value if abs(value) > numbers.ROUNDING * truth else 0.0 for value in (values[0], values[-1])
     )
-    digits = 2 if numbers.plain(low, 2) != numbers.plain(high, 2) else 4
+    digits = 3 if numbers.plain(low, 3) != numbers.plain(high, 3) else 5
     if numbers.plain(low, digits) == numbers.plain(high, digits):
         return f": the value is {_number(low, unit)}{none}"
     between = f"{numbers.plain(low, digits)} and {_number(high, unit, digits)}"

@@ -367,7 +367,11 @@ def _place_of(loc: tuple[int | str, ...]) -> list[str]:
 
 
 #: what pydantic says, in words for people who do not program
-_MESSAGES = {"missing": "is missing", "extra_forbidden": "is not known here"}
+_MESSAGES = {
+    "missing": "is missing",
+    "extra_forbidden": "is not known here",
+    "model_type": "is one value; expected a mapping with its parts, such as {value: 1.0}",
+}
 
 
 def describe(faults: Mapping[str, str], lines: Mapping[str, int]) -> list[str]:

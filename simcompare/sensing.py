@@ -68,8 +68,11 @@ def acceleration_of(values: Array, time_s: Array) -> Array:
         return found
     step_s = (time_s[-1] - time_s[0]) / (len(time_s) - 1)
     found[1:-1] = values[2:] - 2 * values[1:-1] + values[:-2]
-    found[0] = 2 * values[0] - 5 * values[1] + 4 * values[2] - values[3]
-    found[-1] = 2 * values[-1] - 5 * values[-2] + 4 * values[-3] - values[-4]
+    if len(time_s) < 5:
+        found[[0, -1]] = found[[1, -2]]
+    else:  # a parabola through the three next to each end
+        found[0] = 3 * found[1] - 3 * found[2] + found[3]
+        found[-1] = 3 * found[-2] - 3 * found[-3] + found[-4]
     return np.asarray(found / step_s**2, dtype=float)
 
 

@@ -20,7 +20,7 @@ from simcompare.pairs import touching_pairs
 from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario
 from simcompare.sensing import complete
 from simcompare.shapes import Vector
-from simcompare.state import BodyState, State, across, compare_start, half_a_step_back
+from simcompare.state import BodyState, State, compare_start, half_a_step_back
 from simcompare.trajectory import BODY_SIGNALS, Array, Trajectory
 
 #: what a controller reads: every signal now, a number or a tuple of its components
@@ -78,11 +78,9 @@ class Simulation(FreeMotion):
         self._recent: deque[tuple[float, Sequence[float], dict[str, float]]] = deque(maxlen=_RECENT)
         if steps is not None:
             self._prepare_landing(steps)
-        self._touches = bool(touching_pairs(scenario))
-        if exact and not self.LEAD and self._landing is None:
+        if exact and not self.LEAD and not touching_pairs(scenario):
             # velocities at the start belong to a step of length zero, see _stagger_start
-            self._engine_step_s = 0.0
-            self._stagger = 0.0 if self._touches else -0.5
+            self._engine_step_s, self._stagger = 0.0, -0.5
 
     @property
     def is_plain(self) -> bool:
@@ -246,20 +244,15 @@ class Simulation(FreeMotion):
         """Moves the velocities from the start to half a step before it, where steps store them.
 
         Else all motion runs ahead by half a step of the first acceleration. The engine itself tells
-        how large that is, by steps that are taken back. Where bodies may touch, an engine may find
-        the contact only in its second step, and let it slip in that one, so the third tells, and
-        only of motion across gravity: along it, bodies are still settling on what they touch.
+        how large that is, by a step that is taken back. Where bodies may touch, it is left as it
+        is: an engine may find the contact only in its second step, and moving backwards at the
+        start turns friction round.
         """
         if self._engine_step_s or self.LEAD:
             return
-        start = before = self.state
+        start = self.state
         self.advance(1)
         after = self.state
-        if self._touches:
-            self.advance(1)
-            before = self.state
-            self.advance(1)
-            after = across(start, before, self.state, self.scenario.world.gravity_m_s2)
         names = self._drive.names if self._drive is not None else None
         seen = list(self._recent)
         self.set_state(half_a_step_back(start, after, self._whole_step_s, names))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -39,37 +38,6 @@ class State:
     velocity_step_s: float = field(default=0.0)
     joints: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     rates_before: tuple[float, ...] | None = None
-
-
-def across(start: State, before: State, after: State, gravity: Vector) -> State:
-    """The start with the change of velocities from ``before`` to ``after``, across gravity only.
-
-    Free bodies keep their velocity along gravity and their rates across it; joints take all.
-    """
-    norm = math.sqrt(sum(g * g for g in gravity)) or 1.0
-    down = [g / norm for g in gravity]
-
-    def along(vector: Sequence[float]) -> list[float]:
-        size = sum(a * b for a, b in zip(vector, down, strict=True))
-        return [size * b for b in down]
-
-    bodies = {}
-    for name, held in start.bodies.items():
-        one, two = before.bodies[name], after.bodies[name]
-        change = [b - a for a, b in zip(one.velocity_m_s, two.velocity_m_s, strict=True)]
-        turn = [b - a for a, b in zip(one.rate_rad_s, two.rate_rad_s, strict=True)]
-        level = [c - d for c, d in zip(change, along(change), strict=True)]
-        bodies[name] = BodyState(
-            held.position_m,
-            held.orientation_wxyz,
-            tuple(v + c for v, c in zip(held.velocity_m_s, level, strict=True)),
-            tuple(r + c for r, c in zip(held.rate_rad_s, along(turn), strict=True)),
-        )
-    joints = {
-        name: (position, rate + after.joints[name][1] - before.joints[name][1])
-        for name, (position, rate) in start.joints.items()
-    }
-    return State(start.time_s, bodies, start.velocity_step_s, joints)
 
 
 def half_a_step_back(

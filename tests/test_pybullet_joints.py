@@ -362,7 +362,8 @@ def test_wheels_of_rims_roll_straight():
     x, y, _ = t.signals["chassis.position_m"][-1]
     torque, mass, radius, rim = 0.02, 0.6, 0.0325, 1.584375e-5
     acceleration = 2 * torque / radius / (mass + 2 * rim / radius**2)
-    assert x + 0.02 == pytest.approx(0.5 * acceleration * 1.02**2, rel=2e-6)
+    # where bodies touch, the first step pushes for the whole of it
+    assert x + 0.02 == pytest.approx(0.5 * acceleration * 1.02 * 1.021, rel=2e-6)
     assert abs(y) < 1e-5
     sizes = [row for row in t.audit if row.quantity == "left_wheel.length_m"]
     assert [row.read_value for row in sizes] == pytest.approx([0.02, 0.02], rel=1e-12)

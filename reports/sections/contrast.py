@@ -12,7 +12,7 @@ from simcompare.results import Run
 class Contrast(Section):
     """All judged scores of all engines in one picture."""
 
-    name, title, template = "contrast", "Default and mapped", "figures.html"
+    name, title, template = "contrast", "Deviation in tolerances", "figures.html"
 
     def context(self, run: Run) -> dict[str, Any] | None:
         """The figure; ``None`` where nothing has a truth and a tolerance."""

@@ -93,5 +93,7 @@ def pairs(settings: list[str]) -> dict[str, str | float]:
         name, equals, value = text.partition("=")
         if not equals or not name.strip() or not value.strip():
             raise InputError("--set", [f"{text!r} is not of the form parameter=value"])
+        if name.strip() in found:
+            raise InputError("--set", [f"{name.strip()} is given twice"])
         found[name.strip()] = value.strip()
     return found

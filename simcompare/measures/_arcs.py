@@ -119,8 +119,9 @@ def find(time_s: Array, height_m: Array) -> list[Arc]:
     lows = _local_minima(height_m)
     # movement below a millionth of the drop is rest, also when it is rest above the floor
     least_rise = 1e-6 * float(np.ptp(height_m))
-    for begin, end in zip([-2, *lows], [*lows, len(height_m) + 1], strict=True):
-        first, last = max(begin + 2, 0), min(end - 2, len(height_m) - 1)
+    # an impact just before the record ends leaves no minimum, but a sample of the next flight
+    for begin, end in zip([-2, *lows], [*lows, len(height_m)], strict=True):
+        first, last = max(begin + 2, 0), end - 2
         above = np.flatnonzero(height_m[first : last + 1] > 0)
         if len(above) < LEAST_SAMPLES:
             break
