@@ -197,6 +197,7 @@ def _shape(shape: Shape) -> dict[str, Any]:
 
 
 def geom_name(body: str, index: int) -> str:
+    """Name of the geom that a body's shape becomes."""
     return f"{body}.{index}"
 
 

@@ -46,21 +46,25 @@ def mount_of(scenario: Scenario, joint: Joint) -> Mount:
     )
 
 
-_Pose = tuple[Vector, Quaternion]
+Placed = tuple[Vector, Quaternion]
+
+
+def seen_from(base: Placed, body: Placed) -> Placed:
+    """Position and orientation of a body in another's frame."""
+    back = conjugate(_row(base[1]))
+    away = np.subtract(body[0], base[0])[None]
+    w, x, y, z = multiply(back, _row(body[1]))[0].tolist()
+    return vector_of(rotate(back, away)[0]), (w, x, y, z)
 
 
 @functools.lru_cache(maxsize=256)
-def _mount(parent: _Pose, child: _Pose, anchor_m: Vector, joint_axis: Vector) -> Mount:
+def _mount(parent: Placed, child: Placed, anchor_m: Vector, joint_axis: Vector) -> Mount:
     """The same from plain values; a controlled run asks for it in every step."""
-    to_parent = conjugate(_row(parent[1]))
-    away = np.subtract(child[0], parent[0])
-    position = rotate(to_parent, away[None])[0]
-    orientation = multiply(to_parent, _row(child[1]))
-    to_child = conjugate(orientation)
-    anchor = rotate(to_child, (np.array(anchor_m) - position)[None])[0]
+    position, orientation = seen_from(parent, child)
+    to_child = conjugate(_row(orientation))
+    anchor = rotate(to_child, np.subtract(anchor_m, position)[None])[0]
     axis = rotate(to_child, _unit(joint_axis)[None])[0]
-    w, x, y, z = orientation[0].tolist()
-    return Mount(_vector(position), (w, x, y, z), _vector(anchor), _vector(axis))
+    return Mount(position, orientation, vector_of(anchor), vector_of(axis))
 
 
 def in_order(scenario: Scenario) -> dict[str, Joint]:
@@ -142,6 +146,7 @@ def _row(quaternion: Quaternion) -> Array:
     return np.asarray([quaternion], dtype=float)
 
 
-def _vector(values: Array) -> Vector:
+def vector_of(values: Array) -> Vector:
+    """Three numbers as a plain tuple."""
     x, y, z = values.tolist()
     return x, y, z

@@ -28,9 +28,9 @@ def rotation_vector_of(orientation_wxyz: Sequence[float]) -> Array:
 
 def cross(first: Array, second: Array) -> Array:
     """Cross products (n, 3) of vectors (n, 3); three times as fast as numpy's own for few rows."""
-    a, b, c = first[:, 0], first[:, 1], first[:, 2]
-    x, y, z = second[:, 0], second[:, 1], second[:, 2]
-    return np.column_stack((b * z - c * y, c * x - a * z, a * y - b * x))
+    ahead = first[..., [1, 2, 0]] * second[..., [2, 0, 1]]
+    behind = first[..., [2, 0, 1]] * second[..., [1, 2, 0]]
+    return np.asarray(ahead - behind, dtype=float)
 
 
 def rotate(orientation_wxyz: Array, vectors: Array) -> Array:

@@ -1,7 +1,9 @@
 """The examples run as their first lines say."""
 
+import functools
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -11,30 +13,29 @@ from simcompare import engines
 EXAMPLES = Path(__file__).parent.parent / "examples"
 
 
-@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)
-def test_an_example_runs(path, tmp_path):
-    done = subprocess.run(
+@functools.cache
+def run(path):
+    """What an example prints; each takes seconds, and two tests look at it."""
+    return subprocess.run(
         [sys.executable, path],
-        cwd=tmp_path,
+        cwd=tempfile.gettempdir(),
         capture_output=True,
         text=True,
         timeout=120,
         check=False,
     )
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)
+def test_an_example_runs(path):
+    done = run(path)
     assert done.returncode == 0, done.stderr
     assert "python examples/" + path.name in path.read_text(encoding="utf-8")
 
 
-def test_the_controller_drives_every_engine_along_the_line(tmp_path):
-    path = EXAMPLES / "drive_along_a_line.py"
-    done = subprocess.run(
-        [sys.executable, path],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=True,
-    )
+def test_the_controller_drives_every_engine_along_the_line():
+    done = run(EXAMPLES / "drive_along_a_line.py")
+    assert done.returncode == 0, done.stderr
     rows = {line.split()[0]: line for line in done.stdout.splitlines()}
     assert set(rows) == set(engines.names())
     for row in rows.values():

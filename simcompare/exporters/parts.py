@@ -10,13 +10,13 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from simcompare import kinematics
 from simcompare.drives import laws_of
 from simcompare.errors import InputError
-from simcompare.rotations import conjugate, matrix_of, multiply, rotate
+from simcompare.rotations import matrix_of, rotate
 from simcompare.scenario import Body, Contact, DcMotor, Scenario
 from simcompare.shapes import Plane, Quaternion, Vector
 from simcompare.signals import Signal
-from simcompare.trajectory import Array
 
 
 @dataclass(frozen=True)
@@ -96,20 +96,14 @@ def difference(first: Sequence[float], second: Sequence[float]) -> Vector:
 
 def turned(orientation_wxyz: Quaternion, vector: Vector) -> Vector:
     """A vector of a body's frame in the frame in which the orientation is given."""
-    return _vector(rotate(np.array([orientation_wxyz]), np.array([vector]))[0])
+    return kinematics.vector_of(rotate(np.array([orientation_wxyz]), np.array([vector]))[0])
 
 
 def seen_from(base: Body, body: Body) -> tuple[Vector, Quaternion]:
     """Position and orientation of a body in another's frame."""
-    back = conjugate(np.array([base.orientation_wxyz]))
-    away = np.array([difference(body.position_m, base.position_m)])
-    w, x, y, z = multiply(back, np.array([body.orientation_wxyz]))[0].tolist()
-    return _vector(rotate(back, away)[0]), (w, x, y, z)
-
-
-def _vector(values: Array) -> Vector:
-    x, y, z = values.tolist()
-    return x, y, z
+    return kinematics.seen_from(
+        (base.position_m, base.orientation_wxyz), (body.position_m, body.orientation_wxyz)
+    )
 
 
 def inertia_of(body: Body) -> tuple[float, Vector]:

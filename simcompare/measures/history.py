@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare.measures import OF_PROBE, Measured, Request
+from simcompare.measures import OF_PROBE, Measured, Request, _window
 from simcompare.trajectory import Trajectory
 
 #: series over time; the value comes only from a comparison
@@ -25,9 +25,7 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     Returns:
         Series ``time`` and ``history``; fewer than ``count`` where the record is shorter.
     """
-    samples = len(trajectory.time_s)
-    count = max(1, min(round(request.options["count"]), samples))
-    taken = np.linspace(0, samples - 1, count).round().astype(int)
+    taken = _window.evenly(len(trajectory.time_s), request.options["count"])
     return Measured(
         values={},
         series={"time": trajectory.time_s[taken], "history": request.seen(trajectory)[taken]},

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare.measures import OF_PROBE, Measured, Request
+from simcompare.measures import OF_PROBE, Measured, Request, _window
 from simcompare.trajectory import Array, Trajectory
 
 #: samples at the end of a record where differences of differences are one-sided
@@ -79,8 +79,7 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     moving[-EDGE:] = False
     gravity, gate = options["gravity_m_s2"], options["gate"]
     valid = np.all([np.abs(np.hypot(*f) - gravity) < gate * gravity for f in (first, second)], 0)
-    taken = np.linspace(0, len(time_s) - 1, min(round(options["count"]), len(time_s)))
-    taken = taken.round().astype(int)
+    taken = _window.evenly(len(time_s), options["count"])
     return Measured(
         values={
             "static_error": _largest(error[still]),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare.measures import Measured, Request, side_by_side
+from simcompare.measures import Measured, Request, _window, side_by_side
 from simcompare.sensing import LAPSE_K_M, PRESSURE_EXPONENT, SEA_LEVEL_K, SEA_LEVEL_PA
 from simcompare.trajectory import Array, Trajectory
 
@@ -33,8 +33,7 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         ``climb`` and, at these samples, ``height_time``, ``told_height`` and ``true_height``.
     """
     pressure = request.seen(trajectory)
-    count = max(1, min(round(request.options["count"]), len(pressure)))
-    taken = np.linspace(0, len(pressure) - 1, count).round().astype(int)
+    taken = _window.evenly(len(pressure), request.options["count"])
     told = height_of(pressure)
     return Measured(
         values={"climb": float(told[-1] - told[0])},
