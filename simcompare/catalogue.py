@@ -10,15 +10,16 @@ import importlib.util
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from simcompare.errors import InputError, UnknownName
 
 if TYPE_CHECKING:
     from simcompare.scenario_file import ScenarioFile
+    from simcompare.signals import Signal
     from simcompare.trajectory import Array
 
-    Reference = Callable[[Mapping[str, float], Array], dict[str, Array]]
+    Reference = Callable[[Mapping[str, float], Array, Mapping[str, Signal]], dict[str, Array]]
 
 #: environment variable with folders of more scenarios, separated as in PATH
 FOLDERS_VARIABLE = "SIMCOMPARE_SCENARIOS"
@@ -107,6 +108,9 @@ def load(name: str) -> ScenarioFile:
 def reference_of(path: Path) -> Reference | None:
     """The function ``reference`` beside a scenario file, ``None`` where there is no such module.
 
+    It is called with parameters, times and the signals of the inputs; one that takes no inputs is
+    written with the first two alone.
+
     Raises:
         InputError: the module cannot be imported or has no such function.
     """
@@ -130,4 +134,19 @@ def reference_of(path: Path) -> Reference | None:
         ) from error
     if not callable(getattr(module, "reference", None)):
         raise InputError(str(source), ["has no function reference(parameters, time_s)"])
-    return cast("Reference", module.reference)
+    return _with_inputs(module.reference)
+
+
+def _with_inputs(function: Callable[..., dict[str, Array]]) -> Reference:
+    """A reference that is given the inputs, whether or not it wants them."""
+    import inspect
+
+    if len(inspect.signature(function).parameters) > 2:
+        return function
+
+    def reference(
+        parameters: Mapping[str, float], time_s: Array, inputs: Mapping[str, Signal]
+    ) -> dict[str, Array]:
+        return function(parameters, time_s)
+
+    return reference

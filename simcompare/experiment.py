@@ -295,7 +295,7 @@ def truths_of(path: Path, scenarios: Sequence[Scenario]) -> list[Trajectory | No
 
 def _truth(reference: catalogue.Reference, scenario: Scenario) -> Trajectory:
     times = sample_times(scenario)
-    signals = dict(reference(scenario.parameters, times))
+    signals = dict(reference(scenario.parameters, times, scenario.inputs))
     complete(scenario, times, signals, input_values(scenario, times))
     truth = Trajectory(TRUTH, times, signals)
     for measure in scenario.measures:

@@ -14,6 +14,7 @@ from simcompare import expressions, units
 from simcompare.errors import InputError, UnknownName
 from simcompare.scenario import Scenario
 from simcompare.scenario_checks import faults_between_parts
+from simcompare.signals import Signal
 
 #: keys of the file that describe it rather than the scene
 HEAD_KEYS = ("parameters", "presets")
@@ -94,6 +95,7 @@ class ScenarioFile:
         *,
         preset: str | None = None,
         step_s: float | None = None,
+        inputs: Mapping[str, Signal] | None = None,
     ) -> Scenario:
         """Gives every parameter a number and builds the scenario.
 
@@ -101,9 +103,10 @@ class ScenarioFile:
             values: parameters that differ from the file, SI.
             preset: name of a preset that is applied before ``values``.
             step_s: time between samples [s]; the file's own where ``None``.
+            inputs: signals that take the place of the scenario's own.
 
         Raises:
-            UnknownName: a preset that does not exist.
+            UnknownName: a preset or an input that does not exist.
             InputError: unknown parameters, values out of bounds, or faults of the file.
         """
         parameters = {name: parameter.value for name, parameter in self.parameters.items()}
@@ -115,7 +118,11 @@ class ScenarioFile:
         faults = out_of_bounds(parameters, self.parameters)
         if faults:
             raise InputError(f"{self.name}, parameters", list(faults.values()))
-        return self._build(parameters, step_s)
+        scenario = self._build(parameters, step_s)
+        for name in inputs or {}:
+            if name not in scenario.inputs:
+                raise UnknownName(f"input of {self.name}", name, scenario.inputs)
+        return scenario.model_copy(update={"inputs": {**scenario.inputs, **(inputs or {})}})
 
     def vary(self, scenario: Scenario, name: str, value: float) -> Scenario:
         """The same scenario with one parameter changed, also a little beyond its bounds.

@@ -48,7 +48,21 @@ UNITS_BY_SUFFIX = {
     "_V_s": "V/s",
     "_K_W": "K/W",
     "_J_K": "J/K",
+    "_rad_s2": "rad/s**2",
+    "_T": "tesla",
+    "_m3": "m**3",
+    "_kg_m_s": "kg*m/s",
 }
+
+#: how logs write units that pint reads otherwise, or not at all
+_LOG_UNITS = {
+    "dps": "deg/s", "°/s": "deg/s", "°": "deg", "g0": "g_0", "gee": "g_0", "rps": "turn/s",
+    "rev/s": "turn/s", "rev/min": "turn/min", "r/min": "turn/min", "rpm": "turn/min",
+    "RPM": "turn/min", "1/min": "turn/min", "°C": "degC", "%": "percent", "-": "1", "sec": "s",
+    "secs": "s", "seconds": "s", "Volt": "V", "Volts": "V", "Ω": "ohm", "µs": "us", "μs": "us",
+    "µT": "uT", "μT": "uT", "s^-1": "1/s",
+}  # fmt: skip
+_ANGLE = re.compile(r"\b(rad|deg|degree|degrees|radian|radians|turn|turns|revolution|rpm)\b")
 
 _SYMBOLS = {"**2": "²", "**3": "³", "*": "·", "ohm": "Ω"}
 _UNIT = re.compile(r"^[A-Za-zµμΩ°%][A-Za-zµμΩ°%\d_*/^·²³ -]*$")
@@ -123,6 +137,63 @@ def conversion_factor(given: str, unit: str, where: str) -> float:
     if _converted(0.0, given, unit, where) != 0:
         raise InputError(where, [f"{given!r} has an offset; give the values in {symbol(unit)}"])
     return _converted(1.0, given, unit, where)
+
+
+def si_of(text: str, where: str) -> tuple[float, float, str]:
+    """What a unit in a log means: value in SI = factor·number + offset, and that SI unit.
+
+    Angles stay angles: ``deg`` becomes ``rad`` and ``rpm`` ``rad/s``, but ``Hz`` stays ``Hz``.
+
+    Args:
+        text: the unit as the log writes it ("deg/s", "m/s^2", "°C", "1").
+        where: the place named in the error.
+
+    Raises:
+        InputError: it is no unit, or one whose SI unit is not in ``UNITS_BY_SUFFIX``.
+    """
+    given = _LOG_UNITS.get(text.strip(), text.strip())
+    given = re.sub(r"(?<=[a-z])([23])\b", r"**\1", given.replace("²", "**2").replace("³", "**3"))
+    given = re.sub(r"Nm\b", "N*m", given.replace("·", "*").replace("^", "**").replace("°", "deg"))
+    if given in ("1", ""):
+        return 1.0, 0.0, "1"
+    wanted = "a unit such as m, s, m/s^2, deg/s, V, or 1 for a plain number"
+    if len(given) > 40 or not (_UNIT.match(given) or re.fullmatch(r"1 ?/ ?[A-Za-z]+", given)):
+        raise InputError(where, [f"{text!r} is not a unit; expected {wanted}"])
+    try:
+        unit = _registry().Unit(given)
+    except Exception:  # noqa: BLE001  (pint raises many kinds for what it cannot read)
+        raise InputError(where, [f"{text!r} is not a unit; expected {wanted}"]) from None
+    si_unit = _si_unit(
+        unit, is_angle=bool(_ANGLE.search(given)), is_energy=given.endswith(("J", "h"))
+    )
+    if si_unit is None:
+        raise InputError(where, [f"{text!r} has no place here; expected {wanted}"])
+    target = "" if si_unit == "1" else si_unit
+    zero, one = (float(_registry().Quantity(x, unit).to(target).magnitude) for x in (0.0, 1.0))
+    return one - zero, zero, si_unit
+
+
+def _si_unit(unit: Any, *, is_angle: bool, is_energy: bool) -> str | None:  # noqa: ANN401
+    known = ["1", *UNITS_BY_SUFFIX.values()]
+    fitting = [
+        si for si in known
+        if _registry().Unit("" if si == "1" else si).dimensionality == unit.dimensionality
+    ]  # fmt: skip
+    if not fitting:
+        return None
+    # a turn and a number, a torque and an energy, have the same dimension
+    angles = [si for si in fitting if si.startswith("rad")]
+    plain = [si for si in fitting if "rad" not in si]
+    if is_angle and angles:
+        return angles[0]
+    if is_energy and "J" in plain:
+        return "J"
+    return (plain or angles)[0]
+
+
+def suffix_for(si_unit: str) -> str:
+    """Suffix of a name that carries an SI unit: ``m/s**2`` gives ``_m_s2``, ``1`` nothing."""
+    return next((s for s, unit in UNITS_BY_SUFFIX.items() if unit == si_unit), "")
 
 
 def _converted(number: float, given: str, unit: str, where: str) -> float:

@@ -1,0 +1,1 @@
+"""From raw columns to a recording: units, clock, defects; every change is recorded."""

@@ -1,0 +1,154 @@
+"""From a raw log to a recording: every check in order, every fault at once."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from simcompare.errors import InputError
+from simcompare.hardware.conditioning import naming
+from simcompare.hardware.conditioning.work import Work
+from simcompare.hardware.logs.mapping import Mapping
+from simcompare.hardware.logs.raw import RawLog, RawStream, blocks
+from simcompare.recording import (
+    INFO,
+    Channel,
+    Conversion,
+    Provenance,
+    Recording,
+    Repair,
+    Stream,
+)
+
+#: modules of this folder with ``check(work)``, in the order in which they run:
+#: first what is missing, then the clock, then what the values mean, then what can be filled
+CHECKS = (
+    "missing_values",
+    "time_unit",
+    "time_order",
+    "time_quantised",
+    "time_gaps",
+    "counter_wrap",
+    "saturation",
+    "plausible_units",
+    "inertial",
+    "truncated",
+    "fill_gaps",
+)
+
+
+def condition(
+    raw: RawLog, mapping: Mapping, about: Provenance, *, assume_units: bool = False
+) -> Recording:
+    """Conditions every stream of a log.
+
+    Args:
+        raw: as it was read.
+        mapping: what the user says of it.
+        about: provenance with file, importer and mode; what is found out is added.
+        assume_units: whether units that contradict physics are replaced by those that fit.
+
+    Raises:
+        InputError: what cannot be repaired, or with the mode "strict" whatever is not whole.
+    """
+    wanted = _wanted(raw, mapping, about.file)
+    works = [_checked(stream, mapping, assume_units) for stream in wanted]
+    repairs = [*raw.repairs, *(repair for work in works for repair in work.repairs)]
+    faults = [fault for work in works for fault in work.faults]
+    faults += naming.unused(mapping, wanted)
+    if about.mode == "strict":
+        faults += [_refused(repair) for repair in repairs if repair.severity != INFO]
+    conversions: list[Conversion] = [
+        Conversion(name, "", "", "", reason=why) for name, why in raw.ignored.items()
+    ]
+    streams = {}
+    for work in works:
+        made = None if work.faults else _stream(work, conversions)
+        faults += [] if made is None else work.faults
+        if made is not None:
+            streams[work.stream.name] = made
+    if faults:
+        raise InputError(about.file, faults)
+    full = replace(
+        about,
+        conversions=tuple(conversions),
+        repairs=tuple(repairs),
+        about={**raw.about, **mapping.about, **about.about},
+    )
+    return Recording(streams, full, tuple(raw.events))
+
+
+def _wanted(raw: RawLog, mapping: Mapping, file: str) -> list[RawStream]:
+    if not raw.streams:
+        raise InputError(file, ["holds no samples"])
+    names = [stream.name for stream in raw.streams]
+    unknown = [name for name in mapping.streams if name not in names]
+    if unknown:
+        raise InputError(
+            file, [f"has no stream {name!r}; it has {', '.join(names)}" for name in unknown]
+        )
+    return [s for s in raw.streams if not mapping.streams or s.name in mapping.streams]
+
+
+def _checked(stream: RawStream, mapping: Mapping, assume_units: bool) -> Work:
+    work = Work(stream, mapping, assume_units)
+    naming.prepare(work)
+    for name in CHECKS:
+        if work.faults and name not in ("missing_values", "time_unit"):
+            break  # what comes later needs a clock that is in order
+        importlib.import_module(f"simcompare.hardware.conditioning.{name}").check(work)
+    return work
+
+
+def _refused(repair: Repair) -> str:
+    places = [f"column {repair.channel!r}" if repair.channel else ""]
+    if repair.rows:
+        first, last = repair.rows[0]
+        more = f" and {repair.count - (last - first + 1)} more" if len(repair.rows) > 1 else ""
+        places.append(f"rows {first} to {last}{more}" if last > first else f"row {first}{more}")
+    where = ", ".join(place for place in places if place)
+    return f"{where}{': ' if where else ''}{repair.text} ({repair.rule}; refused by --strict)"
+
+
+def _stream(work: Work, conversions: list[Conversion]) -> Stream | None:
+    """Channels in SI; a column without a unit is a fault or, beside a mapping, left out."""
+    channels: dict[str, Channel] = {}
+    for column in work.data:
+        for wish, name in naming.channels_of(work, column):
+            made = naming.conversion(work, column, wish, name)
+            conversions.append(made)
+            if not made.channel:
+                continue
+            values = column.values
+            if (made.factor, made.offset) != (1.0, 0.0):
+                if len(naming.channels_of(work, column)) > 1:
+                    values = np.array(values)
+                for part in blocks(len(values)):
+                    values[part] = values[part] * made.factor + made.offset
+            u = column.u if wish is None or wish.u is None else wish.u * (wish.scale or 1.0)
+            if wish is not None and wish.u is not None:
+                u = wish.u * naming.factor_to_si(wish.unit)
+            elif u is not None:
+                u = u * abs(made.factor)
+            channels[made.channel] = Channel(
+                values, made.unit, (wish.frame if wish else "") or column.frame, u,
+                (wish.sensor if wish else "") or column.sensor,
+                (wish.kind if wish else "") or column.kind,
+                column.name, work.saturated.get(column.name),
+            )  # fmt: skip
+    if work.faults:
+        return None
+    clock = replace(work.stream.clock, u_s=work.u_time_s, resolution_s=work.resolution_s)
+    first = float(work.time_s[0])
+    time_s = work.time_s
+    for part in blocks(len(time_s)):
+        time_s[part] -= first
+    return Stream(time_s, channels, replace(clock, first_s=first), tuple(work.gaps))
+
+
+def check_names() -> Sequence[str]:
+    """Names of the checks, for documentation and tests."""
+    return CHECKS

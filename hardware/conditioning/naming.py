@@ -1,0 +1,126 @@
+"""What the columns of a log are called and in which unit they are."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Sequence
+
+from simcompare import units
+from simcompare.errors import InputError
+from simcompare.hardware.conditioning.work import Work
+from simcompare.hardware.logs.mapping import ChannelMap, Mapping
+from simcompare.hardware.logs.raw import RawColumn, RawStream
+from simcompare.recording import Conversion
+
+#: columns whose name says that they measure an acceleration: there, g is no gram
+_ACCELERATION = re.compile(
+    r"acc|imu|specific.?force|(^|_)a[xyz]?($|_)|^g[xyz]?force", re.IGNORECASE
+)
+_TEMPLATE = "write a mapping file (--map) with\n      channels:\n        {name}: {{column: {column!r}, unit: …}}"
+
+
+def prepare(work: Work) -> None:
+    """Settles which column is the time, and the units that the mapping or the name give."""
+    stream, time = work.stream, work.mapping.time
+    names = [column.name for column in stream.columns]
+    for name in dict.fromkeys(names):
+        if names.count(name) > 1:
+            work.fault("stands more than once; rename one of the columns", channel=name)
+    if time is not None and time.rate_Hz is not None:
+        stream.time, stream.increment_s = None, 1 / time.rate_Hz
+    if time is not None and time.column is not None:
+        if time.column in names:
+            stream.time = time.column
+        elif len(names):
+            work.fault(
+                f"there is no column {time.column!r} for the time; it has {', '.join(names)}"
+            )
+    if stream.time is None and stream.increment_s is None:
+        work.fault(
+            f"no column is a time (columns: {', '.join(names[:20])}); write a mapping file (--map)"
+            " with time: {column: …, unit: s} or time: {rate_Hz: …}"
+        )
+    if not len(stream):
+        work.fault("holds no samples; expected at least two")
+    for column in stream.columns:
+        wish = work.wishes(column)
+        if wish is not None:
+            column.unit = wish.unit if wish.scale == 1.0 else column.unit
+            column.limits = wish.limits or column.limits
+            column.kind = wish.kind or column.kind
+        elif column.name == stream.time and time is not None and time.unit is not None:
+            column.unit = time.unit
+        elif not column.unit:
+            column.unit = units.unit_of(column.name) if units.suffix_of(column.name) else ""
+
+
+def unit_text(name: str, unit: str) -> str:
+    """The unit as it is meant: in a column of accelerations g is standard gravity, no gram."""
+    if unit in ("g", "G", "mg") and _ACCELERATION.search(name):
+        return "g_0" if unit in ("g", "G") else "millig_0"
+    return unit
+
+
+def channels_of(work: Work, column: RawColumn) -> Sequence[tuple[ChannelMap | None, str]]:
+    """Channels that a column becomes, as (wish, name without unit)."""
+    wishes = work.mapping.of_column(work.stream.name, column.name)
+    if wishes:
+        return [(wish, name) for name, wish in wishes]
+    return [(None, slug(column.name))]
+
+
+def conversion(work: Work, column: RawColumn, wish: ChannelMap | None, name: str) -> Conversion:
+    """How a column becomes SI; a fault, or an empty channel, where its unit is not known."""
+    unit = unit_text(f"{column.name} {name}", wish.unit if wish else column.unit)
+    if not unit and work.mapping.channels:
+        return Conversion(column.name, "", "", "", reason="has no unit and is not in the mapping")
+    if not unit:
+        work.fault(
+            "has no unit, neither in its name nor in the file; "
+            + _TEMPLATE.format(name=name, column=column.name),
+            channel=column.name,
+        )
+        return Conversion(column.name, "", "", "", reason="has no unit")
+    try:
+        if unit == "g":
+            raise InputError("", ["'g' may be gram or standard gravity; write gram or g_0"])
+        factor, offset, si_unit = units.si_of(unit, "")
+    except InputError as error:
+        work.fault("; ".join(error.faults), channel=column.name)
+        return Conversion(column.name, unit, "", "", reason="has an unknown unit")
+    scale, sign = (wish.scale, wish.sign) if wish else (1.0, 1)
+    added = wish.offset if wish else 0.0
+    suffix = units.suffix_for(si_unit)
+    full = name if not suffix or name.endswith(suffix) else f"{name}{suffix}"
+    return Conversion(
+        column.name, unit, full, si_unit, sign * scale * factor, added * factor + offset,
+        "mapping" if wish else "",
+    )  # fmt: skip
+
+
+def factor_to_si(unit: str) -> float:
+    """Factor to SI of a unit that is known to be one."""
+    return units.si_of(unit_text("acceleration", unit), "")[0]
+
+
+def unused(mapping: Mapping, streams: Sequence[RawStream]) -> list[str]:
+    """Columns that the mapping names and no stream has."""
+    known = {c.name for s in streams for c in s.columns}
+    known |= {f"{s.name}/{c.name}" for s in streams for c in s.columns}
+    return [
+        f"channels.{name}: there is no column {channel.column!r}; the log has"
+        f" {', '.join(sorted({c.name for s in streams for c in s.columns}))[:400]}"
+        for name, channel in mapping.channels.items()
+        if channel.column not in known
+    ]
+
+
+def slug(name: str) -> str:
+    """A name of small letters, digits and underscores."""
+    # letters of units keep their case in a suffix such as _N_m or _V
+    suffix = units.suffix_of(name)
+    stem = name.removesuffix(suffix) if suffix else name
+    plain = unicodedata.normalize("NFKD", stem).encode("ascii", "ignore").decode().lower()
+    plain = re.sub(r"[^a-z0-9]+", "_", plain).strip("_") or "column"
+    return (plain if plain[0].isalpha() else f"c_{plain}") + suffix
