@@ -15,6 +15,8 @@ _PUBLIC = {
     "Run": "simcompare.results",
     "load_run": "simcompare.store",
     "export": "simcompare.exporters",
+    "import_log": "simcompare.importing",
+    "Recording": "simcompare.recording",
     "Scenario": "simcompare.scenario",
     "Trajectory": "simcompare.trajectory",
     "Settings": "simcompare.backend",

@@ -76,8 +76,8 @@ def head_of(path: Path) -> Head:
     """
     try:
         if path.is_dir():
-            members = sorted(str(p.relative_to(path)) for p in path.rglob("*") if p.is_file())
-            return Head(path, b"", tuple(members[:1000]))
+            inside = sorted(str(p.relative_to(path)) for p in path.rglob("*") if p.is_file())
+            return Head(path, b"", tuple(inside[:1000]))
         with path.open("rb") as file:
             start = file.read(HEAD_BYTES)
     except OSError as error:

@@ -108,7 +108,7 @@ class Mapping(_Part):
 
 
 #: a mapping that says nothing
-NOTHING = Mapping()
+NOTHING = Mapping.model_validate({})
 
 
 def read(path: Path) -> Mapping:

@@ -145,7 +145,7 @@ class Spool:
         found: list[Array] = []
         for file in self._files:
             file.flush()
-            found.append(np.memmap(file, dtype=np.float64, mode="r+", shape=(self._count,)))  # type: ignore[call-overload]
+            found.append(np.memmap(file, dtype=np.float64, mode="r+", shape=(self._count,)))
         return found
 
     def _spill(self) -> None:

@@ -1,0 +1,207 @@
+"""Public recordings of real hardware: where they are, and how they are read.
+
+A data set is a YAML file of this folder. Its files are not part of simcompare: they are found in
+the folder that ``SIMCOMPARE_DATA`` names, or fetched from the repository of their authors, at one
+commit, into the user's cache. Either way their SHA-256 is checked.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from simcompare.errors import EngineMissing, InputError, OutputError, UnknownName
+from simcompare.scenario_file import describe, faults_of, read_yaml
+
+#: environment variable with a folder that holds the recordings
+FOLDER_VARIABLE = "SIMCOMPARE_DATA"
+_FOLDER = Path(__file__).parent
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Source(_Part):
+    """Repository and commit that a data set was published in."""
+
+    repository: str = Field(pattern=r"^[\w.-]+/[\w.-]+$")
+    commit: str = Field(pattern=r"^[0-9a-f]{40}$")
+
+
+class File(_Part):
+    """One file of a data set.
+
+    Attributes:
+        path: inside the repository; ``None`` where the file was not published as it is.
+        local: inside the folder of ``SIMCOMPARE_DATA``.
+        sha256: of its content.
+        size_bytes: its size.
+    """
+
+    path: str | None = None
+    local: str
+    sha256: str = Field(pattern=r"^[0-9a-f]{64}$")
+    size_bytes: Annotated[int, Field(gt=0)]
+
+
+class DataSet(_Part):
+    """A public recording.
+
+    Attributes:
+        title: a few words.
+        text: what it is and what can be learned from it.
+        citation: who made it.
+        licence: short name of the licence.
+        source: repository and commit.
+        files: the first one is the log that is imported.
+        read: mapping for the importer.
+        validation: how scenarios are held against it, one entry for each.
+    """
+
+    title: str
+    text: str
+    citation: str
+    licence: str
+    source: Source
+    files: tuple[File, ...] = Field(min_length=1)
+    read: Mapping[str, Any] = Field(default_factory=dict)
+    validation: tuple[Mapping[str, Any], ...] = Field((), alias="validate")
+
+    def url(self, file: File) -> str | None:
+        """Where a file is fetched from."""
+        if file.path is None:
+            return None
+        from urllib.parse import quote
+
+        place = f"{self.source.repository}/{self.source.commit}/{quote(file.path)}"
+        return f"https://raw.githubusercontent.com/{place}"
+
+
+@cache
+def files() -> dict[str, Path]:
+    """Name -> description of every data set."""
+    return {path.stem: path for path in sorted(_FOLDER.glob("*.yaml"))}
+
+
+@cache
+def get(name: str) -> DataSet:
+    """The data set of that name.
+
+    Raises:
+        UnknownName: there is none.
+        InputError: its description has faults.
+    """
+    known = files()
+    if name not in known:
+        raise UnknownName("public recording", name, known)
+    tree, lines, faults = read_yaml(known[name])
+    try:
+        found = DataSet.model_validate(tree)
+    except ValidationError as error:
+        raise InputError(
+            str(known[name]), describe({**faults, **faults_of(error)}, lines)
+        ) from None
+    if faults:
+        raise InputError(str(known[name]), describe(faults, lines))
+    return found
+
+
+def local_folder() -> Path | None:
+    """The folder that the user named, ``None`` where none is."""
+    given = os.environ.get(FOLDER_VARIABLE)
+    return Path(given) if given else None
+
+
+def cache_folder() -> Path:
+    """Folder of fetched recordings."""
+    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(base) / "simcompare" / "recordings"
+
+
+def place(name: str) -> Path | None:
+    """The folder in which all files of a data set are, ``None`` where they are not all here."""
+    wanted = get(name).files
+    for folder in (local_folder(), cache_folder()):
+        if folder is not None and all((folder / file.local).is_file() for file in wanted):
+            return folder
+    return None
+
+
+def locate(name: str) -> list[Path]:
+    """The files of a data set, checked.
+
+    Raises:
+        InputError: they are not here, or a file is not the one that was registered.
+    """
+    found = get(name)
+    folder = place(name)
+    if folder is None:
+        raise InputError(
+            name,
+            [
+                f"is not on this machine; fetch it with simcompare data fetch {name},"
+                f" or name its folder in {FOLDER_VARIABLE}"
+            ],
+        )
+    paths = [folder / file.local for file in found.files]
+    for path, file in zip(paths, found.files, strict=True):
+        _check(path, file)
+    return paths
+
+
+def _check(path: Path, file: File) -> None:
+    try:
+        with path.open("rb") as stream:
+            digest = hashlib.file_digest(stream, "sha256").hexdigest()
+    except OSError as error:
+        raise InputError(str(path), [f"cannot be read: {error.strerror or error}"]) from None
+    if digest != file.sha256:
+        raise InputError(
+            str(path),
+            [
+                f"is not the registered file: SHA-256 {digest[:12]}…, expected"
+                f" {file.sha256[:12]}…; delete it and fetch it again"
+            ],
+        )
+
+
+def fetch(name: str) -> list[Path]:
+    """Fetches what is missing of a data set into the user's cache.
+
+    Raises:
+        EngineMissing: pooch is not installed.
+        OutputError: a file cannot be fetched or has another content than was registered.
+    """
+    if place(name) is not None:
+        return locate(name)
+    try:
+        import pooch
+    except ModuleNotFoundError:
+        cure = "pip install 'simcompare[hardware]'"
+        raise EngineMissing("the download of recordings", "pooch", cure) from None
+    found = get(name)
+    pooch.get_logger().setLevel("WARNING")
+    paths = []
+    for file in found.files:
+        url = found.url(file)
+        if url is None:
+            raise OutputError(
+                f"{name}: {file.local} was not published in this form; name the folder that holds"
+                f" it in {FOLDER_VARIABLE}"
+            )
+        target = cache_folder() / file.local
+        try:
+            got = pooch.retrieve(url, f"sha256:{file.sha256}", target.name, target.parent)
+        # pooch and requests raise many kinds; each means that the file is not here
+        except Exception as error:  # noqa: BLE001
+            reason = str(error).splitlines()[0][:200]
+            raise OutputError(f"{name}: {url} cannot be fetched ({reason})") from None
+        paths.append(Path(got))
+    return paths

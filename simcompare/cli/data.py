@@ -1,0 +1,61 @@
+"""``simcompare data``."""
+
+from __future__ import annotations
+
+import typer
+
+data = typer.Typer(help="Public recordings of real hardware.", no_args_is_help=True)
+
+
+def _names(incomplete: str) -> list[str]:
+    from simcompare.hardware.recordings import registry
+
+    return [name for name in registry.files() if name.startswith(incomplete)]
+
+
+@data.command("list")
+def list_(
+    as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
+) -> None:
+    """Every public recording: what it is, its licence, whether it is here."""
+    from simcompare.cli import console
+    from simcompare.hardware.recordings import registry
+
+    sets = {name: registry.get(name) for name in registry.files()}
+    if as_json:
+        rows = {
+            name: {
+                **found.model_dump(mode="json", by_alias=True, exclude={"read", "validation"}),
+                "urls": [found.url(file) for file in found.files],
+                "here": registry.place(name) is not None,
+            }
+            for name, found in sets.items()
+        }
+        console.print_json({"recordings": rows})
+        return
+    for name, found in sets.items():
+        size = sum(file.size_bytes for file in found.files) / 1e6
+        folder = registry.place(name)
+        here = f"in {folder}" if folder else f"not here: simcompare data fetch {name}"
+        scenarios = ", ".join(str(entry.get("scenario")) for entry in found.validation)
+        typer.echo(f"{name}: {found.title}")
+        typer.echo(f"  {found.text}")
+        typer.echo(f"  {found.citation}")
+        typer.echo(
+            f"  {found.licence}, {size:.2g} MB from github.com/{found.source.repository}"
+            f" at {found.source.commit[:12]}; {here}"
+        )
+        if scenarios:
+            typer.echo(f"  scenario: {scenarios} (simcompare validate SCENARIO --recording {name})")
+
+
+@data.command("fetch")
+def fetch(
+    names: list[str] = typer.Argument(help="Names of recordings.", autocompletion=_names),
+) -> None:
+    """Fetch recordings into the user's cache, checked by SHA-256."""
+    from simcompare.hardware.recordings import registry
+
+    for name in names:
+        for path in registry.fetch(name):
+            typer.echo(str(path))

@@ -1,0 +1,114 @@
+"""``simcompare import``."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from simcompare.recording import Provenance, Recording
+
+#: rows of a repair that are printed; recording.json has all
+_SHOWN = 5
+
+
+def _formats(incomplete: str) -> list[str]:
+    from simcompare.hardware.logs.importers import targets
+
+    return [name for name in targets() if name.startswith(incomplete)]
+
+
+def import_(
+    log: Path = typer.Argument(help="File or folder that a device, or its program, has written."),
+    kind: str = typer.Option(
+        None, "--as", help="Format; recognised by content.", autocompletion=_formats
+    ),
+    mapping: Path = typer.Option(
+        None, "--map", help="YAML file with columns, units, frames, signs and the clock."
+    ),
+    strict: bool = typer.Option(
+        False, "--strict", help="Refuse a log with any defect instead of repairing it."
+    ),
+    assume_units: bool = typer.Option(
+        False, "--assume-units", help="Replace a unit that contradicts physics, and record it."
+    ),
+    out: Path = typer.Option(
+        None, "--out", "-o", help="Folder of the recording (the log's name with .rec by default)."
+    ),
+    as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
+) -> None:
+    """Read a log of a real device; everything noticed or repaired is recorded."""
+    from simcompare import importing
+    from simcompare.cli import console
+
+    place = out or Path(f"{log.stem or log.name}.rec")
+    found = importing.import_log(
+        log, kind=kind, mapping=mapping, strict=strict, assume_units=assume_units, out=place
+    )
+    if as_json:
+        console.print_json({"recording": str(place), **as_plain(found)})
+        return
+    _print(found)
+    typer.echo(f"Stored in {place}")
+
+
+def as_plain(found: Recording) -> dict[str, Any]:
+    """What a recording holds, without its samples."""
+    return {
+        "provenance": asdict(found.provenance),
+        "events": [asdict(event) for event in found.events],
+        "streams": {
+            name: {
+                "samples": len(stream.time_s),
+                "duration_s": float(stream.time_s[-1]) if len(stream.time_s) else 0.0,
+                "clock": asdict(stream.clock),
+                "gaps": len(stream.gaps),
+                "channels": {c: channel.unit for c, channel in stream.channels.items()},
+            }
+            for name, stream in found.streams.items()
+        },
+    }
+
+
+def _print(found: Recording) -> None:
+    import numpy as np
+
+    from simcompare import units
+    from simcompare.cli import console
+
+    about = found.provenance
+    typer.echo(f"{about.file}: {about.importer}, {about.size_bytes / 1e6:.3g} MB")
+    made = console.table("stream", "samples", "seconds", "channel", "unit", "from", "range")
+    for name, stream in found.streams.items():
+        start = [name, str(len(stream.time_s)), f"{stream.time_s[-1]:.6g}"]
+        for channel, content in stream.channels.items():
+            known = content.values[np.isfinite(content.values)]
+            span = f"{known.min():.4g} … {known.max():.4g}" if len(known) else "nothing measured"
+            unit = units.symbol(content.unit)
+            made.add_row(*start, channel, "" if unit == "1" else unit, content.raw, span)
+            start = ["", "", ""]
+    console.show_table(made)
+    if found.events:
+        typer.echo(f"{len(found.events)} events: " + _times(found))
+    for row in about.conversions:
+        if not row.channel:
+            typer.echo(f"left out: {row.raw}: {row.reason}")
+    print_repairs(about)
+
+
+def _times(found: Recording) -> str:
+    shown = [f"{event.name} {event.time_s:.4f} s" for event in found.events[:_SHOWN]]
+    return ", ".join(shown) + (" …" if len(found.events) > _SHOWN else "")
+
+
+def print_repairs(about: Provenance) -> None:
+    """Everything noticed or changed, a line each."""
+    for repair in about.repairs:
+        where = "/".join(part for part in (repair.stream, repair.channel) if part)
+        rows = ", ".join(f"{a}" if a == b else f"{a}-{b}" for a, b in repair.rows[:_SHOWN])
+        more = " …" if len(repair.rows) > _SHOWN else ""
+        place = f" [rows {rows}{more}]" if rows else ""
+        typer.echo(f"{repair.severity}: {where + ': ' if where else ''}{repair.text}{place}")

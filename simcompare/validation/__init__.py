@@ -1,0 +1,1 @@
+"""Simulation against reality: alignment, statistics, the split of the gap, and plain words."""
