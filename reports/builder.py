@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from simcompare.errors import UnknownName
 from simcompare.reports import output
 from simcompare.reports.figures import Figure
-from simcompare.reports.sections import SECTIONS
+from simcompare.reports.sections import of_run
 from simcompare.reports.sections.base import Section
 from simcompare.results import Run
 
@@ -135,7 +135,7 @@ def blocks_of(runs: Sequence[Run]) -> list[Block]:
             run.record,
             [
                 Filled(section, context)
-                for section in SECTIONS
+                for section in of_run(run.record)
                 if (context := section.context(run)) is not None
             ],
         )

@@ -64,6 +64,7 @@ class Series:
         u: half-length of the uncertainty bars (n,), ``None`` for none.
         points: whether it is drawn as points.
         line: whether it is drawn as a line.
+        shaded: whether the uncertainty is a shaded band about the line instead of bars.
     """
 
     label: str
@@ -73,6 +74,24 @@ class Series:
     u: Array | None = None
     points: bool = False
     line: bool = True
+    shaded: bool = False
+
+
+@dataclass(frozen=True)
+class Bars:
+    """One layer of stacked bars.
+
+    Attributes:
+        label: name in the legend; the same label is listed once.
+        heights: of the bars at x = 0, 1, 2, … (n,), none below 0.
+        colour: as ``#rrggbb``.
+        hatch: "", "/", "\\", "x" or ".": told apart in print as well.
+    """
+
+    label: str
+    heights: Array
+    colour: str
+    hatch: str = ""
 
 
 @dataclass(frozen=True)
@@ -101,6 +120,7 @@ class Panel:
         y_range: lowest and highest y, ``None`` to fit the data.
         whole_x: whether x is a count, so that only whole numbers mean something.
         weight: part of the figure's width that it takes, relative to the other panels.
+        bars: layers of stacked bars, from the bottom; below the series.
     """
 
     title: str
@@ -114,6 +134,7 @@ class Panel:
     y_range: tuple[float, float] | None = None
     whole_x: bool = False
     weight: float = 1.0
+    bars: tuple[Bars, ...] = ()
 
     @property
     def x_range(self) -> tuple[float, float] | None:
@@ -164,6 +185,9 @@ class Figure:
         """Lowest and highest y of one of the panels, ``None`` to fit the data."""
         if panel.y_range is not None or panel.log_y:
             return panel.y_range
+        if panel.bars:
+            top = float(np.sum([bars.heights for bars in panel.bars], axis=0).max())
+            return 0.0, 1.08 * top or 1.0
         panels = self.panels if self.share_y else (panel,)
         return _calm_range(_values(row for one in panels for row in one.series))
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from simcompare.reports.figures import Band, Figure, Panel, Series, decimated
+from simcompare.reports.figures import Band, Bars, Figure, Panel, Series, decimated
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -95,6 +95,8 @@ def draw(page: Any, figure: Figure) -> None:  # noqa: ANN401  (a Figure or a Sub
     for i, (axes, panel) in enumerate(zip(row, figure.panels, strict=True)):
         for band in panel.bands:
             handles.setdefault(band.label, _band(axes, band))
+        for bars, handle in _stacked(axes, panel):
+            handles.setdefault(bars.label, handle)
         for series in panel.series:
             handle = _series(axes, series)
             if series is legend[series.label]:
@@ -154,6 +156,18 @@ def _band(axes: Axes, band: Band) -> Any:  # noqa: ANN401  (a handle for the leg
     return axes.axhspan(band.low, band.high, color="#000000", alpha=0.1, linewidth=0)
 
 
+def _stacked(axes: Axes, panel: Panel) -> Iterator[tuple[Bars, Any]]:
+    """Draws the bars, layer on layer; yields each with its handle for the legend."""
+    floor = 0.0
+    for bars in panel.bars:
+        drawn = axes.bar(
+            range(len(bars.heights)), bars.heights, 0.6, bottom=floor, color=bars.colour,
+            hatch=2 * bars.hatch, edgecolor="#ffffff",
+        )  # fmt: skip
+        floor = floor + bars.heights
+        yield bars, drawn
+
+
 def _series(axes: Axes, series: Series) -> Any:  # noqa: ANN401  (a handle for the legend)
     style = series.style
     look: dict[str, Any] = {
@@ -169,5 +183,10 @@ def _series(axes: Axes, series: Series) -> Any:  # noqa: ANN401  (a handle for t
             "markerfacecolor": "#ffffff" if style.hollow else style.colour,
         }
         return axes.errorbar(series.x, series.y, yerr=series.u, capsize=2, elinewidth=0.9, **look)
+    if series.shaded and series.u is not None:
+        axes.fill_between(
+            series.x, series.y - series.u, series.y + series.u,
+            color=style.colour, alpha=0.25, linewidth=0,
+        )  # fmt: skip
     x, y = decimated(series.x, series.y)
     return axes.plot(x, y, **look)[0]

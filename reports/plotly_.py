@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from simcompare.errors import OutputError
-from simcompare.reports.figures import Band, Figure, Panel, Series, decimated
+from simcompare.reports.figures import Band, Bars, Figure, Panel, Series, decimated
 from simcompare.trajectory import Array
 
 FONT_PX = 16
@@ -68,6 +68,7 @@ def as_dict(figure: Figure) -> dict[str, Any]:
         "hoverlabel": {"font": {"size": FONT_PX - 2}},
         "annotations": [],
         "shapes": [],
+        "barmode": "stack",
     }
     data: list[dict[str, Any]] = []
     most_ticks = max(4, _TICKS // max(len(figure.panels), 1))
@@ -84,7 +85,12 @@ def as_dict(figure: Figure) -> dict[str, Any]:
         for band in panel.bands:
             layout["shapes"] += _band(band, axis, band.label not in listed)
             listed.add(band.label)
+        for bars in panel.bars:
+            data.append(_bars(bars, axis, bars.label not in listed))
+            listed.add(bars.label)
         for series in panel.series:
+            if series.shaded:
+                data.append(_shade(series, axis))
             chosen = series is legend.get(series.label)
             data.append(_trace(series, axis, chosen) | {"legendrank": ranks[series.label]})
             if chosen:  # once, also where two panels show the same
@@ -199,12 +205,37 @@ def _trace(series: Series, axis: str, listed: bool) -> dict[str, Any]:
             "color": style.colour,
             "line": {"width": 2 if style.hollow else 0, "color": style.colour},
         }
-    if series.u is not None:
+    if series.u is not None and not series.shaded:
         found["error_y"] = {
             "type": "data", "array": _numbers(series.u), "color": style.colour,
             "thickness": 2, "width": 5,
         }  # fmt: skip
     return found
+
+
+def _shade(series: Series, axis: str) -> dict[str, Any]:
+    """The band of a line's uncertainty: there along the upper edge, back along the lower one."""
+    assert series.u is not None
+    x, low = decimated(series.x, series.y - series.u)
+    x_high, high = decimated(series.x, series.y + series.u)
+    return {
+        "type": "scatter", "mode": "lines", "name": _text(series.label), "showlegend": False,
+        "legendgroup": series.label, "hoverinfo": "skip", "fill": "toself",
+        "x": _numbers(np.concatenate((x, x_high[::-1]))),
+        "y": _numbers(np.concatenate((low, high[::-1]))),
+        "xaxis": f"x{axis}", "yaxis": f"y{axis}", "line": {"width": 0},
+        "fillcolor": series.style.colour, "opacity": 0.25,
+    }  # fmt: skip
+
+
+def _bars(bars: Bars, axis: str, listed: bool) -> dict[str, Any]:
+    return {
+        "type": "bar", "name": _text(bars.label), "legendgroup": bars.label, "showlegend": listed,
+        "x": list(range(len(bars.heights))), "y": _numbers(bars.heights), "width": 0.6,
+        "xaxis": f"x{axis}", "yaxis": f"y{axis}",
+        "marker": {"color": bars.colour, "pattern": {"shape": bars.hatch, "fgcolor": "#ffffff",
+                                                     "fillmode": "overlay", "solidity": 0.25}},
+    }  # fmt: skip
 
 
 def _numbers(values: Array) -> list[float | None]:

@@ -18,6 +18,8 @@ def command(run: Run) -> str:
     All values are named where the scenario's file is no longer the one of the run.
     """
     record = run.record
+    if record.get("command"):
+        return shlex.join(record["command"])
     words = ["simcompare", "run", str(record["scenario_asked"])]
     words += ["--engine", str(record["engines_asked"])]
     words += ["--contact", ",".join(runs.modes(run))]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 from simcompare.reports.sections.base import Section
 from simcompare.reports.sections.contrast import Contrast
 from simcompare.reports.sections.curves import Curves
@@ -11,6 +14,14 @@ from simcompare.reports.sections.given import Given
 from simcompare.reports.sections.headline import Headline
 from simcompare.reports.sections.limits import Limits
 from simcompare.reports.sections.measured import Measured
+from simcompare.reports.sections.real import (
+    Gap,
+    Parameters,
+    RealAnswer,
+    RealValues,
+    Residuals,
+    Source,
+)
 from simcompare.reports.sections.scores import Scores
 from simcompare.reports.sections.setup import Setup
 from simcompare.reports.sections.signals import Signals
@@ -29,3 +40,20 @@ SECTIONS: tuple[Section, ...] = (
     Limits(),
     Setup(),
 )
+#: the same for simulations held against a recording
+VALIDATION: tuple[Section, ...] = (
+    RealAnswer(),
+    Gap(),
+    Residuals(),
+    RealValues(),
+    Parameters(),
+    Source(),
+    Given(),
+    Limits(),
+    Setup(),
+)
+
+
+def of_run(record: Mapping[str, Any]) -> tuple[Section, ...]:
+    """The sections that suit a run."""
+    return VALIDATION if record.get("validation") else SECTIONS

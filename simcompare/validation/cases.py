@@ -1,0 +1,229 @@
+"""Cases: one stretch of a recording each, with the parameters and inputs that belong to it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from simcompare.errors import InputError, UnknownName
+from simcompare.recording import Channel, Recording, Stream
+from simcompare.scenario_file import ScenarioFile
+from simcompare.signals import Signal, Table
+from simcompare.trajectory import Array
+from simcompare.validation.plan import Plan, ReadOff
+
+#: parameter of a scenario that says how long it lasts
+DURATION = "duration_s"
+#: samples of a channel below which nothing can be said of it
+LEAST_SAMPLES = 10
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What was measured of one probe.
+
+    Attributes:
+        time_s: (n,), from the start of the scenario [s].
+        values: (n,), nothing missing.
+        u: standard uncertainty of a sample, ``None`` where unknown: one number or (n,).
+        missing: samples that were not measured.
+        saturated: samples that were left out because the sensor was at its end.
+    """
+
+    time_s: Array
+    values: Array
+    u: float | Array | None
+    missing: int = 0
+    saturated: int = 0
+
+
+@dataclass(frozen=True)
+class Case:
+    """One stretch of a recording.
+
+    Attributes:
+        stream: its stream.
+        start_s: where it begins on the clock of its stream [s].
+        duration_s: how long it lasts [s].
+        values: every parameter that the plan knows or that was read off.
+        u: their standard uncertainties.
+        inputs: signals of the inputs.
+        seen: probe -> what was measured.
+    """
+
+    stream: str
+    start_s: float
+    duration_s: float
+    values: Mapping[str, float]
+    u: Mapping[str, float]
+    inputs: Mapping[str, Signal] = field(repr=False)
+    seen: Mapping[str, Seen] = field(repr=False)
+
+
+def cases_of(
+    file: ScenarioFile,
+    plan: Plan,
+    recording: Recording,
+    streams: Sequence[str],
+    given: Mapping[str, float],
+    most_s: float | None = None,
+) -> list[Case]:
+    """The cases of some streams, in their order.
+
+    Args:
+        file: the scenario.
+        plan: which channel is what.
+        recording: the recording.
+        streams: streams; all that have the leading channel where empty.
+        given: parameters that the user sets, which replace those of the plan.
+        most_s: longest duration [s].
+
+    Raises:
+        UnknownName: a channel or stream that does not exist.
+        InputError: a stretch without samples.
+    """
+    leading = next(iter(plan.compare.values())).channel
+    chosen = list(streams) or _streams_with(recording, leading)
+    for name in chosen:
+        if name not in recording.streams:
+            raise UnknownName("stream of the recording", name, recording.streams)
+    return [_case(file, plan, recording, name, given, most_s) for name in chosen]
+
+
+def _streams_with(recording: Recording, channel: str) -> list[str]:
+    found = [name for name, stream in recording.streams.items() if _channel(stream, name, channel)]
+    if not found:
+        recording.find(channel)  # says which channels there are
+    return found
+
+
+def _channel(stream: Stream, name: str, channel: str) -> Channel | None:
+    from simcompare import units
+
+    wanted, _, short = channel.rpartition("/")
+    if wanted and wanted != name:
+        return None
+    full = units.find_name(short, stream.channels)
+    return None if full is None else stream.channels[full]
+
+
+@dataclass(frozen=True)
+class _Reader:
+    """Channels of a recording on the clock of one case."""
+
+    recording: Recording
+    stream: str
+    start_s: float
+
+    def read(self, channel: str) -> tuple[Array, Channel]:
+        """Times from the start of the case, and the channel."""
+        own = self.recording.streams[self.stream]
+        found = _channel(own, self.stream, channel)
+        if found is not None:
+            return own.time_s - self.start_s, found
+        other, name = self.recording.find(channel)
+        stream = self.recording.streams[other]
+        shift = stream.clock.first_s - own.clock.first_s
+        return stream.time_s + shift - self.start_s, stream.channels[name]
+
+
+def _case(
+    file: ScenarioFile,
+    plan: Plan,
+    recording: Recording,
+    stream: str,
+    given: Mapping[str, float],
+    most_s: float | None,
+) -> Case:
+    own = recording.streams[stream]
+    start_s = plan.window.start_s
+    left = float(own.time_s[-1]) - start_s
+    duration_s = min(d for d in (plan.window.duration_s, most_s, left) if d is not None)
+    if duration_s <= 0:
+        raise InputError(
+            f"stream {stream}",
+            [f"lasts {own.time_s[-1]:g} s, but the window begins at {start_s:g} s"],
+        )
+    reader = _Reader(recording, stream, start_s)
+    values = {name: known.value for name, known in plan.parameters.items()}
+    u = {name: known.u for name, known in plan.parameters.items()}
+    for name, read_off in plan.start.items():
+        values[name], u[name] = _read_off(reader, read_off)
+    if DURATION in file.parameters:
+        values[DURATION], u[DURATION] = duration_s, 0.0
+    values.update(given)
+    u.update(dict.fromkeys(given, 0.0))
+    inputs: dict[str, Signal] = {
+        name: _table(reader, driven.channel, duration_s) for name, driven in plan.inputs.items()
+    }
+    seen = {
+        probe: _seen(reader, compared.channel, compared.u, compared.offset, duration_s)
+        for probe, compared in plan.compare.items()
+    }
+    return Case(stream, start_s, duration_s, values, u, inputs, seen)
+
+
+def _seen(reader: _Reader, name: str, u: float | None, offset: float, duration_s: float) -> Seen:
+    time_s, channel = reader.read(name)
+    inside = (time_s >= 0) & (time_s <= duration_s)
+    known = inside & np.isfinite(channel.values)
+    whole = known if channel.saturated is None else known & ~channel.saturated
+    if np.count_nonzero(whole) < LEAST_SAMPLES:
+        raise InputError(
+            f"stream {reader.stream}, channel {name}",
+            [
+                f"has {np.count_nonzero(whole)} usable samples in the window of {duration_s:g} s;"
+                f" expected at least {LEAST_SAMPLES}"
+            ],
+        )
+    own = channel.u if u is None else u
+    return Seen(
+        time_s[whole],
+        channel.values[whole] + offset,
+        own[whole] if isinstance(own, np.ndarray) else own,
+        int(np.count_nonzero(inside & ~known)),
+        int(np.count_nonzero(known & ~whole)),
+    )
+
+
+def _table(reader: _Reader, name: str, duration_s: float) -> Table:
+    time_s, channel = reader.read(name)
+    step_s = float(np.median(np.diff(time_s)))
+    inside = (time_s >= -2 * step_s) & (time_s <= duration_s + 2 * step_s)
+    known = inside & np.isfinite(channel.values)
+    if np.count_nonzero(known) < 2:
+        raise InputError(
+            f"stream {reader.stream}, channel {name}",
+            ["holds nothing in the window; an input needs at least two samples"],
+        )
+    return Table(
+        signal="table",
+        time_s=tuple(time_s[known].tolist()),
+        value=tuple(channel.values[known].tolist()),
+    )
+
+
+def _read_off(reader: _Reader, wanted: ReadOff) -> tuple[float, float]:
+    """Value or rate at the start, and its standard uncertainty, from a parabola."""
+    time_s, channel = reader.read(wanted.channel)
+    near = (time_s >= 0) & (time_s <= wanted.over_s) & np.isfinite(channel.values)
+    times, values = time_s[near], channel.values[near]
+    degree = min(2, len(times) - 2)
+    if degree < wanted.derivative or degree < 0:
+        raise InputError(
+            f"stream {reader.stream}, channel {wanted.channel}",
+            [
+                f"has {len(times)} samples in the first {wanted.over_s:g} s; too few to read a"
+                " start off, use a longer over_s"
+            ],
+        )
+    design = np.vander(times, degree + 1, increasing=True)
+    found, *_ = np.linalg.lstsq(design, values, rcond=None)
+    left = values - design @ found
+    free = len(times) - degree - 1
+    covariance = np.linalg.inv(design.T @ design) * float(left @ left) / max(free, 1)
+    k = wanted.derivative
+    own = channel.u if isinstance(channel.u, float) and k == 0 else 0.0
+    return float(found[k]) + wanted.offset, float(np.hypot(np.sqrt(covariance[k, k]), own))

@@ -1,0 +1,242 @@
+"""Rows of a validation: waveforms, single values and what they are made of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from simcompare.scenario import Scenario
+from simcompare.trajectory import Array, Trajectory
+from simcompare.validation.cases import Case, Seen
+from simcompare.validation.filtering import interpolated
+from simcompare.validation.gap import noise_of, split
+from simcompare.validation.grid import gci
+from simcompare.validation.plan import Plan
+from simcompare.validation.scores import birge_ratio, vv20
+from simcompare.validation.simulated import (
+    BEST,
+    DOUBLE,
+    FOURFOLD,
+    NOMINAL,
+    Engine,
+    measured_values,
+)
+from simcompare.validation.waveform import waveform
+
+#: draws of noise from which the uncertainty of a measured value is told
+DRAWS = 16
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One case with all that its rows are made of.
+
+    Attributes:
+        case: what was measured, on the clock of the scenario.
+        raw: the same before the clocks were aligned, ``None`` where they were not.
+        scene: the scene with the best parameters.
+        truth: the reference with the best parameters, by probe; ``None`` without a reference.
+        nominal: the reference with the parameters known before.
+        u_input: probe -> standard uncertainty of the reference from its parameters (n,).
+        shifted: what the reference gives when parameters move by one standard uncertainty.
+    """
+
+    case: Case
+    raw: Case | None
+    scene: Scenario
+    truth: Trajectory | None
+    nominal: Trajectory | None
+    shifted: tuple[Trajectory, ...] = ()
+
+    def u_input(self, probe: str) -> Array | None:
+        """Standard uncertainty from the parameters, at the reference's samples."""
+        if self.truth is None:
+            return None
+        best = self.truth.signals[probe]
+        parts = [run.signals[probe] - best for run in self.shifted]
+        return np.sqrt(np.sum(np.square(parts), axis=0)) if parts else np.zeros_like(best)
+
+
+def noise(seen: Seen) -> tuple[float, str]:
+    """Standard uncertainty of one sample and where it comes from."""
+    if seen.u is not None:
+        return float(np.sqrt(np.mean(np.square(seen.u)))), "stated"
+    return noise_of(seen.values), "estimated from the samples themselves"
+
+
+def waveforms(engine: Engine, number: int, judged: Judged, plan: Plan, fitted: bool) -> list[dict[str, Any]]:
+    """How far an engine is from each measured signal, with and without fit and alignment."""
+    rows = []
+    variants = [(NOMINAL, "known before")] + ([(BEST, "fitted")] if fitted else [])
+    for probe, seen in judged.case.seen.items():
+        before = None if judged.raw is None else judged.raw.seen[probe]
+        for variant, words in variants:
+            run = engine.runs[number, variant]
+            aligned = [(seen, judged.raw is not None)]
+            aligned += [] if before is None else [(before, False)]
+            for measured, is_aligned in aligned:
+                found = waveform(
+                    measured.values, at(run, probe, measured.time_s), u=noise(measured)[0] or None
+                )
+                rows.append(
+                    {
+                        "source": engine.name,
+                        "stream": judged.case.stream,
+                        "probe": probe,
+                        "unit": judged.scene.probes[probe].unit,
+                        "judged": plan.compare[probe].judged,
+                        "parameters": words,
+                        "aligned": is_aligned,
+                        **found.to_dict(),
+                    }
+                )
+    return rows
+
+
+def at(run: Trajectory, probe: str, time_s: Array) -> Array:
+    """A simulated signal at the times of a measurement; NaN outside of the simulation."""
+    return interpolated(run.time_s, run.signals[probe], time_s)
+
+
+def values(engine: Engine, number: int, judged: Judged, fitted_on: str | None) -> list[dict[str, Any]]:
+    """Single values of both, with the three parts of their uncertainty (ASME V&V 20)."""
+    probes = tuple(judged.case.seen)
+    measured = as_trajectory(judged.case)
+    if measured is None:
+        return []
+    best = engine.runs[number, BEST]
+    found = measured_values(judged.scene, best, measured, probes)
+    u_data = _u_data(judged, best, measured, found)
+    u_input = _u_input(judged, measured, found)
+    coarse = [
+        measured_values(judged.scene, engine.runs[number, v], measured, probes)
+        for v in (DOUBLE, FOURFOLD)
+        if (number, v) in engine.runs
+    ]
+    rows = []
+    for name, (simulated, real, unit, probe) in found.items():
+        grid = [row[name][0] for row in coarse if name in row]
+        step_error = gci(simulated, *grid) if grid else None
+        parts = (step_error.u_num if step_error else None, u_input.get(name), u_data[name])
+        known = [0.0 if part is None else part for part in parts]
+        judged_by = vv20(simulated, real, *known)
+        whole = None not in parts and judged_by.u_val > 0
+        rows.append(
+            {
+                "source": engine.name,
+                "stream": judged.case.stream,
+                "measure": name,
+                "probe": probe,
+                "unit": unit,
+                "simulated": simulated,
+                "u_simulated": math.hypot(known[0], known[1]),
+                "measured": real,
+                **dict(zip(("u_num", "u_input", "u_data"), parts, strict=True)),
+                "u_val": judged_by.u_val,
+                "error": judged_by.error,
+                "e_n": judged_by.error / (2 * judged_by.u_val) if whole else None,
+                "zeta": judged_by.error / judged_by.u_val if whole else None,
+                "within_noise": judged_by.within_noise if whole else None,
+                "step_error": None if step_error is None else step_error.text,
+            }
+        )
+    return rows
+
+
+def as_trajectory(case: Case) -> Trajectory | None:
+    """What was measured as a trajectory, where all probes have one clock."""
+    seen = list(case.seen.values())
+    times = seen[0].time_s
+    same = {
+        probe: one.values
+        for probe, one in case.seen.items()
+        if len(one.time_s) == len(times) and np.array_equal(one.time_s, times)
+    }
+    return Trajectory("measured", times, same)
+
+
+def _u_data(
+    judged: Judged,
+    best: Trajectory,
+    measured: Trajectory,
+    found: Mapping[str, tuple[float, float, str, str]],
+) -> dict[str, float]:
+    """How much a measured value scatters when the noise of the samples is drawn anew."""
+    generator = np.random.default_rng(0)
+    drawn: dict[str, list[float]] = {name: [] for name in found}
+    for _ in range(DRAWS):
+        signals = {
+            probe: signal + generator.normal(0.0, noise(judged.case.seen[probe])[0], len(signal))
+            for probe, signal in measured.signals.items()
+        }
+        again = measured_values(
+            judged.scene, best, Trajectory("measured", measured.time_s, signals), tuple(signals)
+        )
+        for name in found:
+            if name in again:
+                drawn[name].append(again[name][1])
+    return {
+        name: float(np.std(numbers, ddof=1)) if len(numbers) > 1 else 0.0
+        for name, numbers in drawn.items()
+    }
+
+
+def _u_input(
+    judged: Judged, measured: Trajectory, found: Mapping[str, tuple[float, float, str, str]]
+) -> dict[str, float]:
+    if judged.truth is None:
+        return {}
+    probes = tuple(judged.case.seen)
+    best = measured_values(judged.scene, judged.truth, measured, probes)
+    moved = [measured_values(judged.scene, run, measured, probes) for run in judged.shifted]
+    return {
+        name: math.sqrt(sum((row[name][0] - best[name][0]) ** 2 for row in moved if name in row))
+        for name in found
+        if name in best
+    }
+
+
+def gaps(engine: Engine, number: int, judged: Judged, plan: Plan) -> list[dict[str, Any]]:
+    """What the gap between an engine as known before and the measurement is made of."""
+    rows = []
+    for probe, seen in judged.case.seen.items():
+        if not plan.compare[probe].judged:
+            continue
+        best = at(engine.runs[number, BEST], probe, seen.time_s)
+        nominal = at(engine.runs[number, NOMINAL], probe, seen.time_s)
+        numerical = None
+        if judged.truth is not None:
+            numerical = best - at(judged.truth, probe, seen.time_s)
+        elif (number, DOUBLE) in engine.runs:
+            numerical = best - at(engine.runs[number, DOUBLE], probe, seen.time_s)
+        size, how = noise(seen)
+        u_num = 0.0 if numerical is None else float(np.sqrt(np.nanmean(numerical**2)))
+        found = split(seen.values, nominal, best, size, u_num)
+        rows.append(
+            {
+                "source": engine.name,
+                "stream": judged.case.stream,
+                "probe": probe,
+                "unit": judged.scene.probes[probe].unit,
+                "noise_from": how,
+                **found.to_dict(),
+            }
+        )
+    return rows
+
+
+def agreement(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Whether the engines agree among themselves within their own step errors (Birge ratio)."""
+    found = []
+    for key in dict.fromkeys((row["stream"], row["measure"]) for row in rows):
+        own = [row for row in rows if (row["stream"], row["measure"]) == key and row["u_num"]]
+        if len(own) < 2:
+            continue
+        ratio = birge_ratio([row["simulated"] for row in own], [row["u_num"] for row in own])
+        found.append({"stream": key[0], "measure": key[1], "unit": own[0]["unit"],
+                      "engines": [row["source"] for row in own], **ratio.to_dict()})  # fmt: skip
+    return found

@@ -1,0 +1,151 @@
+"""Every simulation that a validation needs, and what its probes saw."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from simcompare import measures
+from simcompare.backend import Settings
+from simcompare.errors import InputError, SimcompareError
+from simcompare.jobs import OK, Job, Outcome
+from simcompare.runner import Progress, run_jobs
+from simcompare.scenario import Probe, Scenario
+from simcompare.trajectory import Trajectory
+from simcompare.validation.cases import Case
+from simcompare.validation.model import Model
+
+#: what is run of every case: name -> (with fitted parameters, multiple of the step)
+NOMINAL, BEST, DOUBLE, FOURFOLD = "nominal", "best", "double step", "fourfold step"
+#: step multiples from which the step error is estimated (Roache's grid convergence index)
+STEPS = {BEST: 1, DOUBLE: 2, FOURFOLD: 4}
+
+
+@dataclass(frozen=True)
+class Engine:
+    """What one engine gave.
+
+    Attributes:
+        name: the engine.
+        outcomes: how all its jobs ended.
+        runs: (case number, variant) -> the probes over time, for the jobs that ended well.
+    """
+
+    name: str
+    outcomes: Sequence[Outcome]
+    runs: Mapping[tuple[int, str], Trajectory] = field(repr=False)
+
+    def complete(self, case: int) -> bool:
+        """Whether the runs that are judged are there."""
+        return (case, NOMINAL) in self.runs and (case, BEST) in self.runs
+
+
+def simulate(
+    model: Model,
+    cases: Sequence[Case],
+    fitted: Mapping[str, float] | None,
+    engines: Sequence[str],
+    *,
+    contact: str,
+    step_s: float | None,
+    time_limit_s: float,
+    progress: Progress | None,
+) -> list[Engine]:
+    """Runs every case on every engine: as known before, as fitted, and with longer steps.
+
+    Args:
+        model: the scenario.
+        cases: stretches of the recording.
+        fitted: fitted parameters, ``None`` where nothing was fitted.
+        engines: names.
+        contact: contact mode.
+        step_s: step [s]; the scenario's own where ``None``.
+        time_limit_s: longest time for one simulation [s].
+        progress: called as jobs end.
+    """
+    planned = [
+        (i, variant, scene)
+        for i, case in enumerate(cases)
+        for variant, scene in scenes(model, case, fitted, step_s).items()
+    ]
+    jobs = [
+        Job(name, scene, Settings(contact), number)
+        for name in engines
+        for number, (_, _, scene) in enumerate(planned)
+    ]
+    outcomes = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
+    found = []
+    for name in engines:
+        own = [outcome for outcome in outcomes if outcome.job.engine == name]
+        runs = {}
+        for outcome in own:
+            i, variant, scene = planned[outcome.job.repeat]
+            if outcome.status == OK and outcome.trajectory is not None:
+                runs[i, variant] = of_probes(scene, outcome.trajectory, tuple(cases[i].seen))
+        if fitted is None:  # what was known before is then also the best there is
+            runs.update({(i, NOMINAL): run for (i, v), run in list(runs.items()) if v == BEST})
+        found.append(Engine(name, own, runs))
+    return found
+
+
+def scenes(
+    model: Model, case: Case, fitted: Mapping[str, float] | None, step_s: float | None
+) -> dict[str, Scenario]:
+    """Variant -> scene; longer steps are left out where the scene cannot have them."""
+    found = {} if fitted is None else {NOMINAL: model.scenario(case, None, step_s)}
+    found[BEST] = best = model.scenario(case, fitted, step_s)
+    for variant, multiple in STEPS.items():
+        if multiple == 1:
+            continue
+        try:
+            found[variant] = model.scenario(case, fitted, best.world.step_s * multiple)
+        except InputError:  # too few samples are left; the step error is then unknown
+            break
+    return found
+
+
+def of_probes(scene: Scenario, trajectory: Trajectory, probes: Sequence[str]) -> Trajectory:
+    """A trajectory of what probes saw: signal ``<probe>`` for each.
+
+    Raises:
+        UnknownName: the source has no such signal.
+    """
+    signals = {name: measures.observe(trajectory, scene.probes[name]) for name in probes}
+    return Trajectory(
+        trajectory.source, trajectory.time_s, signals, trajectory.version, trajectory.contact
+    )
+
+
+def seeing(scene: Scenario, probes: Sequence[str]) -> Scenario:
+    """The scene with probes that look at such a trajectory instead."""
+    changed = {
+        name: Probe(observe=name, label=scene.probes[name].label, unit=scene.probes[name].unit)
+        for name in probes
+    }
+    return scene.model_copy(update={"probes": {**scene.probes, **changed}})
+
+
+def measured_values(
+    scene: Scenario, simulated: Trajectory, measured: Trajectory, probes: Sequence[str]
+) -> dict[str, tuple[float, float, str, str]]:
+    """Every value that the scenario's measures find in both.
+
+    Returns:
+        Name -> (simulated, measured, unit, leading probe).
+    """
+    view = seeing(scene, probes)
+    found = {}
+    for measure in scene.measures:
+        if not {measure.probe, *measure.also.values()} <= set(probes):
+            continue
+        judge = measures.judge_of(measure)
+        try:
+            ours = measures.take(measure, view, simulated)
+            theirs = measures.take(measure, view, measured)
+        except SimcompareError:
+            continue  # it needs what was not measured
+        for name, (value, true) in judge(ours, theirs).items():
+            if value is not None:
+                shown = measure.names.get(name, name)
+                found[shown] = (value, true, ours.units[name], measure.probe)
+    return found

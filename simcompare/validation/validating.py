@@ -1,0 +1,268 @@
+"""The verb ``validate``: simulations against a recording of a real device, with uncertainty."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from simcompare import catalogue, engines, experiment, run_record, units
+from simcompare.backend import CONTACT_MODES, MAPPED
+from simcompare.compare import INFO, Score
+from simcompare.errors import InputError, UnknownName
+from simcompare.results import TRUTH, Run, Stored
+from simcompare.runner import TIME_LIMIT_S, Progress
+from simcompare.scenario_file import ScenarioFile
+from simcompare.trajectory import Trajectory
+from simcompare.validation import judging, plan as plans, records, sources
+from simcompare.validation.alignment import Alignment, align
+from simcompare.validation.cases import Case, cases_of
+from simcompare.validation.estimate import Estimate, estimate
+from simcompare.validation.judging import Judged
+from simcompare.validation.model import Model, model_of
+from simcompare.validation.plan import Plan
+from simcompare.validation.simulated import BEST, NOMINAL, Engine, of_probes, simulate
+
+#: what measured trajectories are stored under
+MEASURED = "measured"
+
+
+def validate(
+    scenario: str,
+    *,
+    recording: str,
+    engine: str = "all",
+    contact: str = MAPPED,
+    mapping: str | Path | None = None,
+    set: Mapping[str, str | float] | None = None,
+    streams: Sequence[str] = (),
+    step: str | float | None = None,
+    strict: bool = False,
+    out: str | Path | None = None,
+    time_limit_s: float = TIME_LIMIT_S,
+    progress: Progress | None = None,
+) -> Run:
+    """Holds simulations against a recording.
+
+    Args:
+        scenario: name, folder or file.
+        recording: a public data set, the folder of an imported recording, or a log.
+        engine: ``"all"`` or names with commas.
+        contact: contact mode.
+        mapping: mapping file, whose ``validate:`` says which channel is which quantity.
+        set: parameters that replace what is known before.
+        streams: streams that are judged; those of the plan where empty.
+        step: time between samples, "1ms" or in seconds.
+        strict: refuse a log with any defect.
+        out: folder in which the run's own folder is made; nothing is stored where ``None``.
+        time_limit_s: longest time for one simulation [s].
+        progress: called as ``progress(engine, done, total)``.
+
+    Returns:
+        The run; ``record["validation"]`` holds what was found.
+
+    Raises:
+        SimcompareError: faults of the arguments, of a file or of the plan.
+    """
+    if contact not in CONTACT_MODES:
+        raise UnknownName("contact mode", contact, CONTACT_MODES)
+    chosen = engines.select(engine)
+    file = catalogue.load(scenario)
+    source = sources.find(recording, mapping=mapping, strict=strict)
+    plan = _plan(file, source)
+    given = file.read_settings(set or {})
+    step_s = None if step is None else units.to_si(step, "s", "--step")
+    if out is not None:
+        experiment.check_writable(Path(out))
+    model = model_of(file)
+    cases = cases_of(file, plan, source.recording, streams or plan.streams, given)
+    fit = _fit(model, plan, source, given)
+    best = None if fit is None else fit.as_dict()
+    judged, alignments = _judged(model, plan, cases, fit, step_s)
+    found = simulate(
+        model, cases, best, chosen, contact=contact, step_s=step_s, time_limit_s=time_limit_s,
+        progress=progress,
+    )  # fmt: skip
+    done = _gather(_Asked(file, source, plan, contact, fit), judged, found)
+    record = done.record
+    record["validation"]["alignments"] = [
+        None if one is None else one.to_dict() for one in alignments
+    ]
+    record.update(
+        engines_asked=engine, scenario_asked=scenario, against_asked=None, preset=None,
+        recording_asked=recording, interrupted=False, kind="validation",
+        command=_command(scenario, recording, engine, contact, mapping, set, streams, step),
+    )  # fmt: skip
+    if out is None:
+        return done
+    from simcompare import store
+
+    return store.save(done, Path(out))
+
+
+def _command(
+    scenario: str, recording: str, engine: str, contact: str, mapping: str | Path | None,
+    set: Mapping[str, str | float] | None, streams: Sequence[str], step: str | float | None,
+) -> list[str]:  # fmt: skip
+    words = ["simcompare", "validate", scenario, "--recording", recording, "--engine", engine]
+    words += ["--contact", contact] if contact != MAPPED else []
+    words += ["--map", str(mapping)] if mapping is not None else []
+    words += [word for name, value in (set or {}).items() for word in ("--set", f"{name}={value}")]
+    words += ["--streams", ",".join(streams)] if streams else []
+    return words + (["--step", str(step)] if step is not None else [])
+
+
+def _plan(file: ScenarioFile, source: sources.Source) -> Plan:
+    found = plans.choose(source.plans, file.name, source.name)
+    faults = plans.faults(found, file.resolve())
+    if faults:
+        raise InputError(f"{source.name}, validate", faults)
+    return found
+
+
+def _fit(
+    model: Model, plan: Plan, source: sources.Source, given: Mapping[str, float]
+) -> Estimate | None:
+    """The plan's parameters fitted to its streams; those that the user sets are not fitted."""
+    wanted = plan.calibrate
+    names = [n for n in wanted.parameters if n not in given] if wanted is not None else []
+    if wanted is None or not names:
+        return None
+    other = source if wanted.recording is None else sources.find(wanted.recording)
+    own = plan if wanted.recording is None else plans.choose(other.plans, plan.scenario, other.name)
+    cases = cases_of(model.file, own, other.recording, wanted.streams, given, wanted.most_s)
+    probe = next(name for name, compared in own.compare.items() if compared.judged)
+    return estimate(model, cases, probe, names)
+
+
+def _judged(
+    model: Model,
+    plan: Plan,
+    cases: Sequence[Case],
+    fit: Estimate | None,
+    step_s: float | None,
+) -> tuple[list[Judged], list[Alignment | None]]:
+    found, alignments = [], []
+    for case in cases:
+        best = {} if fit is None else fit.as_dict()
+        scene = model.scenario(case, best, step_s)
+        probes = tuple(case.seen)
+        if model.reference is None:
+            found.append(Judged(case, None, scene, None, None))
+            alignments.append(None)
+            continue
+
+        def at(values: Mapping[str, float], case: Case = case) -> Trajectory:
+            scene = model.scenario(case, values, step_s)
+            return of_probes(scene, model.truth(scene), tuple(case.seen))
+
+        truth = at(best)
+        shifted = [at(values) for values in moves(model.file, case, fit)]
+        alignment = _aligned(plan, case, truth)
+        alignments.append(alignment)
+        seen = case if alignment is None else _on_reference(case, alignment)
+        _ = probes
+        raw = None if alignment is None else case
+        found.append(Judged(seen, raw, scene, truth, at({}), tuple(shifted)))
+    return found, alignments
+
+
+def moves(file: ScenarioFile, case: Case, fit: Estimate | None) -> list[dict[str, float]]:
+    """Parameters moved by one standard uncertainty, one by one; fitted ones along their axes.
+
+    The axes are the principal ones of the covariance, so that correlations are kept.
+    """
+    best = {} if fit is None else fit.as_dict()
+    found = [
+        {**best, name: case.values[name] + u}
+        for name, u in case.u.items()
+        if u > 0 and name not in best
+    ]
+    if fit is not None:
+        sizes, axes = np.linalg.eigh(fit.covariance)
+        for size, axis in zip(sizes, axes.T, strict=True):
+            if size > 0:
+                step = dict(zip(fit.names, (np.sqrt(size) * axis).tolist(), strict=True))
+                found.append({name: best[name] + step[name] for name in best})
+    bounds = file.parameters
+    return [
+        {name: min(max(value, bounds[name].min), bounds[name].max) for name, value in one.items()}
+        for one in found
+    ]
+
+
+def _aligned(plan: Plan, case: Case, truth: Trajectory) -> Alignment | None:
+    probe = plan.align.probe
+    if probe is None:
+        return None
+    seen = case.seen[probe]
+    return align(truth.time_s, truth.signals[probe], seen.time_s, seen.values)
+
+
+def _on_reference(case: Case, alignment: Alignment) -> Case:
+    seen = {
+        probe: replace(one, time_s=alignment.to_reference(one.time_s))
+        for probe, one in case.seen.items()
+    }
+    return replace(case, seen=seen)
+
+
+@dataclass(frozen=True)
+class _Asked:
+    file: ScenarioFile
+    source: sources.Source
+    plan: Plan
+    contact: str
+    fit: Estimate | None
+
+
+def _gather(asked: _Asked, judged: Sequence[Judged], found: Sequence[Engine]) -> Run:
+    rows: dict[str, list[dict[str, Any]]] = {"waveforms": [], "values": [], "gaps": []}
+    fitted = asked.fit is not None
+    for engine in found:
+        for number, one in enumerate(judged):
+            if engine.complete(number):
+                rows["waveforms"] += judging.waveforms(engine, number, one, asked.plan, fitted)
+                rows["values"] += judging.values(engine, number, one)
+                rows["gaps"] += judging.gaps(engine, number, one, asked.plan)
+    sources_ = [run_record.of_source(e.name, asked.contact, e.outcomes) for e in found]
+    scores = [_score(row, asked.contact) for row in rows["values"]]
+    scenes = [one.scene for one in judged]
+    truth = TRUTH if judged[0].truth is not None else None
+    record = run_record.of_run(asked.file, scenes[:1], truth, sources_, scores)
+    record["against"] = None
+    record["validation"] = records.of_validation(
+        asked.source, asked.plan, judged, asked.fit, rows, judging.agreement(rows["values"])
+    )
+    return Run(record, tuple(scores), tuple(_stored(judged, found)))
+
+
+def _score(row: Mapping[str, Any], contact: str) -> Score:
+    return Score(
+        row["source"], contact, row["measure"], row["probe"], None, row["simulated"],
+        row["u_simulated"], row["unit"], 1, row["measured"],
+        2 * row["u_val"] if row["e_n"] is not None else None, INFO,
+    )  # fmt: skip
+
+
+def _stored(judged: Sequence[Judged], found: Sequence[Engine]) -> list[Stored]:
+    """Measured, reference and engines; the repeat is the number of the case."""
+    stored = []
+    for number, one in enumerate(judged):
+        measured = judging.as_trajectory(one.case)
+        if measured is not None:
+            stored.append(Stored(MEASURED, "", number, measured))
+        if one.truth is not None:
+            bands = {f"u({probe})": one.u_input(probe) for probe in one.case.seen}
+            signals = {**one.truth.signals, **{k: v for k, v in bands.items() if v is not None}}
+            stored.append(Stored(TRUTH, BEST, number, Trajectory(TRUTH, one.truth.time_s, signals)))
+        if one.nominal is not None:
+            stored.append(Stored(TRUTH, NOMINAL, number, one.nominal))
+    for engine in found:
+        for (number, variant), run in engine.runs.items():
+            if variant in (BEST, NOMINAL):
+                stored.append(Stored(engine.name, variant, number, run))
+    return stored
