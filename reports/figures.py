@@ -85,7 +85,7 @@ class Bars:
         label: name in the legend; the same label is listed once.
         heights: of the bars at x = 0, 1, 2, … (n,), none below 0.
         colour: as ``#rrggbb``.
-        hatch: "", "/", "\\", "x" or ".": told apart in print as well.
+        hatch: "", "/", "x" or ".": told apart in print as well.
     """
 
     label: str

@@ -30,7 +30,7 @@ BEST, NOMINAL = "best", "nominal"
 MOST_STRETCHES = 2
 #: parts of a gap: key of the record, words, colour (Okabe and Ito), hatch
 PARTS = (
-    ("parameter", "parameters", "#0072B2", "/"),
+    ("removed", "parameters", "#0072B2", "/"),
     ("model_form", "model form", "#D55E00", "x"),
     ("numerical", "numerical", "#009E73", "."),
     ("noise", "noise of the measurement", "#999999", ""),
@@ -169,7 +169,9 @@ def gap_figure(run: Run) -> Figure | None:
         if not own:
             continue
         layers = tuple(
-            Bars(words, np.array([row["shares"][key] for row in own]), colour, hatch)
+            Bars(
+                words, np.array([100 * max(row["shares"][key], 0.0) for row in own]), colour, hatch
+            )
             for key, words, colour, hatch in PARTS
         )
         several = len({row["stream"] for row in own}) > 1
@@ -181,9 +183,9 @@ def gap_figure(run: Run) -> Figure | None:
     if not panels:
         return None
     caption = (
-        "The mean square of what is between the simulation with the parameters known before and the"
-        " measurement, split. Parameters: what fitting them takes away. Model form: what is left and"
-        " is neither noise nor step error."
+        "The mean square of what is between the simulation with the parameters known before and"
+        " the measurement, split. Parameters: what fitting them took away. Model form: what is"
+        " left and is neither noise nor step error."
     )
     return Figure("gap", "What the gap is made of", caption, tuple(panels[:3]))
 
@@ -216,7 +218,7 @@ def e_n_figure(run: Run) -> Figure | None:
         x_ticks=ticks,
     )
     caption = (
-        "Difference over its expanded uncertainty (k = 2). Between −1 and 1 the difference cannot be"
-        " told from the uncertainties; that alone validates nothing."
+        "Difference over its expanded uncertainty (k = 2). Between −1 and 1 the difference cannot"
+        " be told from the uncertainties; that alone validates nothing."
     )
     return Figure("e-n", "Measured values", caption, (panel,))

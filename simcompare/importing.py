@@ -69,7 +69,12 @@ def read(
         path.name, digest, size, name, installed_version("simcompare") or "",
         "strict" if strict else "repair", about=about or {},
     )  # fmt: skip
-    return condition(raw, mapping, provenance, assume_units=assume_units)
+    found = condition(raw, mapping, provenance, assume_units=assume_units)
+    if mapping.derive:
+        from simcompare.validation import derive
+
+        found = derive.add(found, mapping.derive, f"{path.name}, derive")
+    return found
 
 
 def _measure(path: Path) -> tuple[int, str]:

@@ -137,7 +137,7 @@ def _write_table(path: Path, stream: Stream) -> None:
     numbered = {f"c{i}": values for i, values in enumerate(columns.values())}
     chosen = ", ".join(
         (f"nullif(c{i}, 'nan'::double)" if values.dtype == np.float64 else f"c{i}")
-        + f' as "{name}"'
+        + ' as "{}"'.format(name.replace('"', '""'))
         for i, (name, values) in enumerate(columns.items())
     )
     try:

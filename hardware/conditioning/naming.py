@@ -17,16 +17,29 @@ from simcompare.recording import Conversion
 _ACCELERATION = re.compile(
     r"acc|imu|specific.?force|(^|_)a[xyz]?($|_)|^g[xyz]?force", re.IGNORECASE
 )
-_TEMPLATE = "write a mapping file (--map) with\n      channels:\n        {name}: {{column: {column!r}, unit: …}}"
+_NO_ACCELERATION = re.compile(r"gyr|mag|ang|rate|accura", re.IGNORECASE)
+_TEMPLATE = (
+    "write a mapping file (--map) with\n      channels:\n"
+    "        {name}: {{column: {column!r}, unit: …}}"
+)
 
 
 def prepare(work: Work) -> None:
     """Settles which column is the time, and the units that the mapping or the name give."""
-    stream, time = work.stream, work.mapping.time
+    stream = work.stream
     names = [column.name for column in stream.columns]
     for name in dict.fromkeys(names):
         if names.count(name) > 1:
             work.fault("stands more than once; rename one of the columns", channel=name)
+    _settle_time(work, names)
+    if not len(stream):
+        work.fault("holds no samples; expected at least two")
+    for column in stream.columns:
+        _settle_unit(work, column)
+
+
+def _settle_time(work: Work, names: Sequence[str]) -> None:
+    stream, time = work.stream, work.mapping.time
     if time is not None and time.rate_Hz is not None:
         stream.time, stream.increment_s = None, 1 / time.rate_Hz
     if time is not None and time.column is not None:
@@ -41,18 +54,23 @@ def prepare(work: Work) -> None:
             f"no column is a time (columns: {', '.join(names[:20])}); write a mapping file (--map)"
             " with time: {column: …, unit: s} or time: {rate_Hz: …}"
         )
-    if not len(stream):
-        work.fault("holds no samples; expected at least two")
-    for column in stream.columns:
-        wish = work.wishes(column)
-        if wish is not None:
-            column.unit = wish.unit if wish.scale == 1.0 else column.unit
-            column.limits = wish.limits or column.limits
-            column.kind = wish.kind or column.kind
-        elif column.name == stream.time and time is not None and time.unit is not None:
-            column.unit = time.unit
-        elif not column.unit:
-            column.unit = units.unit_of(column.name) if units.suffix_of(column.name) else ""
+
+
+def _settle_unit(work: Work, column: RawColumn) -> None:
+    wish, time = work.wishes(column), work.mapping.time
+    if wish is not None:
+        column.unit = wish.unit if wish.scale == 1.0 else column.unit
+        column.limits = wish.limits or column.limits
+        column.kind = wish.kind or column.kind
+    elif column.name == work.stream.time and time is not None and time.unit is not None:
+        column.unit = time.unit
+    elif not column.unit:
+        column.unit = units.unit_of(column.name) if units.suffix_of(column.name) else ""
+
+
+def measures_acceleration(name: str) -> bool:
+    """Whether a name says that its column is an acceleration."""
+    return bool(_ACCELERATION.search(name)) and not _NO_ACCELERATION.search(name)
 
 
 def unit_text(name: str, unit: str) -> str:
@@ -109,10 +127,10 @@ def unused(mapping: Mapping, streams: Sequence[RawStream]) -> list[str]:
     known = {c.name for s in streams for c in s.columns}
     known |= {f"{s.name}/{c.name}" for s in streams for c in s.columns}
     return [
-        f"channels.{name}: there is no column {channel.column!r}; the log has"
+        f"channels.{name}: there is no column {' or '.join(channel.columns)}; the log has"
         f" {', '.join(sorted({c.name for s in streams for c in s.columns}))[:400]}"
         for name, channel in mapping.channels.items()
-        if channel.column not in known
+        if not known & {*channel.columns}
     ]
 
 

@@ -49,7 +49,8 @@ class ChannelMap(_Part):
     """How one column becomes a channel.
 
     Attributes:
-        column: name in the log, without its unit; "stream/column" for one stream only.
+        column: name in the log, without its unit; "stream/column" for one stream only; several
+            where the same quantity has different names in different streams.
         unit: unit of the raw values, or of scale·raw where a scale is given.
         scale: factor from raw to ``unit`` (such as LSB to volt).
         offset: added after scale and sign [unit].
@@ -63,7 +64,7 @@ class ChannelMap(_Part):
         sentinels: raw values that mean "nothing was measured".
     """
 
-    column: str
+    column: str | Annotated[tuple[str, ...], Field(min_length=1)]
     unit: str
     scale: float = 1.0
     offset: float = 0.0
@@ -76,6 +77,11 @@ class ChannelMap(_Part):
     wraps: PositiveFloat | None = None
     sentinels: tuple[float, ...] = ()
 
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Every name that the column may have."""
+        return (self.column,) if isinstance(self.column, str) else self.column
+
 
 class Mapping(_Part):
     """A whole mapping file.
@@ -86,6 +92,9 @@ class Mapping(_Part):
         channels: name of the channel (its unit's suffix is added) -> column.
         streams: the streams that are wanted; all where empty.
         about: what is known of the device, for the record.
+        up: axis of the accelerometer that points up while the device is at rest ("+z").
+        wheel_diameter_m: of the wheel whose speed and turning rate are both in the log [m].
+        derive: channels that follow from others: name of a new stream -> function and its needs.
         validate: how a scenario is held against the recording.
     """
 
@@ -96,6 +105,9 @@ class Mapping(_Part):
     )
     streams: tuple[str, ...] = ()
     about: MappingOf[str, str] = Field(default_factory=dict)
+    up: Literal["+x", "-x", "+y", "-y", "+z", "-z"] | None = None
+    wheel_diameter_m: PositiveFloat | None = None
+    derive: MappingOf[str, Any] = Field(default_factory=dict)
     validate_: Any = Field(None, alias="validate")
 
     def of_column(self, stream: str, column: str) -> list[tuple[str, ChannelMap]]:
@@ -103,7 +115,7 @@ class Mapping(_Part):
         return [
             (name, channel)
             for name, channel in self.channels.items()
-            if channel.column in (column, f"{stream}/{column}")
+            if {*channel.columns} & {column, f"{stream}/{column}"}
         ]
 
 

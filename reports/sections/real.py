@@ -72,17 +72,19 @@ class Gap(Section):
 
 
 def _gap(row: dict[str, Any]) -> dict[str, Any]:
-    low, high = row["model_form_interval"]
+    low, high = row["model_form_low"], row["model_form_high"]
     return {
         "source": row["source"],
         "style": style_of(row["source"]),
         "stream": "" if row["stream"] == "log" else row["stream"],
         "what": runs.measure_words(row["probe"]) + runs.unit_words(units.symbol(row["unit"])),
         "total": numbers.plain(row["total"], 3),
-        "parts": [numbers.plain(row[key], 3) for key, *_ in real.PARTS],
+        "parts": [
+            numbers.plain(row[key], 3) for key in ("parameter", "model_form", "numerical", "noise")
+        ],
         "interval": f"{numbers.plain(low, 3)} … {numbers.plain(high, 3)}",
-        "text": row["text"],
         "noise_from": row["noise_from"],
+        "cross": row["shares"]["cross"] + row["shares"]["excess"],
     }
 
 

@@ -82,7 +82,6 @@ def validate(
 
 
 def _print(result: Run, written: Path | None) -> None:
-    from simcompare.cli import console
 
     record = result.record
     found = record["validation"]
@@ -104,7 +103,6 @@ def _print(result: Run, written: Path | None) -> None:
         typer.echo(f"Stored in {result.folder}")
     if written is not None:
         typer.echo(f"Report: {written}")
-    _ = console
 
 
 def _print_parameters(found: dict[str, Any]) -> None:
@@ -115,28 +113,36 @@ def _print_parameters(found: dict[str, Any]) -> None:
         return
     made = console.table("parameter", "unit", "known before", "fitted", "from")
     for row in rows:
-        unit = "" if row["unit"] == "1" else row["unit"]
-        fitted = console.number(row["fitted"], row["u_fitted"]) if row["fitted"] is not None else ""
-        made.add_row(row["name"], unit, console.number(row["known"], row["u_known"]), fitted, row["source"])
+        before = console.number(row["known"], row["u_known"])
+        after = "" if row["fitted"] is None else console.number(row["fitted"], row["u_fitted"])
+        made.add_row(row["name"], _unit(row), before, after, row["source"])
     console.show_table(made)
+
+
+def _unit(row: dict[str, Any]) -> str:
+    from simcompare import units
+
+    return "" if row["unit"] == "1" else units.symbol(row["unit"])
 
 
 def _print_waveforms(found: dict[str, Any]) -> None:
     from simcompare.cli import console
 
     rows = [row for row in found["waveforms"] if row["judged"]]
-    several = len({row["stream"] for row in rows}) > 1
-    made = console.table(
-        "engine", *(["stream"] if several else []), "quantity", "parameters", "RMSE", "bias", "largest",
-        "% of range", "magnitude", "phase",
-    )  # fmt: skip
+    heads = ("engine", "stream", "quantity", "parameters", "RMSE", "bias", "largest", "% of range")
+    made = console.table(*heads, "magnitude", "phase")
     for row in rows:
+        share = None if row["nrmse"] is None else 100 * row["nrmse"]
         made.add_row(
-            row["source"], *([row["stream"]] if several else []), f"{row['probe']} [{row['unit']}]",
-            row["parameters"], f"{row['rmse']:.3g}", f"{row['bias']:+.3g}", f"{row['max_abs']:.3g}",
-            f"{100 * row['nrmse']:.2f}", f"{row['magnitude']:+.3f}", f"{row['phase']:.3f}",
+            row["source"], row["stream"], f"{row['probe']} [{_unit(row)}]", row["parameters"],
+            *(_short(row[key]) for key in ("rmse", "bias", "max_abs")), _short(share),
+            _short(row["magnitude"]), _short(row["phase"]),
         )  # fmt: skip
     console.show_table(made)
+
+
+def _short(value: float | None) -> str:
+    return "–" if value is None else f"{value:.3g}"
 
 
 def _print_values(found: dict[str, Any]) -> None:
@@ -144,15 +150,11 @@ def _print_values(found: dict[str, Any]) -> None:
 
     if not found["values"]:
         return
-    several = len({row["stream"] for row in found["values"]}) > 1
-    made = console.table(
-        "engine", *(["stream"] if several else []), "quantity", "simulated", "measured", "E_n", "verdict"
-    )  # fmt: skip
+    made = console.table("engine", "stream", "quantity", "simulated", "measured", "E_n", "verdict")
     for row in found["values"]:
-        e_n = "–" if row["e_n"] is None else f"{row['e_n']:+.2f}"
         made.add_row(
-            row["source"], *([row["stream"]] if several else []), f"{row['measure']} [{row['unit']}]",
+            row["source"], row["stream"], f"{row['measure']} [{_unit(row)}]",
             console.number(row["simulated"], row["u_simulated"]),
-            console.number(row["measured"], row["u_data"]), e_n, row["words"],
+            console.number(row["measured"], row["u_data"]), _short(row["e_n"]), row["words"],
         )  # fmt: skip
     console.show_table(made)

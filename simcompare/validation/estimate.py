@@ -1,4 +1,4 @@
-"""Parameters from recordings: least squares on the scenario's reference, with honest uncertainty."""
+"""Parameters from recordings: least squares on the reference, with honest uncertainty."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from simcompare.validation.model import Model
 
 #: samples of one stream that a fit looks at; more would not tell more
 MOST_SAMPLES = 1500
-#: relative step of the differences; references are exact to 1e-9 or better
-_STEP = 1e-5
+#: step of the differences, in sizes of a parameter; references are exact to 1e-9 or better
+_STEP = 1e-4
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,8 @@ def estimate(
 
     With three or more streams the covariance is that of the estimates of single streams divided by
     their number, which holds whatever correlates the residuals within a stream. With fewer it is
-    s²(JᵀJ)⁻¹ times the residuals' correlation time in samples.
+    s²(JᵀJ)⁻¹ times the residuals' correlation time in samples, and with two the square of half
+    their difference is added: what the streams disagree by is not known better than that.
 
     Raises:
         InputError: a parameter without bounds, or nothing that changes with a parameter.
@@ -85,6 +86,11 @@ def estimate(
         length = correlation_length(residuals)
         covariance = np.linalg.pinv(jacobian.T @ jacobian) * spread * length
         how = f"residuals, correlated over {length:.0f} samples"
+        if len(cases) == 2:
+            first, second = single.values()
+            half = (first - second) / 2
+            covariance = covariance + np.outer(half, half)
+            how += ", and half the difference of two streams fitted alone"
     return Estimate(
         names, together, covariance, tuple(c.stream for c in cases), rms, how, single, bound
     )
@@ -115,8 +121,18 @@ def _fit(
         ]
         return np.concatenate(parts)
 
+    def slopes(x: Array) -> Array:
+        here = residuals(x)
+        columns = []
+        for k in range(len(x)):
+            step = _STEP if x[k] + _STEP <= high[k] / size[k] else -_STEP
+            moved = x.copy()
+            moved[k] += step
+            columns.append((residuals(moved) - here) / step)
+        return np.column_stack(columns)
+
     found = least_squares(
-        residuals, begin / size, bounds=(low / size, high / size), diff_step=_STEP, xtol=1e-10,
+        residuals, begin / size, jac=slopes, bounds=(low / size, high / size), xtol=1e-10,
         max_nfev=60,
     )  # fmt: skip
     jacobian = np.asarray(found.jac, dtype=float) / size

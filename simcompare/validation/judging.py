@@ -13,7 +13,7 @@ from simcompare.scenario import Scenario
 from simcompare.trajectory import Array, Trajectory
 from simcompare.validation.cases import Case, Seen
 from simcompare.validation.filtering import interpolated
-from simcompare.validation.gap import noise_of, split
+from simcompare.validation.gap import measured_noise, split
 from simcompare.validation.grid import gci
 from simcompare.validation.plan import Plan
 from simcompare.validation.scores import birge_ratio, vv20
@@ -65,10 +65,13 @@ def noise(seen: Seen) -> tuple[float, str]:
     """Standard uncertainty of one sample and where it comes from."""
     if seen.u is not None:
         return float(np.sqrt(np.mean(np.square(seen.u)))), "stated"
-    return noise_of(seen.values), "estimated from the samples themselves"
+    found = measured_noise(seen.values)
+    return found.value, found.text
 
 
-def waveforms(engine: Engine, number: int, judged: Judged, plan: Plan, fitted: bool) -> list[dict[str, Any]]:
+def waveforms(
+    engine: Engine, number: int, judged: Judged, plan: Plan, fitted: bool
+) -> list[dict[str, Any]]:
     """How far an engine is from each measured signal, with and without fit and alignment."""
     rows = []
     variants = [(NOMINAL, "known before")] + ([(BEST, "fitted")] if fitted else [])
@@ -102,7 +105,7 @@ def at(run: Trajectory, probe: str, time_s: Array) -> Array:
     return interpolated(run.time_s, run.signals[probe], time_s)
 
 
-def values(engine: Engine, number: int, judged: Judged, fitted_on: str | None) -> list[dict[str, Any]]:
+def values(engine: Engine, number: int, judged: Judged) -> list[dict[str, Any]]:
     """Single values of both, with the three parts of their uncertainty (ASME V&V 20)."""
     probes = tuple(judged.case.seen)
     measured = as_trajectory(judged.case)
@@ -213,16 +216,14 @@ def gaps(engine: Engine, number: int, judged: Judged, plan: Plan) -> list[dict[s
             numerical = best - at(judged.truth, probe, seen.time_s)
         elif (number, DOUBLE) in engine.runs:
             numerical = best - at(engine.runs[number, DOUBLE], probe, seen.time_s)
-        size, how = noise(seen)
         u_num = 0.0 if numerical is None else float(np.sqrt(np.nanmean(numerical**2)))
-        found = split(seen.values, nominal, best, size, u_num)
+        found = split(seen.values, nominal, best, seen.u, u_num)
         rows.append(
             {
                 "source": engine.name,
                 "stream": judged.case.stream,
                 "probe": probe,
                 "unit": judged.scene.probes[probe].unit,
-                "noise_from": how,
                 **found.to_dict(),
             }
         )

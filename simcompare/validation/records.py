@@ -68,9 +68,7 @@ def of_validation(
     return found
 
 
-def basis_of(
-    plan: Plan, source: Source, judged: Sequence[Judged], fit: Estimate | None
-) -> str:
+def basis_of(plan: Plan, source: Source, judged: Sequence[Judged], fit: Estimate | None) -> str:
     """What the parameters rest on: "known before", "held out", or "same data"."""
     if fit is None:
         return "known before"
@@ -80,11 +78,12 @@ def basis_of(
     return "same data" if same else "held out"
 
 
-def _parameters(
-    plan: Plan, judged: Sequence[Judged], fit: Estimate | None
-) -> list[dict[str, Any]]:
+def _parameters(plan: Plan, judged: Sequence[Judged], fit: Estimate | None) -> list[dict[str, Any]]:
     case = judged[0].case
-    best = {} if fit is None else dict(zip(fit.names, zip(fit.values, fit.u, strict=True), strict=True))
+    best: dict[str, tuple[float, float]] = {}
+    if fit is not None:
+        pairs = zip(fit.values.tolist(), fit.u.tolist(), strict=True)
+        best = dict(zip(fit.names, pairs, strict=True))
     rows = []
     for name, value in judged[0].scene.parameters.items():
         known = case.values.get(name, value)

@@ -145,7 +145,8 @@ def measured_values(
         except SimcompareError:
             continue  # it needs what was not measured
         for name, (value, true) in judge(ours, theirs).items():
-            if value is not None:
+            # what only the comparison makes, such as a largest deviation, is no measured value
+            if value is not None and name in theirs.values:
                 shown = measure.names.get(name, name)
                 found[shown] = (value, true, ours.units[name], measure.probe)
     return found

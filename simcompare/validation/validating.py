@@ -17,7 +17,8 @@ from simcompare.results import TRUTH, Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Progress
 from simcompare.scenario_file import ScenarioFile
 from simcompare.trajectory import Trajectory
-from simcompare.validation import judging, plan as plans, records, sources
+from simcompare.validation import judging, records, sources
+from simcompare.validation import plan as plans
 from simcompare.validation.alignment import Alignment, align
 from simcompare.validation.cases import Case, cases_of
 from simcompare.validation.estimate import Estimate, estimate

@@ -1,0 +1,102 @@
+"""Public recordings: described fully, found where they are, fetched with their checksum."""
+
+import functools
+import hashlib
+import http.server
+import threading
+
+import pytest
+import yaml
+
+from simcompare.errors import InputError, OutputError, UnknownName
+from simcompare.hardware.logs import mapping as mappings
+from simcompare.hardware.recordings import registry
+from simcompare.validation import plan as plans
+
+NAMES = list(registry.files())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_data_set_is_described_fully(name):
+    found = registry.get(name)
+    mappings.of_tree(dict(found.read), name)
+    for entry in found.validation:
+        plans.of_tree(entry, name)
+    assert len(found.text) > 40
+    assert len(found.citation) > 20
+
+
+@pytest.fixture
+def a_set(tmp_path, monkeypatch):
+    content = b"t,x\n0,1\n1,2\n"
+    (tmp_path / "sets").mkdir()
+    tree = {
+        "title": "a title", "text": "a text", "citation": "A. Author 2026", "licence": "MIT",
+        "source": {"repository": "someone/something", "commit": "0" * 40},
+        "files": [{"path": "folder/log file.csv", "local": "mine/log.csv",
+                   "sha256": hashlib.sha256(content).hexdigest(), "size_bytes": len(content)}],
+    }  # fmt: skip
+    (tmp_path / "sets" / "mine.yaml").write_text(yaml.safe_dump(tree))
+    monkeypatch.setattr(registry, "files", lambda: {"mine": tmp_path / "sets" / "mine.yaml"})
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.delenv(registry.FOLDER_VARIABLE, raising=False)
+    registry.get.cache_clear()
+    yield content
+    registry.get.cache_clear()
+
+
+def test_a_folder_of_the_users_own_comes_first_and_is_checked(a_set, tmp_path, monkeypatch):
+    with pytest.raises(InputError, match="data fetch mine"):
+        registry.locate("mine")
+    (tmp_path / "own" / "mine").mkdir(parents=True)
+    log = tmp_path / "own" / "mine" / "log.csv"
+    log.write_bytes(a_set)
+    monkeypatch.setenv(registry.FOLDER_VARIABLE, str(tmp_path / "own"))
+    assert registry.locate("mine") == [log]
+    log.write_bytes(a_set + b"2,3\n")
+    with pytest.raises(InputError, match="is not the registered file"):
+        registry.locate("mine")
+
+
+def test_an_unknown_name_is_told_with_the_nearest(a_set):
+    with pytest.raises(UnknownName, match="mine"):
+        registry.get("mime")
+
+
+class _Server(http.server.ThreadingHTTPServer):
+    daemon_threads = True
+
+
+@pytest.fixture
+def server(tmp_path):
+    (tmp_path / "web").mkdir()
+    handler = functools.partial(
+        http.server.SimpleHTTPRequestHandler, directory=str(tmp_path / "web")
+    )
+    with _Server(("127.0.0.1", 0), handler) as found:
+        threading.Thread(target=found.serve_forever, daemon=True).start()
+        yield tmp_path / "web", f"http://127.0.0.1:{found.server_address[1]}"
+        found.shutdown()
+
+
+def test_a_recording_is_fetched_once_and_checked(a_set, server, monkeypatch):
+    pytest.importorskip("pooch", reason="pooch fetches recordings; it is in simcompare[hardware]")
+    folder, address = server
+    monkeypatch.setattr(registry.DataSet, "url", lambda self, file: f"{address}/log.csv")
+    with pytest.raises(OutputError, match="cannot be fetched"):
+        registry.fetch("mine")
+    (folder / "log.csv").write_bytes(b"somebody else's file")
+    with pytest.raises(OutputError, match="cannot be fetched"):
+        registry.fetch("mine")
+    (folder / "log.csv").write_bytes(a_set)
+    (found,) = registry.fetch("mine")
+    assert found.read_bytes() == a_set
+    (folder / "log.csv").unlink()
+    assert registry.fetch("mine") == [found]
+
+
+def test_the_address_names_repository_commit_and_file(a_set):
+    found = registry.get("mine")
+    assert found.url(found.files[0]) == (
+        f"https://raw.githubusercontent.com/someone/something/{'0' * 40}/folder/log%20file.csv"
+    )
