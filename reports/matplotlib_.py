@@ -158,7 +158,7 @@ def _band(axes: Axes, band: Band) -> Any:  # noqa: ANN401  (a handle for the leg
 
 def _stacked(axes: Axes, panel: Panel) -> Iterator[tuple[Bars, Any]]:
     """Draws the bars, layer on layer; yields each with its handle for the legend."""
-    floor = 0.0
+    floor: Any = 0.0
     for bars in panel.bars:
         drawn = axes.bar(
             range(len(bars.heights)), bars.heights, 0.6, bottom=floor, color=bars.colour,

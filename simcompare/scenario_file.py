@@ -366,7 +366,7 @@ def faults_of(error: ValidationError) -> dict[str, str]:
 def _place_of(loc: tuple[int | str, ...]) -> list[str]:
     """Place in the file, without the kinds of parts that pydantic adds as if they were places."""
     parts = [str(part) for part in loc]
-    if parts[0] in ("actuators", "inputs") and len(parts) > 2:
+    if parts[:1] in (["actuators"], ["inputs"]) and len(parts) > 2:
         del parts[2]
     if "shapes" in parts[2:] and len(parts) > parts.index("shapes", 2) + 2:
         del parts[parts.index("shapes", 2) + 2]

@@ -46,6 +46,7 @@ UNITS_BY_SUFFIX = {
     "_N_m_s": "N*m/s",
     "_N_s": "N/s",
     "_V_s": "V/s",
+    "_V_rad": "V/rad",
     "_K_W": "K/W",
     "_J_K": "J/K",
     "_rad_s2": "rad/s**2",

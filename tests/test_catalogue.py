@@ -84,7 +84,7 @@ def test_a_folder_without_its_file_says_what_it_must_hold(tmp_path):
 def test_the_reference_beside_a_file_is_loaded(fall):
     reference = catalogue.reference_of(fall / "fall.yaml")
     assert reference is not None
-    height = reference({"height_m": 1.0}, np.array([0.0, 0.2]))["ball.position_m"][:, 2]
+    height = reference({"height_m": 1.0}, np.array([0.0, 0.2]), {})["ball.position_m"][:, 2]
     assert height == pytest.approx([1.0, 1.0 - 9.80665 * 0.02])
 
 

@@ -6,13 +6,12 @@ import importlib
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
+from simcompare import units
 from simcompare.errors import InputError
-from simcompare.hardware.conditioning import naming
+from simcompare.hardware.conditioning import intervals, naming
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.logs.mapping import Mapping
-from simcompare.hardware.logs.raw import RawLog, RawStream, blocks
+from simcompare.hardware.logs.mapping import ChannelMap, Mapping
+from simcompare.hardware.logs.raw import RawColumn, RawLog, RawStream, blocks
 from simcompare.recording import (
     INFO,
     Channel,
@@ -22,6 +21,7 @@ from simcompare.recording import (
     Repair,
     Stream,
 )
+from simcompare.trajectory import Array
 
 #: modules of this folder with ``check(work)``, in the order in which they run:
 #: first what is missing, then the clock, then what the values mean, then what can be filled
@@ -66,10 +66,9 @@ def condition(
     ]
     streams = {}
     for work in works:
-        made = None if work.faults else _stream(work, conversions)
-        faults += [] if made is None else work.faults
-        if made is not None:
-            streams[work.stream.name] = made
+        if not work.faults:
+            streams[work.stream.name] = _stream(work, conversions)
+            faults += work.faults  # such as columns without a unit
     if faults:
         raise InputError(about.file, faults)
     full = replace(
@@ -113,40 +112,59 @@ def _refused(repair: Repair) -> str:
     return f"{where}{': ' if where else ''}{repair.text} ({repair.rule}; refused by --strict)"
 
 
-def _stream(work: Work, conversions: list[Conversion]) -> Stream | None:
+def _stream(work: Work, conversions: list[Conversion]) -> Stream:
     """Channels in SI; a column without a unit is a fault or, beside a mapping, left out."""
     channels: dict[str, Channel] = {}
     for column in work.data:
-        for wish, name in naming.channels_of(work, column):
+        wishes = naming.channels_of(work, column)
+        for wish, name in wishes:
             made = naming.conversion(work, column, wish, name)
             conversions.append(made)
-            if not made.channel:
-                continue
-            values = column.values
-            if (made.factor, made.offset) != (1.0, 0.0):
-                if len(naming.channels_of(work, column)) > 1:
-                    values = np.array(values)
-                for part in blocks(len(values)):
-                    values[part] = values[part] * made.factor + made.offset
-            u = column.u if wish is None or wish.u is None else wish.u * (wish.scale or 1.0)
-            if wish is not None and wish.u is not None:
-                u = wish.u * naming.factor_to_si(wish.unit)
-            elif u is not None:
-                u = u * abs(made.factor)
-            channels[made.channel] = Channel(
-                values, made.unit, (wish.frame if wish else "") or column.frame, u,
-                (wish.sensor if wish else "") or column.sensor,
-                (wish.kind if wish else "") or column.kind,
-                column.name, work.saturated.get(column.name),
-            )  # fmt: skip
-    if work.faults:
-        return None
+            if made.channel in channels:
+                work.fault(
+                    f"becomes the channel {made.channel!r} as {channels[made.channel].raw!r} does;"
+                    " rename one of the columns or give names in a mapping file (--map)",
+                    channel=column.name,
+                )
+            elif made.channel:
+                values = column.values if len(wishes) == 1 else _copy(column.values)
+                channels[made.channel] = _channel(work, column, wish, made, values)
     clock = replace(work.stream.clock, u_s=work.u_time_s, resolution_s=work.resolution_s)
+    clock = replace(clock, first_s=work.start_s + float(work.time_s[0]))
     first = float(work.time_s[0])
-    time_s = work.time_s
-    for part in blocks(len(time_s)):
-        time_s[part] -= first
-    return Stream(time_s, channels, replace(clock, first_s=first), tuple(work.gaps))
+    for part in blocks(len(work.time_s)):
+        work.time_s[part] -= first
+    return Stream(work.time_s, channels, clock, tuple(work.gaps))
+
+
+def _channel(
+    work: Work, column: RawColumn, wish: ChannelMap | None, made: Conversion, values: Array
+) -> Channel:
+    """The values in SI, in their own memory, with their uncertainty."""
+    if (made.factor, made.offset) != (1.0, 0.0):
+        for part in blocks(len(values)):
+            values[part] = values[part] * made.factor + made.offset
+    return Channel(
+        values, made.unit, (wish.frame if wish else "") or column.frame,
+        _uncertainty(column, wish, made), (wish.sensor if wish else "") or column.sensor,
+        (wish.kind if wish else "") or column.kind, column.name, work.saturated.get(column.name),
+    )  # fmt: skip
+
+
+def _uncertainty(
+    column: RawColumn, wish: ChannelMap | None, made: Conversion
+) -> float | Array | None:
+    """In SI: the mapping gives it in the mapping's unit, the log in the unit of the raw values."""
+    if wish is not None and wish.u is not None:
+        return wish.u * units.si_of(made.raw_unit, "")[0]
+    return None if column.u is None else column.u * abs(made.factor)
+
+
+def _copy(values: Array) -> Array:
+    copied = intervals.room(len(values))
+    for part in blocks(len(values)):
+        copied[part] = values[part]
+    return copied
 
 
 def check_names() -> Sequence[str]:

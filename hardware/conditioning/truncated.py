@@ -1,4 +1,4 @@
-"""To be written."""
+"""Logs that end early."""
 
 from __future__ import annotations
 
@@ -6,4 +6,13 @@ from simcompare.hardware.conditioning.work import Work
 
 
 def check(work: Work) -> None:
-    """Checks."""
+    """Says what is missing at the end."""
+    missing = work.stream.truncated
+    if missing:
+        work.warn(
+            "truncated",
+            f"the log ends early: {missing}; what was read before is whole."
+            " Copy the file from the device again if you can",
+            samples=[len(work.stream) - 1],
+            after={"samples": float(len(work.stream))},
+        )

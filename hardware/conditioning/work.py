@@ -1,4 +1,4 @@
-"""One stream while it is being conditioned: its columns, and what was noticed, changed or refused."""
+"""One stream while it is being conditioned: its columns, and what was noticed or changed."""
 
 from __future__ import annotations
 
@@ -28,9 +28,11 @@ class Work:
         stream: the raw stream; its columns are changed in place.
         mapping: what the user says of the columns.
         assume_units: whether a unit that contradicts physics is replaced by the one that fits.
-        time_s: times of the samples [s], once ``times`` has made them.
+        time_s: times of the samples [s], once ``time_unit`` has made them; they begin with 0 and
+            may lie in the memory of the column of times.
         gaps: samples after which some are missing.
         saturated: raw column -> samples at the end of its range.
+        start_s: the log's own time at which ``time_s`` is 0 [s].
         u_time_s: standard uncertainty of a stamp [s].
         resolution_s: smallest step of the stamps [s].
         repairs: everything noticed or changed.
@@ -43,6 +45,7 @@ class Work:
     time_s: Array = field(default_factory=lambda: np.empty(0))
     gaps: list[int] = field(default_factory=list)
     saturated: dict[str, NDArray[np.bool_]] = field(default_factory=dict)
+    start_s: float = 0.0
     u_time_s: float = 0.0
     resolution_s: float = 0.0
     repairs: list[Repair] = field(default_factory=list)
@@ -68,21 +71,22 @@ class Work:
         """The same in words: ``line 12``."""
         return f"{self.stream.row_word} {self.row(sample)}"
 
-    def info(self, rule: str, text: str, **more: Any) -> None:
+    def info(self, rule: str, text: str, **more: Any) -> None:  # noqa: ANN401
         """Records something that is no defect, such as a unit that was converted."""
         self._record(rule, INFO, text, **more)
 
-    def warn(self, rule: str, text: str, **more: Any) -> None:
+    def warn(self, rule: str, text: str, **more: Any) -> None:  # noqa: ANN401
         """Records a defect that is left as it is and marked; ``--strict`` refuses it."""
         self._record(rule, WARNING, text, **more)
 
-    def repair(self, rule: str, text: str, **more: Any) -> None:
+    def repair(self, rule: str, text: str, **more: Any) -> None:  # noqa: ANN401
         """Records a change; ``--strict`` refuses it.
 
         Args:
             rule: short name of the defect.
             text: what was found and what was done.
-            more: samples (indices), channel (raw name), before and after (numbers by name).
+            more: samples (indices; of many, the first ``MOST_ROWS`` are enough if ``count`` says
+                how many there are), channel (raw name), before and after (numbers by name).
         """
         self._record(rule, REPAIR, text, **more)
 
@@ -94,6 +98,7 @@ class Work:
         *,
         samples: Array | NDArray[np.int64] | list[int] | None = None,
         channel: str = "",
+        count: int | None = None,
         before: MappingOf[str, float] | None = None,
         after: MappingOf[str, float] | None = None,
     ) -> None:
@@ -103,9 +108,10 @@ class Work:
             rows = self.stream.rows[named]
         else:
             rows = named + self.stream.first_row
+        number = len(indices) if count is None else count
         self.repairs.append(
             Repair(
-                rule, severity, text, self.stream.name, channel, ranges(rows), len(indices),
+                rule, severity, text, self.stream.name, channel, ranges(rows), number,
                 dict(before or {}), dict(after or {}),
             )
         )  # fmt: skip
@@ -135,7 +141,10 @@ class Work:
             numbers = np.arange(len(kept), dtype=np.int64) + self.stream.first_row
         self.stream.rows = numbers[kept]
         for column in self.stream.columns:
+            is_time = column.values is self.time_s
             column.values = _compressed(column.values, kept)
+            if is_time:  # one memory for both: it must not be packed twice
+                self.time_s = column.values
             if isinstance(column.u, np.ndarray):
                 column.u = column.u[kept]
         self.saturated = {name: mask[kept] for name, mask in self.saturated.items()}

@@ -59,12 +59,15 @@ class Measured:
         series: name -> one number per event (n,), first event first.
         units: unit of every name, and of every series.
         notes: what the reader should know.
+        u: standard uncertainty of values that are a mean, from the scatter of what they are a mean
+            of; it counts where a real recording is measured.
     """
 
     values: Mapping[str, float | None]
     series: Mapping[str, Array]
     units: Mapping[str, str]
     notes: tuple[str, ...] = field(default=())
+    u: Mapping[str, float] = field(default_factory=dict)
 
 
 class MeasureModule(Protocol):

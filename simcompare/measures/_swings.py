@@ -51,12 +51,11 @@ def find(time_s: Array, values: Array, level: float, band: float) -> Swings:
 
     Args:
         time_s: sample times, growing (n,) [s].
-        values: the probe (n,); samples that are not finite are left out.
+        values: the probe (n,).
         level: where it would rest.
         band: what it must leave on both sides of the level to count as swinging.
     """
-    known = np.isfinite(values)
-    time_s, away = time_s[known], values[known] - level
+    away = values - level
     side = np.where(away > band, 1, np.where(away < -band, -1, 0))
     outside = np.flatnonzero(side)
     changes = np.flatnonzero(np.diff(side[outside])) if len(outside) else np.array([], dtype=int)

@@ -59,7 +59,10 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     period = found.passage_s[2:] - found.passage_s[:-2]
     longer = _swings.lengthening(found.amplitude)
     small = period / ((longer[:-1] + longer[1:]) / 2)
+    # two swings that overlap by half tell little more than one
+    scatter = float(small.std(ddof=1) / np.sqrt(len(small) / 2)) if len(small) > 2 else np.nan
     return Measured(
+        u={name: scatter for name in ("mean_period", "small_angle_period") if scatter > 0},
         values={
             "mean_period": float(period.mean()),
             "small_angle_period": float(small.mean()) if np.isfinite(small).all() else None,

@@ -206,11 +206,12 @@ def _table(reader: _Reader, name: str, duration_s: float) -> Table:
 
 
 def _read_off(reader: _Reader, wanted: ReadOff) -> tuple[float, float]:
-    """Value or rate at the start, and its standard uncertainty, from a parabola."""
+    """Value or rate at the start, and its standard uncertainty, from a parabola or a cubic."""
     time_s, channel = reader.read(wanted.channel)
     near = (time_s >= 0) & (time_s <= wanted.over_s) & np.isfinite(channel.values)
     times, values = time_s[near], channel.values[near]
-    degree = min(2, len(times) - 2)
+    # a rate at the edge of its window wants one order more
+    degree = min(2 + wanted.derivative, len(times) - 2)
     if degree < wanted.derivative or degree < 0:
         raise InputError(
             f"stream {reader.stream}, channel {wanted.channel}",

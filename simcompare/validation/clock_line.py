@@ -145,7 +145,8 @@ def line(reference_s: Array, log_s: Array, u_s: Array | None) -> Line:
     u(s) = σ/√Σ(t - mean t)² (JCGM 100:2008, H.3). Over less than 5 s, or where the data say less
     about the skew than is known of quartz clocks anyway, s ~ N(0, 50 ppm) is one more observation.
     A scatter beyond the given uncertainties widens them by √(χ²/ν) (R. T. Birge, 1932). Unknown
-    uncertainties are taken from the scatter, and widened as for Student's t (JCGM 101:2008, 6.4.9).
+    uncertainties are taken from the scatter, and widened to half of Student's t, so that two of
+    them cover 95 % (JCGM 100:2008, G.3).
 
     Args:
         reference_s: times of the reference (n,) [s].
@@ -165,26 +166,24 @@ def line(reference_s: Array, log_s: Array, u_s: Array | None) -> Line:
     residuals = gap - offset - skew * arm
     # the part of the skew that the data determine costs that part of a degree of freedom
     dof = n - 1 - float(weight @ arm**2) / spread
-    scale = _widened(float(weight @ residuals**2), dof, known=u_s is not None)
+    chi2 = float(weight @ residuals**2)
+    scale = math.sqrt(max(1.0, chi2 / dof)) if u_s is not None and dof > 0.5 else 1.0
     covariance = np.diag([1 / weight.sum(), 1 / spread]) * scale**2
     if not free:
         covariance[1, 1] = min(covariance[1, 1], U_SKEW_PRIOR**2)
     return Line(centre, offset, skew, covariance, residuals, each, scale, free)
 
 
-def _widened(chi2: float, dof: float, *, known: bool) -> float:
-    if known:
-        return math.sqrt(max(1.0, chi2 / dof)) if dof > 0.5 else 1.0
-    return math.sqrt(dof / (dof - 2)) if dof > 2.5 else math.sqrt(5.0)
-
-
 def _scatter(reference_s: Array, log_s: Array) -> float:
-    """Standard deviation of the differences about a line, where nothing is known of them [s]."""
+    """Standard uncertainty of the differences, told from their scatter about a line [s]."""
+    from scipy import stats
+
     gap, n = log_s - reference_s, len(reference_s)
     arm = reference_s - reference_s.mean()
     fits = n > 2 and float(arm @ arm) > 0
     slope = float(arm @ gap) / float(arm @ arm) if fits else 0.0
     left = gap - gap.mean() - slope * arm
-    found = math.sqrt(float(left @ left) / max(1, n - 2 if fits else n - 1))
+    dof = max(1, n - 2 if fits else n - 1)
+    found = math.sqrt(float(left @ left) / dof) * float(stats.t.ppf(0.975, dof)) / 1.96
     # times are doubles: nothing is known better than their last digits
     return max(found, 1e-9)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -57,7 +57,7 @@ def estimate(
     cases: Sequence[Case],
     probe: str,
     names: Sequence[str],
-    progress: Callable[[str], None] | None = None,
+    nuisance: Sequence[str] = (),
 ) -> Estimate:
     """Fits parameters to all cases together, and to each one alone to see how they scatter.
 
@@ -66,16 +66,21 @@ def estimate(
     s²(JᵀJ)⁻¹ times the residuals' correlation time in samples, and with two the square of half
     their difference is added: what the streams disagree by is not known better than that.
 
+    Args:
+        model: the scenario.
+        cases: what is fitted.
+        probe: what is compared.
+        names: the parameters.
+        nuisance: parameters that are fitted too and left out of the estimate.
+
     Raises:
         InputError: a parameter without bounds, or nothing that changes with a parameter.
     """
-    names = tuple(names)
+    names, wanted = (*names, *nuisance), len(names)
     together, residuals, jacobian, bound = _fit(model, cases, probe, names, None)
     single = {}
     if len(cases) > 1:
         for case in cases:
-            if progress is not None:
-                progress(case.stream)
             single[case.stream] = _fit(model, [case], probe, names, together)[0]
     rms = float(np.sqrt(np.mean(residuals**2)))
     if len(cases) >= 3:
@@ -89,11 +94,13 @@ def estimate(
         if len(cases) == 2:
             first, second = single.values()
             half = (first - second) / 2
-            covariance = covariance + np.outer(half, half)
+            covariance = np.asarray(covariance + np.outer(half, half), dtype=float)
             how += ", and half the difference of two streams fitted alone"
     return Estimate(
-        names, together, covariance, tuple(c.stream for c in cases), rms, how, single, bound
-    )
+        names[:wanted], together[:wanted], covariance[:wanted, :wanted],
+        tuple(case.stream for case in cases), rms, how,
+        {name: values[:wanted] for name, values in single.items()}, bound,
+    )  # fmt: skip
 
 
 def _fit(

@@ -21,8 +21,8 @@ _COARSE_S = 5e-3
 _MOST_VOTERS = 48
 _MOST_LOG = 1500
 _MOST_SKEWS = 61
-#: pairs farther from the line than this many standard uncertainties do not belong together
-_REJECT = 4.5
+#: a pair so far from the line that chance puts one of this many there does not belong together
+_ONE_OF = 10_000
 
 
 @dataclass(frozen=True)
@@ -189,7 +189,7 @@ def _refined(
 
 def _u_of(each: Array | None, j: Array, tolerance: float) -> Array | None:
     if each is not None:
-        return each[j]
+        return np.asarray(each[j])
     # a single pair has no scatter; all that is known of it is that it was matched
     return np.array([tolerance / np.sqrt(3)]) if len(j) == 1 else None
 
@@ -201,14 +201,18 @@ def _indices(matching: Matching) -> tuple[Array, Array]:
 
 def _near(reference: Array, log: Array, each: Array | None) -> Array:
     """Which pairs lie on the line of the others, told by medians of slopes and of distances."""
+    from scipy import stats
+
     if len(reference) < 3:
         return np.ones(len(reference), dtype=bool)
     left = log - reference
     left = left - _slope(reference, left) * (reference - reference.mean())
     left = np.abs(left - np.median(left))
     made = MAD_TO_SD * float(np.median(left)) * np.sqrt(len(left) / (len(left) - 2))
-    size = np.maximum(made, 1e-9) if each is None else np.maximum(each, made)
-    return np.asarray(left <= _REJECT * size)
+    if each is not None:
+        return np.asarray(left <= stats.norm.isf(0.5 / _ONE_OF) * np.maximum(each, made))
+    # the fewer the pairs, the less is known of their scatter
+    return np.asarray(left <= stats.t.isf(0.5 / _ONE_OF, len(left) - 2) * max(made, 1e-9))
 
 
 def _slope(x: Array, y: Array) -> float:

@@ -141,8 +141,8 @@ def _monotone(f_fine: float, change: float, ratio: float, p: float, order: float
     if order is not None and abs(p - order) > 0.1 * order:
         used = min(max(0.5, p), order)
         text = (
-            f"The observed order {p:.2f} is more than a tenth away from the formal order {order:g}, "
-            f"so the safety factor is 3 with order {used:.2f}."
+            f"The observed order {p:.2f} is more than a tenth away from the formal order "
+            f"{order:g}, so the safety factor is 3 with order {used:.2f}."
         )
         return _index(f_fine, change, ratio, used, p, (CAUTIOUS, "monotone", text))
     text = f"Three steps converge with order {p:.2f}; the safety factor is 1.25."

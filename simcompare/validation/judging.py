@@ -22,6 +22,7 @@ from simcompare.validation.simulated import (
     DOUBLE,
     FOURFOLD,
     NOMINAL,
+    Both,
     Engine,
     measured_values,
 )
@@ -108,26 +109,27 @@ def at(run: Trajectory, probe: str, time_s: Array) -> Array:
 def values(engine: Engine, number: int, judged: Judged) -> list[dict[str, Any]]:
     """Single values of both, with the three parts of their uncertainty (ASME V&V 20)."""
     probes = tuple(judged.case.seen)
-    measured = as_trajectory(judged.case)
-    if measured is None:
-        return []
-    best = engine.runs[number, BEST]
+    whole = as_trajectory(judged.case)
+    measured = _within(whole, engine.runs[number, BEST])
+    best = _resampled(engine.runs[number, BEST], measured)
     found = measured_values(judged.scene, best, measured, probes)
     u_data = _u_data(judged, best, measured, found)
     u_input = _u_input(judged, measured, found)
     coarse = [
-        measured_values(judged.scene, engine.runs[number, v], measured, probes)
+        measured_values(
+            judged.scene, _resampled(engine.runs[number, v], measured), measured, probes
+        )
         for v in (DOUBLE, FOURFOLD)
         if (number, v) in engine.runs
     ]
     rows = []
-    for name, (simulated, real, unit, probe) in found.items():
-        grid = [row[name][0] for row in coarse if name in row]
+    for name, (simulated, real, unit, probe, _) in found.items():
+        grid = [row[name].simulated for row in coarse if name in row]
         step_error = gci(simulated, *grid) if grid else None
         parts = (step_error.u_num if step_error else None, u_input.get(name), u_data[name])
         known = [0.0 if part is None else part for part in parts]
         judged_by = vv20(simulated, real, *known)
-        whole = None not in parts and judged_by.u_val > 0
+        known_all = None not in parts and judged_by.u_val > 0
         rows.append(
             {
                 "source": engine.name,
@@ -141,17 +143,34 @@ def values(engine: Engine, number: int, judged: Judged) -> list[dict[str, Any]]:
                 **dict(zip(("u_num", "u_input", "u_data"), parts, strict=True)),
                 "u_val": judged_by.u_val,
                 "error": judged_by.error,
-                "e_n": judged_by.error / (2 * judged_by.u_val) if whole else None,
-                "zeta": judged_by.error / judged_by.u_val if whole else None,
-                "within_noise": judged_by.within_noise if whole else None,
+                "e_n": judged_by.error / (2 * judged_by.u_val) if known_all else None,
+                "zeta": judged_by.error / judged_by.u_val if known_all else None,
+                "within_noise": judged_by.within_noise if known_all else None,
                 "step_error": None if step_error is None else step_error.text,
             }
         )
     return rows
 
 
-def as_trajectory(case: Case) -> Trajectory | None:
-    """What was measured as a trajectory, where all probes have one clock."""
+def _within(measured: Trajectory, simulated: Trajectory) -> Trajectory:
+    """The part of a measurement that was simulated too."""
+    times = measured.time_s
+    inside = (times >= simulated.time_s[0]) & (times <= simulated.time_s[-1])
+    signals = {name: values[inside] for name, values in measured.signals.items()}
+    return Trajectory(measured.source, times[inside], signals)
+
+
+def _resampled(run: Trajectory, measured: Trajectory) -> Trajectory:
+    """A simulation sampled when the measurement was, so that a measure sees both alike."""
+    signals = {
+        name: interpolated(run.time_s, run.signals[name], measured.time_s)
+        for name in measured.signals
+    }
+    return Trajectory(run.source, measured.time_s, signals, run.version, run.contact)
+
+
+def as_trajectory(case: Case) -> Trajectory:
+    """What was measured as a trajectory: the probes that have the clock of the leading one."""
     seen = list(case.seen.values())
     times = seen[0].time_s
     same = {
@@ -166,9 +185,9 @@ def _u_data(
     judged: Judged,
     best: Trajectory,
     measured: Trajectory,
-    found: Mapping[str, tuple[float, float, str, str]],
+    found: Mapping[str, Both],
 ) -> dict[str, float]:
-    """How much a measured value scatters when the noise of the samples is drawn anew."""
+    """How much a measured value scatters: when noise is drawn anew, and within the record."""
     generator = np.random.default_rng(0)
     drawn: dict[str, list[float]] = {name: [] for name in found}
     for _ in range(DRAWS):
@@ -181,23 +200,26 @@ def _u_data(
         )
         for name in found:
             if name in again:
-                drawn[name].append(again[name][1])
-    return {
-        name: float(np.std(numbers, ddof=1)) if len(numbers) > 1 else 0.0
-        for name, numbers in drawn.items()
-    }
+                drawn[name].append(again[name].measured)
+    noisy = {name: np.std(own, ddof=1) if len(own) > 1 else 0.0 for name, own in drawn.items()}
+    return {name: math.hypot(float(noisy[name]), both.u) for name, both in found.items()}
 
 
 def _u_input(
-    judged: Judged, measured: Trajectory, found: Mapping[str, tuple[float, float, str, str]]
+    judged: Judged, measured: Trajectory, found: Mapping[str, Both]
 ) -> dict[str, float]:
     if judged.truth is None:
         return {}
     probes = tuple(judged.case.seen)
-    best = measured_values(judged.scene, judged.truth, measured, probes)
-    moved = [measured_values(judged.scene, run, measured, probes) for run in judged.shifted]
+    best = measured_values(judged.scene, _resampled(judged.truth, measured), measured, probes)
+    moved = [
+        measured_values(judged.scene, _resampled(run, measured), measured, probes)
+        for run in judged.shifted
+    ]
     return {
-        name: math.sqrt(sum((row[name][0] - best[name][0]) ** 2 for row in moved if name in row))
+        name: math.sqrt(
+            sum((row[name].simulated - best[name].simulated) ** 2 for row in moved if name in row)
+        )
         for name in found
         if name in best
     }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -108,7 +109,7 @@ def _clusters(reference: Array, log: Array, tolerance_s: float) -> list[tuple[sl
     ours = np.concatenate(([0], np.cumsum(order < len(reference))))
     edges = np.concatenate(([0], cuts, [len(times)]))
     found = []
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         rows = slice(int(ours[low]), int(ours[high]))
         columns = slice(int(low - ours[low]), int(high - ours[high]))
         if rows.start < rows.stop and columns.start < columns.stop:

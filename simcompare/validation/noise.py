@@ -28,7 +28,16 @@ class Noise:
     text: str
 
 
-def noise_of(values: ArrayLike) -> Noise:
+def noise_of(values: ArrayLike) -> float:
+    """Standard deviation of white noise on a smooth signal, see :func:`measured_noise`.
+
+    Args:
+        values: the samples (n,), evenly spaced; NaN split the signal.
+    """
+    return measured_noise(values).value
+
+
+def measured_noise(values: ArrayLike) -> Noise:
     """Standard deviation of white noise on a smooth signal, by second differences.
 
     A second difference y[i-1] - 2·y[i] + y[i+1] has √6 times the noise of a sample and hardly any
@@ -53,7 +62,7 @@ def noise_of(values: ArrayLike) -> Noise:
     least = _quantisation(y[np.isfinite(y)])
     if least > found:
         found, text = least, "from the smallest step that the measurement shows (1/√12 of it)"
-    # a median absolute deviation has 37 % efficiency; neighbours share samples, so about 2 n/3 count
+    # a median absolute deviation has 37 % efficiency; neighbours share samples: 2/3 of them count
     return Noise(found, found * 1.17 / math.sqrt(max(1.0, 2 * len(second) / 3)), text)
 
 

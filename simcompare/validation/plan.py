@@ -43,7 +43,7 @@ class ReadOff(_Part):
 
     Attributes:
         channel: which channel.
-        over_s: a parabola is laid through the samples of this time [s].
+        over_s: a parabola (a cubic for a rate) is laid through the samples of this time [s].
         derivative: 0 the value, 1 its rate of change.
         offset: is added, for a parameter that is counted from elsewhere.
     """
@@ -90,12 +90,15 @@ class Calibration(_Part):
         recording: name of another data set; this recording where ``None``.
         streams: streams that are fitted.
         parameters: which parameters.
+        nuisance: parameters that are fitted as well, but belong to that recording alone, such as
+            how its zero was set; they are not carried over.
         most_s: longest part of a stream that is used [s].
     """
 
     recording: str | None = None
     streams: tuple[str, ...] = ()
     parameters: tuple[str, ...] = Field(min_length=1)
+    nuisance: tuple[str, ...] = ()
     most_s: PositiveFloat | None = None
 
 
@@ -205,7 +208,11 @@ def faults(plan: Plan, scenario: Scenario) -> list[str]:
         ("parameter", (*plan.parameters, *plan.start), scenario.parameters),
         ("input", plan.inputs, scenario.inputs),
         ("probe", plan.compare, scenario.probes),
-        ("parameter", plan.calibrate.parameters if plan.calibrate else (), scenario.parameters),
+        (
+            "parameter",
+            (*plan.calibrate.parameters, *plan.calibrate.nuisance) if plan.calibrate else (),
+            scenario.parameters,
+        ),
     ):
         found += [
             str(UnknownName(f"{kind} of {plan.scenario}", n, known))

@@ -58,7 +58,7 @@ def of_validation(
         },
         "inputs": {name: driven.channel for name, driven in plan.inputs.items()},
         "parameters": _parameters(plan, judged, fit),
-        "fit": None if fit is None else _fit(fit),
+        "fit": None if fit is None else _fit(fit, _fitted_on(plan, source)),
         "cases": [_case(one) for one in judged],
         "events": [asdict(event) for event in source.recording.events[:1000]],
         **rows,
@@ -112,10 +112,16 @@ def _parameters(plan: Plan, judged: Sequence[Judged], fit: Estimate | None) -> l
     return rows
 
 
-def _fit(fit: Estimate) -> dict[str, Any]:
+def _fitted_on(plan: Plan, source: Source) -> str:
+    other = None if plan.calibrate is None else plan.calibrate.recording
+    return other or source.name
+
+
+def _fit(fit: Estimate, recording: str) -> dict[str, Any]:
     u = fit.u
     correlation = fit.covariance / (u[:, None] * u[None, :] + (u[:, None] * u[None, :] == 0))
     return {
+        "recording": recording,
         "names": list(fit.names),
         "streams": list(fit.streams),
         "rms": fit.rms,

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from simcompare import measures
 from simcompare.backend import Settings
 from simcompare.errors import InputError, SimcompareError
 from simcompare.jobs import OK, Job, Outcome
 from simcompare.runner import Progress, run_jobs
-from simcompare.scenario import Probe, Scenario
+from simcompare.scenario import Scenario
 from simcompare.trajectory import Trajectory
 from simcompare.validation.cases import Case
 from simcompare.validation.model import Model
@@ -119,20 +120,36 @@ def of_probes(scene: Scenario, trajectory: Trajectory, probes: Sequence[str]) ->
 def seeing(scene: Scenario, probes: Sequence[str]) -> Scenario:
     """The scene with probes that look at such a trajectory instead."""
     changed = {
-        name: Probe(observe=name, label=scene.probes[name].label, unit=scene.probes[name].unit)
+        name: scene.probes[name].model_copy(
+            update={"observe": name, "component": None, "offset": 0.0}
+        )
         for name in probes
     }
     return scene.model_copy(update={"probes": {**scene.probes, **changed}})
 
 
+class Both(NamedTuple):
+    """One value, simulated and measured.
+
+    Attributes:
+        simulated: what the simulation gives.
+        measured: what the measurement gives.
+        unit: of both.
+        probe: which probe leads.
+        u: standard uncertainty of the measured value from its own scatter, 0 where it has none.
+    """
+
+    simulated: float
+    measured: float
+    unit: str
+    probe: str
+    u: float
+
+
 def measured_values(
     scene: Scenario, simulated: Trajectory, measured: Trajectory, probes: Sequence[str]
-) -> dict[str, tuple[float, float, str, str]]:
-    """Every value that the scenario's measures find in both.
-
-    Returns:
-        Name -> (simulated, measured, unit, leading probe).
-    """
+) -> dict[str, Both]:
+    """Every value that the scenario's measures find in both, by its name."""
     view = seeing(scene, probes)
     found = {}
     for measure in scene.measures:
@@ -148,5 +165,6 @@ def measured_values(
             # what only the comparison makes, such as a largest deviation, is no measured value
             if value is not None and name in theirs.values:
                 shown = measure.names.get(name, name)
-                found[shown] = (value, true, ours.units[name], measure.probe)
+                scatter = theirs.u.get(name, 0.0)
+                found[shown] = Both(value, true, ours.units[name], measure.probe, scatter)
     return found

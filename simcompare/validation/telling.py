@@ -50,15 +50,22 @@ def _how_large(found: Mapping[str, Any]) -> str:
     rows = [r for r in rows if r["aligned"]] or rows
     worst = max(rows, key=lambda row: row["nrmse"] or 0.0)
     best = min(rows, key=lambda row: row["nrmse"] or 0.0)
-    label = found["compare"][worst["probe"]]["label"]
+    label = _label(found, worst["probe"])
+    shares = dict.fromkeys((_share(best), _share(worst)))
     told = (
         f"With the {'fitted' if last == 'fitted' else 'known'} parameters the simulated {label}"
-        f" is {_share(best)} to {_share(worst)} of the measured range off (root mean square);"
+        f" is {' to '.join(shares)} of the measured range off (root mean square);"
         f" the largest is {_number(worst['rmse'], worst['unit'])}"
-        f" ({worst['source']}, {_stretch(worst)}at most {_number(worst['max_abs'], worst['unit'])})."
+        f" ({worst['source']}, {_stretch(worst)}"
+        f"at most {_number(worst['max_abs'], worst['unit'])})."
     )
     spread = _spread(rows)
     return told + (f" {spread}" if spread else "")
+
+
+def _label(found: Mapping[str, Any], probe: str) -> str:
+    text = str(found["compare"][probe]["label"])
+    return text[:1].lower() + text[1:]
 
 
 def _stretch(row: Mapping[str, Any]) -> str:
@@ -88,9 +95,9 @@ def _made_of(found: Mapping[str, Any]) -> list[str]:
         shares = {key: [row["shares"][key] for row in rows] for key in _PARTS}
         order = sorted(_PARTS, key=lambda key: -max(shares[key]))
         parts = [f"{_PARTS[key]} {_range(shares[key])}" for key in order if any(shares[key])]
-        label = found["compare"][probe]["label"]
+        label = _label(found, probe)
         before = "" if found["fit"] is not None else (
-            " Nothing was fitted, so what other parameters would change is part of the model's form."
+            " Nothing was fitted: what other parameters would change is part of the model's form."
         )  # fmt: skip
         told.append(
             f"What the gap of the {label} is made of, in shares of its mean square:"
@@ -118,8 +125,8 @@ def _basis(found: Mapping[str, Any]) -> str:
     if found["basis"] == KNOWN:
         return "All parameters were known before the measurement was looked at."
     fitted = ", ".join(row["name"] for row in found["parameters"] if row["fitted"] is not None)
-    streams = ", ".join(found["fit"]["streams"])
-    judged = ", ".join(case["stream"] for case in found["cases"])
+    streams = _places(found["fit"]["recording"], found["fit"]["streams"])
+    judged = _places(found["recording"], [case["stream"] for case in found["cases"]])
     if found["basis"] == SAME:
         return (
             f"{fitted} were fitted to {streams}, which is also what was judged: this is a fit, not"
@@ -129,6 +136,13 @@ def _basis(found: Mapping[str, Any]) -> str:
         f"{fitted} were fitted to {streams} and held against {judged}, which they had not seen:"
         " what is said here is a prediction. It holds for motions like these, not beyond."
     )
+
+
+def _places(recording: str, streams: Sequence[str]) -> str:
+    """Streams of a recording; one that has only one is called by its own name."""
+    if list(streams) == ["log"]:
+        return recording
+    return f"{', '.join(streams)} of {recording}"
 
 
 def _share(row: Mapping[str, Any]) -> str:

@@ -88,7 +88,7 @@ def validate(
         progress=progress,
     )  # fmt: skip
     done = _gather(_Asked(file, source, plan, contact, fit), judged, found)
-    record = done.record
+    record = dict(done.record)
     record["validation"]["alignments"] = [
         None if one is None else one.to_dict() for one in alignments
     ]
@@ -97,6 +97,7 @@ def validate(
         recording_asked=recording, interrupted=False, kind="validation",
         command=_command(scenario, recording, engine, contact, mapping, set, streams, step),
     )  # fmt: skip
+    done = replace(done, record=record)
     if out is None:
         return done
     from simcompare import store
@@ -136,7 +137,7 @@ def _fit(
     own = plan if wanted.recording is None else plans.choose(other.plans, plan.scenario, other.name)
     cases = cases_of(model.file, own, other.recording, wanted.streams, given, wanted.most_s)
     probe = next(name for name, compared in own.compare.items() if compared.judged)
-    return estimate(model, cases, probe, names)
+    return estimate(model, cases, probe, names, wanted.nuisance)
 
 
 def _judged(
@@ -146,11 +147,11 @@ def _judged(
     fit: Estimate | None,
     step_s: float | None,
 ) -> tuple[list[Judged], list[Alignment | None]]:
-    found, alignments = [], []
+    found: list[Judged] = []
+    alignments: list[Alignment | None] = []
     for case in cases:
         best = {} if fit is None else fit.as_dict()
         scene = model.scenario(case, best, step_s)
-        probes = tuple(case.seen)
         if model.reference is None:
             found.append(Judged(case, None, scene, None, None))
             alignments.append(None)
@@ -165,7 +166,6 @@ def _judged(
         alignment = _aligned(plan, case, truth)
         alignments.append(alignment)
         seen = case if alignment is None else _on_reference(case, alignment)
-        _ = probes
         raw = None if alignment is None else case
         found.append(Judged(seen, raw, scene, truth, at({}), tuple(shifted)))
     return found, alignments
@@ -253,9 +253,7 @@ def _stored(judged: Sequence[Judged], found: Sequence[Engine]) -> list[Stored]:
     """Measured, reference and engines; the repeat is the number of the case."""
     stored = []
     for number, one in enumerate(judged):
-        measured = judging.as_trajectory(one.case)
-        if measured is not None:
-            stored.append(Stored(MEASURED, "", number, measured))
+        stored.append(Stored(MEASURED, "", number, judging.as_trajectory(one.case)))
         if one.truth is not None:
             bands = {f"u({probe})": one.u_input(probe) for probe in one.case.seen}
             signals = {**one.truth.signals, **{k: v for k, v in bands.items() if v is not None}}

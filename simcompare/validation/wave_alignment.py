@@ -194,24 +194,30 @@ class _Fit:
     def __init__(self, reference: Wave, log: Wave, fit_skew: bool, free_level: bool) -> None:
         self.reference, self.log = reference, log
         self.fit_skew, self.free_level = fit_skew, free_level
-        self.noise = noise_of(reference.values).value
-        self.curve, self.slope = _spline(reference, self.noise)
+        self.noise = noise_of(reference.values)
+        self.curve = _curve(reference, self.noise)
 
     def finish(self, start: Alignment) -> Alignment:
         """Least squares from one start, twice, as samples enter and leave the overlap."""
         centre = self._centre(start)
         x = np.array([float(start.to_log(centre)) - centre, start.skew, 1.0, 0.0])
-        prior = math.inf
-        solution = self._solve(x, centre, prior)
+        solution = self._solve(x, centre, 0.0)
+        covariance = self._covariance(solution)
         span = float(np.ptp(self.log.time_s[solution.used]))
-        covariance = self._covariance(solution, math.inf)
         free = span >= LEAST_SPAN_S and covariance[1, 1] <= U_SKEW_PRIOR**2
         for _ in range(2):
-            if not free:
-                prior = float(np.std(solution.residuals)) / U_SKEW_PRIOR
-            solution = self._solve(solution.x, centre, prior)
-        covariance = self._covariance(solution, math.inf if free else U_SKEW_PRIOR)
+            weight = 0.0 if free or not self.fit_skew else self._weight(solution, covariance)
+            solution = self._solve(solution.x, centre, weight)
+            covariance = self._covariance(solution)
+        if self.fit_skew and not free:
+            known = np.diag([0.0, U_SKEW_PRIOR**-2])
+            covariance = np.linalg.inv(np.linalg.pinv(covariance, hermitian=True) + known)
         return self._told(centre, solution, covariance, free)
+
+    def _weight(self, solution: _Solution, covariance: Array) -> float:
+        """What s/u(s) weighs beside residuals: their rms, and more where they are correlated."""
+        slopes = solution.jacobian[:, 1]
+        return math.sqrt(float(covariance[1, 1] * (slopes @ slopes))) / U_SKEW_PRIOR
 
     def _centre(self, start: Alignment) -> float:
         ends = start.to_reference(self.log.time_s[[0, -1]])
@@ -222,7 +228,7 @@ class _Fit:
             raise InputError("alignment", [text])
         return (low + high) / 2
 
-    def _solve(self, x: Array, centre: float, prior: float) -> _Solution:
+    def _solve(self, x: Array, centre: float, weight: float) -> _Solution:
         """One run of least squares with the samples fixed that are compared."""
         from scipy.optimize import least_squares
 
@@ -234,7 +240,6 @@ class _Fit:
         step, arm = self.log.step_s, max(float(np.ptp(times)) / 2, self.log.step_s)
         size = float(np.std(values)) or 1.0
         unit = np.array([step, step / arm, 1.0, size])[: self._count()]
-        weight = 0.0 if math.isinf(prior) else prior
 
         def residuals(p: Array) -> Array:
             modelled, _ = self._model(p * unit, times, centre)
@@ -262,7 +267,7 @@ class _Fit:
         """The log that the reference would have given, and its derivatives by the unknowns."""
         pace = 1 + (x[1] if self.fit_skew else 0.0)
         run = (times - centre - x[0]) / pace
-        values, slope = self.curve(centre + run), self.slope(centre + run)
+        values, slope = self.curve.at(centre + run), self.curve.slope_at(centre + run)
         gain, bias = (x[2], x[3]) if len(x) > 2 else (1.0, 0.0)
         columns = [-gain * slope / pace, -gain * slope * run / pace * (1.0 if self.fit_skew else 0)]
         if self.free_level:
@@ -279,26 +284,18 @@ class _Fit:
         # a spline across a gap is an invention
         return np.asarray(inside & (known[after] - known[after - 1] <= GAP * self.reference.step_s))
 
-    def _covariance(self, solution: _Solution, prior: float) -> Array:
-        """Of offset and skew (2, 2), other unknowns marginalised."""
-        J, residuals = solution.jacobian, solution.residuals
-        columns = [0, 1] if self.fit_skew else [0]
-        columns += [2, 3] if self.free_level else []
-        J = J[:, columns]
-        free = max(1, len(residuals) - len(columns))
-        spread = float(residuals @ residuals) / free * inflation(residuals, J[:, 0])
-        # noise of the reference is shared by all samples of the log that lie near
-        spread += self.noise**2 * self.reference.step_s / self.log.step_s
-        scale = np.sqrt(np.sum(J**2, axis=0))
-        if spread == 0 or scale[0] == 0:
-            spread, scale = max(spread, 1e-30), np.maximum(scale, 1e-300)
-        normal = (J / scale).T @ (J / scale) / spread
-        if self.fit_skew and not math.isinf(prior):
-            normal[1, 1] += 1 / (prior * scale[1]) ** 2
-        inverse = np.linalg.pinv(normal, hermitian=True) / np.outer(scale, scale)
+    def _covariance(self, solution: _Solution) -> Array:
+        """Of offset and skew (2, 2) as the data alone tell them, other unknowns marginalised."""
+        columns = ([0, 1] if self.fit_skew else [0]) + ([2, 3] if self.free_level else [])
+        J, residuals = solution.jacobian[:, columns], solution.residuals
+        left = float(residuals @ residuals) / max(1, len(residuals) - len(columns))
+        # noise of the reference shows less in the residuals than in the offset: smoothing does not
+        # help there, it only makes that noise last longer
+        shared = self.noise**2 * (self.reference.step_s / self.log.step_s - self.curve.kept)
+        found = sandwich(J, residuals, left, left + shared)
         whole = np.zeros((2, 2))
         keep = 2 if self.fit_skew else 1
-        whole[:keep, :keep] = inverse[:keep, :keep]
+        whole[:keep, :keep] = found[:keep, :keep]
         return whole
 
     def _told(self, centre: float, solution: _Solution, covariance: Array, free: bool) -> Alignment:
@@ -318,36 +315,92 @@ class _Fit:
         return from_centre(centre, float(solution.x[0]), skew, covariance, found)
 
 
-def _spline(wave: Wave, noise: float) -> tuple[Callable[[Array], Array], Callable[[Array], Array]]:
-    """A cubic spline and its slope; smoothed by cross-validation where the samples are noisy."""
+@dataclass(frozen=True)
+class _Curve:
+    """A cubic spline through a signal.
+
+    Attributes:
+        at: its values.
+        slope_at: its slope.
+        kept: share of the variance of white noise that is left in the values.
+    """
+
+    at: Callable[[Array], Array]
+    slope_at: Callable[[Array], Array]
+    kept: float
+
+
+def _curve(wave: Wave, noise: float) -> _Curve:
+    """A spline through all samples, or a smoothing one where the samples are noisy."""
     from scipy.interpolate import CubicSpline, make_smoothing_spline
 
-    if noise > _SMOOTH_ABOVE * float(np.std(wave.values)):
-        smooth = make_smoothing_spline(wave.time_s / wave.step_s, wave.values)
-        slope = smooth.derivative()
-        return (
-            lambda t: np.asarray(smooth(t / wave.step_s)),
-            lambda t: np.asarray(slope(t / wave.step_s)) / wave.step_s,
-        )
-    curve = CubicSpline(wave.time_s, wave.values)
-    first = curve.derivative()
-    return lambda t: np.asarray(curve(t)), lambda t: np.asarray(first(t))
+    if noise <= _SMOOTH_ABOVE * float(np.std(wave.values)):
+        curve = CubicSpline(wave.time_s, wave.values)
+        first = curve.derivative()
+        return _Curve(lambda t: np.asarray(curve(t)), lambda t: np.asarray(first(t)), 1.0)
+    strength, kept = smoothing(wave.values)
+    smooth = make_smoothing_spline(wave.time_s / wave.step_s, wave.values, lam=strength)
+    slope = smooth.derivative()
+    return _Curve(
+        lambda t: np.asarray(smooth(t / wave.step_s)),
+        lambda t: np.asarray(slope(t / wave.step_s)) / wave.step_s,
+        kept,
+    )
 
 
-def inflation(residuals: Array, jacobian: Array) -> float:
-    """By how much autocorrelated residuals widen the variance of a fitted value: 1 or more.
+def smoothing(values: Array) -> tuple[float, float]:
+    """Strength of a smoothing spline by generalised cross-validation, over cosines.
+
+    D. Garcia, Robust smoothing of gridded data in one and higher dimensions with missing values,
+    Comput. Stat. Data Anal. 54 (2010) 1167.
 
     Args:
+        values: samples, about evenly spaced (n,).
+
+    Returns:
+        The strength λ for steps of 1, and the share of white noise's variance that is left.
+    """
+    from scipy.fft import dct
+
+    n = len(values)
+    power = np.asarray(dct(values - values.mean(), norm="ortho")) ** 2
+    bend = (2 - 2 * np.cos(np.pi * np.arange(n) / n)) ** 2
+    best, least, kept = 0.0, math.inf, 1.0
+    for strength in np.geomspace(1e-5, 1e7, 61):
+        passed = 1 / (1 + strength * bend)
+        score = float(np.mean((1 - passed) ** 2 * power)) / (1 - float(passed.mean())) ** 2
+        if score < least:
+            best, least, kept = float(strength), score, float(np.mean(passed**2))
+    return best, kept
+
+
+def sandwich(J: Array, residuals: Array, variance: float, least: float) -> Array:
+    """Covariance of least-squares estimates with residuals that are correlated in time.
+
+    (JᵀJ)⁻¹·Σ ρ(k)·J(i)·J(i + k)ᵀ·(JᵀJ)⁻¹ times the variance, with the residuals' autocorrelation
+    ρ; in no direction less than uncorrelated residuals of a least variance would give.
+
+    Args:
+        J: derivatives of the model by the unknowns (n, p).
         residuals: what is left (n,), in order of time.
-        jacobian: derivative of the model by the value (n,).
+        variance: of the residuals.
+        least: least variance.
     """
     n = len(residuals)
-    rho_r, rho_J = _autocorrelation(residuals), _autocorrelation(jacobian)
+    rho = _autocorrelation(residuals)[: max(2, n // 4)]
     # what white noise shows by chance is not counted
-    rho_r = np.where(np.abs(rho_r) > 2.5 / math.sqrt(n), rho_r, 0.0)
-    lags = np.arange(1, max(2, n // 4))
-    taper = 1 - lags / n
-    return max(1.0, 1 + 2 * float(np.sum(taper * rho_r[lags] * rho_J[lags])))
+    rho = np.where(np.abs(rho) > 2.5 / math.sqrt(n), rho, 0.0)
+    basis, triangle = np.linalg.qr(J)
+    size = 1 << (2 * n - 1).bit_length()
+    spectra = np.fft.rfft(basis, size, axis=0)
+    weight = np.zeros(size)
+    weight[: len(rho)] = rho
+    weight[size - len(rho) + 1 :] = rho[:0:-1]
+    filtered = np.fft.irfft(spectra * np.fft.rfft(weight)[:, None], size, axis=0)[:n]
+    values, axes = np.linalg.eigh((m := basis.T @ filtered) / 2 + m.T / 2)
+    inner = (axes * np.maximum(least, variance * values)) @ axes.T
+    turn = np.linalg.pinv(triangle)
+    return np.asarray(turn @ inner @ turn.T)
 
 
 def _autocorrelation(values: Array) -> Array:

@@ -1,0 +1,128 @@
+"""ROS logs: ROS 1 bags, ROS 2 bags (a folder, a ``.db3`` or an ``.mcap`` file), one stream a topic.
+
+Numbers keep the names of their fields (``angular_velocity.x``). Their time is ``header.stamp``, or
+the time of receipt where there is none. Messages are defined in the bag itself, or else by ROS.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from simcompare.errors import InputError
+from simcompare.hardware.logs.bag_files import Connection, State, reader_of
+from simcompare.hardware.logs.bag_stream import Finished, finish
+from simcompare.hardware.logs.bag_topic import EPOCH_NS, Topic
+from simcompare.hardware.logs.mapping import Mapping
+from simcompare.hardware.logs.raw import Head, RawLog
+from simcompare.recording import WARNING, Repair
+
+TITLE = "a ROS bag (ROS 1, ROS 2 SQLite or MCAP)"
+
+_MOST_TEXTS = 100
+_BILLION = 1_000_000_000
+
+Key = tuple[str, str, str, str]
+
+
+def recognises(head: Head) -> int:
+    """By the first bytes, or by the files of a folder."""
+    if head.start.startswith((b"#ROSBAG", b"\x89MCAP0\r\n")):
+        return 100
+    if head.start.startswith(b"SQLite format 3\0"):
+        return 95 if b"topics" in head.start and b"messages" in head.start else 0
+    if not head.start:
+        top = [name for name in head.members if "/" not in name]
+        if any(name.endswith((".db3", ".mcap", ".db3.zstd", ".mcap.zstd")) for name in top):
+            return 95
+    return 0
+
+
+def read(path: Path, mapping: Mapping) -> RawLog:
+    """Reads all topics that hold numbers.
+
+    Raises:
+        InputError: it is no bag, or none of its topics can be read.
+    """
+    state = State()
+    topics: dict[Key, Topic] = {}
+    direct: dict[Connection, Topic] = {}
+    origin = None
+    for connection, time_ns, data in reader_of(path)(path, state):
+        if origin is None:
+            # a clock that does not count from 1970 keeps its own zero
+            origin = time_ns // _BILLION * _BILLION if time_ns > EPOCH_NS else 0
+        topic = direct.get(connection)
+        if topic is None:
+            key = (connection.topic, connection.kind, connection.encoding, connection.schema)
+            distribution = state.about.get("ros_distro", "")
+            topic = topics.setdefault(key, Topic(connection, distribution, origin))
+            topic.publishers.add(connection.publisher)
+            direct[connection] = topic
+        topic.add(time_ns, data)
+    return _log(path, state, topics)
+
+
+def _log(path: Path, state: State, topics: dict[Key, Topic]) -> RawLog:
+    done = [finish(topic, name, _missing(state, topic)) for name, topic in _named(topics)]
+    ignored = {name: why for one in done for name, why in one.ignored.items()}
+    silent = {c.topic for c in state.connections} - {key[0] for key in topics}
+    ignored |= {_name(topic): "holds no messages" for topic in sorted(silent)}
+    log = RawLog(
+        [stream for one in done for stream in one.streams],
+        repairs=[*_damaged(state), *(repair for one in done for repair in one.repairs)],
+        ignored=ignored,
+        about={key: text for key, text in _about(state, done).items() if text},
+    )
+    if not log.streams:
+        raise InputError(str(path), _reasons(state, log))
+    return log
+
+
+def _named(topics: dict[Key, Topic]) -> list[tuple[str, Topic]]:
+    """Every topic with its name; the type is in it where a topic has several."""
+    names = [_name(key[0]) for key in topics]
+    unique = [
+        name if names.count(name) == 1 else f"{name}:{key[1]}"
+        for name, key in zip(names, topics, strict=True)
+    ]
+    return list(zip(unique, topics.values(), strict=True))
+
+
+def _name(topic: str) -> str:
+    return topic.strip("/") or "topic"
+
+
+def _missing(state: State, topic: Topic) -> str:
+    """What is missing at the end of a topic."""
+    expected = state.expected.get(topic.connection.topic, 0)
+    if expected > topic.count and not state.truncated:
+        return f"metadata.yaml counts {expected} messages; {topic.count} are there"
+    return state.truncated
+
+
+def _damaged(state: State) -> list[Repair]:
+    shown = [
+        Repair("damaged_record", WARNING, text, count=1) for text in state.damaged[:_MOST_TEXTS]
+    ]
+    more = len(state.damaged) - len(shown)
+    if more:
+        shown.append(
+            Repair("damaged_record", WARNING, f"{more} more records are damaged", count=more)
+        )
+    return shown
+
+
+def _about(state: State, done: list[Finished]) -> dict[str, str]:
+    found = dict(state.about)
+    for one in done:
+        found |= one.about
+    return found
+
+
+def _reasons(state: State, log: RawLog) -> list[str]:
+    """Why nothing of a bag can be used, topic by topic."""
+    found = [f"topic {name}: {why}" for name, why in list(log.ignored.items())[:_MOST_TEXTS]]
+    found += [repair.text for repair in log.repairs if repair.severity == WARNING]
+    if state.truncated:
+        found.append(state.truncated)
+    return found or ["holds no messages and no topics; record it again"]

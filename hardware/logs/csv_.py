@@ -1,0 +1,218 @@
+"""CSV and other tables of text, with any separator, decimal mark, encoding and header."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from simcompare import units
+from simcompare.errors import InputError
+from simcompare.hardware.logs import _dates, _rostopic, _sniff, _table, _text
+from simcompare.hardware.logs._sniff import Layout
+from simcompare.hardware.logs._state import Table
+from simcompare.hardware.logs.mapping import Mapping
+from simcompare.hardware.logs.raw import Head, RawColumn, RawLog, RawStream
+from simcompare.recording import INFO, Clock, Repair
+
+TITLE = "a table of text (CSV)"
+
+#: days since 1899-12-30 from 1970 to 2100, as spreadsheets write dates
+_EXCEL = (25569.0, 73050.0)
+#: nanoseconds from 1970 to 2000 and to 2100
+_Y2000, _Y2100 = 946_684_800 * 10**9, 4_102_444_800 * 10**9
+
+
+def recognises(head: Head) -> int:
+    """Low for every text that holds a table: others know better."""
+    if head.members:
+        return 0
+    lines = _text.head_lines(head.start)
+    if not lines or lines[0].lstrip().startswith(("{", "<", "[{", "[[")):
+        return 0
+    try:
+        layout = _sniff.sniff(_text.opened(str(head.path), lambda: head.path.open("rb")))
+    except InputError as error:
+        # a table in which something is wrong: its reader says what
+        return 5 if any("line " in fault for fault in error.faults) else 0
+    if _rostopic.is_echo([name for name, _ in layout.names]):
+        return 40
+    return 20 if len(layout.kinds) > 1 else 5
+
+
+def read(path: Path, mapping: Mapping) -> RawLog:
+    """Reads a table.
+
+    Raises:
+        InputError: every fault with its line and column, up to twenty, then their number.
+    """
+    return read_source(_text.source_of(path), mapping)
+
+
+def read_source(source: _text.Source, mapping: Mapping) -> RawLog:
+    """The same for a file within an archive."""
+    layout = _sniff.sniff(source, _text.wanted_names(mapping))
+    names = [name for name, _ in layout.names]
+    if _rostopic.is_echo(names):
+        layout = replace(layout, names=tuple(_rostopic.named(layout.names)))
+    times = _time_columns(layout)
+    layout = _with_whole_stamps(source, layout, times)
+    joined = _date_and_clock(layout)
+    table = _table.read(source, layout, joined=joined is not None)
+    repairs = [*source.repairs, *table.repairs]
+    if not layout.header:
+        text = f"there is no header; the columns are called {', '.join(n for n, _ in layout.names)}"
+        repairs.append(Repair("no_header", INFO, text[:300]))
+    time, clock = _time(source.label, table, layout, times, joined, mapping, repairs)
+    log = RawLog(
+        [RawStream("log", table.columns, time, clock=clock, first_row=table.first_row,
+                   rows=table.rows, truncated=table.truncated)],
+        repairs=repairs, ignored=table.ignored, about=_text.about_of(layout.preamble),
+    )  # fmt: skip
+    if _rostopic.is_echo(names):
+        _rostopic.finish(log)
+    _say_candidate(log, mapping)
+    return log
+
+
+def _time_columns(layout: Layout) -> list[int]:
+    """Columns that may be the time by their name, or by being the only one in a unit of time."""
+    usable = [k for k, kind in enumerate(layout.kinds) if kind in ("number", "date")]
+    ros = [k for k in usable if layout.names[k][0] == "field.header.stamp"]
+    if ros:
+        return ros
+    named = [k for k in usable if _text.is_time(layout.names[k][0])]
+    if named:
+        return named
+    timed = [k for k in usable if layout.kinds[k] == "date" or _is_time_unit(layout.names[k][1])]
+    return timed if len(timed) == 1 else []
+
+
+def _is_time_unit(unit: str) -> bool:
+    if not unit:
+        return False
+    try:
+        return units.si_of(unit, "")[2] == "s"
+    except InputError:
+        return False
+
+
+def _with_whole_stamps(source: _text.Source, layout: Layout, times: Sequence[int]) -> Layout:
+    """Stamps of 16 digits and more are read as whole numbers: a float would round them."""
+    if layout.first_line > len(source.head):
+        return layout
+    kinds = list(layout.kinds)
+    cells = _sniff.split(source.head[layout.first_line - 1], layout.separator)
+    ros = [0] if layout.names[0][0] == "%time" else []
+    for k in [*times, *ros]:
+        if kinds[k] == "number" and k < len(cells) and re.fullmatch(r"\s*\d{16,19}\s*", cells[k]):
+            kinds[k] = "integer"
+    return replace(layout, kinds=tuple(kinds))
+
+
+def _date_and_clock(layout: Layout) -> tuple[str, str] | None:
+    """Names of a column of dates and one of times of day that belong together."""
+    dates = [k for k, style in layout.styles.items() if style.kind != "clock"]
+    clocks = [k for k, style in layout.styles.items() if style.kind == "clock"]
+    if len(dates) == 1 and len(clocks) == 1:
+        return layout.names[dates[0]][0], layout.names[clocks[0]][0]
+    return None
+
+
+def _time(
+    label: str,
+    table: Table,
+    layout: Layout,
+    times: Sequence[int],
+    joined: tuple[str, str] | None,
+    mapping: Mapping,
+    repairs: list[Repair],
+) -> tuple[str | None, Clock]:
+    """Which column is the time and where its clock stands."""
+    if mapping.time is not None and mapping.time.rate_Hz is not None:
+        return None, Clock(f"{mapping.time.rate_Hz:g} Hz")
+    names = [layout.names[k][0] for k in times]
+    if joined is not None:
+        _join(table, joined)
+        names = [name for name in names if name not in joined] or [joined[1]]
+    if mapping.time is not None and mapping.time.column:
+        names = [mapping.time.column]
+    if len(names) > 1:
+        raise InputError(label, [_text.several_times(names)])
+    if not names or names[0] not in [column.name for column in table.columns]:
+        return None, Clock("no clock")
+    column = next(c for c in table.columns if c.name == names[0])
+    k = next((k for k, (name, _) in enumerate(layout.names) if name == names[0]), -1)
+    column.unit = column.unit or _text.unit_of_time(column.name)
+    start = _started(table, layout, column, k, repairs)
+    return column.name, Clock(f"column {column.name}", start)
+
+
+def _started(table: Table, layout: Layout, column: RawColumn, k: int, repairs: list[Repair]) -> str:
+    """When the log began, for dates and for stamps that count from 1970."""
+    style, origin = layout.styles.get(k), table.origins.get(column.name)
+    if style is not None and origin is not None:
+        if style.kind == "clock" and origin < 86_400 * 10**9:
+            text = "the column holds times of day; they were read as seconds since the first"
+            repairs.append(Repair("time_of_day", INFO, text, channel=column.name))
+            return ""
+        text = f"dates ({style.words}) were read as seconds since {_dates.iso(origin)}"
+        start = _dates.iso(origin)
+        if style.other:
+            other = replace(style, order=style.other).words
+            text, start = f"dates were read as seconds since the first; they may be {other}", ""
+        repairs.append(Repair("date_text", INFO, text, channel=column.name))
+        return start
+    if origin is not None:
+        return _epoch(column, origin, repairs)
+    if "date" in column.name.lower() and len(column.values) and not column.unit:
+        low, high = float(np.nanmin(column.values)), float(np.nanmax(column.values))
+        if _EXCEL[0] < low <= high < _EXCEL[1]:
+            column.unit = "day"
+            start = _dates.iso(round((low - _EXCEL[0]) * 86_400e9))
+            text = f"numbers are days since 1899-12-30, as spreadsheets count; the first is {start}"
+            repairs.append(Repair("excel_date", INFO, text, channel=column.name))
+            return start
+    return ""
+
+
+def _epoch(column: RawColumn, origin: int, repairs: list[Repair]) -> str:
+    """Stamps that count nano- or microseconds from 1970 have had their first value taken away."""
+    # 1970 is far away for logs: what lies between 2000 and 2100 says its unit
+    found = (u for u, factor in (("ns", 1), ("us", 1000)) if _Y2000 < origin * factor < _Y2100)
+    unit = next(found, "")
+    text = f"the first stamp, {origin}, was taken away from all, as a float would round them"
+    start = ""
+    if unit and column.unit in ("", unit):
+        start = _dates.iso(origin * (1 if unit == "ns" else 1000))
+        text += f"; counted in {unit} from 1970 it is {start}"
+        column.unit = unit
+    repairs.append(Repair("large_stamps", INFO, text, channel=column.name))
+    return start
+
+
+def _join(table: Table, joined: tuple[str, str]) -> None:
+    """Adds the column of dates to that of the times of day."""
+    date, clock = (next(c for c in table.columns if c.name == name) for name in joined)
+    clock.values += date.values
+    table.origins[clock.name] += table.origins[date.name]
+    table.columns.remove(date)
+    table.ignored[date.name] = f"was added to column {clock.name!r}"
+
+
+def _say_candidate(log: RawLog, mapping: Mapping) -> None:
+    """Names a first column that increases, where nothing says which column is the time."""
+    stream = log.streams[0]
+    if stream.time is not None or mapping.time is not None or len(stream) < 2:
+        return
+    first = stream.columns[0]
+    values = first.values[: 1 << 20]
+    if np.all(np.diff(values) > 0):
+        text = (
+            f"column {first.name!r} increases from row to row and may be the time; if it is, say"
+            f" so in a mapping file (--map): time: {{column: {first.name!r}, unit: s}}"
+        )
+        log.repairs.append(Repair("time_candidate", INFO, text, channel=first.name))

@@ -1,0 +1,229 @@
+"""MATLAB files: version 5 to 7 with scipy, version 7.3 with h5py. Nothing in them is executed."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping as MappingOf
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from simcompare.errors import InputError
+from simcompare.hardware.logs import arrays, mat_tree
+from simcompare.hardware.logs.arrays import Block
+from simcompare.hardware.logs.mapping import Mapping
+from simcompare.hardware.logs.raw import Head, RawColumn, RawLog, RawStream
+from simcompare.recording import INFO, Repair
+
+TITLE = "a MATLAB file"
+
+_TIME_WORD = re.compile(r"^(time|t|zeit)_?(.*)$|^(.*?)_?(time|t|zeit)$", re.IGNORECASE)
+_SMALL = 16
+
+
+def recognises(head: Head) -> int:
+    """By the text at the beginning and the mark of the byte order."""
+    if head.start.startswith(b"MATLAB ") and b"MAT-file" in head.start[:124]:
+        return 100
+    # version 4 has no text; its first number names the machine and the type
+    return 0
+
+
+@dataclass
+class _Sorted:
+    """What a file holds, by what can be made of it."""
+
+    matrices: dict[str, np.ndarray] = field(default_factory=dict)
+    cells: dict[str, list[np.ndarray]] = field(default_factory=dict)
+    scalars: dict[str, Any] = field(default_factory=dict)
+    ignored: dict[str, str] = field(default_factory=dict)
+
+
+def read(path: Path, mapping: Mapping) -> RawLog:
+    """Reads all numeric variables.
+
+    Raises:
+        InputError: the file is damaged, or holds nothing that could be a recording.
+    """
+    found = _Sorted()
+    for name, value in mat_tree.load(path).items():
+        _sort(name, value, found)
+    log = RawLog([], ignored=found.ignored)
+    cells = _cell_streams(found, log)
+    blocks = _matrix_blocks(found)
+    for block, names in blocks:
+        block.name = arrays.stream_name(names, alone=len(blocks) == 1 and not cells)
+    log.streams = cells + [_stream(block, found, log) for block, _ in blocks]
+    log.about |= {name: arrays.shorten(value) for name, value in found.scalars.items()}
+    if not log.streams:
+        reasons = [f"variable {name}: {why}" for name, why in found.ignored.items()]
+        raise InputError(
+            str(path),
+            reasons or ["holds no vector or matrix of numbers; save one with a vector of times"],
+        )
+    return log
+
+
+def _stream(block: Block, found: _Sorted, log: RawLog) -> RawStream:
+    stream = arrays.stream_of(block, found.scalars)
+    for repair in block.repairs:
+        log.repairs.append(
+            Repair(repair.rule, repair.severity, repair.text, block.name, repair.channel)
+        )
+    return stream
+
+
+def _sort(name: str, value: Any, found: _Sorted) -> None:  # noqa: ANN401  (whatever a file may hold)
+    if isinstance(value, mat_tree.Refused):
+        found.ignored[name] = value.why
+    elif isinstance(value, str):
+        found.scalars[name] = value
+    elif isinstance(value, dict):
+        for key, inner in value.items():
+            _sort(f"{name}.{key}", inner, found)
+    elif isinstance(value, list):
+        _sort_cells(name, value, found)
+    else:
+        _sort_array(name, value, found)
+
+
+def _sort_cells(name: str, value: list[Any], found: _Sorted) -> None:
+    """Cells of numbers stay together; others are gone through one by one."""
+    numeric = all(isinstance(cell, np.ndarray) and _usable(cell) for cell in value)
+    if value and numeric:
+        found.cells[name] = value
+        return
+    for i, cell in enumerate(value):
+        _sort(f"{name}.{i}", cell, found)
+
+
+def _usable(array: np.ndarray) -> bool:
+    return array.dtype.kind in "biuf" and array.ndim <= 2 and max(array.shape, default=0) > 1
+
+
+def _sort_array(name: str, array: np.ndarray, found: _Sorted) -> None:
+    if array.dtype.kind not in "biuf":
+        found.ignored[name] = f"holds {array.dtype}, no real numbers"
+    elif array.ndim > 2:
+        shape = "×".join(map(str, array.shape))
+        found.ignored[name] = f"has {array.ndim} dimensions ({shape}); save it as matrices"
+    elif array.size == 0:
+        found.ignored[name] = "is empty"
+    elif array.size == 1:
+        found.scalars[name] = array.reshape(-1)[0]
+    elif array.ndim == 2 and array.shape[0] == array.shape[1]:
+        shape = f"{array.shape[0]}×{array.shape[1]}"
+        found.ignored[name] = f"is {shape}: rows or columns may be samples; save it as vectors"
+        if array.size <= _SMALL:
+            found.scalars[name] = array
+    elif min(array.shape) > arrays.MOST_COLUMNS:
+        found.ignored[name] = f"has {min(array.shape)} components; at most {arrays.MOST_COLUMNS}"
+    else:
+        found.matrices[name] = array
+
+
+def _length(array: np.ndarray) -> int:
+    return int(max(array.shape))
+
+
+def _columns(name: str, array: np.ndarray, block: Block) -> list[RawColumn]:
+    """One column for each component; samples lie along the longer dimension."""
+    table = np.atleast_2d(array)
+    rows = table.T if table.shape[1] > table.shape[0] else table
+    plain, unit = arrays.split_unit(name)
+    if rows.shape[1] == 1:
+        return [RawColumn(plain, arrays.floats(rows[:, 0], plain, block), unit)]
+    names = arrays.component_names(plain, rows.shape[1], letters=False)
+    return [
+        RawColumn(full, arrays.floats(rows[:, i], full, block), unit)
+        for i, full in enumerate(names)
+    ]
+
+
+def _matrix_blocks(found: _Sorted) -> list[tuple[Block, list[str]]]:
+    """Vectors and matrices of equal length that stand beside each other."""
+    groups: dict[tuple[str, int], list[str]] = {}
+    for name, array in found.matrices.items():
+        groups.setdefault((name.rpartition(".")[0], _length(array)), []).append(name)
+    longest = max((n for _, n in groups), default=0)
+    made = []
+    for (_, n), names in groups.items():
+        if n < arrays.FEW_SAMPLES <= longest:
+            for name in names:
+                found.scalars[name] = found.matrices[name]
+                found.ignored[name] = f"has only {n} samples beside {longest}: kept as a parameter"
+            continue
+        block = Block("")
+        for name in names:
+            block.columns += _columns(name, found.matrices[name], block)
+        made.append((block, names))
+    return made
+
+
+def _cell_streams(found: _Sorted, log: RawLog) -> list[RawStream]:
+    """One stream for each cell; cells of times go with cells of data of equal lengths."""
+    streams = []
+    left = dict(found.cells)
+    for time in [name for name in found.cells if _stem(name) is not None]:
+        if time not in left:
+            continue
+        partners = _partners(time, left)
+        if not partners:
+            continue
+        members = [time, *partners]
+        stem = _stem(time) or "cell"
+        for name in members:
+            del left[name]
+        for i in range(len(found.cells[time])):
+            block = Block(f"{stem}.{i}")
+            for name in members:
+                block.columns += _columns(name, found.cells[name][i], block)
+            streams.append(_paired(block, time, log))
+    for name, cells in left.items():
+        streams += [_lone(name, i, cell, found, log) for i, cell in enumerate(cells)]
+    return streams
+
+
+def _stem(name: str) -> str | None:
+    """What is left of the name of a variable without its word for time, ``None`` without one."""
+    match = _TIME_WORD.match(name.rpartition(".")[2])
+    if match is None:
+        return None
+    return (match[2] if match[1] else match[3]).strip("_")
+
+
+def _partners(time: str, cells: MappingOf[str, list[np.ndarray]]) -> list[str]:
+    """Cells of data that belong to a cell of times: equal lengths and the same ending."""
+    stem = _stem(time) or ""
+    lengths = [_length(cell) for cell in cells[time]]
+    if any(min(np.atleast_2d(cell).shape) != 1 for cell in cells[time]):
+        return []
+    equal = [
+        name
+        for name, other in cells.items()
+        if name != time and [_length(cell) for cell in other] == lengths and _stem(name) is None
+    ]
+    named = [
+        name for name in equal if stem and re.search(rf"(^|[_.]){re.escape(stem)}([_.]|$)", name)
+    ]
+    others = [name for name in cells if name != time and _stem(name) is not None]
+    # without a common name they can only belong together where there is one cell of times
+    return named or ([] if others else equal)
+
+
+def _paired(block: Block, time: str, log: RawLog) -> RawStream:
+    stream = arrays.stream_of(block, {})
+    stream.time = arrays.split_unit(time)[0]
+    stream.clock = type(stream.clock)(f"column {time}", block.start)
+    text = f"{time} is taken as the time of {', '.join(c.name for c in block.columns[1:])}"
+    log.repairs.append(Repair("cells_paired", INFO, text, block.name, time))
+    log.repairs += block.repairs
+    return stream
+
+
+def _lone(name: str, i: int, cell: np.ndarray, found: _Sorted, log: RawLog) -> RawStream:
+    block = Block(f"{name}.{i}")
+    block.columns = _columns(name, cell, block)
+    return _stream(block, found, log)

@@ -1,0 +1,181 @@
+"""Parquet tables, read with DuckDB in blocks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from simcompare.errors import InputError
+from simcompare.hardware.logs import arrays
+from simcompare.hardware.logs.arrays import Block
+from simcompare.hardware.logs.mapping import Mapping
+from simcompare.hardware.logs.raw import Head, RawColumn, RawLog, Spool
+from simcompare.recording import INFO, WARNING, Repair
+
+#: a connection to DuckDB, which has few types
+_Base: TypeAlias = Any
+
+TITLE = "a Parquet table"
+
+_MAGIC = b"PAR1"
+_NUMBERS = ("TINYINT", "SMALLINT", "INTEGER", "BIGINT", "HUGEINT", "UTINYINT", "USMALLINT",
+            "UINTEGER", "UBIGINT", "UHUGEINT", "FLOAT", "DOUBLE", "DECIMAL")  # fmt: skip
+_WIDE = ("BIGINT", "HUGEINT", "UBIGINT", "UHUGEINT", "DECIMAL")
+_LONGEST_LIST = 64
+#: rows that are fetched together, in units of DuckDB's vectors of 2048
+_VECTORS = 64
+_MEMORY = "512MB"
+
+
+def recognises(head: Head) -> int:
+    """By the signature."""
+    return 100 if head.start.startswith(_MAGIC) else 0
+
+
+def read(path: Path, mapping: Mapping) -> RawLog:
+    """Reads all columns of numbers.
+
+    Raises:
+        InputError: the file is damaged, or holds no numbers.
+    """
+    import duckdb
+
+    if any(letter in str(path) for letter in "*?[]"):
+        raise InputError(str(path), ["has *, ?, [ or ] in its name; rename the file"])
+    with path.open("rb") as file:
+        file.seek(-min(4, path.stat().st_size), 2)
+        end = file.read()
+    if end != _MAGIC:
+        size = path.stat().st_size
+        raise InputError(
+            str(path),
+            [f"byte {size - 4}: ends with {end!r}, not with 'PAR1'; the file is truncated and its"
+             " description, which stands at the end, is lost: copy it again"],
+        )  # fmt: skip
+    base = duckdb.connect(":memory:")
+    try:
+        base.execute(f"SET memory_limit='{_MEMORY}'")
+        base.execute("SET threads=1")
+        return _read(base, path)
+    except duckdb.Error as error:
+        text = str(error).splitlines()[0][:300]
+        raise InputError(str(path), [f"is a damaged Parquet file: {text}; copy it again"]) from None
+    finally:
+        base.close()
+
+
+def _read(base: _Base, path: Path) -> RawLog:
+    log = RawLog([])
+    block = Block("log")
+    base.execute(
+        "CREATE VIEW log AS SELECT * FROM read_parquet(?)".replace("?", _quoted(str(path), "'"))
+    )
+    types = base.execute("DESCRIBE log").fetchall()
+    wanted: list[tuple[str, str, str]] = []  # name, expression, unit
+    for name, kind, *_ in types:
+        wanted += _expressions(base, str(name), str(kind), block, log)
+    if not wanted:
+        reasons = [f"column {name}: {why}" for name, why in log.ignored.items()]
+        raise InputError(str(path), reasons or ["holds no columns"])
+    spool = Spool(len(wanted))
+    query = ", ".join(
+        f"CAST({expression} AS DOUBLE) AS c{i}" for i, (_, expression, _) in enumerate(wanted)
+    )
+    cursor = base.execute(f"SELECT {query} FROM log")
+    while len(frame := cursor.fetch_df_chunk(_VECTORS)):
+        spool.append(frame.to_numpy(dtype=np.float64, na_value=np.nan))
+    if not len(spool):
+        raise InputError(str(path), ["holds no rows"])
+    for (name, _, unit), values in zip(wanted, spool.columns(), strict=True):
+        block.columns.append(RawColumn(name, values, unit))
+    _about(base, path, log)
+    log.streams.append(arrays.stream_of(block, {}, row_word="row"))
+    log.repairs += block.repairs
+    return log
+
+
+def _quoted(name: str, mark: str = '"') -> str:
+    """A name or text as SQL takes it, whatever it holds."""
+    return mark + name.replace(mark, mark * 2) + mark
+
+
+def _expressions(
+    base: _Base, name: str, kind: str, block: Block, log: RawLog
+) -> list[tuple[str, str, str]]:
+    """What is selected for one column of the table."""
+    plain, unit = arrays.split_unit(name)
+    column = _quoted(name)
+    if kind == "BOOLEAN":
+        return [(plain, f"CAST({column} AS INTEGER)", unit or "1")]
+    if kind.startswith(("TIMESTAMP", "DATE")):
+        return _instants(base, plain, column, block)
+    if kind.endswith("]"):
+        return _list(base, name, kind, log)
+    if kind.startswith("STRUCT"):
+        log.ignored[name] = "is a struct; store its fields as columns"
+        return []
+    if kind.partition("(")[0] not in _NUMBERS:
+        log.ignored[name] = f"holds {kind}, no numbers"
+        return []
+    if kind.partition("(")[0] in _WIDE:
+        return _wide(base, plain, column, unit, block)
+    return [(plain, column, unit)]
+
+
+def _wide(
+    base: _Base, plain: str, column: str, unit: str, block: Block
+) -> list[tuple[str, str, str]]:
+    """Numbers that may be larger than float64 can hold exactly."""
+    low, high, first = base.execute(
+        f"SELECT min({column}), max({column}), first({column}) FROM log"
+    ).fetchone()
+    if low is None or max(-low, high) <= 1 << 53:
+        return [(plain, column, unit)]
+    if arrays.time_of([plain])[0] is None or first is None:
+        text = f"{plain} has values beyond 2^53, which were rounded"
+        block.repairs.append(Repair("rounded", WARNING, text, block.name, plain))
+        return [(plain, column, unit)]
+    if 10**17 < first < 46 * 10**17:
+        block.start = arrays.iso_ns(int(first))
+    text = f"{plain} is counted from its first value {first}, so that float64 keeps every count"
+    block.repairs.append(Repair("time_origin", INFO, text, block.name, plain))
+    return [(plain, f"(CAST({column} AS HUGEINT) - {int(first)})", unit)]
+
+
+def _instants(base: _Base, plain: str, column: str, block: Block) -> list[tuple[str, str, str]]:
+    """Instants in seconds from the first one on."""
+    whole = f"epoch_ns(CAST({column} AS TIMESTAMP_NS))"
+    first = base.execute(f"SELECT first({whole}) FROM log WHERE {column} IS NOT NULL").fetchone()
+    start = int(first[0]) if first and first[0] is not None else 0
+    block.start = block.start or arrays.iso_ns(start)
+    text = f"{plain} is given in seconds from its first value, {arrays.iso_ns(start)}"
+    block.repairs.append(Repair("time_origin", INFO, text, block.name, plain))
+    return [(plain, f"(({whole} - {start}) / 1e9)", "s")]
+
+
+def _list(base: _Base, name: str, kind: str, log: RawLog) -> list[tuple[str, str, str]]:
+    """Lists of numbers that are equally long become one column for each element."""
+    plain, unit = arrays.split_unit(name)
+    column = _quoted(name)
+    inner = kind[: kind.rindex("[")].partition("(")[0]
+    if inner not in _NUMBERS:
+        log.ignored[name] = f"holds {kind}, no numbers"
+        return []
+    low, high = base.execute(f"SELECT min(len({column})), max(len({column})) FROM log").fetchone()
+    if low is None or low != high or not 0 < high <= _LONGEST_LIST:
+        log.ignored[name] = f"holds lists of {low} to {high} numbers; expected equally long ones"
+        return []
+    names = arrays.component_names(plain, int(high), letters=True)
+    return [(full, f"{column}[{i + 1}]", unit) for i, full in enumerate(names)]
+
+
+def _about(base: _Base, path: Path, log: RawLog) -> None:
+    rows = base.execute(
+        f"SELECT key, value FROM parquet_kv_metadata({_quoted(str(path), chr(39))})"
+    ).fetchall()
+    for key, value in rows:
+        name = arrays.shorten(key)
+        if not name.startswith(("ARROW:", "pandas")):
+            log.about[name] = arrays.shorten(value)

@@ -1,0 +1,178 @@
+"""LabVIEW's TDMS: one stream for each group, or for each clock where its channels differ."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from simcompare.errors import InputError
+from simcompare.hardware.logs import arrays
+from simcompare.hardware.logs.arrays import Block
+from simcompare.hardware.logs.mapping import Mapping
+from simcompare.hardware.logs.raw import BLOCK, Head, RawColumn, RawLog, RawStream, Spool
+from simcompare.recording import Clock
+
+TITLE = "a LabVIEW TDMS file"
+
+_MAGIC, _INDEX = b"TDSm", b"TDSh"
+_LEAD_IN = 28
+_UNFINISHED = 0xFFFF_FFFF_FFFF_FFFF
+_UNITS = ("unit_string", "NI_UnitDescription", "unit", "Unit", "units")
+#: properties that say when samples were taken
+_WAVEFORM = ("wf_start_time", "wf_start_offset", "wf_increment", "wf_samples")
+
+
+def recognises(head: Head) -> int:
+    """By the signature."""
+    return 100 if head.start.startswith((_MAGIC, _INDEX)) else 0
+
+
+def read(path: Path, mapping: Mapping) -> RawLog:
+    """Reads all channels of numbers.
+
+    Raises:
+        InputError: the file is damaged, or holds no numbers.
+    """
+    import nptdms
+
+    truncated = _missing(path)
+    log = RawLog([])
+    try:
+        with nptdms.TdmsFile.open(path) as file:
+            _properties(file.properties, "", log)
+            for group in file.groups():
+                _group(group, log, truncated)
+    except InputError:
+        raise
+    # npTDMS raises many kinds for damaged files
+    except Exception as error:  # noqa: BLE001
+        place = f" ({truncated})" if truncated else ""
+        raise InputError(
+            str(path), [f"is a damaged TDMS file: {type(error).__name__}: {error}{place}"]
+        ) from None
+    if not log.streams:
+        reasons = [f"channel {name}: {why}" for name, why in log.ignored.items()]
+        reasons += [truncated] if truncated else []
+        raise InputError(str(path), reasons or ["holds no channels"])
+    return log
+
+
+def _missing(path: Path) -> str:
+    """What is missing at the end, by the lengths that the segments tell.
+
+    Raises:
+        InputError: it is the index of a TDMS file, or a segment is no segment.
+    """
+    size = path.stat().st_size
+    at = 0
+    with path.open("rb") as file:
+        while at < size:
+            file.seek(at)
+            lead = file.read(_LEAD_IN)
+            if lead[:4] == _INDEX and at == 0:
+                name = path.name.removesuffix("_index")
+                raise InputError(str(path), [f"is only an index; give the file {name} itself"])
+            if lead[:4] != _MAGIC[: len(lead)]:
+                fault = f"byte {at}: {lead[:4]!r} stands where a segment ('TDSm') should begin"
+                if at == 0:
+                    raise InputError(str(path), [fault])
+                return f"{fault}; what follows was not read"
+            if len(lead) < _LEAD_IN:
+                return f"byte {at}: the last segment has only {len(lead)} bytes"
+            length = int.from_bytes(lead[12:20], "little")
+            if length == _UNFINISHED:
+                return f"byte {at}: the last segment was never finished; its end may be missing"
+            if at + _LEAD_IN + length > size:
+                missing = at + _LEAD_IN + length - size
+                return f"byte {at}: {missing} bytes of the last segment are missing"
+            at += _LEAD_IN + length
+    return ""
+
+
+def _properties(properties: Any, prefix: str, log: RawLog) -> None:  # noqa: ANN401  (whatever a file may hold)
+    for name, value in properties.items():
+        log.about[f"{prefix}{name}"] = arrays.shorten(value)
+
+
+def _group(group: Any, log: RawLog, truncated: str) -> None:  # noqa: ANN401  (npTDMS has few types)
+    _properties(group.properties, f"{group.name}.", log)
+    clocks: dict[tuple[Any, ...], list[Any]] = {}
+    for channel in group.channels():
+        full = f"{group.name}/{channel.name}"
+        hidden = {k: v for k, v in channel.properties.items() if k not in (*_WAVEFORM, *_UNITS)}
+        _properties(hidden, f"{full}.", log)
+        why = _refusal(channel)
+        if why:
+            log.ignored[full] = why
+            continue
+        told = tuple(channel.properties.get(name) for name in _WAVEFORM[:3])
+        clocks.setdefault((len(channel), *map(str, told)), []).append(channel)
+    for channels in clocks.values():
+        name = group.name if len(clocks) == 1 else f"{group.name}/{_joined(channels)}"
+        log.streams.append(_stream(name, channels, log, truncated))
+
+
+def _joined(channels: list[Any]) -> str:
+    return arrays.stream_name([channel.name for channel in channels], alone=False)
+
+
+def _refusal(channel: Any) -> str:  # noqa: ANN401
+    if len(channel) == 0:
+        return "holds no samples"
+    dtype = channel.dtype
+    if dtype is None or np.dtype(dtype).kind not in "biufmM" or np.dtype(dtype).itemsize > 8:
+        return f"holds {dtype}, no real numbers"
+    return ""
+
+
+def _stream(name: str, channels: list[Any], log: RawLog, truncated: str) -> RawStream:
+    block = Block(name)
+    for channel, values in zip(channels, _values(channels, block), strict=True):
+        told = next((str(channel.properties[u]) for u in _UNITS if channel.properties.get(u)), "")
+        plain, unit = arrays.split_unit(channel.name)
+        if np.dtype(channel.dtype).kind in "mM":
+            told = "s"
+        block.columns.append(RawColumn(plain, values, told or unit))
+    stream = arrays.stream_of(block, {})
+    _clock(stream, channels[0].properties, block)
+    stream.truncated = truncated
+    log.repairs += block.repairs
+    return stream
+
+
+def _clock(stream: RawStream, properties: Any, block: Block) -> None:  # noqa: ANN401
+    """Evenly spaced samples where no channel is the time."""
+    step = properties.get("wf_increment")
+    start = properties.get("wf_start_time")
+    first = (
+        arrays.iso_ns(int(np.datetime64(start, "ns").astype(np.int64))) if start else block.start
+    )
+    if stream.time is not None or not isinstance(step, (int, float)) or not step > 0:
+        stream.clock = Clock(stream.clock.name, block.start or first)
+        return
+    stream.increment_s = float(step)
+    stream.start_s = float(properties.get("wf_start_offset") or 0.0)
+    stream.clock = Clock(f"wf_increment {1 / float(step):.6g} Hz", first)
+
+
+def _values(channels: list[Any], block: Block) -> list[np.ndarray]:
+    """Columns of all channels, read block by block."""
+    wide = [c for c in channels if np.dtype(c.dtype).kind in "mM" or _is_count(c)]
+    plain = [c for c in channels if c not in wide]
+    found = {id(c): arrays.floats(np.asarray(c[:]), c.name, block) for c in wide}
+    if plain:
+        spool = Spool(len(plain))
+        count = len(plain[0])
+        for start in range(0, count, BLOCK):
+            length = min(BLOCK, count - start)
+            rows = [np.asarray(c.read_data(start, length), dtype=np.float64) for c in plain]
+            spool.append(np.column_stack(rows))
+        found |= {id(c): values for c, values in zip(plain, spool.columns(), strict=True)}
+    return [found[id(channel)] for channel in channels]
+
+
+def _is_count(channel: Any) -> bool:  # noqa: ANN401
+    dtype = np.dtype(channel.dtype)
+    return dtype.kind in "iu" and dtype.itemsize == 8

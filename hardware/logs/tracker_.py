@@ -1,0 +1,153 @@
+"""Text exports of Tracker (video analysis): one track, or several after ``#multi:``.
+
+    ,mass A,,
+    t,x,y,
+    0.000000000E0,1.245986911E1,-3.1E-2,
+
+Tracker writes numbers without units: times are seconds, lengths are in the unit of its calibration.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from simcompare.errors import InputError
+from simcompare.hardware.logs import _sniff, _table, _text
+from simcompare.hardware.logs._sniff import Layout
+from simcompare.hardware.logs.mapping import Mapping
+from simcompare.hardware.logs.raw import Head, RawColumn, RawLog, RawStream
+from simcompare.recording import INFO, Clock, Repair
+
+TITLE = "a text export of Tracker"
+
+#: variables that Tracker exports, as it spells them
+_VARIABLES = re.compile(
+    r"t|x|y|r|v|a|L|K|p|dx|dy|m|mass|theta|θ|θ_?\{?[rvapω]\}?|omega|ω|alpha|α|step|frame|n"
+    r"|[rvapθ]_?\{?(?:x|y|mag|ang|θ)\}?|pixel_?\{?[xy]\}?|path ?length|rotations"
+)
+#: those that count, so that they have no unit
+_COUNTS = ("step", "frame", "n", "pixelx", "pixely", "pixel_x", "pixel_y", "rotations")
+
+
+def recognises(head: Head) -> int:
+    """Certain with ``#multi:``; high with a line of one name above ``t`` and variables."""
+    if head.members:
+        return 0
+    lines = _text.head_lines(head.start)
+    if not lines or len(lines) < 3:
+        return 0
+    if lines[0].strip().lower().startswith("#multi:"):
+        return 95
+    return 80 if _separator(lines, 0) else 0
+
+
+def read(path: Path, mapping: Mapping) -> RawLog:
+    """Reads all tracks; those of one export share its clock and so its stream.
+
+    Raises:
+        InputError: not laid out as Tracker does, or with cells that are no numbers.
+    """
+    source = _text.source_of(path)
+    lines = source.head
+    multi = lines[0].strip().lower().startswith("#multi:")
+    at = 1 if multi else 0
+    separator = _separator(lines, at)
+    if not separator:
+        raise InputError(
+            str(path),
+            [f"line {at + 2}: {_line(lines, at + 1)[:60]!r} is no header of Tracker; expected the"
+             " name of the track in the line above, and t with variables such as x and y here"],
+        )  # fmt: skip
+    layout, tracks = _layout(str(path), lines, at, separator)
+    table = _table.read(source, layout)
+    repairs = [*source.repairs, *table.repairs]
+    text = "Tracker writes no units; times were taken as seconds, other units are not known"
+    repairs.append(Repair("no_units", INFO, text))
+    stream = RawStream(
+        "log", table.columns, "t", clock=Clock("video frames"), first_row=table.first_row,
+        rows=table.rows, truncated=table.truncated, counter=_counter(table.columns),
+    )  # fmt: skip
+    return RawLog([stream], repairs=repairs, ignored=table.ignored,
+                  about={"tracks": ", ".join(tracks)})  # fmt: skip
+
+
+def _line(lines: Sequence[str], at: int) -> str:
+    return lines[at] if at < len(lines) else ""
+
+
+def _separator(lines: Sequence[str], at: int) -> str:
+    """What separates the header below the line of names, empty where there is no such header."""
+    header = _line(lines, at + 1)
+    for separator in "\t;, ":
+        cells = [cell.strip() for cell in _sniff.split(header, separator)]
+        if len(cells) < 2 or cells[0] != "t":
+            continue
+        names = [cell.strip() for cell in _sniff.split(_line(lines, at), separator)]
+        if separator == " ":
+            names = [_line(lines, at).strip()]
+        known = [bool(_VARIABLES.fullmatch(c)) for c in cells[1:] if c]
+        # the line above holds names alone: no remark, no second header and no numbers
+        named = any(names) and not any(_text.number(n) is not None for n in names if n)
+        named = named and not re.search(r"^\s*[#%]|[:=]", _line(lines, at))
+        if named and names[0] != "t" and known and (all(known) or sum(map(bool, names)) == 1):
+            return separator
+    return ""
+
+
+def _layout(label: str, lines: Sequence[str], at: int, separator: str) -> tuple[Layout, list[str]]:
+    """The layout of the rows, and the names of the tracks."""
+    above = [cell.strip() for cell in _sniff.split(lines[at], separator)]
+    cells = [cell.strip() for cell in _sniff.split(lines[at + 1], separator)]
+    if separator == " ":
+        above = [lines[at].strip()]
+    while cells and not cells[-1]:
+        cells.pop()
+    tracks = [name for name in above if name]
+    names = _named(above, cells, several=len(tracks) > 1)
+    first = at + 2
+    rows = [(i + 1, _sniff.split(lines[i], separator)) for i in range(first, len(lines))
+            if lines[i].strip()][:500]  # fmt: skip
+    if not rows:
+        raise InputError(label, [f"line {first + 1}: no rows follow the header"])
+    width = max(len(row) for _, row in rows)
+    filled = max(sum(bool(cell.strip()) for cell in row) for _, row in rows)
+    if separator == "," and filled == 2 * len(cells):
+        raise InputError(
+            label,
+            [f"line {first + 1}: has {filled} numbers for {len(cells)} columns: the comma is the"
+             " decimal mark too; export again with a semicolon or tab as delimiter"],
+        )  # fmt: skip
+    width = max(width, len(cells)) if all(not row[-1].strip() for _, row in rows) else len(cells)
+    kinds = ["number"] * len(cells) + ["empty"] * (width - len(cells))
+    full = [*names, *(("", "") for _ in range(width - len(cells)))]
+    padded = [(line, [*row, *[""] * width][:width]) for line, row in rows]
+    decimal, thousands, decided = _sniff.marks(label, padded, kinds, full)
+    return Layout(separator, first + 1, tuple(kinds), tuple(full), decimal, thousands, decided,
+                  header=lines[at + 1], header_line=at + 2), tracks  # fmt: skip
+
+
+def _named(above: Sequence[str], cells: Sequence[str], *, several: bool) -> list[tuple[str, str]]:
+    """Names and units of the columns; with several tracks the track's name stands in front."""
+    found = [("t", "s")]
+    track = ""
+    for k, cell in enumerate(cells[1:], start=1):
+        if k < len(above) and above[k]:
+            track = above[k]
+        elif k == 1 and above[0]:  # without a leading separator the name stands above t
+            track = above[0]
+        name, unit = _text.heading(cell)
+        unit = unit or ("1" if name in _COUNTS else "")
+        found.append((f"{track} {name}" if several else name or f"column_{k + 1}", unit))
+    return found
+
+
+def _counter(columns: Sequence[RawColumn]) -> str | None:
+    """The column that counts frames by one."""
+    for column in columns:
+        if column.name in ("step", "frame", "n") and np.all(np.diff(column.values) == 1):
+            return column.name
+    return None

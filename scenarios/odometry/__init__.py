@@ -1,0 +1,1 @@
+"""A wheeled robot whose wheels are driven at given rates: where does dead reckoning put it?"""

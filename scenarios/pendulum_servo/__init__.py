@@ -1,0 +1,1 @@
+"""A pendulum on one hinge, driven by a position servo."""
