@@ -156,8 +156,8 @@ def _turns(column: RawColumn, after: int, wrap: float) -> bool:
     before = np.asarray(values[max(after - 1 - _NEAR, 0) : after])
     behind = np.asarray(values[after : after + 1 + _NEAR])
     before, behind = before[np.isfinite(before)], behind[np.isfinite(behind)]
-    if len(before) < 2 or len(behind) < 2:
-        return len(before) + len(behind) > 2
+    if not len(before) or not len(behind):
+        return False
     way = -np.sign(behind[0] - before[-1])
     gone = np.array([before[-1] - before[0], behind[-1] - behind[0]])
     # a step that wraps in this neighbourhood as well would look like a jump

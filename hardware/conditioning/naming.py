@@ -42,13 +42,13 @@ def _settle_time(work: Work, names: Sequence[str]) -> None:
     stream, time = work.stream, work.mapping.time
     if time is not None and time.rate_Hz is not None:
         stream.time, stream.increment_s = None, 1 / time.rate_Hz
-    if time is not None and time.column is not None:
-        if time.column in names:
-            stream.time = time.column
+    if time is not None and time.columns:
+        here = [name for name in time.columns if name in names]
+        if len(here) == 1:
+            stream.time = here[0]
         elif len(names):
-            work.fault(
-                f"there is no column {time.column!r} for the time; it has {', '.join(names)}"
-            )
+            wanted = " or ".join(time.columns)
+            work.fault(f"there is no one column {wanted} for the time; it has {', '.join(names)}")
     if stream.time is None and stream.increment_s is None:
         work.fault(
             f"no column is a time (columns: {', '.join(names[:20])}); write a mapping file (--map)"

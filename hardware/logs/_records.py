@@ -118,8 +118,8 @@ def _is_date(name: str, seen: _Seen) -> bool:
 def _time_of(where: str, names: list[str], mapping: Mapping) -> str | None:
     short = {name: _text.heading(name)[0] for name in names}
     if mapping.time is not None:
-        wanted = mapping.time.column
-        return next((n for n in names if wanted in (n, short[n])), None)
+        wanted = {*mapping.time.columns}
+        return next((n for n in names if wanted & {n, short[n]}), None)
     found = [name for name in names if _text.is_time(short[name].rpartition(".")[2])]
     if len(found) > 1:
         raise InputError(where, [_text.several_times(found)])

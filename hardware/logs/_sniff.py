@@ -220,10 +220,13 @@ def _header(
 ) -> tuple[int | None, int | None]:
     """Where the header is and where a row of units below it."""
     width = len(kinds)
-    above = [i for i in range(first - 1, -1, -1) if lines[i].strip()][:2]
-    found = [_header_cells(lines[i], separator, width) for i in above]
+    every = [i for i in range(first - 1, -1, -1) if lines[i].strip()]
+    cells = {i: _header_cells(lines[i], separator, width) for i in every[:50]}
+    # a remark is passed over unless it is the header itself
+    above = [i for i in cells if not is_comment(lines[i]) or len(cells[i]) == width > 1][:2]
     if not above:
         return None, None
+    found = [cells[i] for i in above]
     ends_empty = kinds[-1] == "empty"
     fits = [len(cells) == width or (ends_empty and len(cells) == width - 1) for cells in found]
     if len(above) > 1 and all(fits) and _is_units_row(found[0], found[1]):

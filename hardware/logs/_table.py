@@ -160,7 +160,7 @@ class _Reader:
         if len(self.layout.kinds) == 1:
             return b"\n\n" not in block.data and b"\n\r\n" not in block.data
         if b'"' not in block.data:
-            return block.data.count(mark) == expected
+            return _text.count_of(mark, block.data) == expected
         data = np.frombuffer(block.data, dtype=np.uint8)
         outside = np.cumsum(data == ord('"'), dtype=np.int32) % 2 == 0
         return int(np.count_nonzero((data == mark[0]) & outside)) == expected

@@ -208,7 +208,7 @@ def blocks(source: Source, first_line: int = 1) -> Iterator[Block]:
                 )
             data = data[:cut]
             ended = data.endswith(b"\n")
-            count = data.count(b"\n") + (bool(data) and not ended)
+            count = count_of(b"\n", data) + (bool(data) and not ended)
             at = line
             line += count
             if line > first_line and count:
@@ -244,7 +244,12 @@ def wanted_names(mapping: Mapping) -> set[str]:
     """Names of columns that a mapping uses, with and without their stream."""
     found = {name for channel in mapping.channels.values() for name in channel.columns}
     found |= {name.rpartition("/")[2] for name in found}
-    return found | ({mapping.time.column} if mapping.time and mapping.time.column else set())
+    return found | ({*mapping.time.columns} if mapping.time else set())
+
+
+def count_of(byte: bytes, data: bytes) -> int:
+    """How often a byte stands in others; faster than ``bytes.count`` where it is frequent."""
+    return int(np.count_nonzero(np.frombuffer(data, dtype=np.uint8) == byte[0]))
 
 
 def number(text: str, decimal: str = ".", thousands: str = "") -> float | None:

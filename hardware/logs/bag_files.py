@@ -97,6 +97,11 @@ class Source:
         """Where it stands, in words."""
         return f"byte {self._start + self.at}"
 
+    def skip(self, at: int) -> None:
+        """Goes on at another byte."""
+        self._file.seek(at)
+        self.at = at
+
     def take(self, count: int, what: str) -> bytes:
         """The next bytes.
 

@@ -108,13 +108,65 @@ def _chunk(
 
 
 def _inside(data: bytes, place: str, state: State, known: Known) -> Iterator[Message]:
+    """Messages and connections of a chunk."""
     inner = Source(io.BytesIO(data), len(data))
+    view = _View(data)
     while inner.left:
+        found = view.message(inner.at)
+        if found is not None and found[0] in known:
+            number, time, start, end = found
+            yield known[number], time, data[start:end]
+            inner.skip(end)
+            continue
         head, size = _fields(inner, body=True)
         operation = head["op"][0] if head.get("op") else 0
         if operation not in (_MESSAGE, _CONNECTION):
             raise Cut(f"a record of the unknown kind {operation} at {inner.place} of it")
         yield from _one(inner, head, size, operation, state, known)
+
+
+class _View:
+    """A chunk in which the headers of messages are read without taking them apart.
+
+    A writer gives all its messages headers with the same fields in the same order. So the places
+    of their values are found once; they hold as long as the names of the fields stand before them.
+    """
+
+    def __init__(self, data: bytes) -> None:
+        self._data = data
+        self._places: tuple[int, int, int, int] | None = None
+
+    def message(self, at: int) -> tuple[int, int, int, int] | None:
+        """Connection, time [ns], begin and end of the message at ``at``, where it is one."""
+        data, places = self._data, self._places or self._learn(at)
+        if places is None:
+            return None
+        size, operation, connection, time = places
+        operation, connection, time = at + operation, at + connection, at + time
+        start = at + size + 8
+        if (
+            start > len(data)
+            or data[at : at + 4] != _U32.pack(size)
+            or data[operation - 7 : operation + 1] != b"\4\0\0\0op=\2"
+            or data[connection - 9 : connection] != b"\x09\0\0\0conn="
+            or data[time - 9 : time] != b"\x0d\0\0\0time="
+        ):
+            return None
+        end = start + int(_U32.unpack_from(data, start - 4)[0])
+        if end > len(data):
+            return None
+        seconds, nanoseconds = _TIME.unpack_from(data, time)
+        number = int(_U32.unpack_from(data, connection)[0])
+        return number, seconds * 1_000_000_000 + nanoseconds, start, end
+
+    def _learn(self, at: int) -> tuple[int, int, int, int] | None:
+        size = int.from_bytes(self._data[at : at + 4], "little")
+        head = self._data[at : at + 4 + min(size, 256)]
+        found = [head.find(name) for name in (b"op=\2", b"conn=", b"time=")]
+        if min(found) < 0:
+            return None
+        self._places = (size, found[0] + 3, found[1] + 5, found[2] + 5)
+        return self._places
 
 
 def _one(

@@ -138,8 +138,8 @@ def _time(
     if joined is not None:
         _join(table, joined)
         names = [name for name in names if name not in joined] or [joined[1]]
-    if mapping.time is not None and mapping.time.column:
-        names = [mapping.time.column]
+    if mapping.time is not None and mapping.time.columns:
+        names = [*mapping.time.columns]
     if len(names) > 1:
         raise InputError(label, [_text.several_times(names)])
     if not names or names[0] not in [column.name for column in table.columns]:

@@ -29,12 +29,12 @@ class TimeMap(_Part):
     """Which column is the time, or the rate where there is none.
 
     Attributes:
-        column: name of the column.
+        column: name of the column; several where streams call it differently.
         unit: its unit.
         rate_Hz: samples in a second, for logs without times.
     """
 
-    column: str | None = None
+    column: str | Annotated[tuple[str, ...], Field(min_length=1)] | None = None
     unit: str | None = None
     rate_Hz: PositiveFloat | None = None
 
@@ -43,6 +43,11 @@ class TimeMap(_Part):
         if (self.column is None) == (self.rate_Hz is None):
             raise ValueError("give either column (with its unit) or rate_Hz")
         return self
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Every name that the column may have; none where the rate is given."""
+        return (self.column,) if isinstance(self.column, str) else self.column or ()
 
 
 class ChannelMap(_Part):

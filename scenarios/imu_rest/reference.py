@@ -17,7 +17,7 @@ from simcompare.trajectory import Array
 
 
 def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array]:
-    """The device, its sensors and the force of the floor, the same at all times.
+    """Both devices, their sensors and the force of the floor, the same at all times.
 
     Args:
         parameters: those of the scenario, SI.
@@ -29,16 +29,18 @@ def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array
     def always(*values: float) -> Array:
         return np.tile(np.array(values), (count, 1))
 
-    return {
-        "device.position_m": always(0.0, 0.0, parameters["device_height_m"] / 2),
-        "device.orientation_wxyz": always(1.0, 0.0, 0.0, 0.0),
-        "device.velocity_m_s": always(0.0, 0.0, 0.0),
-        "device.rate_rad_s": always(0.0, 0.0, 0.0),
+    found = {
         "accelerometer.specific_force_m_s2": always(*specific_force_m_s2(parameters)),
         "gyroscope.rate_rad_s": always(0.0, 0.0, 0.0),
         "level.specific_force_m_s2": always(0.0, 0.0, gravity),
+        "lying_accelerometer.specific_force_m_s2": always(0.0, 0.0, gravity),
         "support.normal_force_N": np.full(count, parameters["device_mass_kg"] * gravity),
     }
+    for body, height in (("held", 10.0), ("lying", 0.5)):
+        found[f"{body}.position_m"] = always(0.0, 0.0, height * parameters["device_height_m"])
+        found[f"{body}.orientation_wxyz"] = always(1.0, 0.0, 0.0, 0.0)
+        found[f"{body}.velocity_m_s"] = found[f"{body}.rate_rad_s"] = always(0.0, 0.0, 0.0)
+    return found
 
 
 def specific_force_m_s2(parameters: Mapping[str, float]) -> tuple[float, float, float]:

@@ -85,7 +85,8 @@ def estimate(
     rms = float(np.sqrt(np.mean(residuals**2)))
     if len(cases) >= 3:
         scatter = np.cov(np.array(list(single.values())).T).reshape(len(names), len(names))
-        covariance, how = scatter / len(cases), f"scatter of {len(cases)} streams fitted alone"
+        covariance = np.asarray(scatter / len(cases), dtype=float)
+        how = f"scatter of {len(cases)} streams fitted alone"
     else:
         spread = float(residuals @ residuals) / max(len(residuals) - len(names), 1)
         length = correlation_length(residuals)

@@ -21,6 +21,7 @@ from simcompare.validation.simulated import (
     BEST,
     DOUBLE,
     FOURFOLD,
+    HALF,
     NOMINAL,
     Both,
     Engine,
@@ -115,18 +116,15 @@ def values(engine: Engine, number: int, judged: Judged) -> list[dict[str, Any]]:
     found = measured_values(judged.scene, best, measured, probes)
     u_data = _u_data(judged, best, measured, found)
     u_input = _u_input(judged, measured, found)
-    coarse = [
-        measured_values(
-            judged.scene, _resampled(engine.runs[number, v], measured), measured, probes
-        )
-        for v in (DOUBLE, FOURFOLD)
-        if (number, v) in engine.runs
-    ]
+    others = {
+        variant: measured_values(judged.scene, _resampled(run, measured), measured, probes)
+        for (i, variant), run in engine.runs.items()
+        if i == number and variant in (DOUBLE, FOURFOLD, HALF)
+    }
     rows = []
     for name, (simulated, real, unit, probe, _) in found.items():
-        grid = [row[name].simulated for row in coarse if name in row]
-        step_error = gci(simulated, *grid) if grid else None
-        parts = (step_error.u_num if step_error else None, u_input.get(name), u_data[name])
+        u_num, how = _u_num(simulated, {v: row[name] for v, row in others.items() if name in row})
+        parts = (u_num, u_input.get(name), u_data[name])
         known = [0.0 if part is None else part for part in parts]
         judged_by = vv20(simulated, real, *known)
         known_all = None not in parts and judged_by.u_val > 0
@@ -146,10 +144,23 @@ def values(engine: Engine, number: int, judged: Judged) -> list[dict[str, Any]]:
                 "e_n": judged_by.error / (2 * judged_by.u_val) if known_all else None,
                 "zeta": judged_by.error / judged_by.u_val if known_all else None,
                 "within_noise": judged_by.within_noise if known_all else None,
-                "step_error": None if step_error is None else step_error.text,
+                "step_error": how,
             }
         )
     return rows
+
+
+def _u_num(simulated: float, others: Mapping[str, Both]) -> tuple[float | None, str | None]:
+    """Standard uncertainty from the step, and how it was told."""
+    if DOUBLE in others:
+        longer = [others[v].simulated for v in (DOUBLE, FOURFOLD) if v in others]
+        found = gci(simulated, *longer)
+        return found.u_num, found.text
+    if HALF in others:
+        # the error of the longer one of two steps is that of the shorter one times their ratio
+        found = gci(others[HALF].simulated, simulated)
+        return 2 * found.u_num, f"{found.text} A longer step than the scenario's cannot be run."
+    return None, None
 
 
 def _within(measured: Trajectory, simulated: Trajectory) -> Trajectory:
@@ -205,9 +216,7 @@ def _u_data(
     return {name: math.hypot(float(noisy[name]), both.u) for name, both in found.items()}
 
 
-def _u_input(
-    judged: Judged, measured: Trajectory, found: Mapping[str, Both]
-) -> dict[str, float]:
+def _u_input(judged: Judged, measured: Trajectory, found: Mapping[str, Both]) -> dict[str, float]:
     if judged.truth is None:
         return {}
     probes = tuple(judged.case.seen)
@@ -236,9 +245,13 @@ def gaps(engine: Engine, number: int, judged: Judged, plan: Plan) -> list[dict[s
         numerical = None
         if judged.truth is not None:
             numerical = best - at(judged.truth, probe, seen.time_s)
-        elif (number, DOUBLE) in engine.runs:
+        elif (number, DOUBLE) in engine.runs:  # no reference: what the next longer step changes
             numerical = best - at(engine.runs[number, DOUBLE], probe, seen.time_s)
         u_num = 0.0 if numerical is None else float(np.sqrt(np.nanmean(numerical**2)))
+        u_input = judged.u_input(probe)
+        moved = None
+        if judged.truth is not None and u_input is not None:
+            moved = interpolated(judged.truth.time_s, u_input, seen.time_s)
         found = split(seen.values, nominal, best, seen.u, u_num)
         rows.append(
             {
@@ -246,10 +259,20 @@ def gaps(engine: Engine, number: int, judged: Judged, plan: Plan) -> list[dict[s
                 "stream": judged.case.stream,
                 "probe": probe,
                 "unit": judged.scene.probes[probe].unit,
+                "input": None if moved is None else float(np.sqrt(np.nanmean(moved**2))),
+                "covered": _covered(best - seen.values, moved, math.hypot(found.noise, u_num)),
                 **found.to_dict(),
             }
         )
     return rows
+
+
+def _covered(left: Array, moved: Array | None, other: float) -> float | None:
+    """Share of the samples whose difference is within twice all standard uncertainties."""
+    if moved is None:
+        return None
+    known = np.isfinite(left) & np.isfinite(moved)
+    return float(np.mean(np.abs(left[known]) <= 2 * np.hypot(moved[known], other)))
 
 
 def agreement(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:

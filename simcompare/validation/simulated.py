@@ -16,10 +16,11 @@ from simcompare.trajectory import Trajectory
 from simcompare.validation.cases import Case
 from simcompare.validation.model import Model
 
-#: what is run of every case: name -> (with fitted parameters, multiple of the step)
-NOMINAL, BEST, DOUBLE, FOURFOLD = "nominal", "best", "double step", "fourfold step"
-#: step multiples from which the step error is estimated (Roache's grid convergence index)
-STEPS = {BEST: 1, DOUBLE: 2, FOURFOLD: 4}
+#: what is run of every case
+NOMINAL, BEST = "nominal", "best"
+#: and with other steps, from which the step error is told; the last where longer ones cannot be
+DOUBLE, FOURFOLD, HALF = "double step", "fourfold step", "half step"
+_LONGER = {DOUBLE: 2.0, FOURFOLD: 4.0}
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class Engine:
 
     Attributes:
         name: the engine.
-        outcomes: how all its jobs ended.
+        outcomes: how the jobs that are judged ended.
         runs: (case number, variant) -> the probes over time, for the jobs that ended well.
     """
 
@@ -69,24 +70,55 @@ def simulate(
         for i, case in enumerate(cases)
         for variant, scene in scenes(model, case, fitted, step_s).items()
     ]
-    jobs = [
+    outcomes = run_jobs(
+        _jobs(planned, engines, contact), time_limit_s=time_limit_s, progress=progress
+    )
+    runs: dict[str, dict[tuple[int, str], Trajectory]] = {name: {} for name in engines}
+    _collect(runs, planned, cases, outcomes)
+    # a spring may be too stiff for a longer step: these engines try a shorter one
+    shorter = [
+        (i, HALF, model.scenario(case, fitted, planned[0][2].world.step_s / 2))
+        for i, case in enumerate(cases)
+    ]
+    without = [
+        name for name in engines if (0, BEST) in runs[name] and (0, DOUBLE) not in runs[name]
+    ]
+    if without:
+        more = run_jobs(
+            _jobs(shorter, without, contact), time_limit_s=time_limit_s, progress=progress
+        )
+        _collect(runs, shorter, cases, more)
+    if fitted is None:  # what was known before is then also the best there is
+        for own in runs.values():
+            own.update({(i, NOMINAL): run for (i, v), run in list(own.items()) if v == BEST})
+    judged = [o for o in outcomes if planned[o.job.repeat][1] in (NOMINAL, BEST)]
+    return [
+        Engine(name, [o for o in judged if o.job.engine == name], runs[name]) for name in engines
+    ]
+
+
+Planned = list[tuple[int, str, Scenario]]
+
+
+def _jobs(planned: Planned, engines: Sequence[str], contact: str) -> list[Job]:
+    return [
         Job(name, scene, Settings(contact), number)
         for name in engines
         for number, (_, _, scene) in enumerate(planned)
     ]
-    outcomes = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
-    found = []
-    for name in engines:
-        own = [outcome for outcome in outcomes if outcome.job.engine == name]
-        runs = {}
-        for outcome in own:
-            i, variant, scene = planned[outcome.job.repeat]
-            if outcome.status == OK and outcome.trajectory is not None:
-                runs[i, variant] = of_probes(scene, outcome.trajectory, tuple(cases[i].seen))
-        if fitted is None:  # what was known before is then also the best there is
-            runs.update({(i, NOMINAL): run for (i, v), run in list(runs.items()) if v == BEST})
-        found.append(Engine(name, own, runs))
-    return found
+
+
+def _collect(
+    runs: dict[str, dict[tuple[int, str], Trajectory]],
+    planned: Planned,
+    cases: Sequence[Case],
+    outcomes: Sequence[Outcome],
+) -> None:
+    for outcome in outcomes:
+        i, variant, scene = planned[outcome.job.repeat]
+        if outcome.status == OK and outcome.trajectory is not None:
+            found = of_probes(scene, outcome.trajectory, tuple(cases[i].seen))
+            runs[outcome.job.engine][i, variant] = found
 
 
 def scenes(
@@ -95,9 +127,7 @@ def scenes(
     """Variant -> scene; longer steps are left out where the scene cannot have them."""
     found = {} if fitted is None else {NOMINAL: model.scenario(case, None, step_s)}
     found[BEST] = best = model.scenario(case, fitted, step_s)
-    for variant, multiple in STEPS.items():
-        if multiple == 1:
-            continue
+    for variant, multiple in _LONGER.items():
         try:
             found[variant] = model.scenario(case, fitted, best.world.step_s * multiple)
         except InputError:  # too few samples are left; the step error is then unknown

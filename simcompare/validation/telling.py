@@ -101,9 +101,25 @@ def _made_of(found: Mapping[str, Any]) -> list[str]:
         )  # fmt: skip
         told.append(
             f"What the gap of the {label} is made of, in shares of its mean square:"
-            f" {'; '.join(parts)}.{before}"
+            f" {'; '.join(parts)}.{before}{_explained(rows)}"
         )
     return told
+
+
+def _explained(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Whether what is called model form could as well be what is not known of the parameters."""
+    covered = [row["covered"] for row in rows if row["covered"] is not None]
+    if not covered:
+        return ""
+    if min(covered) >= 0.95:
+        return (
+            " But what is not known of the parameters (k = 2) covers"
+            f" {_range(covered)} of the samples: the model's form need not be at fault."
+        )
+    return (
+        f" What is not known of the parameters (k = 2) covers {_range(covered)} of the samples;"
+        " the rest is more than that."
+    )
 
 
 def _how_sure(found: Mapping[str, Any]) -> list[str]:
