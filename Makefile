@@ -22,7 +22,7 @@ bench: $(VENV)/.test
 	$(BIN)/python tests/benchmarks/commands.py
 
 $(VENV)/.engines: pyproject.toml $(VENV)/bin/pip
-	$(BIN)/pip install --quiet --editable '.[engines]'
+	$(BIN)/pip install --quiet --editable '.[all]'
 	@$(libraries)
 	touch $@
 

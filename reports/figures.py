@@ -83,15 +83,17 @@ class Bars:
 
     Attributes:
         label: name in the legend; the same label is listed once.
-        heights: of the bars at x = 0, 1, 2, … (n,), none below 0.
+        heights: of the bars at x = 0, 1, 2, … (n,), none below 0; lengths where the bars lie.
         colour: as ``#rrggbb``.
         hatch: "", "/", "x" or ".": told apart in print as well.
+        texts: written into each bar (n,); nothing where empty.
     """
 
     label: str
     heights: Array
     colour: str
     hatch: str = ""
+    texts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -102,6 +104,21 @@ class Band:
     high: float
     label: str
     centre: float | None = None
+
+
+@dataclass(frozen=True)
+class Span:
+    """A range of x that means something, or one instant where both ends are the same.
+
+    Attributes:
+        low: where it begins.
+        high: where it ends.
+        label: name in the legend, listed once; empty for none.
+    """
+
+    low: float
+    high: float
+    label: str = ""
 
 
 @dataclass(frozen=True)
@@ -121,6 +138,10 @@ class Panel:
         whole_x: whether x is a count, so that only whole numbers mean something.
         weight: part of the figure's width that it takes, relative to the other panels.
         bars: layers of stacked bars, from the bottom; below the series.
+        spans: ranges of x and instants, drawn below everything.
+        y_ticks: names at y = 0, 1, 2, … from the top; values then run along x, so that bars and
+            the bars of uncertainties lie. ``None`` for numbers.
+        x_limits: lowest and highest x, ``None`` to fit the data.
     """
 
     title: str
@@ -135,10 +156,17 @@ class Panel:
     whole_x: bool = False
     weight: float = 1.0
     bars: tuple[Bars, ...] = ()
+    spans: tuple[Span, ...] = ()
+    y_ticks: tuple[str, ...] | None = None
+    x_limits: tuple[float, float] | None = None
 
     @property
     def x_range(self) -> tuple[float, float] | None:
         """Lowest and highest x, ``None`` to fit the data."""
+        if self.x_limits is not None:
+            return self.x_limits
+        if self.bars and self.y_ticks is not None:
+            return 0.0, self._longest
         if self.x_ticks is not None:
             return -0.5, len(self.x_ticks) - 0.5
         values = [series.x for series in self.series if len(series.x)]
@@ -146,6 +174,11 @@ class Panel:
             return None
         every = np.concatenate(values)
         return float(every.min()) - 0.5, float(every.max()) + 0.5
+
+    @property
+    def _longest(self) -> float:
+        """Length of the axis along which bars are stacked."""
+        return 1.08 * float(np.sum([bars.heights for bars in self.bars], axis=0).max()) or 1.0
 
     @property
     def slanted(self) -> bool:
@@ -164,6 +197,7 @@ class Figure:
         caption: what to see in it, one or two sentences.
         panels: from left to right.
         share_y: whether the panels have one y axis.
+        height: of the figure, relative to what is usual.
     """
 
     name: str
@@ -171,6 +205,7 @@ class Figure:
     caption: str
     panels: tuple[Panel, ...]
     share_y: bool = False
+    height: float = 1.0
 
     @property
     def legend(self) -> dict[str, Series]:
@@ -185,9 +220,10 @@ class Figure:
         """Lowest and highest y of one of the panels, ``None`` to fit the data."""
         if panel.y_range is not None or panel.log_y:
             return panel.y_range
+        if panel.y_ticks is not None:
+            return len(panel.y_ticks) - 0.5, -0.5
         if panel.bars:
-            top = float(np.sum([bars.heights for bars in panel.bars], axis=0).max())
-            return 0.0, 1.08 * top or 1.0
+            return 0.0, panel._longest
         panels = self.panels if self.share_y else (panel,)
         return _calm_range(_values(row for one in panels for row in one.series))
 

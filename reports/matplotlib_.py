@@ -6,7 +6,7 @@ import io
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from simcompare.reports.figures import Band, Bars, Figure, Panel, Series, decimated
+from simcompare.reports.figures import Band, Bars, Figure, Panel, Series, Span, decimated
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -79,7 +79,7 @@ def canvas(figure: Figure) -> Canvas:
     count = len(figure.panels)
     width = _SINGLE_WIDTH if count == 1 else _WIDTH * max(1.0, count / 2)
     with mpl.rc_context(_LOOK):
-        page = NewCanvas(figsize=(width, _HEIGHT), layout="constrained")
+        page = NewCanvas(figsize=(width, _HEIGHT * figure.height), layout="constrained")
         draw(page, figure)
     return page
 
@@ -95,16 +95,20 @@ def draw(page: Any, figure: Figure) -> None:  # noqa: ANN401  (a Figure or a Sub
     for i, (axes, panel) in enumerate(zip(row, figure.panels, strict=True)):
         for band in panel.bands:
             handles.setdefault(band.label, _band(axes, band))
+        for span in panel.spans:
+            handle = _span(axes, span)
+            if span.label:
+                handles.setdefault(span.label, handle)
         for bars, handle in _stacked(axes, panel):
             handles.setdefault(bars.label, handle)
         for series in panel.series:
-            handle = _series(axes, series)
+            handle = _series(axes, series, lying=panel.y_ticks is not None)
             if series is legend[series.label]:
                 handles[series.label] = handle
         _frame(axes, panel, figure.y_range(panel), labelled=i == 0 or not figure.share_y)
     if handles:
         page.legend(
-            list(handles.values()), list(handles), loc="outside upper center", frameon=False,
+            list(handles.values()), list(map(_text, handles)), loc="outside upper center", frameon=False,
             ncols=_columns(page, handles), handlelength=3.2,
         )  # fmt: skip
 
@@ -121,10 +125,10 @@ def _frame(
 ) -> None:
     from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
 
-    axes.set_title(panel.title, fontweight="bold")
-    axes.set_xlabel(panel.x_label)
+    axes.set_title(_text(panel.title), fontweight="bold")
+    axes.set_xlabel(_text(panel.x_label))
     if labelled:
-        axes.set_ylabel(panel.y_label)
+        axes.set_ylabel(_text(panel.y_label))
     if panel.log_y:
         axes.set_yscale("log")
         axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
@@ -141,13 +145,27 @@ def _frame(
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     if panel.x_ticks is not None:
         ticks = [tick.replace("\n", " ") if panel.slanted else tick for tick in panel.x_ticks]
-        axes.set_xticks(range(len(ticks)), ticks)
+        axes.set_xticks(range(len(ticks)), list(map(_text, ticks)))
         if panel.slanted:
             axes.tick_params("x", rotation=40)
             for text in axes.get_xticklabels():
                 text.set(ha="right", rotation_mode="anchor")
+    if panel.y_ticks is not None:
+        axes.set_yticks(range(len(panel.y_ticks)), list(map(_text, panel.y_ticks)))
+        axes.grid(visible=False, axis="y")
     if panel.x_range is not None:
         axes.set_xlim(*panel.x_range)
+
+
+def _text(text: str) -> str:
+    """A dollar sign would start mathematics."""
+    return text.replace("$", r"\$")
+
+
+def _span(axes: Axes, span: Span) -> Any:  # noqa: ANN401  (a handle for the legend)
+    if span.low == span.high:
+        return axes.axvline(span.low, color="#555555", linewidth=0.8, dashes=(3, 2), zorder=1)
+    return axes.axvspan(span.low, span.high, color="#000000", alpha=0.1, linewidth=0)
 
 
 def _band(axes: Axes, band: Band) -> Any:  # noqa: ANN401  (a handle for the legend)
@@ -182,7 +200,8 @@ def _series(axes: Axes, series: Series) -> Any:  # noqa: ANN401  (a handle for t
             "markersize": 4.5,
             "markerfacecolor": "#ffffff" if style.hollow else style.colour,
         }
-        return axes.errorbar(series.x, series.y, yerr=series.u, capsize=2, elinewidth=0.9, **look)
+        look["xerr" if lying else "yerr"] = series.u
+        return axes.errorbar(series.x, series.y, capsize=2, elinewidth=0.9, **look)
     if series.shaded and series.u is not None:
         axes.fill_between(
             series.x, series.y - series.u, series.y + series.u,

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from simcompare.errors import OutputError
-from simcompare.reports.figures import Band, Bars, Figure, Panel, Series, decimated
+from simcompare.reports.figures import Band, Bars, Figure, Panel, Series, Span, decimated
 from simcompare.trajectory import Array
 
 FONT_PX = 16
@@ -85,14 +85,19 @@ def as_dict(figure: Figure) -> dict[str, Any]:
         for band in panel.bands:
             layout["shapes"] += _band(band, axis, band.label not in listed)
             listed.add(band.label)
+        for span in panel.spans:
+            layout["shapes"].append(_span(span, axis, span.label not in {*listed, ""}))
+            listed.add(span.label)
+        lying = panel.y_ticks is not None
         for bars in panel.bars:
-            data.append(_bars(bars, axis, bars.label not in listed))
+            data.append(_bars(bars, axis, bars.label not in listed, lying))
             listed.add(bars.label)
         for series in panel.series:
             if series.shaded:
                 data.append(_shade(series, axis))
             chosen = series is legend.get(series.label)
-            data.append(_trace(series, axis, chosen) | {"legendrank": ranks[series.label]})
+            trace = _trace(series, axis, chosen, "error_x" if lying else "error_y")
+            data.append(trace | {"legendrank": ranks[series.label]})
             if chosen:  # once, also where two panels show the same
                 legend.pop(series.label)
     return {"data": data, "layout": layout}
@@ -153,6 +158,12 @@ def _y_axis(figure: Figure, panel: Panel, axis: str, shared: bool) -> dict[str, 
     found = {**_axis("" if shared else panel.y_label), "anchor": f"x{axis}"}
     if panel.log_y:
         found |= {"type": "log", "dtick": 1, "tickformat": _LOG_TICKS}
+    elif panel.y_ticks is not None:
+        found |= {
+            "tickvals": list(range(len(panel.y_ticks))),
+            "ticktext": list(map(_text, panel.y_ticks)),
+            "showgrid": False,
+        }
     elif figure.plain_y(panel):
         found["exponentformat"] = "none"
     y_range = figure.y_range(panel)
@@ -186,7 +197,17 @@ def _band(band: Band, axis: str, listed: bool) -> list[dict[str, Any]]:
     return shapes
 
 
-def _trace(series: Series, axis: str, listed: bool) -> dict[str, Any]:
+def _span(span: Span, axis: str, listed: bool) -> dict[str, Any]:
+    instant = span.low == span.high
+    line = {"color": _BAND_LINE, "width": 1.5, "dash": "dash"} if instant else {"width": 0}
+    return {
+        "type": "line" if instant else "rect", "x0": span.low, "x1": span.high, "y0": 0, "y1": 1,
+        "xref": f"x{axis}", "yref": f"y{axis} domain", "layer": "below", "line": line,
+        "fillcolor": _BAND_FILL, "name": _text(span.label), "showlegend": listed,
+    }  # fmt: skip
+
+
+def _trace(series: Series, axis: str, listed: bool, error: str) -> dict[str, Any]:
     x, y = (series.x, series.y) if series.points else decimated(series.x, series.y)
     style = series.style
     modes = [name for name, on in (("lines", series.line), ("markers", series.points)) if on]
@@ -206,7 +227,7 @@ def _trace(series: Series, axis: str, listed: bool) -> dict[str, Any]:
             "line": {"width": 2 if style.hollow else 0, "color": style.colour},
         }
     if series.u is not None and not series.shaded:
-        found["error_y"] = {
+        found[error] = {
             "type": "data", "array": _numbers(series.u), "color": style.colour,
             "thickness": 2, "width": 5,
         }  # fmt: skip
@@ -228,14 +249,23 @@ def _shade(series: Series, axis: str) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _bars(bars: Bars, axis: str, listed: bool) -> dict[str, Any]:
-    return {
+def _bars(bars: Bars, axis: str, listed: bool, lying: bool) -> dict[str, Any]:
+    places, lengths = list(range(len(bars.heights))), _numbers(bars.heights)
+    found: dict[str, Any] = {
         "type": "bar", "name": _text(bars.label), "legendgroup": bars.label, "showlegend": listed,
-        "x": list(range(len(bars.heights))), "y": _numbers(bars.heights), "width": 0.6,
+        "x": lengths if lying else places, "y": places if lying else lengths,
+        "orientation": "h" if lying else "v", "width": 0.7 if lying else 0.6,
         "xaxis": f"x{axis}", "yaxis": f"y{axis}",
         "marker": {"color": bars.colour, "pattern": {"shape": bars.hatch, "fgcolor": "#ffffff",
                                                      "fillmode": "overlay", "solidity": 0.25}},
     }  # fmt: skip
+    if bars.texts:
+        found |= {
+            "text": [f"<b>{_text(text)}</b>" if text else "" for text in bars.texts],
+            "textposition": "inside", "insidetextanchor": "middle", "textangle": 0,
+            "insidetextfont": {"color": "#ffffff", "size": FONT_PX - 2},
+        }  # fmt: skip
+    return found
 
 
 def _numbers(values: Array) -> list[float | None]:

@@ -63,6 +63,8 @@ _LOG_UNITS = {
     "secs": "s", "seconds": "s", "Volt": "V", "Volts": "V", "Ω": "ohm", "µs": "us", "μs": "us",
     "µT": "uT", "μT": "uT", "s^-1": "1/s",
 }  # fmt: skip
+#: what pint reads as something else than a log means by it
+_NO_UNITS = ("px", "pixel", "pixels", "dB", "dBm", "LSB")
 _ANGLE = re.compile(r"\b(rad|deg|degree|degrees|radian|radians|turn|turns|revolution|rpm)\b")
 
 _SYMBOLS = {"**2": "²", "**3": "³", "*": "·", "ohm": "Ω"}
@@ -158,11 +160,15 @@ def si_of(text: str, where: str) -> tuple[float, float, str]:
     if given in ("1", ""):
         return 1.0, 0.0, "1"
     wanted = "a unit such as m, s, m/s^2, deg/s, V, or 1 for a plain number"
+    if given in _NO_UNITS:
+        raise InputError(where, [f"{text!r} has no place here; expected {wanted}"])
     if len(given) > 40 or not (_UNIT.match(given) or re.fullmatch(r"1 ?/ ?[A-Za-z]+", given)):
         raise InputError(where, [f"{text!r} is not a unit; expected {wanted}"])
     try:
         unit = _registry().Unit(given)
     except Exception:  # noqa: BLE001  (pint raises many kinds for what it cannot read)
+        if len(given) > 3 and given != given.lower():  # Newtons, VOLTS, Second
+            return si_of(given.lower(), where)
         raise InputError(where, [f"{text!r} is not a unit; expected {wanted}"]) from None
     si_unit = _si_unit(
         unit, is_angle=bool(_ANGLE.search(given)), is_energy=given.endswith(("J", "h"))

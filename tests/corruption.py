@@ -79,14 +79,16 @@ def defects_in(recording) -> list[str]:
 def copy(stream: RawStream) -> RawStream:
     """A stream that may be spoilt."""
     columns = [
-        replace(c, values=np.array(c.values), u=np.array(c.u) if np.ndim(c.u) else c.u)
+        replace(
+            c, values=np.array(c.values), u=np.array(c.u) if isinstance(c.u, np.ndarray) else c.u
+        )
         for c in stream.columns
     ]
     rows = None if stream.rows is None else np.array(stream.rows)
     return replace(stream, columns=columns, rows=rows)
 
 
-def clean(count: int = 2000, seed: int = 1, noise: float = 0.002, jitter: float = 0.02):
+def clean(count=2000, seed=1, noise=0.002, jitter=0.02):
     """A good log: a clock with a little jitter, a sine, a slope, a walk and an amplitude."""
     chance = np.random.default_rng(seed)
     ideal = np.arange(count) / RATE_HZ
@@ -102,14 +104,14 @@ def clean(count: int = 2000, seed: int = 1, noise: float = 0.002, jitter: float 
     )
 
 
-def of_columns(time, unit: str = "s", **columns) -> RawStream:
+def of_columns(time, unit="s", **columns):
     """A stream of a column of times and others, all in volts."""
     made = [RawColumn("t", np.array(time, dtype=float), unit)]
     made += [RawColumn(name, np.array(v, dtype=float), "V") for name, v in columns.items()]
     return RawStream("log", made, time="t", first_row=FIRST_ROW)
 
 
-def counted(count: int = 2000, **more) -> RawStream:
+def counted(count=2000, **more):
     """A good log with a column that counts the packets, from 1000 on."""
     stream = clean(count, **more)
     stream.columns.append(RawColumn("packet", 1000.0 + np.arange(count), "1"))

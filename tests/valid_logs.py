@@ -116,7 +116,7 @@ def _csv() -> list[Log]:
         Log("csv/blanks", {"log.txt": ("# bench 3, µ = 0.2\n# time [s]  x [m]  y [m]  z [m]\n"
             + rows("  ")).encode("latin-1")}, separator=" ", encoding="latin-1"),
         Log("csv/dates", {"log.csv": ("date;level (m)\n" + dated).encode()}),
-        Log("csv/stamps", {"log.csv": ("timestamp,angle (rad),pair (V),on (1)\n" + stamps).encode()}),
+        Log("csv/stamps", {"log.csv": ("timestamp,angle (rad),pair (V),on (V)\n" + stamps).encode()}),
         Log("csv/echo", {"log.csv": echo.encode()}),
     ]  # fmt: skip
 
@@ -190,7 +190,12 @@ def _scope() -> list[Log]:
     t, v = times() * 1e-4, motion()[:, 0]
     pairs = "".join(f"{a:.9f},{b:.4f}\n" for a, b in zip(t, v, strict=True))
     counted = "".join(f"{i},{b:.4f},,\n" for i, b in enumerate(v))
-    left = [f"Record Length,{ROWS}", "Sample Interval,1.0e-06", "Vertical Units,V", "Probe Atten,10"]
+    left = [
+        f"Record Length,{ROWS}",
+        "Sample Interval,1.0e-06",
+        "Vertical Units,V",
+        "Probe Atten,10",
+    ]
     left += [","] * (ROWS - len(left))
     beside = "".join(f"{h},,{a:.9f},{b:.4f}\n" for h, a, b in zip(left, t, v, strict=True))
     return [
@@ -329,7 +334,7 @@ def _parquet(folder: Path) -> list[Log]:
     import duckdb
     import pandas as pd
 
-    frame = pd.DataFrame(motion(), columns=["x (m)", "y (m)", "v (m/s)"])  # read by name below
+    frame = pd.DataFrame(motion(), columns=["x (m)", "y (m)", "v (m/s)"])
     frame.insert(0, "time (s)", times())
     frame["n (1)"] = np.arange(ROWS)
     frame["when"] = pd.Timestamp("2024-03-01") + pd.to_timedelta(times(), unit="s")
@@ -346,121 +351,6 @@ def _parquet(folder: Path) -> list[Log]:
             )
         found.append(Log(name, {"l.parquet": path.read_bytes()}))
     return found
-
-
-# ---- recorders --------------------------------------------------------------------------------
-
-
-def _tdms() -> list[Log]:
-    import nptdms
-
-    start = np.datetime64("2024-03-01T12:00:00.250000", "us")
-    even = {"wf_start_time": start, "wf_increment": STEP_S, "wf_start_offset": 0.0}
-    waves, times_too = io.BytesIO(), io.BytesIO()
-    with nptdms.TdmsWriter(waves) as writer:
-        for part in (slice(0, 70), slice(70, ROWS)):
-            writer.write_segment([
-                nptdms.RootObject({"Operator": "Ada"}),
-                *(nptdms.ChannelObject("bench", name, motion()[part, i].astype(kind),
-                                       {**even, "unit_string": "V"})
-                  for i, (name, kind) in enumerate((("u", "<f8"), ("v", "<f4")))),
-            ])  # fmt: skip
-    with nptdms.TdmsWriter(times_too) as writer:
-        writer.write_segment([
-            nptdms.ChannelObject("g", "Time (s)", times(), {}),
-            nptdms.ChannelObject("g", "x [mm]", motion()[:, 1], {}),
-            nptdms.ChannelObject("g", "note [V]", (np.arange(ROWS) % 5).astype("<i2"), {}),
-        ])  # fmt: skip
-    return [
-        Log("tdms", {"l.tdms": waves.getvalue()}),
-        Log("tdms/time", {"l.tdms": times_too.getvalue()}),
-    ]
-
-
-def _audio() -> list[Log]:
-    import soundfile
-
-    rate, count = 8000, 4000
-    chance = np.random.default_rng(3)
-    sound = chance.normal(0, 0.002, count)
-    for at in (600, 1900, 2900):
-        ring = np.exp(-np.arange(300) / 40) * np.sin(np.arange(300) * 1.1)
-        sound[at : at + 300] += 0.6 * ring
-    whole = np.round(sound * 32767).astype("<i2")
-    wav, flac, floats = io.BytesIO(), io.BytesIO(), io.BytesIO()
-    with wave.open(wav, "wb") as file:
-        file.setnchannels(1)
-        file.setsampwidth(2)
-        file.setframerate(rate)
-        file.writeframes(whole.tobytes())
-    soundfile.write(flac, whole, rate, format="FLAC")
-    both = np.column_stack((sound, sound))[:2500].astype("<f4")
-    soundfile.write(floats, both, rate, format="WAV", subtype="FLOAT")
-    return [
-        Log("audio", {"l.wav": wav.getvalue()}),
-        Log("audio/flac", {"l.flac": flac.getvalue()}),
-        Log("audio/float", {"l.wav": floats.getvalue()}),
-    ]
-
-
-def _bag(folder: Path) -> list[Log]:
-    from rosbags.rosbag1 import Writer as Writer1
-    from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
-    from rosbags.rosbag2 import Writer as Writer2
-
-    found = []
-    for name in ("bag", "bag/lz4"):
-        path = folder / f"{name.replace('/', '_')}.bag"
-        writer = Writer1(path)
-        if name == "bag/lz4":
-            writer.set_compression(writer.CompressionFormat.LZ4)
-        fill_bag(writer, ros1=True)
-        found.append(Log(name, {"l.bag": path.read_bytes()}))
-    for name, plugin in (("bag/db3", StoragePlugin.SQLITE3), ("bag/folder", StoragePlugin.MCAP)):
-        path = folder / name.replace("/", "_")
-        fill_bag(Writer2(path, version=9, storage_plugin=plugin), ros1=False)
-        files = {f"log/{p.name}": p.read_bytes() for p in sorted(path.iterdir())}
-        found.append(Log(name, files))
-    path = folder / "packed"
-    writer2 = Writer2(path, version=9, storage_plugin=StoragePlugin.MCAP)
-    writer2.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
-    fill_bag(writer2, ros1=False)
-    (mcap,) = path.glob("*.mcap")
-    return [*found, Log("bag/mcap", {"l.mcap": mcap.read_bytes()})]
-
-
-def fill_bag(writer: object, *, ros1: bool, count: int = ROWS) -> None:
-    """Messages of an inertial unit and of joints, 10 ms apart."""
-    from rosbags.typesys import Stores, get_typestore
-
-    store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE)
-    pack = store.serialize_ros1 if ros1 else store.serialize_cdr
-    kinds = store.types
-    with writer:  # type: ignore[attr-defined]
-        topics = {
-            kind: writer.add_connection(topic, kind, typestore=store)  # type: ignore[attr-defined]
-            for topic, kind in (("/imu", "sensor_msgs/msg/Imu"), ("/range", "sensor_msgs/msg/Range"))
-        }
-        vector, turn = kinds["geometry_msgs/msg/Vector3"], kinds["geometry_msgs/msg/Quaternion"]
-        none = np.zeros(9)
-        for i, (a, b, c) in enumerate(motion(count).tolist()):
-            ns = START_NS + i * 10_000_000
-            stamp = kinds["builtin_interfaces/msg/Time"](sec=ns // 10**9, nanosec=ns % 10**9)
-            more = {"seq": i} if ros1 else {}
-            head = kinds["std_msgs/msg/Header"](stamp=stamp, frame_id="imu", **more)
-            imu = kinds["sensor_msgs/msg/Imu"](
-                header=head, orientation=turn(x=0.0, y=0.0, z=0.0, w=1.0),
-                orientation_covariance=none, angular_velocity=vector(x=a, y=0.1 * b, z=0.2 * c),
-                angular_velocity_covariance=np.diag([1e-4, 4e-4, 9e-4]).ravel(),
-                linear_acceleration=vector(x=a, y=0.1 * b, z=9.8),
-                linear_acceleration_covariance=none,
-            )  # fmt: skip
-            reach = kinds["sensor_msgs/msg/Range"](
-                header=head, radiation_type=0, field_of_view=0.1, min_range=0.1, max_range=4.0,
-                range=1.0 + 0.1 * b, **({} if ros1 else {}),
-            )  # fmt: skip
-            for kind, message in (("sensor_msgs/msg/Imu", imu), ("sensor_msgs/msg/Range", reach)):
-                writer.write(topics[kind], ns + 2_000_000, pack(message, kind))  # type: ignore[attr-defined]
 
 
 def all_logs(folder: Path) -> dict[str, Log]:

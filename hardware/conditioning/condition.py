@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from collections.abc import Mapping as MappingOf
 from dataclasses import replace
+
+import numpy as np
 
 from simcompare import units
 from simcompare.errors import InputError
@@ -16,6 +19,7 @@ from simcompare.recording import (
     INFO,
     Channel,
     Conversion,
+    Event,
     Provenance,
     Recording,
     Repair,
@@ -66,7 +70,9 @@ def condition(
     ]
     streams = {}
     for work in works:
-        if not work.faults:
+        if work.faults:
+            faults += naming.unit_faults(work)
+        else:
             streams[work.stream.name] = _stream(work, conversions)
             faults += work.faults  # such as columns without a unit
     if faults:
@@ -77,7 +83,16 @@ def condition(
         repairs=tuple(repairs),
         about={**raw.about, **mapping.about, **about.about},
     )
-    return Recording(streams, full, tuple(raw.events))
+    return Recording(streams, full, tuple(_on_clock(raw.events, streams)))
+
+
+def _on_clock(events: Sequence[Event], streams: MappingOf[str, Stream]) -> Iterator[Event]:
+    """Events on the clocks of their streams, which begin with 0 at the first sample."""
+    for event in events:
+        if event.stream in streams:
+            yield replace(event, time_s=event.time_s - streams[event.stream].clock.first_s)
+        elif not event.stream:
+            yield event
 
 
 def _wanted(raw: RawLog, mapping: Mapping, file: str) -> list[RawStream]:
@@ -95,10 +110,12 @@ def _wanted(raw: RawLog, mapping: Mapping, file: str) -> list[RawStream]:
 def _checked(stream: RawStream, mapping: Mapping, assume_units: bool) -> Work:
     work = Work(stream, mapping, assume_units)
     naming.prepare(work)
-    for name in CHECKS:
-        if work.faults and name not in ("missing_values", "time_unit"):
-            break  # what comes later needs a clock that is in order
-        importlib.import_module(f"simcompare.hardware.conditioning.{name}").check(work)
+    # numbers near the largest there are may overflow while they are looked at; that is no fault
+    with np.errstate(all="ignore"):
+        for name in CHECKS:
+            if work.faults and name not in ("missing_values", "time_unit"):
+                break  # what comes later needs a clock that is in order
+            importlib.import_module(f"simcompare.hardware.conditioning.{name}").check(work)
     return work
 
 

@@ -73,9 +73,13 @@ def typical(time_s: Array) -> float:
 
 def runs(mask: Mask) -> tuple[Indices, Indices]:
     """Where a mask is set: first index and length of each stretch."""
-    edge = np.diff(np.concatenate(([0], mask.view(np.int8), [0])))
-    first = np.flatnonzero(edge == 1)
-    return first, np.flatnonzero(edge == -1) - first
+    # whether each sample differs from the one before; no copy is wider than the mask
+    turns = np.flatnonzero(mask[1:] != mask[:-1]) + 1
+    if len(mask) and mask[0]:
+        turns = np.concatenate(([0], turns))
+    if len(mask) and mask[-1]:
+        turns = np.concatenate((turns, [len(mask)]))
+    return turns[::2], turns[1::2] - turns[::2]
 
 
 def spread(first: Indices, length: Indices) -> Indices:

@@ -26,10 +26,11 @@ _LEVELS = 3
 
 
 def check(work: Work) -> None:
-    """Finds infinite numbers and sentinels, and drops rows that hold nothing."""
+    """Finds infinite numbers and sentinels, and leaves out rows that hold nothing."""
+    for column in work.stream.columns:
+        _infinite(work, column)
     _drop_empty(work)
     for column in work.data:
-        _infinite(work, column)
         wish = work.wishes(column)
         if wish is not None and wish.sentinels:
             for mark in wish.sentinels:

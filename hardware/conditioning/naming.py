@@ -117,6 +117,15 @@ def conversion(work: Work, column: RawColumn, wish: ChannelMap | None, name: str
     )  # fmt: skip
 
 
+def unit_faults(work: Work) -> list[str]:
+    """Faults of names and units of a stream that is refused for other reasons already."""
+    before = len(work.faults)
+    for column in work.data:
+        for wish, name in channels_of(work, column):
+            conversion(work, column, wish, name)
+    return [fault for fault in work.faults[before:] if fault not in work.faults[:before]]
+
+
 def factor_to_si(unit: str) -> float:
     """Factor to SI of a unit that is known to be one."""
     return units.si_of(unit_text("acceleration", unit), "")[0]

@@ -45,10 +45,9 @@ def check(work: Work) -> None:
 
 def _missing(work: Work) -> None:
     """Stamps that are missing between regular neighbours are put between them."""
-    holes = np.isnan(work.time_s) | np.isinf(work.time_s)
+    holes = np.isnan(work.time_s)
     if not holes.any():
         return
-    work.time_s[holes] = np.nan
     median = intervals.typical(work.time_s)
     first, length = intervals.runs(holes)
     filled: list[int] = []

@@ -136,10 +136,11 @@ class Work:
         """Drops all samples that are not kept, in every column; call ``mark`` before."""
         if kept.all():
             return
-        numbers = self.stream.rows
-        if numbers is None:
-            numbers = np.arange(len(kept), dtype=np.int64) + self.stream.first_row
-        self.stream.rows = numbers[kept]
+        if self.stream.rows is None:
+            self.stream.rows = np.flatnonzero(kept)
+            self.stream.rows += self.stream.first_row
+        else:
+            self.stream.rows = self.stream.rows[kept]
         for column in self.stream.columns:
             is_time = column.values is self.time_s
             column.values = _compressed(column.values, kept)

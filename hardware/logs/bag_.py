@@ -45,20 +45,21 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     """
     state = State()
     topics: dict[Key, Topic] = {}
-    direct: dict[Connection, Topic] = {}
+    # by identity: to compare connections would cost more than to decode their messages
+    direct: dict[int, tuple[Connection, Topic]] = {}
     origin = None
     for connection, time_ns, data in reader_of(path)(path, state):
         if origin is None:
             # a clock that does not count from 1970 keeps its own zero
             origin = time_ns // _BILLION * _BILLION if time_ns > EPOCH_NS else 0
-        topic = direct.get(connection)
-        if topic is None:
+        known = direct.get(id(connection))
+        if known is None:
             key = (connection.topic, connection.kind, connection.encoding, connection.schema)
             distribution = state.about.get("ros_distro", "")
             topic = topics.setdefault(key, Topic(connection, distribution, origin))
             topic.publishers.add(connection.publisher)
-            direct[connection] = topic
-        topic.add(time_ns, data)
+            known = direct[id(connection)] = (connection, topic)
+        known[1].add(time_ns, data)
     return _log(path, state, topics)
 
 
