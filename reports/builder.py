@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from simcompare.errors import UnknownName
 from simcompare.reports import output
-from simcompare.reports.figures import Figure
+from simcompare.reports.figures import Figure, style_of
 from simcompare.reports.sections import of_run
 from simcompare.reports.sections.base import Section
 from simcompare.results import Run
@@ -160,7 +160,7 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(figure_json=figure_json, cell=_cell)
+    environment.filters.update(figure_json=figure_json, cell=_cell, style=style_of)
     return environment
 
 

@@ -64,7 +64,8 @@ class Series:
         u: half-length of the uncertainty bars (n,), ``None`` for none.
         points: whether it is drawn as points.
         line: whether it is drawn as a line.
-        shaded: whether the uncertainty is a shaded band about the line instead of bars.
+        shaded: whether the uncertainty is a shaded band about the line instead of bars; the band
+            alone where neither points nor a line are drawn.
     """
 
     label: str

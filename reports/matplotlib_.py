@@ -108,8 +108,8 @@ def draw(page: Any, figure: Figure) -> None:  # noqa: ANN401  (a Figure or a Sub
         _frame(axes, panel, figure.y_range(panel), labelled=i == 0 or not figure.share_y)
     if handles:
         page.legend(
-            list(handles.values()), list(map(_text, handles)), loc="outside upper center", frameon=False,
-            ncols=_columns(page, handles), handlelength=3.2,
+            list(handles.values()), list(map(_text, handles)), loc="outside upper center",
+            frameon=False, ncols=_columns(page, handles), handlelength=3.2,
         )  # fmt: skip
 
 
@@ -143,6 +143,13 @@ def _frame(
         axes.set_ylim(*y_range)
     if panel.whole_x:
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    _names(axes, panel)
+    if panel.x_range is not None:
+        axes.set_xlim(*panel.x_range)
+
+
+def _names(axes: Axes, panel: Panel) -> None:
+    """Names instead of numbers along an axis."""
     if panel.x_ticks is not None:
         ticks = [tick.replace("\n", " ") if panel.slanted else tick for tick in panel.x_ticks]
         axes.set_xticks(range(len(ticks)), list(map(_text, ticks)))
@@ -153,8 +160,6 @@ def _frame(
     if panel.y_ticks is not None:
         axes.set_yticks(range(len(panel.y_ticks)), list(map(_text, panel.y_ticks)))
         axes.grid(visible=False, axis="y")
-    if panel.x_range is not None:
-        axes.set_xlim(*panel.x_range)
 
 
 def _text(text: str) -> str:
@@ -178,15 +183,32 @@ def _stacked(axes: Axes, panel: Panel) -> Iterator[tuple[Bars, Any]]:
     """Draws the bars, layer on layer; yields each with its handle for the legend."""
     floor: Any = 0.0
     for bars in panel.bars:
-        drawn = axes.bar(
-            range(len(bars.heights)), bars.heights, 0.6, bottom=floor, color=bars.colour,
-            hatch=2 * bars.hatch, edgecolor="#ffffff",
-        )  # fmt: skip
+        places = range(len(bars.heights))
+        look: dict[str, Any] = {
+            "color": bars.colour, "hatch": 2 * bars.hatch, "edgecolor": "#ffffff", "linewidth": 0,
+        }  # fmt: skip
+        if panel.y_ticks is not None:
+            drawn = axes.barh(places, bars.heights, 0.7, left=floor, **look)
+        else:
+            drawn = axes.bar(places, bars.heights, 0.6, bottom=floor, **look)
+        _label(axes, bars, drawn)
         floor = floor + bars.heights
         yield bars, drawn
 
 
-def _series(axes: Axes, series: Series) -> Any:  # noqa: ANN401  (a handle for the legend)
+def _label(axes: Axes, bars: Bars, drawn: Any) -> None:  # noqa: ANN401
+    """Writes into the bars, on their own colour so that a hatch does not cross the letters."""
+    if not bars.texts:
+        return
+    texts = axes.bar_label(
+        drawn, list(map(_text, bars.texts)), label_type="center", color="#ffffff"
+    )
+    for text in texts:
+        if text.get_text():
+            text.set_bbox({"facecolor": bars.colour, "edgecolor": "none", "pad": 1.0})
+
+
+def _series(axes: Axes, series: Series, *, lying: bool) -> Any:  # noqa: ANN401  (for the legend)
     style = series.style
     look: dict[str, Any] = {
         "color": style.colour,
@@ -203,9 +225,11 @@ def _series(axes: Axes, series: Series) -> Any:  # noqa: ANN401  (a handle for t
         look["xerr" if lying else "yerr"] = series.u
         return axes.errorbar(series.x, series.y, capsize=2, elinewidth=0.9, **look)
     if series.shaded and series.u is not None:
-        axes.fill_between(
+        shade = axes.fill_between(
             series.x, series.y - series.u, series.y + series.u,
             color=style.colour, alpha=0.25, linewidth=0,
         )  # fmt: skip
+        if not series.line:
+            return shade
     x, y = decimated(series.x, series.y)
     return axes.plot(x, y, **look)[0]

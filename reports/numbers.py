@@ -26,7 +26,7 @@ def plain(value: float | None, digits: int = 6) -> str:
     place = digits - 1 - math.floor(math.log10(abs(mantissa)))
     text = f"{round(mantissa, place):.{max(place, 0)}f}"
     text = _minus(text.rstrip("0").rstrip(".") if "." in text else text)
-    return text if power is None else f"{text}·10{_raised(power)}"
+    return text if power is None else f"{text}·10{raised(power)}"
 
 
 def with_u(
@@ -59,7 +59,7 @@ def with_u(
     text = _same_place(value / factor, u / factor)
     if power is None:
         return f"({text}){after}" if after else text
-    return f"({text})·10{_raised(power)}{after}"
+    return f"({text})·10{raised(power)}{after}"
 
 
 def digits(value: float | None, tolerance: float | None) -> int:
@@ -90,7 +90,8 @@ def _power(value: float) -> int | None:
     return None if _PLAIN[0] <= power < _PLAIN[1] else power
 
 
-def _raised(power: int) -> str:
+def raised(power: int) -> str:
+    """A power as it is written above the line."""
     return str(power).translate(_SUPERSCRIPTS)
 
 

@@ -93,11 +93,14 @@ def as_dict(figure: Figure) -> dict[str, Any]:
             data.append(_bars(bars, axis, bars.label not in listed, lying))
             listed.add(bars.label)
         for series in panel.series:
-            if series.shaded:
-                data.append(_shade(series, axis))
             chosen = series is legend.get(series.label)
-            trace = _trace(series, axis, chosen, "error_x" if lying else "error_y")
-            data.append(trace | {"legendrank": ranks[series.label]})
+            rank = {"legendrank": ranks[series.label]}
+            drawn = series.line or series.points
+            if series.shaded:
+                data.append(_shade(series, axis, listed=chosen and not drawn) | rank)
+            if drawn:
+                error = "error_x" if lying else "error_y"
+                data.append(_trace(series, axis, chosen, error) | rank)
             if chosen:  # once, also where two panels show the same
                 legend.pop(series.label)
     return {"data": data, "layout": layout}
@@ -234,13 +237,13 @@ def _trace(series: Series, axis: str, listed: bool, error: str) -> dict[str, Any
     return found
 
 
-def _shade(series: Series, axis: str) -> dict[str, Any]:
+def _shade(series: Series, axis: str, *, listed: bool) -> dict[str, Any]:
     """The band of a line's uncertainty: there along the upper edge, back along the lower one."""
     assert series.u is not None
     x, low = decimated(series.x, series.y - series.u)
     x_high, high = decimated(series.x, series.y + series.u)
     return {
-        "type": "scatter", "mode": "lines", "name": _text(series.label), "showlegend": False,
+        "type": "scatter", "mode": "lines", "name": _text(series.label), "showlegend": listed,
         "legendgroup": series.label, "hoverinfo": "skip", "fill": "toself",
         "x": _numbers(np.concatenate((x, x_high[::-1]))),
         "y": _numbers(np.concatenate((low, high[::-1]))),

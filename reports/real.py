@@ -1,47 +1,35 @@
-"""Figures of simulations beside a recording: overlay, residuals, what the gap is made of, E_n."""
+"""What reports ask of a validation: its record, its trajectories, and the names of its parts."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
+from simcompare import units
 from simcompare.reports import runs
-from simcompare.reports.figures import (
-    MEASURED_STYLE,
-    TRUTH_STYLE,
-    Band,
-    Bars,
-    Figure,
-    Panel,
-    Series,
-    Style,
-    spread,
-    style_of,
-)
 from simcompare.results import TRUTH, Run
-from simcompare.trajectory import Array, Trajectory
+from simcompare.trajectory import Trajectory
 
-TIME = "time (s)"
 MEASURED = "measured"
 BEST, NOMINAL = "best", "nominal"
-#: stretches of a recording that are drawn; a table has all
+KNOWN, FITTED = "known before", "fitted"
+#: name of the only stream of a log that has one
+ONLY = "log"
+#: stretches of a recording that are drawn; the tables have all
 MOST_STRETCHES = 2
-#: parts of a gap: key of the record, words, colour (Okabe and Ito), hatch
-PARTS = (
-    ("removed", "parameters", "#0072B2", "/"),
-    ("model_form", "model form", "#D55E00", "x"),
-    ("numerical", "numerical", "#009E73", "."),
-    ("noise", "noise of the measurement", "#999999", ""),
-)
-_NOMINAL_STYLE = Style("#777777", dash="dot", width=2.0)
+#: letters of a name that a figure or a cell can hold; names come from files
+_LETTERS = 28
 
 
 def validation(run: Run) -> Mapping[str, Any]:
     """The record of the validation."""
     found: Mapping[str, Any] = run.record["validation"]
     return found
+
+
+def is_fitted(run: Run) -> bool:
+    """Whether any parameter was fitted."""
+    return validation(run)["fit"] is not None
 
 
 def stored(run: Run, source: str, variant: str, case: int) -> Trajectory | None:
@@ -52,173 +40,84 @@ def stored(run: Run, source: str, variant: str, case: int) -> Trajectory | None:
     return None
 
 
+def truth(run: Run, variant: str, case: int) -> Trajectory | None:
+    """The reference of a case."""
+    return stored(run, TRUTH, variant, case)
+
+
 def judged_probes(run: Run) -> list[str]:
     """Probes that are judged, the leading one first."""
     return [name for name, one in validation(run)["compare"].items() if one["judged"]]
 
 
-def cases(run: Run) -> list[tuple[int, str]]:
-    """Number and words of the stretches that are drawn."""
-    found = [(i, str(case["stream"])) for i, case in enumerate(validation(run)["cases"])]
-    return found[:MOST_STRETCHES]
+def label(run: Run, probe: str) -> str:
+    """A compared quantity in words, without its unit."""
+    return str(validation(run)["compare"][probe]["label"])
 
 
-def overlay_figure(run: Run, probe: str) -> Figure:
-    """What was measured with the engines over it, one panel a stretch."""
-    about = validation(run)["compare"][probe]
-    label = f"{about['label']}{runs.unit_words(about['unit'])}"
-    panels = tuple(
-        Panel(
-            f"stretch {name}" if name != "log" else "", TIME, label, tuple(_overlay(run, probe, i))
-        )
-        for i, name in cases(run)
-    )
-    caption = (
-        "Black: what was measured. Shaded: the reference with the standard uncertainties of its"
-        " parameters, twice"
-    )
-    if validation(run)["fit"] is not None:
-        caption += "; dotted: the reference with what was known before any fit"
-    return Figure(
-        f"overlay-{probe}", f"{about['label']}: measured and simulated", f"{caption}.", panels
-    )
+def unit(run: Run, probe: str) -> str:
+    """The unit of a compared quantity as people write it; "1" for none."""
+    return units.symbol(validation(run)["compare"][probe]["unit"])
 
 
-def _overlay(run: Run, probe: str, case: int) -> Iterator[Series]:
-    truth = stored(run, TRUTH, BEST, case)
-    if truth is not None and probe in truth.signals:
-        u = truth.signals.get(f"u({probe})")
-        yield Series(
-            "reference", truth.time_s, truth.signals[probe], TRUTH_STYLE,
-            None if u is None else 2 * u, shaded=u is not None,
-        )  # fmt: skip
-    nominal = stored(run, TRUTH, NOMINAL, case)
-    if nominal is not None and validation(run)["fit"] is not None:
-        yield Series("known before", nominal.time_s, nominal.signals[probe], _NOMINAL_STYLE)
-    measured = stored(run, MEASURED, "", case)
-    if measured is not None and probe in measured.signals:
-        times, values = with_gaps(measured.time_s, measured.signals[probe])
-        yield Series(MEASURED, times, values, MEASURED_STYLE)
-    for name in runs.names(run):
-        found = stored(run, name, BEST, case)
-        if found is not None:
-            yield Series(name, found.time_s, found.signals[probe], style_of(name))
+def with_unit(run: Run, probe: str) -> str:
+    """A compared quantity with its unit."""
+    return label(run, probe) + runs.unit_words(unit(run, probe))
 
 
-def with_gaps(time_s: Array, values: Array) -> tuple[Array, Array]:
-    """The same with a NaN wherever samples are missing, so that no line runs across."""
-    steps = np.diff(time_s)
-    wide = np.flatnonzero(steps > 5 * np.median(steps))
-    return np.insert(time_s, wide + 1, time_s[wide]), np.insert(values, wide + 1, np.nan)
+def stretch(stream: str) -> str:
+    """The name of a stretch, empty where the log has only one."""
+    return "" if stream == ONLY else short(stream)
 
 
-def residual_figure(run: Run, probe: str) -> Figure:
-    """Simulated minus measured over time."""
-    about = validation(run)["compare"][probe]
-    label = f"simulated − measured{runs.unit_words(about['unit'])}"
-    panels = []
-    for i, name in cases(run):
-        measured = stored(run, MEASURED, "", i)
-        if measured is None or probe not in measured.signals:
-            continue
-        series = [
-            Series(source, times, values, style_of(source))
-            for source in runs.names(run)
-            if (found := stored(run, source, BEST, i)) is not None
-            for times, values in [_residual(found, measured, probe)]
-        ]
-        u = 2 * float(validation(run)["cases"][i]["probes"][probe]["u"])
-        bands = [Band(-u, u, "noise of a sample, k = 2", 0.0)] if u else []
-        title = f"stretch {name}" if name != "log" else ""
-        panels.append(Panel(title, TIME, label, (*series, *_events(run, i, series)), tuple(bands)))
-    caption = (
-        "What is left between each engine and the measurement. A pattern that all engines share is"
-        " not their error but that of the model or of the measurement."
-    )
-    return Figure(f"residual-{probe}", f"{about['label']}: what is left", caption, tuple(panels))
+def parameter(name: str) -> str:
+    """A parameter as people say it."""
+    return name.removesuffix(units.suffix_of(name)).replace("_", " ")
 
 
-def _residual(found: Trajectory, measured: Trajectory, probe: str) -> tuple[Array, Array]:
-    inside = (measured.time_s >= found.time_s[0]) & (measured.time_s <= found.time_s[-1])
-    times = measured.time_s[inside]
-    values = np.interp(times, found.time_s, found.signals[probe])
-    return with_gaps(times, values - measured.signals[probe][inside])
+def short(name: str) -> str:
+    """A name that came out of a file, on one line and no longer than a figure can hold."""
+    line = " ".join("".join(c if c.isprintable() else " " for c in name).split())
+    return line if len(line) <= _LETTERS else f"{line[: _LETTERS // 2]}…{line[-_LETTERS // 2 :]}"
 
 
-def _events(run: Run, case: int, series: list[Series]) -> list[Series]:
-    """Events of the recording as marks on the axis of the residuals."""
-    about = validation(run)["cases"][case]
+def last_parameters(run: Run) -> str:
+    """The parameters that are judged: the fitted ones where there are any."""
+    return FITTED if is_fitted(run) else KNOWN
+
+
+def drawn_cases(run: Run) -> list[tuple[int, str]]:
+    """Number and name of the stretches that are drawn: all, or the best and the worst of many."""
+    streams = [str(case["stream"]) for case in validation(run)["cases"]]
+    found = list(enumerate(streams))
+    if len(found) <= MOST_STRETCHES:
+        return found
+    sizes = {stream: 0.0 for stream in streams}
+    for row in validation(run)["waveforms"]:
+        if row["judged"] and row["parameters"] == last_parameters(run):
+            sizes[row["stream"]] = max(sizes[row["stream"]], row["nrmse"] or 0.0)
+    order = sorted(found, key=lambda pair: sizes[pair[1]])
+    return sorted([order[0], order[-1]])
+
+
+def chosen_words(run: Run) -> str:
+    """Which stretches are drawn, where that is not all of them."""
+    count = len(validation(run)["cases"])
+    if count <= MOST_STRETCHES:
+        return ""
+    return f" Of {count} stretches the one with the smallest and the one with the largest gap."
+
+
+def event_times(run: Run, case: int) -> list[float]:
+    """Events of the recording within a stretch, on the clock of the scenario [s]."""
+    found = validation(run)
+    about = found["cases"][case]
+    alignments = found.get("alignments") or []
+    aligned = alignments[case] if case < len(alignments) else None
+    offset, skew = (aligned["offset_s"], aligned["skew"]) if aligned else (0.0, 0.0)
     times = [
-        event["time_s"] - about["start_s"]
-        for event in validation(run)["events"]
+        (event["time_s"] - about["start_s"] - offset) / (1 + skew)
+        for event in found["events"]
         if event["stream"] == about["stream"]
-        and 0 <= event["time_s"] - about["start_s"] <= about["duration_s"]
     ]
-    if not times or not series:
-        return []
-    style = Style("#000000", marker="triangle-up")
-    return [Series("event", np.array(times), np.zeros(len(times)), style, points=True, line=False)]
-
-
-def gap_figure(run: Run) -> Figure | None:
-    """What the gap of each engine is made of, in shares of its mean square."""
-    rows = validation(run)["gaps"]
-    panels = []
-    for probe in judged_probes(run):
-        own = [row for row in rows if row["probe"] == probe]
-        if not own:
-            continue
-        layers = tuple(
-            Bars(
-                words, np.array([100 * max(row["shares"][key], 0.0) for row in own]), colour, hatch
-            )
-            for key, words, colour, hatch in PARTS
-        )
-        several = len({row["stream"] for row in own}) > 1
-        ticks = tuple(f"{r['source']}\n{r['stream']}" if several else r["source"] for r in own)
-        label = validation(run)["compare"][probe]["label"]
-        panels.append(
-            Panel(str(label), "", "share of the squared gap (%)", (), x_ticks=ticks, bars=layers)
-        )
-    if not panels:
-        return None
-    caption = (
-        "The mean square of what is between the simulation with the parameters known before and"
-        " the measurement, split. Parameters: what fitting them took away. Model form: what is"
-        " left and is neither noise nor step error."
-    )
-    return Figure("gap", "What the gap is made of", caption, tuple(panels[:3]))
-
-
-def e_n_figure(run: Run) -> Figure | None:
-    """E_n of every measured value."""
-    rows = [row for row in validation(run)["values"] if row["e_n"] is not None]
-    names = list(dict.fromkeys((row["measure"], row["stream"]) for row in rows))
-    if not names:
-        return None
-    several = len({stream for _, stream in names}) > 1
-    engines = list(dict.fromkeys(row["source"] for row in rows))
-    series = []
-    for i, engine in enumerate(engines):
-        own = [row for row in rows if row["source"] == engine]
-        x = [names.index((row["measure"], row["stream"])) + spread(i, len(engines)) for row in own]
-        y = [row["e_n"] for row in own]
-        series.append(
-            Series(engine, np.array(x), np.array(y), style_of(engine), points=True, line=False)
-        )
-    ticks = tuple(
-        runs.measure_words(name) + (f"\n{stream}" if several else "") for name, stream in names
-    )
-    panel = Panel(
-        "",
-        "",
-        "E_n",
-        tuple(series),
-        (Band(-1.0, 1.0, "within the noise level", 0.0),),
-        x_ticks=ticks,
-    )
-    caption = (
-        "Difference over its expanded uncertainty (k = 2). Between −1 and 1 the difference cannot"
-        " be told from the uncertainties; that alone validates nothing."
-    )
-    return Figure("e-n", "Measured values", caption, (panel,))
+    return [time for time in times if 0 <= time <= about["duration_s"]]

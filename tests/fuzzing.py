@@ -32,7 +32,17 @@ from tests.mutations import Mutation, mutated
 from tests.valid_logs import Log
 
 #: what becomes of a mutation; the last ones are failures
-OUTCOMES = ("ok", "repaired", "refused", "unforeseen", "traceback", "memory", "hang", "crash", "silent")
+OUTCOMES = (
+    "ok",
+    "repaired",
+    "refused",
+    "unforeseen",
+    "traceback",
+    "memory",
+    "hang",
+    "crash",
+    "silent",
+)
 FAILURES = OUTCOMES[4:]
 #: memory that an import may take: so many times the file, beside what a small file needs
 TIMES, BASE_MB = 10, 64

@@ -22,7 +22,6 @@ from tests.text_mutations import HUGE, Edit, text_edits
 from tests.valid_logs import Log
 
 
-
 @dataclass(frozen=True)
 class Mutation:
     """A damaged log.

@@ -14,9 +14,8 @@ from scipy.spatial.transform import Rotation
 
 from simcompare import catalogue, engines
 from simcompare.backend import Settings
-from simcompare.errors import InputError, UnknownName
+from simcompare.errors import InputError
 from simcompare.pieces import Pieces
-from simcompare.recording import Channel, Clock, Provenance, Recording, Stream
 from simcompare.scenarios.imu_motion import reference as motion
 from simcompare.scenarios.imu_rest import reference as rest
 from simcompare.signals import Constant, Sine, Step, Table
@@ -288,108 +287,6 @@ def test_an_oscillator_answers_a_straight_line_in_closed_form():
     assert inside[0].shape == pieces.inside.shape
 
 
-# --- what is derived ------------------------------------------------------------------------------
-
-
-def a_recording(**columns):
-    time_s = np.arange(len(next(iter(columns.values()))[0])) * 0.01
-    channels = {
-        name: Channel(np.array(v, dtype=float), unit) for name, (v, unit) in columns.items()
-    }
-    streams = {"log": Stream(time_s, channels, Clock("time column"))}
-    return Recording(streams, Provenance("log.csv", "0" * 64, 1, "csv", "0", "repair"))
-
-
-def test_a_magnitude_is_the_length_of_a_vector():
-    recording = a_recording(
-        a_m_s2=([3, math.nan], "m/s**2"), b_m_s2=([4, 1], "m/s**2"), c_m_s2=([12, 1], "m/s**2")
-    )
-    block = {"size": {"function": "magnitude", "of": ["a", "b", "c"]}}
-    made = derive.add(recording, block, "derive").streams["size"].channels
-    (name, channel), *_ = made.items()
-    assert name.startswith("magnitude")
-    assert channel.values[0] == 13
-    assert math.isnan(channel.values[1])
-
-
-def test_components_of_different_units_have_no_magnitude():
-    recording = a_recording(a=([3, 1], "m"), b=([4, 1], "rad"))
-    with pytest.raises(InputError, match="b is in rad; expected m"):
-        derive.add(recording, {"size": {"function": "magnitude", "of": ["a", "b"]}}, "derive")
-
-
-def test_a_low_pass_keeps_what_is_slow_and_takes_what_is_fast_and_delays_nothing():
-    time_s = np.arange(2000) / 200
-    slow, fast = np.sin(2 * np.pi * 0.5 * time_s), np.sin(2 * np.pi * 40 * time_s)
-    found = derive.low_pass(slow + fast, 200, 5)
-    np.testing.assert_allclose(found[200:-200], slow[200:-200], atol=2e-3)
-    at_cutoff = derive.low_pass(np.sin(2 * np.pi * 5 * time_s), 200, 5)[500:-500]
-    assert np.abs(at_cutoff).max() == pytest.approx(0.5, abs=0.01)
-
-
-def test_a_low_pass_never_filters_across_a_gap():
-    values = np.sin(np.arange(200) / 20)
-    values[100:105] = np.nan
-    values[190] = np.nan  # nine samples are left behind it: too few
-    found = derive.low_pass(values, 100, 5)
-    np.testing.assert_allclose(found[:100], derive.low_pass(values[:100], 100, 5))
-    assert np.isnan(found[100:105]).all()
-    assert np.isnan(found[190:]).all()
-    assert np.isfinite(found[105:190]).all()
-
-
-@pytest.mark.parametrize("cutoff_Hz", [50, 80])
-def test_a_cutoff_beyond_half_the_rate_is_refused(cutoff_Hz):
-    recording = a_recording(a=(np.arange(100.0), "m"))
-    block = {"slow": {"function": "low_pass", "of": ["a"], "cutoff_Hz": cutoff_Hz}}
-    with pytest.raises(InputError, match="not below half of 100 samples"):
-        derive.add(recording, block, "derive")
-
-
-def test_later_wishes_may_use_earlier_ones():
-    recording = a_recording(
-        w=(np.ones(50), "1"), x=(np.zeros(50), "1"), y=(np.zeros(50), "1"), z=(np.zeros(50), "1")
-    )
-    block = {
-        "pose": {"function": "yaw_pitch_roll", "of": ["w", "x", "y", "z"], "u_rad": 0.01},
-        "slow": {"function": "low_pass", "of": ["pose/yaw"], "cutoff_Hz": 5},
-    }
-    made = derive.add(recording, block, "derive")
-    assert list(made.streams) == ["log", "pose", "slow"]
-    assert made.streams["pose"].channels["roll_rad"].u == 0.01
-    assert [c.channel for c in made.provenance.conversions][-1] == "slow/yaw_rad"
-
-
-def test_an_unknown_function_is_refused():
-    with pytest.raises(InputError, match="function"):
-        derive.add(a_recording(a=([1, 2], "m")), {"b": {"function": "wish", "of": ["a"]}}, "derive")
-
-
-def test_an_unknown_component_is_named():
-    block = {"size": {"function": "magnitude", "of": ["a", "nothing"]}}
-    with pytest.raises(UnknownName, match="nothing"):
-        derive.add(a_recording(a=([1, 2], "m")), block, "derive")
-
-
-@given(st.floats(-3.1, 3.1), st.floats(-1.5, 1.5), st.floats(-3.1, 3.1), st.floats(0.1, 10))
-def test_angles_make_the_rotation_that_they_came_from(yaw, pitch, roll, length):
-    turned = Rotation.from_euler("ZYX", (yaw, pitch, roll))
-    x, y, z, w = turned.as_quat() * length
-    found = derive.yaw_pitch_roll(np.array([[w, x, y, z]]))
-    again = Rotation.from_euler("ZYX", [float(part[0]) for part in found])
-    np.testing.assert_allclose(again.as_matrix(), turned.as_matrix(), atol=1e-7)
-
-
-def test_angles_are_counted_on_through_turns_and_gaps():
-    yaw = np.linspace(0, 12, 60)
-    quaternions = np.column_stack((np.cos(yaw / 2), 0 * yaw, 0 * yaw, np.sin(yaw / 2)))
-    quaternions[20:22] = np.nan
-    found, pitch, _ = derive.yaw_pitch_roll(quaternions)
-    known = np.isfinite(found)
-    np.testing.assert_allclose(found[known], yaw[known], atol=1e-12)
-    assert np.isnan(pitch[20:22]).all()
-
-
 # --- real logs ------------------------------------------------------------------------------------
 
 
@@ -402,8 +299,8 @@ def test_a_real_sensor_at_rest_reads_seven_milli_g_less_than_g():
 @pytest.mark.parametrize(
     ("name", "start_s", "force", "rate"),
     [
-        ("11_undisturbed_slow_translation_B", 31.0, 0.07, 0.025),
-        ("02_undisturbed_slow_rotation_B", 39.0, 0.06, 0.023),
+        ("11_undisturbed_slow_translation_B", 31.0, 0.06, 0.025),
+        ("02_undisturbed_slow_rotation_B", 39.0, 0.055, 0.025),
     ],
     ids=["translation", "rotation"],
 )
@@ -441,6 +338,6 @@ def test_a_replayed_motion_tells_what_the_real_sensor_read(name, start_s, force,
         ("gyroscope.rate_rad_s", "imu_gyr", rate),
     ):
         for i in range(3):
-            # the servos are 5.6 ms late, the cameras' clock half a sample early
-            told = np.interp(time_s[judged] + 0.0085, sample_times(scenario), truth[signal][:, i])
-            print(signal, i, np.std(slow(read[column][:, i])[judged] - told), np.std(told))
+            # the servos are 5.6 ms late, and the sensor is by a sample behind the cameras
+            told = np.interp(time_s[judged] + 0.0021, sample_times(scenario), truth[signal][:, i])
+            assert np.std(slow(read[column][:, i])[judged] - told) < limit

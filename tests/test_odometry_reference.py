@@ -7,16 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from simcompare import catalogue, engines
 from simcompare.backend import Settings
-from simcompare.errors import InputError, UnknownName
 from simcompare.measures import Request, drift
 from simcompare.pieces import corners_of
-from simcompare.recording import Channel, Clock, Provenance, Recording, Stream
 from simcompare.scenario import Probe
 from simcompare.scenarios.odometry.reference import driven, reference, robot_of
 from simcompare.signals import Chirp, Constant, Ramp, Sine, SineSteps, Step, Table
@@ -194,94 +190,6 @@ def test_engines_arrive_where_the_truth_does_and_better_with_shorter_steps(engin
         apart.append(float(np.hypot(*off.T).max()))
     assert apart[0] < 0.01
     assert apart[1] < 0.75 * apart[0]
-
-
-# --- wheel rates from increments ------------------------------------------------------------------
-
-
-@given(
-    st.lists(
-        st.tuples(st.floats(0.15, 0.25), st.floats(-0.5, 0.5), st.floats(-0.2, 0.2)),
-        min_size=2, max_size=30,
-    ),
-    st.floats(0.01, 1.0),
-)  # fmt: skip
-def test_wheel_rates_lose_no_way_and_no_turn(rows, flank):
-    lengths, way, turn = np.array(rows).T
-    lengths[0] = lengths[1]  # the first interval is taken to be as long as the second
-    time_s = np.cumsum(lengths)
-    times, left, right = derive.wheel_rates(way, turn, time_s, 0.1, 0.5, flank)
-    fine = np.union1d(times, time_s - lengths / 2)
-    turned = []
-    for rate in (left, right):
-        values = np.interp(fine, times, rate)
-        turned.append(np.append(0, np.cumsum(np.diff(fine) * (values[1:] + values[:-1]) / 2)))
-    # at the middle of each interval half of its increment, and at the end the whole
-    expected_way = np.append(np.cumsum(way) - way / 2, way.sum())
-    expected_turn = np.append(np.cumsum(turn) - turn / 2, turn.sum())
-    at = np.searchsorted(fine, np.append(time_s - lengths / 2, times[-1]) - 1e-12)
-    np.testing.assert_allclose(0.1 * (turned[0] + turned[1])[at] / 2, expected_way, atol=1e-9)
-    np.testing.assert_allclose(0.1 * (turned[1] - turned[0])[at] / 0.5, expected_turn, atol=1e-9)
-
-
-def test_a_turn_to_the_left_makes_the_right_wheel_faster():
-    _, left, right = derive.wheel_rates(
-        np.array([0.2, 0.2]), np.array([0.1, 0.1]), np.array([0.2, 0.4]), 0.1, 0.5
-    )
-    np.testing.assert_allclose(left, (0.2 - 0.025) / 0.1 / 0.2)
-    np.testing.assert_allclose(right, (0.2 + 0.025) / 0.1 / 0.2)
-
-
-def increments(values=(0.1, 0.2, 0.3), unit="m"):
-    time_s = np.arange(len(values)) * 0.2
-    channels = {
-        "ds_m": Channel(np.array(values, dtype=float), unit),
-        "turn_rad": Channel(np.full(len(values), 0.01), "rad"),
-    }
-    streams = {"DR": Stream(time_s, channels, Clock("time column", first_s=10.0))}
-    return Recording(streams, Provenance("log.mat", "0" * 64, 1, "mat", "0", "repair"))
-
-
-BLOCK = {
-    "wheels": {
-        "function": "wheel_rates", "way": "ds", "turn": "turn", "wheel_radius_m": 0.1,
-        "track_m": 0.5,
-    }
-}  # fmt: skip
-
-
-def test_a_derived_stream_is_added_on_the_clock_of_its_own_and_recorded():
-    made = derive.add(increments(), BLOCK, "data, derive")
-    stream = made.streams["wheels"]
-    assert stream.clock.first_s == pytest.approx(9.8)
-    assert stream.time_s[0] == 0
-    assert len(stream.time_s) == 6
-    assert stream.channels["left_rate_rad_s"].unit == "rad/s"
-    conversion = made.provenance.conversions[-1]
-    assert conversion.channel == "wheels/right_rate_rad_s"
-    assert "wheel_rates" in conversion.reason
-    assert "wheel_radius_m 0.1" in conversion.reason
-
-
-@pytest.mark.parametrize(
-    ("recording", "block", "message"),
-    [
-        (increments((0.1, math.nan, 0.3)), BLOCK, "lacks 1 increments"),
-        (increments(unit="1"), BLOCK, "ds_m is in 1; expected m"),
-        (increments(), {"wheels": {**BLOCK["wheels"], "track_m": -1}}, "track_m"),
-        (increments(), {"DR": BLOCK["wheels"]}, "a stream of that name"),
-    ],
-    ids=["missing", "unit", "negative", "name"],
-)
-def test_what_cannot_be_derived_is_refused_with_its_place(recording, block, message):
-    with pytest.raises(InputError, match=message):
-        derive.add(recording, block, "data, derive")
-
-
-def test_an_unknown_channel_is_named():
-    block = {"wheels": {**BLOCK["wheels"], "way": "steps"}}
-    with pytest.raises(UnknownName, match="steps"):
-        derive.add(increments(), block, "data, derive")
 
 
 # --- drift ----------------------------------------------------------------------------------------

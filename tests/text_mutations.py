@@ -14,15 +14,19 @@ CELLS = (
     "NaN", "nan", "inf", "-inf", "1e999", "-1e999", "1e-999", "", " ", "abc", "ERR", "9" * 40,
     "9" * 400, "-", "+", ".", "1.2.3", "1,2", "1.234,5", "1e", "0x10", "1_000", "١٢٣", "½", "²",
     "\0", "\ufeff", "∞", "true", "[1, 2]", '"', '""', "'", "1e5e5", "2024-13-45", "25:61:00",
-    "2024-02-30 12:00:00", "#", "%", "=1+1", "1 000", "NULL", "-9999", "1e308", "4.9e-324", "\u2212" "1",
+    "2024-02-30 12:00:00", "#", "%", "=1+1", "1 000", "NULL", "-9999", "1e308", "4.9e-324",
+    "−1",
 )  # fmt: skip
 LINES = (
     "garbage", "", ",,,", "\t\t\t", "#", "# remark", "time,x,y", "*** restarted ***", '"open quote',
     "1", "1,2", "0.5,0.5,0.5,0.5", "0.5,0.5,0.5,0.5,0.5,0.5,0.5", "\0\0\0\0", "a" * 70_000,
     "***End_of_Header***", "#multi:", "{", "]", "1;" * 500, "﻿time;x", "\x1a", "\u2028", "\x85",
 )  # fmt: skip
+HEADS = (
+    "", "x", "time", "t (s)", "a (furlong)", "(V)", '"', "x" * 300, "1", "\0", "{}", "ä (°)",
+    "t\nu", "x (m", ".",
+)  # fmt: skip
 ENCODINGS = ("utf-16", "utf-16-le", "utf-16-be", "utf-8-sig", "utf-32", "cp1252", "utf-7")
-
 
 
 def text_edits(encoding: str) -> dict[str, Edit]:
@@ -89,8 +93,7 @@ def _header(chance: random.Random, text: str) -> str:
     at = chance.randrange(min(len(lines), 4))
     cells = re.split(r"([,;\t])", lines[at])
     k = chance.randrange(len(cells))
-    cells[k] = chance.choice(("", "x", "time", "t (s)", "a (furlong)", "(V)", '"', "x" * 300, "1",
-                              cells[0], cells[-1], "\0", "{}", "ä (°)", "t\nu", "x (m", "."))  # fmt: skip
+    cells[k] = chance.choice((*HEADS, cells[0], cells[-1]))
     lines[at] = "".join(cells)
     if chance.random() < 0.2:
         del lines[at]

@@ -1,233 +1,21 @@
 """Small valid logs of every format, made by code: what the mutations start from.
 
-``all_logs(folder)`` makes them once; each imports without any defect. All hold the same motion
-(a swing, a slope and a pair of rates) as far as the format can say it.
+``all_logs(folder)`` makes them; each imports without any defect. All hold the same motion (a
+swing, a slope and a rate) as far as the format can say it.
 """
 
 from __future__ import annotations
 
 import io
-import json
 import pickle
-import shutil
-import struct
 import wave
 import zipfile
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-ROWS = 120
-STEP_S = 0.01
-START_NS = 1_700_000_000_000_000_000
-
-
-@dataclass(frozen=True)
-class Log:
-    """A valid log.
-
-    Attributes:
-        name: "format" or "format/variant".
-        files: path within its folder -> bytes; one entry for a log that is a file.
-        mapping: mapping file as a tree, for formats that know no units.
-        separator: of a single table of text with plain rows of numbers, else empty.
-        decimal: its decimal mark.
-        encoding: its encoding.
-    """
-
-    name: str
-    files: dict[str, bytes]
-    mapping: dict = field(default_factory=dict)
-    separator: str = ""
-    decimal: str = "."
-    encoding: str = "utf-8"
-
-    @property
-    def format(self) -> str:
-        """Name of the importer."""
-        return self.name.partition("/")[0]
-
-    @property
-    def is_text(self) -> bool:
-        """Whether it is one file of text."""
-        return self.format in ("csv", "tracker", "lvm", "scope", "json") or self.name == "phyphox"
-
-    def write(self, folder: Path, files: dict[str, bytes] | None = None) -> Path:
-        """Puts it (or its mutation) into an empty folder; returns what is imported."""
-        shutil.rmtree(folder, ignore_errors=True)
-        folder.mkdir(parents=True)
-        for name, data in (files or self.files).items():
-            path = folder / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(data)
-        first = next(iter(self.files))
-        return folder / first.partition("/")[0] if len(self.files) > 1 else folder / first
-
-
-def times(count: int = ROWS) -> np.ndarray:
-    """Evenly spaced stamps."""
-    return np.arange(count) * STEP_S
-
-
-def motion(count: int = ROWS) -> np.ndarray:
-    """Columns: a swing, a slope with noise, a rate."""
-    t = times(count)
-    noise = np.random.default_rng(7).normal(0, 0.003, (3, count))
-    return np.column_stack(
-        (np.sin(5 * t) + noise[0], 0.3 * t + 1.5 + noise[1], 5 * np.cos(5 * t) + noise[2])
-    )
-
-
-def rows(separator: str = ",", decimal: str = ".", end: str = "\n", count: int = ROWS) -> str:
-    """A table of text without its header."""
-    lines = [
-        separator.join(f"{v:.6f}" for v in (t, *values))
-        for t, values in zip(times(count), motion(count), strict=True)
-    ]
-    return "".join(line.replace(".", decimal) + end for line in lines)
-
-
-# ---- text -------------------------------------------------------------------------------------
-
-
-def _csv() -> list[Log]:
-    head = "time (s),angle (rad),distance (m),rate (rad/s)\n"
-    dates = np.datetime64("2024-02-28T23:59:59.500", "ms") + (times() * 1000).astype("m8[ms]")
-    dated = "".join(f"{d};{v:.5f}\n" for d, v in zip(dates, motion()[:, 0], strict=True))
-    stamps = "".join(
-        f"{START_NS + i * 10_000_000},{v:.5f},\"[{v:.3f}, {2 * v:.3f}]\",{'true' if i % 9 else 'false'}\n"
-        for i, v in enumerate(motion()[:, 0])
-    )  # fmt: skip
-    vector = [f"field.linear_acceleration.{axis}" for axis in "xyz"]
-    echo = ",".join(["%time", "field.header.seq", "field.header.stamp", *vector]) + "\n"
-    echo += "".join(
-        f"{START_NS + i * 10_000_000},{i},{START_NS + i * 10_000_000},{a:.5f},{b:.5f},{9.8 + c / 99:.5f}\n"
-        for i, (a, b, c) in enumerate(motion())
-    )  # fmt: skip
-    return [
-        Log("csv", {"log.csv": (head + rows()).encode()}, separator=","),
-        Log("csv/comma", {"log.csv": b"\xef\xbb\xbf" + ("t;x\ns;mm\n" + "".join(
-            f"{t:.3f};{v:.4f}\r\n" for t, v in zip(times(), motion()[:, 1], strict=True)
-        ).replace(".", ",")).encode()}, separator=";", decimal=","),
-        Log("csv/utf16", {"log.csv": (head.replace(",", "\t") + rows("\t", end="\r\n")).encode(
-            "utf-16")}, separator="\t", encoding="utf-16"),
-        Log("csv/blanks", {"log.txt": ("# bench 3, µ = 0.2\n# time [s]  x [m]  y [m]  z [m]\n"
-            + rows("  ")).encode("latin-1")}, separator=" ", encoding="latin-1"),
-        Log("csv/dates", {"log.csv": ("date;level (m)\n" + dated).encode()}),
-        Log("csv/stamps", {"log.csv": ("timestamp,angle (rad),pair (V),on (V)\n" + stamps).encode()}),
-        Log("csv/echo", {"log.csv": echo.encode()}),
-    ]  # fmt: skip
-
-
-def _phyphox() -> list[Log]:
-    axes = ",".join(f'"Acceleration {a} (m/s^2)"' for a in "xyz")
-    table = '"Time (s)",' + axes + "\n" + rows()
-    turned = '"Time (s)",' + axes.replace("Acceleration", "Gyroscope").replace("m/s^2", "rad/s")
-    device = '"property","value"\n"deviceModel","Pixel"\n"accelerometer Range","78.4532"\n'
-    clock = (
-        '"event","experiment time","system time","system time text"\n'
-        '"START",0.000000000E0,1759650000.000,"2025-10-05 10:20:00.000 UTC+02:00"\n'
-        '"PAUSE",1.330727321E0,1759650001.331,"2025-10-05 10:20:01.331 UTC+02:00"\n'
-    )
-    members = {
-        "Accelerometer.csv": table, "Gyroscope.csv": turned + "\n" + rows(),
-        "meta/device.csv": device, "meta/time.csv": clock,
-    }  # fmt: skip
-    return [
-        Log("phyphox", {"raw.csv": table.encode()}, separator=","),
-        Log("phyphox/zip", {"raw.zip": zipped({n: t.encode() for n, t in members.items()})}),
-    ]
-
-
-def zipped(members: dict[str, bytes], compression: int = zipfile.ZIP_DEFLATED) -> bytes:
-    """A zip archive."""
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", compression) as archive:
-        for name, data in members.items():
-            archive.writestr(zipfile.ZipInfo(name, (2024, 1, 1, 0, 0, 0)), data, compression)
-    return buffer.getvalue()
-
-
-def _tracker() -> list[Log]:
-    units = {"channels": {n: {"column": c, "unit": u} for n, c, u in (
-        ("x", "x", "m"), ("y", "y", "m"), ("speed", "v", "m/s"))}}  # fmt: skip
-    double = "".join(
-        f"{t:.6f},{a:.6f},{b:.6f},{a:.6f},{b:.6f},\n"
-        for t, (a, b, _) in zip(times(), motion(), strict=True)
-    )
-    both = {"channels": {f"{b}_{n}": {"column": f"{b} {n}", "unit": "m"} for b in ("ball", "rod")
-                         for n in ("x", "y")}}  # fmt: skip
-    return [
-        Log("tracker", {"clip.txt": ("mass A\nt\tx\ty\tv\n" + rows("\t")).encode()}, units, "\t"),
-        Log("tracker/multi", {"clip.txt": (
-            "#multi:\n,ball,,rod,,\nt,x,y,x,y,\n" + double).encode()}, both),
-    ]  # fmt: skip
-
-
-def _lvm() -> list[Log]:
-    def text(x: str, names: str, body: str) -> bytes:
-        return (
-            "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\n"
-            f"Decimal_Separator\t.\nMulti_Headings\tYes\nX_Columns\t{x}\nTime_Pref\tAbsolute\n"
-            "Date\t2013/02/19\nTime\t09:51:39.197\n***End_of_Header***\t\n\t\n"
-            f"Channels\t3\t\t\t\nSamples\t{ROWS}\t{ROWS}\t{ROWS}\t\n"
-            "Date\t2013/02/19\t2013/02/19\t2013/02/19\t\nTime\t09:51:40.7\t09:51:40.7\t09:51:40.7\t\n"
-            "Y_Unit_Label\tVolts\tm\tm/s\t\nX_Dimension\tTime\tTime\tTime\t\n"
-            "X0\t0.0E+0\t0.0E+0\t0.0E+0\t\nDelta_X\t1.0E-2\t1.0E-2\t1.0E-2\t\n"
-            f"***End_of_Header***\t\t\t\t\nX_Value\t{names}\tComment\n{body}"
-        ).encode()
-
-    plain = "".join("\t" + "\t".join(f"{v:.6f}" for v in values) + "\n" for values in motion())
-    return [
-        Log("lvm", {"bench.lvm": text("No", "u\tx\tv", plain)}),
-        Log("lvm/one", {"bench.lvm": text("One", "u\tx\tv", rows("\t"))}, separator="\t"),
-    ]
-
-
-def _scope() -> list[Log]:
-    t, v = times() * 1e-4, motion()[:, 0]
-    pairs = "".join(f"{a:.9f},{b:.4f}\n" for a, b in zip(t, v, strict=True))
-    counted = "".join(f"{i},{b:.4f},,\n" for i, b in enumerate(v))
-    left = [
-        f"Record Length,{ROWS}",
-        "Sample Interval,1.0e-06",
-        "Vertical Units,V",
-        "Probe Atten,10",
-    ]
-    left += [","] * (ROWS - len(left))
-    beside = "".join(f"{h},,{a:.9f},{b:.4f}\n" for h, a, b in zip(left, t, v, strict=True))
-    return [
-        Log("scope", {"s.csv": (f"Record Length,Analog:{ROWS}\nSample Interval,Analog:0.000001\n"
-            "Vertical Units,CH1:V\nVertical Scale,CH1:1.00\nHorizontal Units,s\n"
-            f"Model Number,SDS1104X-E\nSource,CH1\nSecond,Value\n{pairs}").encode()},
-            separator=","),
-        Log("scope/rigol", {"s.csv": ("X,CH1,Start,Increment\nSequence,Volt,0.0,1.0e-06\n"
-            + counted).encode()}),
-        Log("scope/tektronix", {"s.csv": beside.encode()}),
-        Log("scope/pico", {"s.csv": ("Time,Channel A\n(ms),(mV)\n\n" + pairs).encode()},
-            separator=","),
-    ]  # fmt: skip
-
-
-def _json() -> list[Log]:
-    units = {"time": {"column": "t", "unit": "s"}, "channels": {
-        "x": {"column": "x", "unit": "m"}, "a": {"column": "p[0]", "unit": "m"},
-        "b": {"column": "p[1]", "unit": "m"}}}  # fmt: skip
-    records = [
-        {"t": float(t), "x": round(float(a), 6), "p": [round(float(b), 5), round(float(c), 5)]}
-        for t, (a, b, c) in zip(times(), motion(), strict=True)
-    ]
-    columns = {"t": times().tolist(), "x": motion()[:, 0].tolist()}
-    columns |= {"p[0]": motion()[:, 1].tolist(), "p[1]": motion()[:, 2].tolist()}
-    lines = "".join(json.dumps(record) + "\n" for record in records)
-    return [
-        Log("json", {"l.json": json.dumps({"mass": 0.5, "entries": records}).encode()}, units),
-        Log("json/lines", {"l.json": lines.encode()}, units),
-        Log("json/columns", {"l.json": json.dumps(columns, indent=1).encode()}, units),
-    ]
-
+from tests.text_samples import ROWS, START_NS, STEP_S, Log, motion, text_logs, times, zipped
 
 # ---- arrays -----------------------------------------------------------------------------------
 
@@ -347,10 +135,129 @@ def _parquet(folder: Path) -> list[Log]:
         with duckdb.connect() as base:
             base.register("frame", frame)
             base.execute(
-                f"COPY (SELECT {columns} FROM frame) TO '{path}' (FORMAT parquet, COMPRESSION {how})"
+                f"COPY (SELECT {columns} FROM frame) TO '{path}'"
+                f" (FORMAT parquet, COMPRESSION {how})"
             )
         found.append(Log(name, {"l.parquet": path.read_bytes()}))
     return found
+
+
+# ---- recorders --------------------------------------------------------------------------------
+
+
+def _tdms() -> list[Log]:
+    import nptdms
+
+    start = np.datetime64("2024-03-01T12:00:00.250000", "us")
+    even = {"wf_start_time": start, "wf_increment": STEP_S, "wf_start_offset": 0.0}
+    waves, times_too = io.BytesIO(), io.BytesIO()
+    with nptdms.TdmsWriter(waves) as writer:
+        for part in (slice(0, 70), slice(70, ROWS)):
+            writer.write_segment([
+                nptdms.RootObject({"Operator": "Ada"}),
+                *(nptdms.ChannelObject("bench", name, motion()[part, i].astype(kind),
+                                       {**even, "unit_string": "V"})
+                  for i, (name, kind) in enumerate((("u", "<f8"), ("v", "<f4")))),
+            ])  # fmt: skip
+    with nptdms.TdmsWriter(times_too) as writer:
+        writer.write_segment([
+            nptdms.ChannelObject("g", "Time (s)", times(), {}),
+            nptdms.ChannelObject("g", "x [mm]", motion()[:, 1], {}),
+            nptdms.ChannelObject("g", "note [V]", (np.arange(ROWS) % 5).astype("<i2"), {}),
+        ])  # fmt: skip
+    return [
+        Log("tdms", {"l.tdms": waves.getvalue()}),
+        Log("tdms/time", {"l.tdms": times_too.getvalue()}),
+    ]
+
+
+def _audio() -> list[Log]:
+    import soundfile
+
+    rate, count = 8000, 4000
+    chance = np.random.default_rng(3)
+    sound = chance.normal(0, 0.002, count)
+    for at in (600, 1900, 2900):
+        ring = np.exp(-np.arange(300) / 40) * np.sin(np.arange(300) * 1.1)
+        sound[at : at + 300] += 0.6 * ring
+    whole = np.round(sound * 32767).astype("<i2")
+    wav, flac, floats = io.BytesIO(), io.BytesIO(), io.BytesIO()
+    with wave.open(wav, "wb") as file:
+        file.setnchannels(1)
+        file.setsampwidth(2)
+        file.setframerate(rate)
+        file.writeframes(whole.tobytes())
+    soundfile.write(flac, whole, rate, format="FLAC")
+    both = np.column_stack((sound, sound))[:2500].astype("<f4")
+    soundfile.write(floats, both, rate, format="WAV", subtype="FLOAT")
+    return [
+        Log("audio", {"l.wav": wav.getvalue()}),
+        Log("audio/flac", {"l.flac": flac.getvalue()}),
+        Log("audio/float", {"l.wav": floats.getvalue()}),
+    ]
+
+
+def _bag(folder: Path) -> list[Log]:
+    from rosbags.rosbag1 import Writer as Writer1
+    from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
+    from rosbags.rosbag2 import Writer as Writer2
+
+    found = []
+    for name in ("bag", "bag/lz4"):
+        path = folder / f"{name.replace('/', '_')}.bag"
+        writer = Writer1(path)
+        if name == "bag/lz4":
+            writer.set_compression(writer.CompressionFormat.LZ4)
+        fill_bag(writer, ros1=True)
+        found.append(Log(name, {"l.bag": path.read_bytes()}))
+    for name, plugin in (("bag/db3", StoragePlugin.SQLITE3), ("bag/folder", StoragePlugin.MCAP)):
+        path = folder / name.replace("/", "_")
+        fill_bag(Writer2(path, version=9, storage_plugin=plugin), ros1=False)
+        files = {f"log/{p.name}": p.read_bytes() for p in sorted(path.iterdir())}
+        found.append(Log(name, files))
+    path = folder / "packed"
+    writer2 = Writer2(path, version=9, storage_plugin=StoragePlugin.MCAP)
+    writer2.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+    fill_bag(writer2, ros1=False)
+    (mcap,) = path.glob("*.mcap")
+    return [*found, Log("bag/mcap", {"l.mcap": mcap.read_bytes()})]
+
+
+def fill_bag(writer: object, *, ros1: bool, count: int = ROWS) -> None:
+    """Messages of an inertial unit and of joints, 10 ms apart."""
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE)
+    pack = store.serialize_ros1 if ros1 else store.serialize_cdr
+    kinds = store.types
+    with writer:  # type: ignore[attr-defined]
+        topics = {
+            kind: writer.add_connection(topic, kind, typestore=store)  # type: ignore[attr-defined]
+            for topic, kind in (
+                ("/imu", "sensor_msgs/msg/Imu"),
+                ("/range", "sensor_msgs/msg/Range"),
+            )
+        }
+        vector, turn = kinds["geometry_msgs/msg/Vector3"], kinds["geometry_msgs/msg/Quaternion"]
+        none = np.zeros(9)
+        for i, (a, b, c) in enumerate(motion(count).tolist()):
+            ns = START_NS + i * 10_000_000
+            stamp = kinds["builtin_interfaces/msg/Time"](sec=ns // 10**9, nanosec=ns % 10**9)
+            more = {"seq": i} if ros1 else {}
+            head = kinds["std_msgs/msg/Header"](stamp=stamp, frame_id="imu", **more)
+            imu = kinds["sensor_msgs/msg/Imu"](
+                header=head, orientation=turn(x=0.0, y=0.0, z=0.0, w=1.0),
+                orientation_covariance=none, angular_velocity=vector(x=a, y=0.1 * b, z=0.2 * c),
+                angular_velocity_covariance=np.diag([1e-4, 4e-4, 9e-4]).ravel(),
+                linear_acceleration=vector(x=a, y=0.1 * b, z=9.8),
+                linear_acceleration_covariance=none,
+            )  # fmt: skip
+            reach = kinds["sensor_msgs/msg/Range"](
+                header=head, radiation_type=0, field_of_view=0.1, min_range=0.1, max_range=4.0,
+                range=1.0 + 0.1 * b,
+            )  # fmt: skip
+            for kind, message in (("sensor_msgs/msg/Imu", imu), ("sensor_msgs/msg/Range", reach)):
+                writer.write(topics[kind], ns + 2_000_000, pack(message, kind))  # type: ignore[attr-defined]
 
 
 def all_logs(folder: Path) -> dict[str, Log]:
@@ -361,7 +268,7 @@ def all_logs(folder: Path) -> dict[str, Log]:
     """
     folder.mkdir(parents=True, exist_ok=True)
     logs = [
-        *_csv(), *_phyphox(), *_tracker(), *_lvm(), *_scope(), *_json(), *_bag(folder),
-        *_tdms(), *_mat(), *_hdf5(), *_numpy(), *_parquet(folder), *_audio(),
+        *text_logs(), *_bag(folder), *_tdms(), *_mat(), *_hdf5(), *_numpy(), *_parquet(folder),
+        *_audio(),
     ]  # fmt: skip
     return {log.name: log for log in logs}

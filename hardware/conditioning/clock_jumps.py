@@ -53,12 +53,7 @@ def _joined(work: Work, counter: RawColumn, jumps: Indices, median: float) -> bo
     if not (np.isfinite(went_on) & (went_on >= 1) & (went_on <= 1e6)).all():
         return False
     were = time[jumps + 1] - time[jumps]
-    shift = went_on * median - were
-    # stamps after several jumps are shifted by all of them
-    total = np.concatenate(([0.0], np.cumsum(shift)))
-    for part in blocks(len(time)):
-        before = np.searchsorted(jumps, np.arange(part.start, part.stop), side="left")
-        time[part] += total[before]
+    _shift(time, jumps, went_on * median)
     # how far a step may be from the median is not known at the jump
     usual = intervals.sampled_steps(time)
     usual = usual[(usual > 0.5 * median) & (usual < 1.5 * median)]
@@ -74,6 +69,21 @@ def _joined(work: Work, counter: RawColumn, jumps: Indices, median: float) -> bo
         after={"largest_step_s": float((went_on * median).max()), "u_time_s": work.u_time_s},
     )
     return True
+
+
+def _shift(time: Array, jumps: Indices, steps: Array) -> None:
+    """Moves each stretch after a jump so that it begins one given step after the one before."""
+    starts = jumps + 1
+    old = np.array(time[starts])
+    new = np.empty(len(starts))
+    moved = 0.0, 0.0  # where the stretch before began, and where it begins now
+    for k, (jump, step) in enumerate(zip(jumps.tolist(), steps.tolist(), strict=True)):
+        new[k] = (float(time[jump]) - moved[0]) + moved[1] + step
+        moved = float(old[k]), float(new[k])
+    for part in blocks(len(time)):
+        stretch = np.searchsorted(starts, np.arange(part.start, part.stop), side="right") - 1
+        block = time[part]
+        time[part] = np.where(stretch < 0, block, (block - old[stretch]) + new[stretch])
 
 
 def _refuse(work: Work, jumps: Indices, median: float) -> None:

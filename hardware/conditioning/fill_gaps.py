@@ -34,18 +34,18 @@ def _judge(work: Work, column: RawColumn, missing: Mask) -> None:
     if missing.all():
         _empty(work, column)
         return
-    there = np.flatnonzero(~missing)
-    inner = slice(int(there[0]), int(there[-1]) + 1)
+    inner = slice(int(np.argmin(missing)), len(missing) - int(np.argmin(missing[::-1])))
+    there = int((~missing).sum())
     _say_edges(work, column, inner, len(missing))
     first, length = intervals.runs(missing[inner])
     first += inner.start
     if not len(first):
         return
-    if np.median(np.diff(there)) > 1:
+    if len(first) > (there - 1) / 2:  # most values are followed by a hole
         work.info(
-            "sparse_channel", f"has values at {len(there)} of {len(missing)} samples only: it was"
+            "sparse_channel", f"has values at {there} of {len(missing)} samples only: it was"
             " sampled more slowly than the others. Nothing was put between", channel=column.name,
-            after={"values": float(len(there))},
+            after={"values": float(there)},
         )  # fmt: skip
         return
     scattered = int(length[length <= _OUTAGE].sum())
@@ -152,6 +152,7 @@ def _error(column: RawColumn, gap: int) -> tuple[float | None, float]:
     off: list[Array] = []
     across: list[Array] = []
     square, total, number = 0.0, 0.0, 0
+    origin = float(column.values[np.argmax(np.isfinite(column.values))])
     for part in intervals.places(len(column.values)):
         values = np.asarray(column.values[part])
         count = len(values) - gap - 2 * _SIDE + 1
@@ -163,7 +164,7 @@ def _error(column: RawColumn, gap: int) -> tuple[float | None, float]:
         found = values[at[:, None] + index] @ weights.T
         off.append((found - values[at[:, None] + np.arange(gap)]).ravel())
         across.append(np.abs(values[at + gap] - values[at - 1]))
-        finite = values[np.isfinite(values)]
+        finite = values[np.isfinite(values)] - origin
         square, total = square + float(finite @ finite), total + float(finite.sum())
         number += len(finite)
     wrong = np.concatenate(off) if off else np.empty(0)
@@ -171,7 +172,8 @@ def _error(column: RawColumn, gap: int) -> tuple[float | None, float]:
     steps = steps[np.isfinite(steps)]
     if len(wrong) < 20 or not len(steps):
         return None, 0.0
-    scatter = float(np.sqrt(max(square / number - (total / number) ** 2, 0.0)))
+    mean = total / number
+    scatter = float(np.sqrt(max(square / number - mean * mean, 0.0)))
     u = float(np.sqrt(np.mean(wrong**2)))
     largest = float(np.quantile(steps, 0.99))
     return (u if u <= _ERROR * scatter or u == 0 else None), largest

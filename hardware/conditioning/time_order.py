@@ -39,8 +39,9 @@ def check(work: Work) -> None:
     bursts.check(work)
     if not work.faults:
         clock_jumps.check(work)
-    if not work.faults and len(work.time_s):
+    if not work.faults:
         _from_zero(work)
+        _in_order(work)
 
 
 def _missing(work: Work) -> None:
@@ -56,7 +57,7 @@ def _missing(work: Work) -> None:
         if before < 0 or after >= len(holes):
             continue
         span = float(work.time_s[after] - work.time_s[before])
-        if not _REGULAR[0] <= span / (count + 1) / median <= _REGULAR[1]:
+        if not _REGULAR[0] * median <= span / (count + 1) <= _REGULAR[1] * median or span <= 0:
             continue
         part = np.arange(1, count + 1) / (count + 1)
         work.time_s[start:after] = work.time_s[before] + span * part
@@ -160,6 +161,18 @@ def _from_zero(work: Work) -> None:
         work.start_s += first
         for part in blocks(len(work.time_s)):
             work.time_s[part] -= first
+
+
+def _in_order(work: Work) -> None:
+    """Whatever was repaired: what is handed on increases, or is refused."""
+    wrong = intervals.where(work.time_s, lambda step: ~((step > 0) & (step < np.inf)))
+    if len(wrong):
+        work.fault(
+            f"the times do not increase ({intervals.shorten(wrong + 1, work)}) and cannot be put"
+            " right; correct these stamps (time_order)",
+            sample=int(wrong[0]) + 1,
+            channel=work.stream.time or "",
+        )
 
 
 def _count(items: object, word: str) -> str:

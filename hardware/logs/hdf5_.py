@@ -27,7 +27,10 @@ _SMALL = 64
 
 def recognises(head: Head) -> int:
     """By the signature; a MATLAB file has it too, behind a text."""
-    return 90 if head.start.startswith(_MAGIC) else 0
+    if head.start.startswith(b"MATLAB"):
+        return 0
+    # a block of the user's own may stand before it
+    return 90 if any(head.start[at : at + 8] == _MAGIC for at in (0, 512, 1024, 2048)) else 0
 
 
 @dataclass

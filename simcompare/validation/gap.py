@@ -19,6 +19,8 @@ from simcompare.validation.noise import Noise, measured_noise, noise_of
 
 __all__ = ["Gap", "Noise", "block_length", "measured_noise", "noise_of", "split"]
 
+#: blocks are not shorter than this part of the record: a slow model error may hide in the noise
+LEAST_BLOCKS = 20
 #: resampled records from which the interval of the model-form part is told
 DRAWS = 999
 
@@ -145,7 +147,7 @@ def split(
     by_parameter, left = (s - b)[whole], (b - m)[whole]
     remaining = float(np.mean(left**2))
     model = remaining - noise.value**2 - u_num**2
-    size = block or block_length(left**2)
+    size = block or max(block_length(left**2), block_length(left), len(left) // LEAST_BLOCKS)
     low, high = _interval(left**2, noise, u_num, size, draws, generator)
     cross = 2 * float(np.mean(by_parameter * left))
     parameter = float(np.mean(by_parameter**2))
@@ -235,8 +237,10 @@ def _interval(
     if mean == 0:
         return 0.0, 0.0
     chance = generator if generator is not None else np.random.default_rng(0)
-    means = _resampled(squares, block, draws, chance)
-    error = float(np.std(np.log(np.maximum(means, 1e-300 + 1e-12 * mean)), ddof=1))
+    whole, half = (_scatter(squares, size, draws, chance) for size in (block, max(1, block // 2)))
+    # what blocks of a length miss is about proportional to 1/length (D. N. Politis and J. P.
+    # Romano, J. Time Ser. Anal. 16 (1995) 67)
+    error = math.sqrt(max(whole, 2 * whole - half))
     # few blocks tell their own scatter badly: Student's t with that many degrees of freedom
     reach = float(stats.t.ppf(0.975, max(2, len(squares) // block - 1))) * error
     spread = 2 * 2 * noise.value * noise.u
@@ -245,10 +249,13 @@ def _interval(
     return math.sqrt(max(0.0, low)), math.sqrt(max(0.0, high))
 
 
-def _resampled(squares: Array, block: int, draws: int, generator: np.random.Generator) -> Array:
-    """Means of records that are drawn block by block."""
+def _scatter(squares: Array, block: int, draws: int, generator: np.random.Generator) -> float:
+    """Variance of the logarithm of the mean of records that are drawn block by block."""
+    n = len(squares)
     total = np.concatenate(([0.0], np.cumsum(squares)))
     sums = total[block:] - total[:-block]
-    many = math.ceil(len(squares) / block)
-    starts = generator.integers(0, len(sums), size=(draws, many))
-    return np.asarray(sums[starts].sum(axis=1) / (many * block))
+    many = math.ceil(n / block)
+    means = sums[generator.integers(0, len(sums), size=(draws, many))].sum(axis=1) / (many * block)
+    found = float(np.var(np.log(np.maximum(means, 1e-12 * squares.mean())), ddof=1))
+    # the blocks scatter about the mean of the very record that they are taken from
+    return found * n / (n - block)

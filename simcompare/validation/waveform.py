@@ -130,8 +130,10 @@ def _sprague_geers(measured: Array, simulated: Array) -> tuple[float | None, flo
     if size_c == 0:
         # nothing simulated: all magnitude is missing, and a phase has no meaning
         return -1.0, None
-    cosine = float(np.mean((measured / size_m) * (simulated / size_c)))
-    return size_c / size_m - 1, math.acos(min(1.0, max(-1.0, cosine))) / math.pi
+    m, c = measured / size_m, simulated / size_c
+    # the angle whose cosine is mean(m·c), without the loss of half the digits near 0 and π
+    angle = 2 * math.atan2(_rms(c - m), _rms(c + m))
+    return size_c / size_m - 1, angle / math.pi
 
 
 def _over_u(deviation: Array, u: ArrayLike, both: np.ndarray, total: int) -> Array | None:

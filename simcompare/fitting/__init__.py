@@ -1,0 +1,1 @@
+"""Parameters from measurements: which fit, how sure they are, and what cannot be told."""
