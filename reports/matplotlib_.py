@@ -20,7 +20,7 @@ _WIDTH, _SINGLE_WIDTH, _HEIGHT = 7.2, 5.0, 3.1
 _PLAIN = (-3, 6)
 #: from pixels on a screen to points on paper
 _SCALE = 0.55
-#: size of a legend entry without its text, and of a letter of it
+#: size of a legend entry of 8 points without its text, and of a letter of it
 _ENTRY_INCH, _LETTER_INCH = 0.62, 0.068
 _DASHES: dict[str, Any] = {
     "solid": "-",
@@ -115,7 +115,11 @@ def draw(page: Any, figure: Figure) -> None:  # noqa: ANN401  (a Figure or a Sub
 
 def _columns(page: Any, labels: Iterable[str]) -> int:  # noqa: ANN401
     """How many entries of a legend fit side by side."""
-    widths = [_ENTRY_INCH + _LETTER_INCH * len(label) for label in labels]
+    from matplotlib import rcParams
+    from matplotlib.font_manager import FontProperties
+
+    size = FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points() / 8
+    widths = [size * (_ENTRY_INCH + _LETTER_INCH * len(label)) for label in labels]
     free = page.bbox.width / page.figure.dpi
     return max(1, min(len(widths), int(free / max(widths)) if sum(widths) > free else len(widths)))
 
@@ -132,7 +136,9 @@ def _frame(
     if panel.log_y:
         axes.set_yscale("log")
         axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    else:  # whole numbers where they read well, not differences from a number in a corner
+    elif (
+        panel.y_ticks is None
+    ):  # whole numbers where they read well, not differences from a number in a corner
         axes.ticklabel_format(axis="y", useOffset=False, scilimits=_PLAIN)
     if panel.log_x:
         axes.set_xscale("log")

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from simcompare.reports import matplotlib_
+from simcompare.reports.tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
@@ -24,6 +25,26 @@ _GROUP = 6 * _LINE
 _INK, _SOFT = "#1b1b1b", "#555555"
 
 Cells = Sequence[str]
+#: a column is as wide as its longest cell, within these numbers of letters
+_NARROWEST, _WIDEST = 10, 45
+#: letters of a table that is as wide as its words, and the space between columns
+_TIGHT, _GUTTER = 0.88, 0.012
+
+
+class Line(NamedTuple):
+    """A row of cells.
+
+    Attributes:
+        cells: its texts.
+        strong: whether it is a heading.
+        widths: of the columns, relative to each other; all alike where empty.
+        numbers: columns that end at their right edge, so that digits stand below each other.
+    """
+
+    cells: Cells
+    strong: bool
+    widths: Sequence[float] = ()
+    numbers: frozenset[int] = frozenset()
 
 
 def of(block: Block) -> Iterator[Canvas]:
@@ -37,6 +58,10 @@ def of(block: Block) -> Iterator[Canvas]:
         if context is not None:
             lines = _measured_lines(context) if name == "measurement" else _score_lines(context)
             yield from _table_pages(heading, lines)
+    for filled in block.sections:
+        lines = _part_lines(filled.context)
+        if lines:
+            yield from _table_pages(filled.section.title, lines)
     yield from _table_pages("How it was made", _setup_lines(block.contexts["setup"]))
 
 
@@ -73,30 +98,79 @@ def _place(page: Canvas, figure: Figure, top: float) -> None:
     matplotlib_.draw(grid[1, 1], figure)
 
 
-def _table_pages(heading: str, lines: Sequence[tuple[Cells, bool]]) -> Iterator[Canvas]:
+def _table_pages(heading: str, lines: Sequence[tuple[Cells, bool] | Line]) -> Iterator[Canvas]:
     """Rows of cells, each with whether it is a heading, on as many pages as they need."""
-    rest = list(lines)
+    rest = [Line(*line) for line in lines]
     while rest:
         page = _blank()
         y = _write(page, _TOP, heading, size=16, weight="bold") - 0.01
-        while rest and y > _BOTTOM + (_GROUP if rest[0][1] else 0):
-            cells, strong = rest.pop(0)
-            y = _row(page, y - (0.012 if strong else 0), cells, strong)
+        first = True
+        while rest and (
+            first or y - _height(rest[0]) > _BOTTOM + (_GROUP if rest[0].strong else 0)
+        ):
+            line, first = rest.pop(0), False
+            y = _row(page, y - (0.012 if line.strong else 0), line)
         yield page
 
 
-def _row(page: Canvas, y: float, cells: Cells, strong: bool) -> float:
-    weight = "bold" if strong else "normal"
-    if len(cells) == 1:
-        return _write(page, y, cells[0], size=9, weight=weight)
-    step = (1 - 2 * _LEFT) / len(cells)
+def _columns(line: Line) -> Iterator[tuple[str, float, float, int]]:
+    """Each cell with where its column begins and ends and how many letters fit into it."""
+    widths = line.widths or [1.0] * len(line.cells)
+    left, scale = _LEFT, (1 - 2 * _LEFT) / sum(widths)
+    for cell, width in zip(line.cells, widths, strict=True):
+        fitting = int(_CELL_WRAP * scale * width * (_TIGHT if line.widths else 1))
+        yield cell, left, left + scale * width - _GUTTER, max(fitting, 1)
+        left += scale * width
+
+
+def _height(line: Line) -> float:
+    """Height by which a row is longer than the two lines for which there is always room."""
+    if len(line.cells) == 1:
+        return 0.0  # long remarks may begin anywhere
+    most = max(len(textwrap.wrap(cell, wrap)) for cell, _, _, wrap in _columns(line))
+    return max(most - 2, 0) * 0.9 * _LINE
+
+
+def _row(page: Canvas, y: float, line: Line) -> float:
+    weight = "bold" if line.strong else "normal"
+    if len(line.cells) == 1:
+        return _write(page, y, line.cells[0], size=9, weight=weight)
     lowest = y
-    for i, cell in enumerate(cells):
+    for i, (cell, left, right, wrap) in enumerate(_columns(line)):
+        is_number = i in line.numbers
         end = _write(
-            page, y, cell, size=9, weight=weight, left=_LEFT + i * step, wrap=int(_CELL_WRAP * step)
-        )
+            page, y, cell, size=9, weight=weight, left=right if is_number else left, wrap=wrap,
+            ha="right" if is_number else "left",
+        )  # fmt: skip
         lowest = min(lowest, end)
     return lowest
+
+
+def _part_lines(context: dict[str, Any]) -> list[Line]:
+    """Facts, remarks and tables of a section that has them as plain values."""
+    lines = [Line((f"{key}: {value}",), False) for key, value in context.get("facts", {}).items()]
+    lines += [Line((note,), False) for note in context.get("notes", ())]
+    for table in context.get("tables", ()):
+        lines += _grid_lines(table)
+    return lines
+
+
+def _grid_lines(table: Table) -> Iterator[Line]:
+    rows = [row for group in table.groups for row in group.rows]
+    heads = tuple(column.head for column in table.columns)
+    numbers = frozenset(i for i, column in enumerate(table.columns) if i and not column.text)
+    lengths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+    widths = tuple(float(min(max(n, _NARROWEST), _WIDEST)) for n in lengths)
+    if table.title:
+        yield Line((table.title,), True)
+    yield Line(heads, True, widths, numbers)
+    for group in table.groups:
+        if group.title:
+            yield Line((group.title,), True)
+        for row in group.rows:
+            yield Line(row, False, widths, numbers)
+    if table.note:
+        yield Line((table.note,), False)
 
 
 def _score_lines(context: dict[str, Any]) -> list[tuple[Cells, bool]]:
@@ -167,7 +241,7 @@ def _blank() -> Canvas:
 
 def _write(
     page: Canvas, y: float, text: str, *, size: float, weight: str = "normal",
-    colour: str = _INK, left: float = _LEFT, wrap: int = 0,
+    colour: str = _INK, left: float = _LEFT, wrap: int = 0, ha: str = "left",
 ) -> float:  # fmt: skip
     """Writes wrapped text from ``y`` down and returns where it ends."""
     # a fitting number of letters for the size of the type
@@ -175,6 +249,6 @@ def _write(
     for line in lines:
         # a dollar sign would start mathematics
         shown = line.replace("$", r"\$")
-        page.text(left, y, shown, size=size, weight=weight, color=colour, va="top")
+        page.text(left, y, shown, size=size, weight=weight, color=colour, va="top", ha=ha)
         y -= _LINE * size / 10
     return y

@@ -7,6 +7,7 @@ from typing import Any
 
 from simcompare import units
 from simcompare.reports import runs
+from simcompare.reports.tables import printable
 from simcompare.results import TRUTH, Run
 from simcompare.trajectory import Trajectory
 
@@ -77,7 +78,7 @@ def parameter(name: str) -> str:
 
 def short(name: str) -> str:
     """A name that came out of a file, on one line and no longer than a figure can hold."""
-    line = " ".join("".join(c if c.isprintable() else " " for c in name).split())
+    line = printable(name)
     return line if len(line) <= _LETTERS else f"{line[: _LETTERS // 2]}…{line[-_LETTERS // 2 :]}"
 
 

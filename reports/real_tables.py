@@ -182,7 +182,7 @@ def values(run: Run) -> Table | None:
         return None
     columns = [
         Column("Simulated ± u"), Column("Error"), Column("u numerical", spare=True),
-        Column("u parameters", spare=True), Column("u data", spare=True), Column("E_n"),
+        Column("u parameters", spare=True), Column("E_n"),
         Column("In words", text=True),
     ]  # fmt: skip
     groups = []
@@ -199,14 +199,14 @@ def values(run: Run) -> Table | None:
     note = (
         "Standard uncertainties: numerical from runs with two and four times the step (grid"
         " convergence index), parameters from what is known of each, data from the noise of the"
-        " samples. E_n is the error over their root sum of squares times 2 (ASME V&V 20-2009;"
-        " ISO 13528:2022, 9.7)."
+        " samples (the ± of what was measured). E_n is the error over their root sum of squares"
+        " times 2 (ASME V&V 20-2009; ISO 13528:2022, 9.7)."
     )
     return of_engines(columns, groups, note)
 
 
 #: columns of a value that are written in one power of ten
-_BUDGET = ("error", "u_num", "u_input", "u_data")
+_BUDGET = ("error", "u_num", "u_input")
 
 
 def _thousands(size: float) -> int:
@@ -215,8 +215,8 @@ def _thousands(size: float) -> int:
 
 
 def _budget_scale(power: int, column: Sequence[float | None]) -> Scale:
-    """Two digits of the smallest value, but no more than two places of a number up to 999."""
-    wanted = scale_of(column, 2)
+    """Three digits of the smallest value, but no more than two places of a number up to 999."""
+    wanted = scale_of(column, 3)
     places = wanted.places - wanted.power + power
     return Scale(power, min(max(places, 0), 2 if power else 5))
 
@@ -258,9 +258,15 @@ def agreement(run: Run) -> Table | None:
     return Table("Do the engines agree with each other?", columns, (Group("", cells),))
 
 
-def parameters(run: Run) -> Table | None:
-    """What was known, what was fitted, and where each number comes from."""
+def parameters(run: Run, *, chosen: bool = False) -> Table | None:
+    """What was known, what was fitted, and where each number comes from.
+
+    Args:
+        run: the validation.
+        chosen: without those that were left as the scenario has them.
+    """
     rows = real.validation(run)["parameters"]
+    rows = [row for row in rows if not chosen or row["kind"] != "scenario"]
     if not rows:
         return None
     columns = [Column("Parameter", text=True), Column("Unit", text=True),

@@ -40,7 +40,7 @@ def _overlay(run: Run, probe: str, case: int, name: str) -> Figure | None:
     measured = real.stored(run, real.MEASURED, "", case)
     if measured is None or probe not in measured.signals:
         return None
-    whole = _layers(run, probe, case)
+    whole = list(_layers(run, probe, case))
     zoom = zoom_window(measured, probe, [row for _, row in _residuals(run, probe, case, measured)])
     events = _events(run, case)
     spans = (*events, *([Span(*zoom, ZOOMED)] if zoom else []))
@@ -73,8 +73,8 @@ def _overlay_caption(run: Run, case: int) -> str:
     return " ".join(told) + _event_words(run, case) + real.chosen_words(run)
 
 
-def _layers(run: Run, probe: str, case: int) -> list[Series]:
-    XX(run: Run, probe: str, case: int) -> Iterator[Series]:
+def _layers(run: Run, probe: str, case: int) -> Iterator[Series]:
+    """Everything that is drawn of a stretch, the lowest layer first."""
     truth = real.truth(run, real.BEST, case)
     if truth is not None and probe in truth.signals:
         u = truth.signals.get(f"u({probe})")

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+import textwrap
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from simcompare.reports import numbers
 
 _POWERS = (-3, 6)
+#: letters of a column of words that still reads well, of the narrowest one, and between columns
+_GOOD_WORDS, _LEAST_WORDS, _BETWEEN = 30, 13, 2
 #: more decimals than these are noise to a reader
 _MOST_PLACES = 7
 
@@ -116,3 +119,72 @@ def of_engines(
 ) -> Table:
     """A table with engines as rows."""
     return Table(title, (Column("Engine", text=True), *columns), tuple(groups), note, engines=True)
+
+
+def printable(text: str) -> str:
+    """Text on one line without control characters; names come from files."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+
+
+def lines(table: Table, width: int) -> Iterator[str]:
+    """A table as plain text, the title of each group above its rows.
+
+    Args:
+        table: what to show; columns that can be spared are left out where there is no room.
+        width: letters on a line.
+    """
+    widths = _squeezed(table, width, _GOOD_WORDS)
+    if _whole(table, widths) > width:
+        table = table.narrow()
+        widths = _squeezed(table, width, _LEAST_WORDS)
+    heads = [printable(column.head) for column in table.columns]
+    yield from _laid_out(table, heads, widths)
+    yield "─" * min(_whole(table, widths), width)
+    for group in table.groups:
+        if group.title:
+            yield from textwrap.wrap(printable(group.title), width)
+        indent = 2 if group.title else 0
+        for row in group.rows:
+            cells = list(map(printable, row))
+            yield from _laid_out(table, [" " * indent + cells[0], *cells[1:]], widths)
+
+
+def _widths(table: Table) -> list[int]:
+    """Letters that each column needs: its cells, and the longest word of its head."""
+    indent = 2 if any(group.title for group in table.groups) else 0
+    found = []
+    for i, column in enumerate(table.columns):
+        cells = [printable(row[i]) for group in table.groups for row in group.rows]
+        longest = max(map(len, [*cells, *column.head.split()]), default=1)
+        found.append(longest + (indent if i == 0 else 0))
+    return found
+
+
+def _whole(table: Table, widths: Sequence[int]) -> int:
+    return sum(widths) + _BETWEEN * (len(table.columns) - 1)
+
+
+def _squeezed(table: Table, width: int, least: int) -> list[int]:
+    """Columns of words made narrower, the widest first, until all fit or none can give more."""
+    found = _widths(table)
+    words = [i for i, column in enumerate(table.columns) if column.text]
+    while _whole(table, found) > width:
+        widest = max(words, key=lambda i: found[i], default=None)
+        if widest is None or found[widest] <= least:
+            break
+        found[widest] -= 1
+    return found
+
+
+def _laid_out(table: Table, cells: Sequence[str], widths: Sequence[int]) -> Iterator[str]:
+    """One row, on as many lines as its longest cell needs."""
+    parts = []
+    for cell, width in zip(cells, widths, strict=True):
+        indent = cell[: len(cell) - len(cell.lstrip())]
+        parts.append(textwrap.wrap(cell, width, subsequent_indent=indent) or [""])
+    for k in range(max(map(len, parts))):
+        shown = []
+        for part, width, column in zip(parts, widths, table.columns, strict=True):
+            text = part[k] if k < len(part) else ""
+            shown.append(text.ljust(width) if column.text else text.rjust(width))
+        yield (" " * _BETWEEN).join(shown).rstrip()

@@ -97,6 +97,11 @@ def test_impossible_events_are_refused(reference, log, tolerance, says):
 TIMES = st.lists(st.integers(0, 60), max_size=12).map(lambda x: np.sort(np.array(x, dtype=float)))
 
 
+def cost_of(found):
+    lost = len(found.missed) + len(found.extra)
+    return np.abs(found.errors_s).sum() + lost * found.tolerance_s / 2
+
+
 def cheapest(reference, log, tolerance):
     """The same matching by trying everything."""
     if not len(reference) or not len(log):
@@ -116,8 +121,7 @@ def cheapest(reference, log, tolerance):
 @settings(max_examples=80, deadline=None)
 def test_no_matching_is_better(reference, log, tolerance):
     found = match(reference, log, tolerance)
-    cost = np.abs(found.errors_s).sum() + (len(found.missed) + len(found.extra)) * tolerance / 2
-    assert cost == pytest.approx(cheapest(reference, log, tolerance))
+    assert cost_of(found) == pytest.approx(cheapest(reference, log, tolerance))
 
 
 @given(TIMES, TIMES, st.sampled_from([0.5, 2.0, 7.0]), st.floats(-1e3, 1e3).map(round))
@@ -125,8 +129,7 @@ def test_no_matching_is_better(reference, log, tolerance):
 def test_matching_is_symmetric_monotone_and_blind_to_a_common_shift(reference, log, tolerance, by):
     found = match(reference, log, tolerance)
     back, moved = match(log, reference, tolerance), match(reference + by, log + by, tolerance)
-    assert np.abs(back.errors_s).sum() == pytest.approx(np.abs(found.errors_s).sum())
-    assert len(back.pairs) == len(found.pairs)
+    assert cost_of(back) == pytest.approx(cost_of(found))
     assert moved.pairs == found.pairs
     assert np.all(np.abs(found.errors_s) <= tolerance)
     pairs = np.array(found.pairs).reshape(-1, 2)
@@ -261,8 +264,8 @@ def test_the_two_directions_undo_each_other_and_the_uncertainty_grows_away_from_
     t = np.array([0.0, 12.0, 100.0])
     assert found.to_reference(found.to_log(t)) == pytest.approx(t, abs=1e-12)
     assert found.u_at(0.0) == pytest.approx(found.u_offset_s)
-    assert found.u_at(12.5) < 0.1 * found.u_at(0.0)
-    assert found.u_at(100.0) > 10 * found.u_at(12.5)
+    assert found.u_at(12.5) < 0.15 * found.u_at(0.0)
+    assert found.u_at(100.0) > 7 * found.u_at(0.0)
     assert unaligned("one clock").to_log(3.0) == 3.0
 
 
@@ -344,7 +347,9 @@ def test_residuals_that_are_correlated_widen_the_uncertainty():
     J, residuals = np.ones((500, 1)), np.repeat(np.random.default_rng(0).normal(size=50), 10)
     naive = 1 / 500
     assert sandwich(J, residuals, 1.0, 1.0)[0, 0] > 5 * naive
-    assert sandwich(J, white[:500], 1.0, 1.0)[0, 0] == pytest.approx(naive, rel=0.5)
+    chance = np.random.default_rng(1)
+    white = [sandwich(J, chance.normal(size=500), 1.0, 1.0)[0, 0] for _ in range(40)]
+    assert np.mean(white) == pytest.approx(naive, rel=0.3)
 
 
 def test_gaps_and_missing_samples_do_not_move_the_offset():

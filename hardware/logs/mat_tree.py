@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from simcompare.errors import InputError
+from simcompare.hardware.logs import mat_check
 
 _DEEPEST = 16
 _MOST_CELLS = 100_000
@@ -43,35 +44,17 @@ def _load_5(path: Path) -> dict[str, Any]:
     import scipy.io
 
     try:
+        mat_check.check(path)  # scipy itself ends the program on some damaged files
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             found = scipy.io.loadmat(path, struct_as_record=True, chars_as_strings=True)
-    except MemoryError:
-        raise InputError(str(path), ["says that it holds more than fits into memory"]) from None
+    except mat_check.Damaged as damage:
+        raise InputError(str(path), [f"{damage}; save it again with save -v7"]) from None
     # scipy raises many kinds for damaged files
     except Exception as error:  # noqa: BLE001
-        raise InputError(str(path), [_place(path, error)]) from None
+        text = f"is damaged ({type(error).__name__}: {error}"[:300]
+        raise InputError(str(path), [f"{text}); save it again with save -v7"]) from None
     return {name: _plain(value) for name, value in found.items() if not name.startswith("__")}
-
-
-def _place(path: Path, error: Exception) -> str:
-    """Which variable of a damaged file is the first that cannot be read, and its byte."""
-    text = f"{type(error).__name__}: {error}"[:300]
-    at, size = 128, path.stat().st_size
-    with path.open("rb") as file:
-        order = {b"IM": "little", b"MI": "big"}.get(file.read(128)[126:128])
-        while order is not None and at + 8 <= size:
-            file.seek(at)
-            tag = file.read(8)
-            length = int.from_bytes(tag[4:], order)  # type: ignore[arg-type]
-            if at + 8 + length > size:
-                missing = at + 8 + length - size
-                return (
-                    f"byte {at}: a variable of {length} bytes begins, and {missing} of them are"
-                    f" missing; the file is truncated, copy it again ({text})"
-                )
-            at += 8 + length
-    return f"is damaged ({text}); save it again with save -v7"
 
 
 def _plain(value: Any, depth: int = 0) -> Any:  # noqa: ANN401  (whatever a file may hold)
@@ -80,6 +63,8 @@ def _plain(value: Any, depth: int = 0) -> Any:  # noqa: ANN401  (whatever a file
         return Refused("is nested too deeply")
     if hasattr(value, "tocsc"):
         return Refused("is a sparse matrix; save it as full(…)")
+    if isinstance(value, str):
+        return Refused(value)  # scipy's word for what it cannot read
     if not isinstance(value, np.ndarray) or type(value).__name__ in (
         "MatlabOpaque", "MatlabFunction",
     ):  # fmt: skip

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+import logging
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +16,7 @@ from simcompare.hardware.logs import arrays
 from simcompare.hardware.logs.arrays import Block
 from simcompare.hardware.logs.mapping import Mapping
 from simcompare.hardware.logs.raw import BLOCK, Head, RawColumn, RawLog, RawStream, Spool
-from simcompare.recording import Clock
+from simcompare.recording import WARNING, Clock, Repair
 
 TITLE = "a LabVIEW TDMS file"
 
@@ -20,6 +24,10 @@ _MAGIC, _INDEX = b"TDSm", b"TDSh"
 _LEAD_IN = 28
 _UNFINISHED = 0xFFFF_FFFF_FFFF_FFFF
 _UNITS = ("unit_string", "NI_UnitDescription", "unit", "Unit", "units")
+#: modules of npTDMS that say what they notice
+_SOURCES = ("base_segment", "channel_data", "daqmx", "reader", "scaling", "tdms", "tdms_segment",
+            "types")  # fmt: skip
+_MOST_TEXTS = 20
 #: properties that say when samples were taken
 _WAVEFORM = ("wf_start_time", "wf_start_offset", "wf_increment", "wf_samples")
 
@@ -40,7 +48,7 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     truncated = _missing(path)
     log = RawLog([])
     try:
-        with nptdms.TdmsFile.open(path) as file:
+        with _Bounded(path) as raw, _heard(log), nptdms.TdmsFile.open(raw) as file:
             _properties(file.properties, "", log)
             for group in file.groups():
                 _group(group, log, truncated)
@@ -57,6 +65,46 @@ def read(path: Path, mapping: Mapping) -> RawLog:
         reasons += [truncated] if truncated else []
         raise InputError(str(path), reasons or ["holds no channels"])
     return log
+
+
+class _Bounded(io.BufferedReader):
+    """A file of which no more is asked for than there is, whatever length it claims."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(io.FileIO(path))
+        self._size = path.stat().st_size
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        """The next bytes."""
+        left = max(self._size - self.tell(), 0)
+        return super().read(left if size is None or size < 0 else min(size, left))
+
+
+@contextlib.contextmanager
+def _heard(log: RawLog) -> Iterator[None]:
+    """What npTDMS notices goes into the record, not onto the screen."""
+    ear = _Ear()
+    sources = [logging.getLogger(f"nptdms.{name}") for name in _SOURCES]
+    before = [list(source.handlers) for source in sources]
+    for source in sources:
+        source.handlers[:] = [ear]
+    try:
+        yield
+    finally:
+        for source, handlers in zip(sources, before, strict=True):
+            source.handlers[:] = handlers
+        log.repairs += [Repair("damaged_record", WARNING, f"npTDMS: {text}") for text in ear.texts]
+
+
+class _Ear(logging.Handler):
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.texts: dict[str, None] = {}
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Keeps what is said once."""
+        if len(self.texts) < _MOST_TEXTS:
+            self.texts[record.getMessage()[:300]] = None
 
 
 def _missing(path: Path) -> str:

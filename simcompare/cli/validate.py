@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import shutil
+import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
 from simcompare.cli import complete
 
 if TYPE_CHECKING:
+    from simcompare.reports.tables import Table
     from simcompare.results import Run
+
+#: letters on a line where nobody knows how wide the reader's window is
+_PIPE_WIDTH = 140
 
 
 def _recordings(incomplete: str) -> list[str]:
@@ -82,21 +88,22 @@ def validate(
 
 
 def _print(result: Run, written: Path | None) -> None:
+    from simcompare.reports import real_tables
 
-    record = result.record
-    found = record["validation"]
+    found = result.record["validation"]
     for key in ("title", "citation"):
         if found["about"].get(key):
-            typer.echo(found["about"][key])
-    _print_parameters(found)
-    _print_waveforms(found)
-    _print_values(found)
-    for source in record["sources"]:
+            _say(found["about"][key])
+    _show(real_tables.parameters(result, chosen=True))
+    if found["waveforms"]:
+        _show(real_tables.waveforms(result))
+    _show(real_tables.values(result))
+    for source in result.record["sources"]:
         if source["status"] != "ok":
-            typer.echo(f"{source['name']}, {source['contact']}: {source['reason']}")
+            _say(f"{source['name']}, {source['contact']}: {source['reason']}")
     typer.echo("")
     for sentence in found["sentences"]:
-        typer.echo(sentence)
+        _say(sentence)
     if result.interrupted:
         typer.echo("Interrupted: what had finished is kept.", err=True)
     if result.folder is not None:
@@ -105,56 +112,19 @@ def _print(result: Run, written: Path | None) -> None:
         typer.echo(f"Report: {written}")
 
 
-def _print_parameters(found: dict[str, Any]) -> None:
-    from simcompare.cli import console
+def _say(text: str) -> None:
+    """Text that may hold names from files, which must not steer the terminal."""
+    from simcompare.reports.tables import printable
 
-    rows = [row for row in found["parameters"] if row["kind"] != "scenario"]
-    if not rows:
+    typer.echo(printable(text))
+
+
+def _show(table: Table | None) -> None:
+    from simcompare.reports.tables import lines
+
+    if table is None:
         return
-    made = console.table("parameter", "unit", "known before", "fitted", "from")
-    for row in rows:
-        before = console.number(row["known"], row["u_known"])
-        after = "" if row["fitted"] is None else console.number(row["fitted"], row["u_fitted"])
-        made.add_row(row["name"], _unit(row), before, after, row["source"])
-    console.show_table(made)
-
-
-def _unit(row: dict[str, Any]) -> str:
-    from simcompare import units
-
-    return "" if row["unit"] == "1" else units.symbol(row["unit"])
-
-
-def _print_waveforms(found: dict[str, Any]) -> None:
-    from simcompare.cli import console
-
-    rows = [row for row in found["waveforms"] if row["judged"]]
-    heads = ("engine", "stream", "quantity", "parameters", "RMSE", "bias", "largest", "% of range")
-    made = console.table(*heads, "magnitude", "phase")
-    for row in rows:
-        share = None if row["nrmse"] is None else 100 * row["nrmse"]
-        made.add_row(
-            row["source"], row["stream"], f"{row['probe']} [{_unit(row)}]", row["parameters"],
-            *(_short(row[key]) for key in ("rmse", "bias", "max_abs")), _short(share),
-            _short(row["magnitude"]), _short(row["phase"]),
-        )  # fmt: skip
-    console.show_table(made)
-
-
-def _short(value: float | None) -> str:
-    return "–" if value is None else f"{value:.3g}"
-
-
-def _print_values(found: dict[str, Any]) -> None:
-    from simcompare.cli import console
-
-    if not found["values"]:
-        return
-    made = console.table("engine", "stream", "quantity", "simulated", "measured", "E_n", "verdict")
-    for row in found["values"]:
-        made.add_row(
-            row["source"], row["stream"], f"{row['measure']} [{_unit(row)}]",
-            console.number(row["simulated"], row["u_simulated"]),
-            console.number(row["measured"], row["u_data"]), _short(row["e_n"]), row["words"],
-        )  # fmt: skip
-    console.show_table(made)
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else _PIPE_WIDTH
+    typer.echo("")
+    for line in lines(table, width):
+        typer.echo(line)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from simcompare import measures
 from simcompare.errors import InputError, UnknownName
-from simcompare.recording import Channel, Recording, Stream
+from simcompare.recording import Channel, Event, Recording, Stream
 from simcompare.scenario_file import ScenarioFile
 from simcompare.signals import Signal, Table
 from simcompare.trajectory import Array
@@ -51,6 +52,8 @@ class Case:
         u: their standard uncertainties.
         inputs: signals of the inputs.
         seen: probe -> what was measured.
+        events: what happened, on the clock of the scenario.
+        watched: all probes that are looked at, those of the events included.
     """
 
     stream: str
@@ -60,6 +63,8 @@ class Case:
     u: Mapping[str, float]
     inputs: Mapping[str, Signal] = field(repr=False)
     seen: Mapping[str, Seen] = field(repr=False)
+    events: tuple[Event, ...] = ()
+    watched: tuple[str, ...] = ()
 
 
 def cases_of(
@@ -84,12 +89,23 @@ def cases_of(
         UnknownName: a channel or stream that does not exist.
         InputError: a stretch without samples.
     """
-    leading = next(iter(plan.compare.values())).channel
-    chosen = list(streams) or _streams_with(recording, leading)
+    chosen = list(streams) or _streams_of(plan, recording)
     for name in chosen:
         if name not in recording.streams:
             raise UnknownName("stream of the recording", name, recording.streams)
     return [_case(file, plan, recording, name, given, most_s) for name in chosen]
+
+
+def _streams_of(plan: Plan, recording: Recording) -> list[str]:
+    """Streams that have the leading channel, or the events."""
+    if plan.compare:
+        return _streams_with(recording, next(iter(plan.compare.values())).channel)
+    assert plan.events is not None
+    found = [event.stream for event in recording.events if event.name == plan.events.event]
+    if not found:
+        known = {event.name for event in recording.events}
+        raise UnknownName("event of the recording", plan.events.event, known)
+    return list(dict.fromkeys(found))
 
 
 def _streams_with(recording: Recording, channel: str) -> list[str]:
@@ -162,7 +178,27 @@ def _case(
         probe: _seen(reader, compared.channel, compared.u, compared.offset, duration_s)
         for probe, compared in plan.compare.items()
     }
-    return Case(stream, start_s, duration_s, values, u, inputs, seen)
+    events = tuple(
+        replace(event, time_s=event.time_s - start_s)
+        for event in recording.events
+        if plan.events is not None
+        and (event.stream, event.name) == (stream, plan.events.event)
+        and 0 <= event.time_s - start_s <= duration_s
+    )
+    watched = tuple(dict.fromkeys((*plan.compare, *event_probes(file, plan))))
+    return Case(stream, start_s, duration_s, values, u, inputs, seen, events, watched)
+
+
+def event_probes(file: ScenarioFile, plan: Plan) -> list[str]:
+    """Probes that the measure of the plan's events looks at."""
+    if plan.events is None:
+        return []
+    for measure in file.resolve().measures:
+        names = measures.load(measure.function).SERIES
+        if plan.events.series in [measure.names.get(name, name) for name in names]:
+            return [measure.probe, *measure.also.values()]
+    known = [n for m in file.resolve().measures for n in measures.load(m.function).SERIES]
+    raise UnknownName(f"series of {file.name}", plan.events.series, known)
 
 
 def _seen(reader: _Reader, name: str, u: float | None, offset: float, duration_s: float) -> Seen:

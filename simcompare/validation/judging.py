@@ -110,6 +110,8 @@ def at(run: Trajectory, probe: str, time_s: Array) -> Array:
 def values(engine: Engine, number: int, judged: Judged) -> list[dict[str, Any]]:
     """Single values of both, with the three parts of their uncertainty (ASME V&V 20)."""
     probes = tuple(judged.case.seen)
+    if not judged.case.seen:
+        return []
     whole = as_trajectory(judged.case)
     measured = _within(whole, engine.runs[number, BEST])
     best = _resampled(engine.runs[number, BEST], measured)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from pydantic import (
     BaseModel,
@@ -76,6 +76,18 @@ class Driven(_Part):
     channel: str
 
 
+class Happened(_Part):
+    """Events of the recording that are held against a series of times of the scenario.
+
+    Attributes:
+        series: what a measure of the scenario calls these times ("impact_time").
+        event: what the recording calls them.
+    """
+
+    series: str
+    event: str = "impact"
+
+
 class Window(_Part):
     """The part of each stream that is looked at, on its own clock [s]."""
 
@@ -106,7 +118,9 @@ class Alignment(_Part):
     """How the clock of the recording is brought to that of the scenario.
 
     Attributes:
-        by: "none" where both are one clock, or the start is read off the recording.
+        by: "none" where both are one clock, or the start is read off the recording; "events" by
+            the plan's events, of which then only the intervals are judged; "correlation" by a
+            probe.
         probe: which compared quantity is used; it must not be judged.
         reason: why so.
     """
@@ -117,8 +131,8 @@ class Alignment(_Part):
 
     @model_validator(mode="after")
     def _has_a_probe(self) -> Alignment:
-        if (self.by == "none") != (self.probe is None):
-            raise ValueError("a probe is needed to align by, and only then")
+        if (self.by == "correlation") != (self.probe is not None):
+            raise ValueError("a probe is needed to align by correlation, and only then")
         return self
 
 
@@ -131,6 +145,7 @@ class Plan(_Part):
         start: parameters that are read off the recording.
         inputs: inputs that follow the recording.
         compare: probe -> channel; the first one leads.
+        events: events that are compared.
         streams: those that are judged; all where empty.
         window: the part of each that is looked at.
         calibrate: what is fitted, and where.
@@ -142,7 +157,8 @@ class Plan(_Part):
     parameters: Mapping[str, Known] = Field(default_factory=dict)
     start: Mapping[str, ReadOff] = Field(default_factory=dict)
     inputs: Mapping[str, Driven] = Field(default_factory=dict)
-    compare: Annotated[Mapping[str, Compared], Field(min_length=1)]
+    compare: Mapping[str, Compared] = Field(default_factory=dict)
+    events: Happened | None = None
     streams: tuple[str, ...] = ()
     window: Window = Window()
     calibrate: Calibration | None = None
@@ -151,8 +167,10 @@ class Plan(_Part):
 
     @model_validator(mode="after")
     def _consistent(self) -> Plan:
-        if not any(compared.judged for compared in self.compare.values()):
-            raise ValueError("nothing is judged; at least one probe must be")
+        if not any(compared.judged for compared in self.compare.values()) and self.events is None:
+            raise ValueError("nothing is judged; at least one probe, or events, must be")
+        if self.align.by == "events" and self.events is None:
+            raise ValueError("align.by is events, and there are none; say which under events:")
         if self.align.probe is not None:
             used = self.compare.get(self.align.probe)
             if used is None:

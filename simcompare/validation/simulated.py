@@ -117,7 +117,7 @@ def _collect(
     for outcome in outcomes:
         i, variant, scene = planned[outcome.job.repeat]
         if outcome.status == OK and outcome.trajectory is not None:
-            found = of_probes(scene, outcome.trajectory, tuple(cases[i].seen))
+            found = of_probes(scene, outcome.trajectory, cases[i].watched)
             runs[outcome.job.engine][i, variant] = found
 
 

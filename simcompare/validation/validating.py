@@ -15,9 +15,10 @@ from simcompare.compare import INFO, Score
 from simcompare.errors import InputError, UnknownName
 from simcompare.results import TRUTH, Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Progress
+from simcompare.scenario import Scenario
 from simcompare.scenario_file import ScenarioFile
 from simcompare.trajectory import Trajectory
-from simcompare.validation import judging, records, sources
+from simcompare.validation import eventful, judging, records, sources
 from simcompare.validation import plan as plans
 from simcompare.validation.alignment import Alignment, align
 from simcompare.validation.cases import Case, cases_of
@@ -159,11 +160,11 @@ def _judged(
 
         def at(values: Mapping[str, float], case: Case = case) -> Trajectory:
             scene = model.scenario(case, values, step_s)
-            return of_probes(scene, model.truth(scene), tuple(case.seen))
+            return of_probes(scene, model.truth(scene), case.watched)
 
         truth = at(best)
         shifted = [at(values) for values in moves(model.file, case, fit)]
-        alignment = _aligned(plan, case, truth)
+        alignment = _aligned(plan, case, scene, truth)
         alignments.append(alignment)
         seen = case if alignment is None else _on_reference(case, alignment)
         raw = None if alignment is None else case
@@ -195,7 +196,9 @@ def moves(file: ScenarioFile, case: Case, fit: Estimate | None) -> list[dict[str
     ]
 
 
-def _aligned(plan: Plan, case: Case, truth: Trajectory) -> Alignment | None:
+def _aligned(plan: Plan, case: Case, scene: Scenario, truth: Trajectory) -> Alignment | None:
+    if plan.align.by == "events" and plan.events is not None:
+        return eventful.aligned(case, scene, truth, plan.events.series)
     probe = plan.align.probe
     if probe is None:
         return None
@@ -208,7 +211,11 @@ def _on_reference(case: Case, alignment: Alignment) -> Case:
         probe: replace(one, time_s=alignment.to_reference(one.time_s))
         for probe, one in case.seen.items()
     }
-    return replace(case, seen=seen)
+    events = tuple(
+        replace(event, time_s=float(alignment.to_reference(np.array([event.time_s]))[0]))
+        for event in case.events
+    )
+    return replace(case, seen=seen, events=events)
 
 
 @dataclass(frozen=True)
@@ -221,7 +228,10 @@ class _Asked:
 
 
 def _gather(asked: _Asked, judged: Sequence[Judged], found: Sequence[Engine]) -> Run:
-    rows: dict[str, list[dict[str, Any]]] = {"waveforms": [], "values": [], "gaps": []}
+    rows: dict[str, list[dict[str, Any]]] = {
+        "waveforms": [], "values": [], "gaps": [], "timings": []
+    }  # fmt: skip
+    happened = asked.plan.events
     fitted = asked.fit is not None
     for engine in found:
         for number, one in enumerate(judged):
@@ -229,6 +239,8 @@ def _gather(asked: _Asked, judged: Sequence[Judged], found: Sequence[Engine]) ->
                 rows["waveforms"] += judging.waveforms(engine, number, one, asked.plan, fitted)
                 rows["values"] += judging.values(engine, number, one)
                 rows["gaps"] += judging.gaps(engine, number, one, asked.plan)
+                if happened is not None:
+                    rows["timings"].append(eventful.rows(engine, number, one, happened.series))
     sources_ = [run_record.of_source(e.name, asked.contact, e.outcomes) for e in found]
     scores = [_score(row, asked.contact) for row in rows["values"]]
     scenes = [one.scene for one in judged]
@@ -253,7 +265,8 @@ def _stored(judged: Sequence[Judged], found: Sequence[Engine]) -> list[Stored]:
     """Measured, reference and engines; the repeat is the number of the case."""
     stored = []
     for number, one in enumerate(judged):
-        stored.append(Stored(MEASURED, "", number, judging.as_trajectory(one.case)))
+        if one.case.seen:
+            stored.append(Stored(MEASURED, "", number, judging.as_trajectory(one.case)))
         if one.truth is not None:
             bands = {f"u({probe})": one.u_input(probe) for probe in one.case.seen}
             signals = {**one.truth.signals, **{k: v for k, v in bands.items() if v is not None}}
