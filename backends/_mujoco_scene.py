@@ -8,12 +8,18 @@ from xml.etree import ElementTree as ET
 from simcompare.dashpot import damping_ratio
 from simcompare.drives import JointLaw, laws_of
 from simcompare.kinematics import in_order, mount_of
+from simcompare.landing import approaches
 from simcompare.pairs import jointed_pairs, touching_pairs, untouching_pairs
 from simcompare.scenario import Contact, Scenario, Sensor
 from simcompare.shapes import Shape
 
 #: √(k/m) of a bouncing contact [rad/s]: it lasts 0.03 ms, far below any step that is recorded
 CONTACT_FREQUENCY_RAD_S = 1.0e5
+#: the same where impacts are not landed on, so that all steps have to be as short as theirs; less
+#: where the damper is strong: an impact of 1.5 m/s is then up to 0.6 mm deep
+SOFT_FREQUENCY_RAD_S = 2000.0
+#: longest step where impacts are not landed on [s]
+SOFT_STEP_S = 5.0e-5
 #: largest ω·dt during an impact
 IMPACT_PHASE = 0.01
 #: largest ζ·ω·dt during an impact: where in a step the damper sets in moves the bounce by this much
@@ -135,13 +141,21 @@ def _add_sensors(sensors: ET.Element, scenario: Scenario) -> None:
             )  # fmt: skip
 
 
-def solref(contact: Contact) -> tuple[float, float]:
+def solref(scenario: Scenario, contact: Contact) -> tuple[float, float]:
     """MuJoCo's two numbers for a pair: (-stiffness, -damping), both per unit of mass."""
     if contact.restitution == 0:
         return (0.005, 1.0)  # critically damped within 5 ms: MuJoCo's own form for no bounce
-    zeta, omega = damping_ratio(contact.restitution), CONTACT_FREQUENCY_RAD_S
-    lag = 1 + zeta * impact_phase(contact.restitution)
+    zeta, (omega, phase) = damping_ratio(contact.restitution), spring(scenario, contact)
+    lag = 1 + zeta * phase
     return (-(omega**2) / lag, -2 * zeta * omega / lag)
+
+
+def spring(scenario: Scenario, contact: Contact) -> tuple[float, float]:
+    """√(k/m) [rad/s] of a contact that bounces, and ω·dt in its impacts."""
+    if approaches(scenario)[0]:
+        return CONTACT_FREQUENCY_RAD_S, impact_phase(contact.restitution)
+    omega = SOFT_FREQUENCY_RAD_S / max(1.0, 2 * damping_ratio(contact.restitution))
+    return omega, omega * SOFT_STEP_S
 
 
 def impact_phase(e: float) -> float:
@@ -170,8 +184,11 @@ def contact_points(scenario: Scenario, sensor: Sensor) -> int:
 def _add_pairs(contacts: ET.Element, scenario: Scenario, contact: Contact, mapped: bool) -> None:
     mu = contact.friction
     stiff: dict[str, Any] = {
-        "solref": _text(solref(contact)), "solimp": _text((IMPEDANCE, IMPEDANCE, 0.001)),
+        "solref": _text(solref(scenario, contact)), "solimp": _text((IMPEDANCE, IMPEDANCE, 0.001)),
     }  # fmt: skip
+    if mu > 0 and contact.restitution > 0 and not approaches(scenario)[0]:
+        # slipping ends within an impact, yet lifts the body less than with the damper of the spring
+        stiff["solreffriction"] = _text((-1.0, -spring(scenario, contact)[0]))
     for name, (one, other) in pair_names(scenario, contact).items():
         ET.SubElement(
             contacts, "pair", name=name, geom1=one, geom2=other, condim="3" if mu > 0 else "1",

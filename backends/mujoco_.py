@@ -22,6 +22,8 @@ from simcompare.backend import (
 from simcompare.backends._mujoco_scene import (
     CONTACT_FREQUENCY_RAD_S,
     IMPACT_PHASE,
+    SOFT_FREQUENCY_RAD_S,
+    SOFT_STEP_S,
     contact_points,
     geom_name,
     impact_phase,
@@ -241,6 +243,7 @@ class MujocoBackend(EngineBackend):
         mapped = settings.contact == MAPPED
         if mapped:
             _refuse_bounces(scenario)
+            scenario = _finely_stepped(scenario)
         told = settings.gives_coefficients
         model = engine.MjModel.from_xml_string(mjcf(scenario, mapped, told))
         audit = _audit(engine, model, scenario, settings)
@@ -251,12 +254,13 @@ BACKEND = MujocoBackend()
 
 
 def _refuse_bounces(scenario: Scenario) -> None:
-    """A spring that bounces needs steps far shorter than it lasts, which only landing gives it."""
+    """A spring that bounces needs steps far shorter than it lasts."""
     values = [contact.restitution for contact in scenario.contacts if contact.restitution > 0]
-    if values and not approaches(scenario)[0]:
+    alone = not scenario.joints and sum(bool(b.shapes) for b in _moving(scenario)) < 2
+    if values and not approaches(scenario)[0] and not alone:
         raise Unsupported(
             "mujoco bounces by a stiff spring, which is possible so far only for a single sphere"
-            " on fixed planes, where impacts are landed on"
+            " on fixed planes, where impacts are landed on, and for another single free body"
         )
     if values and min(values) < LEAST_RESTITUTION:
         raise Unsupported(
@@ -265,8 +269,24 @@ def _refuse_bounces(scenario: Scenario) -> None:
         )
 
 
+def _moving(scenario: Scenario) -> list[Body]:
+    return list(scenario.moving_bodies().values())
+
+
+def _finely_stepped(scenario: Scenario) -> Scenario:
+    """The scene in engine steps that its bounces need, where they are not landed on."""
+    bounces = any(contact.restitution > 0 for contact in scenario.contacts)
+    parts = math.ceil(scenario.world.engine_step_s / SOFT_STEP_S - 1e-9)
+    if not bounces or approaches(scenario)[0] or parts < 2:
+        return scenario
+    world = scenario.world.model_copy(update={"substeps": scenario.world.substeps * parts})
+    return scenario.model_copy(update={"world": world})
+
+
 def contact_steps(scenario: Scenario) -> ContactSteps:
     """Steps during impacts and at rest, short enough for the most damped pair."""
+    if not approaches(scenario)[0]:
+        return ContactSteps(-0.5, SOFT_STEP_S, frequency_rad_s=SOFT_FREQUENCY_RAD_S)
     values = [contact.restitution for contact in scenario.contacts if contact.restitution > 0]
     zeta = max((damping_ratio(e) for e in values), default=0.0)
     impact = min((impact_phase(e) for e in values), default=IMPACT_PHASE)
@@ -362,7 +382,7 @@ def _audit_default(engine: ModuleType, audit: Audit, contact: Contact) -> None:
 
 def _audit_pairs(audit: Audit, model: Any, scenario: Scenario, contact: Contact) -> None:
     label = "-".join(contact.pair)
-    first, second = solref(contact)
+    first, second = solref(scenario, contact)
     note, units = "no bounce", ("s", "1")
     if first < 0:
         note, units = f"ζ = {-second / 2 / math.sqrt(-first):.6g}", ("1/s²", "1/s")

@@ -44,6 +44,7 @@ _LOOK: Any = {  # matplotlib types every key by itself
     "axes.axisbelow": True,
     "pdf.fonttype": 42,  # text stays text in a vector program
     "svg.hashsalt": "simcompare",
+    "hatch.linewidth": 0.5,
 }
 
 

@@ -57,7 +57,7 @@ def repairs(run: Run) -> list[Table]:
 
 def _repairs(title: str, rows: Sequence[Record]) -> Table:
     columns = (
-        Column("What was done", text=True), Column("Rule", text=True),
+        Column("Done", text=True), Column("Rule", text=True),
         Column("What was found", text=True), Column("Where", text=True), Column("Count"),
         Column("Before → after", text=True, spare=True),
     )  # fmt: skip

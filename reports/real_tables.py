@@ -109,6 +109,8 @@ def _gap_sizes(run: Run, rows: Sequence[Record]) -> Table:
     columns += [Column(_first_up(part_words(run, "model_form", "model form")))]
     columns += [Column("95 % interval", spare=True), Column("Numerical"), Column("Noise")]
     columns += [Column("Fit took away (%)")] if fitted else []
+    covered = any(row.get("covered") is not None for row in rows)
+    columns += [Column("Covered (%)", spare=True)] if covered else []
     groups = []
     for stream, probe, own in _grouped(rows, "probe"):
         scale = scale_of(v for row in own for v in (row["total"], row["remaining"]))
@@ -116,7 +118,10 @@ def _gap_sizes(run: Run, rows: Sequence[Record]) -> Table:
         groups.append(
             Group(
                 _title(stream, real.label(run, probe)) + unit,
-                tuple(_gap(row, scale, fitted=fitted) for row in own),
+                tuple(
+                    (*_gap(row, scale, fitted=fitted), *_covered(row, wanted=covered))
+                    for row in own
+                ),
             )
         )
     noises = " and ".join(dict.fromkeys(row["noise_from"] for row in rows))
@@ -127,6 +132,11 @@ def _gap_sizes(run: Run, rows: Sequence[Record]) -> Table:
     )
     if fitted:
         note += " A negative share says that the fitted parameters made the gap larger."
+    if covered:
+        note += (
+            " Covered: samples whose error is within twice all standard uncertainties together,"
+            " those of the parameters included."
+        )
     return of_engines(columns, groups, note)
 
 
@@ -141,6 +151,10 @@ def _gap(row: Record, scale: Scale, *, fitted: bool) -> tuple[str, ...]:
     cells += [scale.text(row["model_form"]), f"{low} … {high}"]
     cells += [_small(row["numerical"], scale), _small(row["noise"], scale)]
     return (*cells, *([percent(row["shares"]["removed"])] if fitted else []))
+
+
+def _covered(row: Record, *, wanted: bool) -> tuple[str, ...]:
+    return (percent(row.get("covered"), 0),) if wanted else ()
 
 
 def _small(value: float, scale: Scale) -> str:

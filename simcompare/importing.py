@@ -5,6 +5,8 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
+import numpy as np
+
 from simcompare import recording_store
 from simcompare.backend import installed_version
 from simcompare.errors import InputError
@@ -47,6 +49,21 @@ def import_log(
     return found
 
 
+def template(log: str | Path, *, kind: str | None = None) -> str:
+    """A mapping file for a log, to be filled in: a line for every column.
+
+    Args:
+        log: file or folder.
+        kind: format, recognised by content where ``None``.
+    """
+    from simcompare.hardware.logs import importers, template
+    from simcompare.hardware.logs.mapping import NOTHING
+
+    path = Path(log)
+    name = kind or importers.recognise(path)
+    return template.of_log(importers.read(path, name, NOTHING), path.name, name)
+
+
 def read(
     path: Path,
     mapping: object,
@@ -63,13 +80,16 @@ def read(
 
     assert isinstance(mapping, Mapping)
     name = kind or mapping.format or importers.recognise(path)
-    raw = importers.read(path, name, mapping)
+    # values of a damaged log may overflow; the checks look at what comes out
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        raw = importers.read(path, name, mapping)
     size, digest = _measure(path)
     provenance = Provenance(
         path.name, digest, size, name, installed_version("simcompare") or "",
         "strict" if strict else "repair", about=about or {},
     )  # fmt: skip
-    found = condition(raw, mapping, provenance, assume_units=assume_units)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        found = condition(raw, mapping, provenance, assume_units=assume_units)
     if mapping.derive:
         from simcompare.validation import derive
 

@@ -15,7 +15,7 @@ from simcompare.drives import Drive, checked_inputs, input_values
 from simcompare.errors import InputError, Unsupported
 from simcompare.free_motion import FreeMotion
 from simcompare.kinematics import add_children
-from simcompare.landing import ContactSteps, Landing, approaches
+from simcompare.landing import ContactSteps, Landing, approaches, starts_in_flight
 from simcompare.pairs import touching_pairs
 from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario
 from simcompare.sensing import complete
@@ -78,7 +78,7 @@ class Simulation(FreeMotion):
         self._recent: deque[tuple[float, Sequence[float], dict[str, float]]] = deque(maxlen=_RECENT)
         if steps is not None:
             self._prepare_landing(steps)
-        if exact and not self.LEAD and not touching_pairs(scenario):
+        if exact and not self.LEAD and (not touching_pairs(scenario) or starts_in_flight(scenario)):
             # velocities at the start belong to a step of length zero, see _stagger_start
             self._engine_step_s, self._stagger = 0.0, -0.5
 
@@ -244,9 +244,9 @@ class Simulation(FreeMotion):
         """Moves the velocities from the start to half a step before it, where steps store them.
 
         Else all motion runs ahead by half a step of the first acceleration. The engine itself tells
-        how large that is, by a step that is taken back. Where bodies may touch, it is left as it
-        is: an engine may find the contact only in its second step, and moving backwards at the
-        start turns friction round.
+        how large that is, by a step that is taken back. Where bodies may touch at the start, it is
+        left as it is: an engine may find the contact only in its second step, and moving backwards
+        there turns friction round.
         """
         if self._engine_step_s or self.LEAD:
             return

@@ -332,7 +332,7 @@ def test_two_columns_that_become_one_channel_are_refused():
 def test_a_column_without_a_unit_is_refused_and_not_dropped():
     stream = clean()
     stream.columns[2].unit = ""
-    with pytest.raises(InputError, match="column 'slope': has no unit"):
+    with pytest.raises(InputError, match="1 column has no unit.*'slope'.*--template"):
         conditioned(stream)
 
 

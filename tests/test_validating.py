@@ -141,7 +141,7 @@ def test_every_engine_that_can_is_held_against_the_recording(logs, tmp_path):
         ({"inputs": {"torque": {"channel": "angle"}}}, "input of pendulum"),
         ({"streams": ["second"]}, "stream of the recording"),
         ({"window": {"start_s": 100.0}}, "the window begins at 100 s"),
-        ({"align": {"by": "events", "probe": "angle_rad"}}, "must not be judged"),
+        ({"align": {"by": "correlation", "probe": "angle_rad"}}, "must not be judged"),
         ({"calibrate": {"parameters": ["lenght_m"]}}, "length_m"),
     ],
 )

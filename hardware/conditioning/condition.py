@@ -75,6 +75,7 @@ def condition(
         else:
             streams[work.stream.name] = _stream(work, conversions)
             faults += work.faults  # such as columns without a unit
+    faults += naming.without_unit(works)
     if faults:
         raise InputError(about.file, faults)
     full = replace(

@@ -18,10 +18,6 @@ _ACCELERATION = re.compile(
     r"acc|imu|specific.?force|(^|_)a[xyz]?($|_)|^g[xyz]?force", re.IGNORECASE
 )
 _NO_ACCELERATION = re.compile(r"gyr|mag|ang|rate|accura", re.IGNORECASE)
-_TEMPLATE = (
-    "write a mapping file (--map) with\n      channels:\n"
-    "        {name}: {{column: {column!r}, unit: …}}"
-)
 
 
 def prepare(work: Work) -> None:
@@ -94,11 +90,7 @@ def conversion(work: Work, column: RawColumn, wish: ChannelMap | None, name: str
     if not unit and work.mapping.channels:
         return Conversion(column.name, "", "", "", reason="has no unit and is not in the mapping")
     if not unit:
-        work.fault(
-            "has no unit, neither in its name nor in the file; "
-            + _TEMPLATE.format(name=name, column=column.name),
-            channel=column.name,
-        )
+        work.unitless.append(column.name)
         return Conversion(column.name, "", "", "", reason="has no unit")
     try:
         if unit == "g":
@@ -124,6 +116,20 @@ def unit_faults(work: Work) -> list[str]:
         for wish, name in channels_of(work, column):
             conversion(work, column, wish, name)
     return [fault for fault in work.faults[before:] if fault not in work.faults[:before]]
+
+
+def without_unit(works: Sequence[Work]) -> list[str]:
+    """One fault for all columns whose unit is not known anywhere."""
+    names = list(dict.fromkeys(name for work in works for name in work.unitless))
+    if not names:
+        return []
+    shown = ", ".join(repr(name) for name in names[:8]) + (" …" if len(names) > 8 else "")
+    have = "column has" if len(names) == 1 else "columns have"
+    return [
+        f"{len(names)} {have} no unit, neither in the name nor in the file: {shown};"
+        " simcompare import LOG --template > map.yaml writes a mapping file with a line for each:"
+        " put the units in and give it with --map"
+    ]
 
 
 def factor_to_si(unit: str) -> float:

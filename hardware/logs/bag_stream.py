@@ -49,6 +49,9 @@ def finish(topic: Topic, name: str, truncated: str) -> Finished:
     if topic.refused or not topic.tables:
         reason = topic.refused or (topic.broken[0][1] if topic.broken else "holds no messages")
         done.ignored[name] = f"{topic.connection.kind}: {reason}"
+        if topic.broken or (topic.refused and topic.connection.schema and not topic.defined):
+            text = f"no message of the topic {name} can be read: {reason}"
+            done.repairs.append(Repair("topic_lost", WARNING, text, name, count=topic.count))
         return done
     for table in topic.tables.values():
         frames = "".join(f"[{key}]" for key in (table.frame, table.child) if key)

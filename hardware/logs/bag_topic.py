@@ -96,6 +96,7 @@ class Topic:
         self.count = 0
         self.source = ""
         self.refused = NOT_MEASURED.get(connection.kind, "")
+        self.defined = True
         self.broken: list[tuple[int, str]] = []
         self._times: list[int] = []
         self._data: list[bytes] = []
@@ -110,7 +111,7 @@ class Topic:
             try:
                 self._candidates = definitions(connection, distribution)
             except NotDefined as reason:
-                self.refused = str(reason)
+                self.refused, self.defined = str(reason), False
 
     def add(self, time_ns: int, data: bytes) -> None:
         """Takes one message."""

@@ -264,8 +264,13 @@ def _stream(
     promised = _text.number(segment.of("Samples", first)) or 0.0
     rows, values = table.rows, columns[0].values if columns else np.empty(0)
     count = len(values)
-    if 0 < promised < count:  # shorter channels end before the longest
-        count = int(promised)
+    if 0 < promised < count:
+        more = any(not np.isnan(column.values[int(promised) :]).all() for column in columns)
+        if more:
+            text = f"its header promises {promised:g} samples, and {count} are there; all were kept"
+            log.repairs.append(Repair("more_samples", WARNING, text, name))
+        else:  # shorter channels end before the longest
+            count = int(promised)
     stream = RawStream(
         name, columns, clock=clock, first_row=table.first_row,
         rows=None if rows is None else rows[:count], truncated=table.truncated,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import io
 import re
+import tokenize
 import zipfile
-import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, BinaryIO, cast
@@ -13,7 +13,7 @@ from typing import Any, BinaryIO, cast
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs import arrays, torch_pickle
+from simcompare.hardware.logs import _zip, arrays, torch_pickle
 from simcompare.hardware.logs.arrays import Block
 from simcompare.hardware.logs.hdf5_ import ambiguous, field_columns
 from simcompare.hardware.logs.mapping import Mapping
@@ -26,6 +26,9 @@ _NPY = b"\x93NUMPY"
 #: name of an array that has none
 _UNNAMED = "data"
 _LENGTHS = re.compile(r"^(.*_)?(lengths?|counts?|sizes?|n_samples)$", re.IGNORECASE)
+#: what NumPy raises for a header that is none
+_NO_HEADER = (ValueError, EOFError, SyntaxError, TypeError, KeyError, RecursionError,
+              tokenize.TokenError, OverflowError)  # fmt: skip
 _TOGETHER = 1 << 20
 _SMALL = 64
 
@@ -107,7 +110,7 @@ def _archive(path: Path, found: dict[str, _Array], log: RawLog, faults: list[str
                 with archive.open(member) as file:
                     name = member.filename.removesuffix(".npy")
                     _take(name, cast(BinaryIO, file), found, log, faults)
-    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
+    except _zip.ERRORS as error:
         raise InputError(
             str(path), [f"is a damaged archive of arrays: {error}; copy it again"]
         ) from None
@@ -119,7 +122,7 @@ def _take(
     """One array in NumPy's format."""
     try:
         shape, fortran, dtype = _header(file)
-    except (ValueError, EOFError, SyntaxError, TypeError, KeyError) as error:
+    except _NO_HEADER as error:
         faults.append(f"array {name}: has no whole header: {str(error)[:200]}")
         return
     if dtype.hasobject:

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs import _sniff, _table, _text
+from simcompare.hardware.logs import _sniff, _table, _text, _zip
 from simcompare.hardware.logs._sniff import Layout
 from simcompare.hardware.logs._state import Table
 from simcompare.hardware.logs.mapping import Mapping
@@ -66,7 +66,7 @@ def _first_fits(path: Path, member: str) -> bool:
     try:
         with zipfile.ZipFile(path) as archive, archive.open(member) as file:
             return bool(_QUOTED.match(file.read(200).decode("utf-8", errors="replace")))
-    except (zipfile.BadZipFile, RuntimeError, NotImplementedError, OSError):
+    except _zip.ERRORS:
         return False
 
 
@@ -90,7 +90,7 @@ def read(path: Path, mapping: Mapping) -> RawLog:
                 _add(log, Path(name).stem, source, device)
             log.about |= device
             _clocks(log, meta.get("time.csv"))
-    except (zipfile.BadZipFile, EOFError, RuntimeError, NotImplementedError) as error:
+    except _zip.ERRORS as error:
         # a member that is cut, has a wrong checksum, or is encrypted
         raise InputError(where, [f"cannot be unpacked: {error}; export it again"]) from None
     if not log.streams:

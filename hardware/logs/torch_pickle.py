@@ -17,6 +17,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from simcompare.errors import InputError
+from simcompare.hardware.logs import _zip
 
 #: how every file of the older format begins: the pickle of a magic number
 MAGIC = b"\x80\x02\x8a\x0al\xfc\x9cF\xf9 j\xa8P\x19."
@@ -78,7 +79,7 @@ def read(path: Path) -> dict[str, np.ndarray]:
             tree, storages = _zipped(path) if file.read(2) == b"PK" else _legacy(path)
         found: dict[str, np.ndarray] = {}
         _collect(tree, "", storages, found, 0)
-    except (_Refused, ValueError, EOFError, IndexError, KeyError, zipfile.BadZipFile) as error:
+    except (_Refused, ValueError, IndexError, KeyError, *_zip.ERRORS) as error:
         text = str(error) if isinstance(error, _Refused) else f"is damaged: {error!r}"
         raise InputError(
             str(path),
@@ -121,11 +122,12 @@ def _zipped(path: Path) -> tuple[object, dict[str, bytes]]:
         main = next((name for name in names if name.endswith("data.pkl")), None)
         if main is None:
             raise _Refused("has no data.pkl")
-        tree = _follow(io.BytesIO(archive.read(main)))
+        size = path.stat().st_size
+        tree = _follow(io.BytesIO(_zip.whole(archive, main, size)))
         wanted: dict[str, _Storage] = {}
         _storages(tree, wanted, 0)
         root = main.removesuffix("data.pkl")
-        return tree, {key: archive.read(f"{root}data/{key}") for key in wanted}
+        return tree, {key: _zip.whole(archive, f"{root}data/{key}", size) for key in wanted}
 
 
 def _storages(tree: object, found: dict[str, _Storage], depth: int) -> None:

@@ -21,6 +21,7 @@ from simcompare.reports.sections.real import (
     RealValues,
     Residuals,
     Source,
+    Timings,
 )
 from simcompare.reports.sections.scores import Scores
 from simcompare.reports.sections.setup import Setup
@@ -45,6 +46,7 @@ VALIDATION: tuple[Section, ...] = (
     RealAnswer(),
     Gap(),
     Residuals(),
+    Timings(),
     RealValues(),
     Parameters(),
     Source(),

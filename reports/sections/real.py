@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.reports import real, real_parts, real_source, real_tables, real_waves, runs
+from simcompare.reports import (
+    real,
+    real_events,
+    real_parts,
+    real_source,
+    real_tables,
+    real_waves,
+    runs,
+)
 from simcompare.reports.figures import Figure
 from simcompare.reports.sections.base import Section
 from simcompare.reports.tables import Table
@@ -69,6 +77,18 @@ class Residuals(Section):
         """A figure for each judged probe."""
         found = _parts([real_waves.residual_figure(run, p) for p in real.judged_probes(run)], [])
         return found if found["figures"] else None
+
+
+class Timings(Section):
+    """When things happened."""
+
+    name, title, template = "timings", "Events", "real_part.html"
+
+    def context(self, run: Run) -> dict[str, Any] | None:
+        """Figure and tables of events; ``None`` where none are compared."""
+        tables = [real_events.summary(run), real_events.intervals(run)]
+        found = _parts([real_events.figure(run)], tables)
+        return found if found["tables"] else None
 
 
 class RealValues(Section):

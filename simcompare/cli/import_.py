@@ -35,6 +35,9 @@ def import_(
     assume_units: bool = typer.Option(
         False, "--assume-units", help="Replace a unit that contradicts physics, and record it."
     ),
+    template: bool = typer.Option(
+        False, "--template", help="Print a mapping file for this log, to be filled in, and stop."
+    ),
     out: Path = typer.Option(
         None, "--out", "-o", help="Folder of the recording (the log's name with .rec by default)."
     ),
@@ -44,6 +47,9 @@ def import_(
     from simcompare import importing
     from simcompare.cli import console
 
+    if template:
+        typer.echo(importing.template(log, kind=kind), nl=False)
+        return
     place = out or Path(f"{log.stem or log.name}.rec")
     found = importing.import_log(
         log, kind=kind, mapping=mapping, strict=strict, assume_units=assume_units, out=place

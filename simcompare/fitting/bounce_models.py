@@ -33,6 +33,9 @@ DEFAULTS = {
 }  # fmt: skip
 #: below this the functions are summed as series
 _SMALL = 1e-3
+_ARC_SERIES = (1.0, -1 / 3, 1 / 5, -1 / 7, 1 / 9, -1 / 11)
+_COSH_SERIES = (1.0, -1 / 6, 2 / 45, -17 / 1260, 62 / 14175)
+_LOG_SERIES = (1.0, -2 / 3, 2 / 4, -2 / 5, 2 / 6, -2 / 7)
 _NEWTON_STEPS = 5
 
 
@@ -201,7 +204,8 @@ def hunt_crossley(y: Array) -> Array:
     With S(x) = ±√(2(x - ln(1 + x))) the relation is S(-y·e) = -S(y): smooth and free of the
     trivial root, so a few Newton steps from a guess within 3 % are enough.
     """
-    y = np.maximum(np.asarray(y, dtype=float), 0.0)
+    given = np.maximum(np.asarray(y, dtype=float), 0.0)
+    y = np.clip(given, 1e-12, 30.0)
     near = (1 + y) * np.exp(-(1 + y))
     left = np.maximum(1 - y / (1 + 2 * y / 3), near * np.exp(near * np.exp(near)))
     z = left - 1
@@ -209,7 +213,8 @@ def hunt_crossley(y: Array) -> Array:
     for _ in range(_NEWTON_STEPS):
         ratio = _root_ratio(z)
         z = np.maximum(z - (z * ratio - goal) * (1 + z) * ratio, (z - 1) / 2)
-    return np.asarray(np.where(y < 1e-12, 1.0, -z / np.where(y < 1e-12, 1.0, y)))
+    # beyond 30 the ball creeps out with 1/χ, to rounding
+    return np.asarray(np.where(given <= 1e-12, 1.0, np.where(given > 30, 1 / np.maximum(given, 1), -z / y)))
 
 
 def _inverse_hunt_crossley(e: Array) -> Array:
@@ -226,9 +231,9 @@ def _inverse_hunt_crossley(e: Array) -> Array:
 
 def _root_ratio(x: Array) -> Array:
     """√(2(x - ln(1 + x)))/|x|, 1 at 0."""
-    small = np.abs(x) < 0.03
+    small = np.abs(x) < 0.003
     safe = np.where(small, 0.5, x)
-    series = _series(x, [(-1) ** j * 2 / (j + 2) for j in range(9)])
+    series = _series(x, _LOG_SERIES)
     return np.sqrt(np.where(small, series, 2 * (safe - np.log1p(safe)) / (safe * safe)))
 
 
@@ -246,17 +251,17 @@ def arc_ratio(s: Array) -> Array:
     small = root * root < _SMALL
     root = np.where(small, 0.5, root)
     exact = np.where(s >= 0, np.arctan(root), np.arctanh(np.minimum(root, 1 - 1e-16))) / root
-    return np.where(small, _series(s, [(-1) ** j / (2 * j + 1) for j in range(6)]), exact)
+    return np.where(small, _series(s, _ARC_SERIES), exact)
 
 
 def _cosh_ratio(s: Array) -> Array:
-    """2·ln cosh(√s)/s, and -2·ln cos(√-s)/s·(-1) below 0: the fall over that in vacuum."""
+    """2·ln cosh(√s)/s, and 2·ln cos(√-s)/s below 0: a fall over that in vacuum."""
     small = np.abs(s) < _SMALL
     root = np.where(small, 0.5, np.sqrt(np.abs(s)))
     down = root + np.log1p(np.exp(-2 * root)) - np.log(2.0)
     up = -np.log(np.cos(np.minimum(root, 1.57)))
     exact = 2 * np.where(s >= 0, down, up) / (root * root)
-    return np.where(small, _series(s, [1.0, -1 / 6, 2 / 45, -17 / 1260, 62 / 14175]), exact)
+    return np.where(small, _series(s, _COSH_SERIES), exact)
 
 
 def _log_ratio(s: Array) -> Array:
@@ -271,7 +276,7 @@ def _decay(x: Array) -> Array:
     return np.where(x == 0, 1.0, -np.expm1(-safe) / safe)
 
 
-def _series(x: Array, coefficients: list[float]) -> Array:
+def _series(x: Array, coefficients: tuple[float, ...]) -> Array:
     total = np.zeros_like(np.asarray(x, dtype=float))
     for coefficient in reversed(coefficients):
         total = total * x + coefficient

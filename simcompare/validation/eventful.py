@@ -9,43 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from simcompare import measures
-from simcompare.errors import InputError, UnknownName
-from simcompare.scenario import Measure, Scenario
+from simcompare.errors import InputError
+from simcompare.scenario import Scenario
 from simcompare.trajectory import Array, Trajectory
 from simcompare.validation.alignment import Alignment, by_events
 from simcompare.validation.cases import Case
 from simcompare.validation.judging import Judged
 from simcompare.validation.matching import match
-from simcompare.validation.simulated import BEST, DOUBLE, HALF, Engine, seeing
+from simcompare.validation.simulated import BEST, DOUBLE, HALF, Engine, times
 
 #: part of the shortest interval within which a simulated and a measured event may be the same
 _NEAR = 0.4
-
-
-def measure_of(scene: Scenario, series: str) -> Measure:
-    """The measure of a scenario that finds the times of events under that name.
-
-    Raises:
-        UnknownName: no measure of the scenario has such a series in seconds.
-    """
-    known = {
-        measure.names.get(name, name): measure
-        for measure in scene.measures
-        for name in measures.load(measure.function).SERIES
-        if measures.units_of(measure, scene)[name] == "s"
-    }
-    if series not in known:
-        raise UnknownName(f"series of times of {scene.name}", series, known)
-    return known[series]
-
-
-def times(scene: Scenario, run: Trajectory, series: str) -> Array:
-    """When the events of a simulation are [s]."""
-    measure = measure_of(scene, series)
-    name = next(n for n in measures.load(measure.function).SERIES
-                if measure.names.get(n, n) == series)  # fmt: skip
-    return measures.take(measure, seeing(scene, tuple(run.signals)), run).series[name]
 
 
 def measured_times(case: Case) -> tuple[Array, Array | None]:

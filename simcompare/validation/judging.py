@@ -26,6 +26,7 @@ from simcompare.validation.simulated import (
     Both,
     Engine,
     measured_values,
+    times,
 )
 from simcompare.validation.waveform import waveform
 
@@ -85,7 +86,9 @@ def waveforms(
             aligned += [] if before is None else [(before, False)]
             for measured, is_aligned in aligned:
                 found = waveform(
-                    measured.values, at(run, probe, measured.time_s), u=noise(measured)[0] or None
+                    measured.values,
+                    at(run, probe, measured.time_s, _jumps(judged, plan, run)),
+                    u=noise(measured)[0] or None,
                 )
                 rows.append(
                     {
@@ -102,9 +105,16 @@ def waveforms(
     return rows
 
 
-def at(run: Trajectory, probe: str, time_s: Array) -> Array:
-    """A simulated signal at the times of a measurement; NaN outside of the simulation."""
-    return interpolated(run.time_s, run.signals[probe], time_s)
+def at(run: Trajectory, probe: str, time_s: Array, jumps_s: Array) -> Array:
+    """A simulated signal at the times of a measurement; NaN outside, and next to impacts."""
+    return interpolated(run.time_s, run.signals[probe], time_s, events_s=jumps_s)
+
+
+def _jumps(judged: Judged, plan: Plan, run: Trajectory) -> Array:
+    """Times of the impacts of a simulation, where the plan names them: nothing is smooth there."""
+    if plan.events is None:
+        return np.zeros(0)
+    return times(judged.scene, run, plan.events.series)
 
 
 def values(engine: Engine, number: int, judged: Judged) -> list[dict[str, Any]]:
@@ -242,13 +252,18 @@ def gaps(engine: Engine, number: int, judged: Judged, plan: Plan) -> list[dict[s
     for probe, seen in judged.case.seen.items():
         if not plan.compare[probe].judged:
             continue
-        best = at(engine.runs[number, BEST], probe, seen.time_s)
-        nominal = at(engine.runs[number, NOMINAL], probe, seen.time_s)
+        own = {variant: engine.runs[number, variant] for variant in (BEST, NOMINAL)}
+        best, nominal = (
+            at(run, probe, seen.time_s, _jumps(judged, plan, run)) for run in own.values()
+        )
         numerical = None
         if judged.truth is not None:
-            numerical = best - at(judged.truth, probe, seen.time_s)
+            numerical = best - at(
+                judged.truth, probe, seen.time_s, _jumps(judged, plan, judged.truth)
+            )
         elif (number, DOUBLE) in engine.runs:  # no reference: what the next longer step changes
-            numerical = best - at(engine.runs[number, DOUBLE], probe, seen.time_s)
+            longer = engine.runs[number, DOUBLE]
+            numerical = best - at(longer, probe, seen.time_s, _jumps(judged, plan, longer))
         u_num = 0.0 if numerical is None else float(np.sqrt(np.nanmean(numerical**2)))
         u_input = judged.u_input(probe)
         moved = None

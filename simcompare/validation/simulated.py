@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 from simcompare import measures
 from simcompare.backend import Settings
-from simcompare.errors import InputError, SimcompareError
+from simcompare.errors import InputError, SimcompareError, UnknownName
 from simcompare.jobs import OK, Job, Outcome
 from simcompare.runner import Progress, run_jobs
-from simcompare.scenario import Scenario
-from simcompare.trajectory import Trajectory
+from simcompare.scenario import Measure, Scenario
+from simcompare.trajectory import Array, Trajectory
 from simcompare.validation.cases import Case
 from simcompare.validation.model import Model
 
@@ -198,3 +198,28 @@ def measured_values(
                 scatter = theirs.u.get(name, 0.0)
                 found[shown] = Both(value, true, ours.units[name], measure.probe, scatter)
     return found
+
+
+def measure_of(scene: Scenario, series: str) -> Measure:
+    """The measure of a scenario that finds the times of events under that name.
+
+    Raises:
+        UnknownName: no measure of the scenario has such a series in seconds.
+    """
+    known = {
+        measure.names.get(name, name): measure
+        for measure in scene.measures
+        for name in measures.load(measure.function).SERIES
+        if measures.units_of(measure, scene)[name] == "s"
+    }
+    if series not in known:
+        raise UnknownName(f"series of times of {scene.name}", series, known)
+    return known[series]
+
+
+def times(scene: Scenario, run: Trajectory, series: str) -> Array:
+    """When the events of a simulation are [s]."""
+    measure = measure_of(scene, series)
+    name = next(n for n in measures.load(measure.function).SERIES
+                if measure.names.get(n, n) == series)  # fmt: skip
+    return measures.take(measure, seeing(scene, tuple(run.signals)), run).series[name]

@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from simcompare import units
 
 #: what the parameters rest on
 KNOWN, HELD_OUT, SAME = "known before", "held out", "same data"
+Record = Mapping[str, Any]
 _PARTS = {
     "removed": "parameters",
-    "model_form": "the form of the model",
-    "numerical": "the engines' steps",
+    "model_form": "model form",
+    "numerical": "numerical error",
     "noise": "noise of the measurement",
 }
+#: parts of an uncertainty and what they come from
+_SOURCES = {"u_num": "the steps", "u_input": "the parameters", "u_data": "the measurement"}
+#: a part of this share is most of the whole; an error below the second is small beside another
+_MOST, _SMALL = 0.5, 0.2
+#: samples that a band with k = 2 holds where nothing else is wrong
+_ALL = 0.95
 
 
-def verdict(row: Mapping[str, Any], basis: str) -> str:
+def verdict(row: Record, basis: str) -> str:
     """One value in words; "within the noise level" is not "validated"."""
     if row["e_n"] is None:
         return "cannot be judged: a part of the uncertainty is unknown"
@@ -28,130 +36,311 @@ def verdict(row: Mapping[str, Any], basis: str) -> str:
     return "within the noise level"
 
 
-def sentences(found: Mapping[str, Any]) -> list[str]:
+def sentences(found: Record) -> list[str]:
     """The answer of a validation.
 
     Args:
         found: the record of the validation.
     """
-    if not found["waveforms"]:
+    if not found["waveforms"] and not found.get("timings"):
         return ["No engine ran, so nothing can be said."]
     return [
-        _how_large(found),
+        *_how_large(found),
         *_made_of(found),
+        *_when(found),
         *_how_sure(found),
         _basis(found),
+        *_log(found),
+        *_next(found),
     ]
 
 
-def _how_large(found: Mapping[str, Any]) -> str:
-    last = "fitted" if found["fit"] is not None else KNOWN
-    rows = [r for r in found["waveforms"] if r["judged"] and r["parameters"] == last]
-    rows = [r for r in rows if r["aligned"]] or rows
-    worst = max(rows, key=lambda row: row["nrmse"] or 0.0)
-    best = min(rows, key=lambda row: row["nrmse"] or 0.0)
-    label = _label(found, worst["probe"])
-    shares = dict.fromkeys((_share(best), _share(worst)))
+# how large
+
+
+def _how_large(found: Record) -> Iterator[str]:
+    for probe in dict.fromkeys(row["probe"] for row in found["waveforms"] if row["judged"]):
+        rows = [r for r in found["waveforms"] if r["judged"] and r["probe"] == probe]
+        told = [_size(found, rows), *_engines(found, probe)]
+        yield " ".join(told)
+
+
+def _size(found: Record, rows: Sequence[Record]) -> str:
+    fitted = found["fit"] is not None
+    last = [row for row in rows if row["parameters"] == ("fitted" if fitted else KNOWN)]
+    aligned = any(row["aligned"] for row in last)
+    main = [row for row in last if row["aligned"] == aligned]
+    worst = max(main, key=lambda row: row["rmse"])
     told = (
-        f"With the {'fitted' if last == 'fitted' else 'known'} parameters the simulated {label}"
-        f" is {' to '.join(shares)} of the measured range off (root mean square);"
-        f" the largest is {_number(worst['rmse'], worst['unit'])}"
-        f" ({worst['source']}, {_stretch(worst)}"
-        f"at most {_number(worst['max_abs'], worst['unit'])})."
+        f"With {'fitted parameters' if fitted else 'the parameters known before'}, the simulated"
+        f" {_label(found, worst['probe'])} is {_off(main)} off (root mean square)"
     )
-    spread = _spread(rows)
-    return told + (f" {spread}" if spread else "")
+    if fitted:
+        before = [r for r in rows if r["parameters"] == KNOWN and r["aligned"] == aligned]
+        told += f"; before the fit it was {_off(before)}" if before else ""
+    if aligned:
+        raw = [row for row in last if not row["aligned"]]
+        told += f"; with the clocks as recorded it would be {_off(raw)}" if raw else ""
+    size, most = (_number(worst[key], worst["unit"]) for key in ("rmse", "max_abs"))
+    return f"{told}. The largest: {_who(worst)}, {size}, and {most} at one instant."
 
 
-def _label(found: Mapping[str, Any], probe: str) -> str:
-    text = str(found["compare"][probe]["label"])
-    return text[:1].lower() + text[1:]
+def _off(rows: Sequence[Record]) -> str:
+    shares = [row["nrmse"] for row in rows]
+    if None in shares:  # the measurement does not vary, so there is no range
+        sizes = (min(row["rmse"] for row in rows), max(row["rmse"] for row in rows))
+        return " to ".join(dict.fromkeys(_number(size, rows[0]["unit"]) for size in sizes))
+    return f"{_range(shares)} of the measured range"
 
 
-def _stretch(row: Mapping[str, Any]) -> str:
-    return "" if row["stream"] == "log" else f"stretch {row['stream']}, "
+def _engines(found: Record, probe: str) -> Iterator[str]:
+    """Whether the gap is the engines' own."""
+    rows = [row for row in found["gaps"] if row["probe"] == probe and row["remaining"] > 0]
+    share = max((row["numerical"] / row["remaining"] for row in rows), default=0.0)
+    if share == 0:  # it is not known
+        return
+    several = len({row["source"] for row in rows}) > 1
+    whose = "The numerical error of each engine" if several else "Its numerical error"
+    if share >= _SMALL:
+        yield f"{whose} is up to {_percent(share)} of that: a shorter step comes first."
+    elif several:
+        yield (
+            f"{whose} is at most {_percent(share)} of that: they agree far better with each other"
+            " than with reality."
+        )
+    else:
+        yield f"{whose} is at most {_percent(share)} of that."
 
 
-def _spread(rows: Sequence[Mapping[str, Any]]) -> str:
-    """How far engines are from each other, beside how far they are from the measurement."""
-    by_case: dict[tuple[str, str], list[float]] = {}
-    for row in rows:
-        by_case.setdefault((row["stream"], row["probe"]), []).append(row["rmse"])
-    ratios = [(max(v) - min(v)) / max(v) for v in by_case.values() if len(v) > 1 and max(v) > 0]
-    if not ratios:
-        return ""
-    return (
-        f"The engines differ from each other by at most {_percent(max(ratios))} of that: they agree"
-        " far better with each other than with reality."
-        if max(ratios) < 0.2
-        else f"The engines differ from each other by up to {_percent(max(ratios))} of that."
-    )
+# what it is made of
 
 
-def _made_of(found: Mapping[str, Any]) -> list[str]:
-    told = []
+def _made_of(found: Record) -> Iterator[str]:
     for probe in dict.fromkeys(row["probe"] for row in found["gaps"]):
         rows = [row for row in found["gaps"] if row["probe"] == probe]
-        shares = {key: [row["shares"][key] for row in rows] for key in _PARTS}
-        order = sorted(_PARTS, key=lambda key: -max(shares[key]))
-        parts = [f"{_PARTS[key]} {_range(shares[key])}" for key in order if any(shares[key])]
         label = _label(found, probe)
-        before = "" if found["fit"] is not None else (
-            " Nothing was fitted: what other parameters would change is part of the model's form."
-        )  # fmt: skip
-        told.append(
-            f"What the gap of the {label} is made of, in shares of its mean square:"
-            f" {'; '.join(parts)}.{before}{_explained(rows)}"
+        told = _split(rows, label) if found["fit"] is not None else _unsplit(rows, label)
+        yield told + _explained(rows)
+
+
+def _split(rows: Sequence[Record], label: str) -> str:
+    shares = {key: [row["shares"][key] for row in rows] for key in _PARTS}
+    order = sorted(_PARTS, key=lambda key: -max(shares[key]))
+    parts = [
+        f"{_PARTS[key]} {_range([max(share, 0.0) for share in shares[key]])}"
+        for key in order
+        if max(shares[key]) > 0
+    ]
+    told = (
+        f"What the gap of the {label} is made of, in shares of its mean square: {'; '.join(parts)}."
+    )
+    worse = -min(shares["removed"])
+    if worse > 0.005:
+        told += (
+            f" The fitted parameters made the gap larger, by up to {_percent(worse)}, so they do"
+            " not carry over, and the parts sum to more than 100 %."
+        )
+    if max(shares["model_form"]) > _MOST and not _is_covered(rows):
+        told += (
+            " Model form is what no choice of these parameters takes away: something is missing in"
+            " the equations, or in what drives them."
         )
     return told
 
 
-def _explained(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Whether what is called model form could as well be what is not known of the parameters."""
-    covered = [row["covered"] for row in rows if row["covered"] is not None]
-    if not covered:
-        return ""
-    if min(covered) >= 0.95:
+def _unsplit(rows: Sequence[Record], label: str) -> str:
+    shares = [row["shares"]["model_form"] for row in rows]
+    if max(shares) == 0:
         return (
-            " But what is not known of the parameters (k = 2) covers"
-            f" {_range(covered)} of the samples: the model's form need not be at fault."
+            f"Noise and numerical error are as large as the gap of the {label}: more than that"
+            " cannot be seen here."
         )
     return (
-        f" What is not known of the parameters (k = 2) covers {_range(covered)} of the samples;"
-        " the rest is more than that."
+        f"Of the gap of the {label}, {_range(shares)} of the mean square is neither noise nor"
+        " numerical error. Nothing was fitted, so it may come from the parameters as well as from"
+        " the form of the model."
     )
 
 
-def _how_sure(found: Mapping[str, Any]) -> list[str]:
-    rows = [row for row in found["values"] if row["e_n"] is not None]
+def _explained(rows: Sequence[Record]) -> str:
+    """Whether what is called model form could as well be what is not known of the parameters."""
+    covered = [row["covered"] for row in rows if row.get("covered") is not None]
+    if not covered:
+        return ""
+    start = f" The uncertainty of the parameters (k = 2) covers {_range(covered)} of the samples"
+    if _is_covered(rows):
+        return f"{start}: it may explain the gap without any fault of the model."
+    return f"{start}; the others differ by more than that."
+
+
+def _is_covered(rows: Sequence[Record]) -> bool:
+    """Whether what is not known of the parameters may explain all that is left."""
+    covered = [row["covered"] for row in rows if row.get("covered") is not None]
+    return bool(covered) and min(covered) >= _ALL
+
+
+# events and single values
+
+
+def _when(found: Record) -> Iterator[str]:
+    rows = [row for row in found.get("timings") or () if row["matched"]]
     if not rows:
-        return ["No single value could be judged, because its uncertainty is not known."]
+        return
+    worst = max(rows, key=lambda row: row["rmse_s"])
+    lost = sum(row["missed"] + row["extra"] for row in rows)
+    told = (
+        f"{_words(worst['series'])[:1].upper()}{_words(worst['series'])[1:]}: simulated and"
+        f" measured are at most {_number(worst['rmse_s'], 's')} apart (root mean square,"
+        f" {_who(worst)})"
+    )
+    told += f"; {lost} have no partner" if lost else ""
+    judged = [i["e_n"] for row in rows for i in row["intervals"] if i["e_n"] is not None]
+    if judged:
+        within = sum(abs(e_n) <= 1 for e_n in judged)
+        told += (
+            f". Of {len(judged)} intervals between them {within} agree within the noise level"
+            " (|E_n| ≤ 1, k = 2)"
+        )
+    yield f"{told}."
+
+
+def _how_sure(found: Record) -> Iterator[str]:
+    rows = [row for row in found["values"] if row["e_n"] is not None]
+    if not found["values"]:
+        if found["waveforms"]:
+            yield "No single value of the scenario can be read off this recording."
+        return
+    if not rows:
+        yield "No single value can be judged, because a part of its uncertainty is not known."
+        return
     within = sum(row["within_noise"] for row in rows)
-    worst = max(rows, key=lambda row: abs(row["e_n"]))
     told = f"Of {len(rows)} single values {within} agree within the noise level (|E_n| ≤ 1, k = 2)"
     if within < len(rows):
-        told += (
-            f"; the furthest is {worst['measure'].replace('_', ' ')} of {worst['source']}"
-            f" with E_n = {worst['e_n']:+.1f}"
-        )
-    return [f"{told}."]
+        worst = max(rows, key=lambda row: abs(row["e_n"]))
+        e_n = f"{worst['e_n']:+.1f}".replace("-", "−")
+        told += f"; the furthest is the {_words(worst['measure'])} of {_who(worst)}, E_n = {e_n}"
+    elif found["basis"] != SAME:
+        told += "; that shows no fault, and proves no model"
+    source, share = _dominant(rows)
+    most = "Nearly all" if share > 0.99 else _percent(share)
+    yield f"{told}. {most} of their squared uncertainty comes from {_SOURCES[source]}."
 
 
-def _basis(found: Mapping[str, Any]) -> str:
+def _dominant(rows: Sequence[Record]) -> tuple[str, float]:
+    """The part that makes up most of the squared uncertainty, and its mean share."""
+    shares = {
+        key: sum((row[key] / row["u_val"]) ** 2 for row in rows) / len(rows) for key in _SOURCES
+    }
+    return max(shares.items(), key=lambda item: item[1])
+
+
+# what it rests on
+
+
+def _basis(found: Record) -> str:
     if found["basis"] == KNOWN:
         return "All parameters were known before the measurement was looked at."
-    fitted = ", ".join(row["name"] for row in found["parameters"] if row["fitted"] is not None)
+    names = [_parameter(row["name"]) for row in found["parameters"] if row["fitted"] is not None]
+    fitted = f"{_list(names)} {'were' if len(names) > 1 else 'was'} fitted to"
+    fitted = fitted[:1].upper() + fitted[1:]
     streams = _places(found["fit"]["recording"], found["fit"]["streams"])
     judged = _places(found["recording"], [case["stream"] for case in found["cases"]])
     if found["basis"] == SAME:
         return (
-            f"{fitted} were fitted to {streams}, which is also what was judged: this is a fit, not"
-            " a validation. Judge stretches that were not fitted."
+            f"{fitted} {streams}, which is also what was judged: this is a fit, not a validation."
         )
     return (
-        f"{fitted} were fitted to {streams} and held against {judged}, which they had not seen:"
-        " what is said here is a prediction. It holds for motions like these, not beyond."
+        f"{fitted} {streams} and held against {judged}, which the fit had not seen: what is said"
+        " here is a prediction. It holds for motions like these, not beyond."
     )
+
+
+def _log(found: Record) -> Iterator[str]:
+    """Defects of the log that a reader of the answer must know of."""
+    repairs = found["provenance"]["repairs"]
+    told = []
+    for severity, words in (("repair", "repaired"), ("warning", "left and marked")):
+        rules = dict.fromkeys(_words(r["rule"]) for r in repairs if r["severity"] == severity)
+        if rules:
+            told.append(f"{words}: {', '.join(rules)}")
+    if told:
+        yield f"The log had defects ({'; '.join(told)}); the section on the recording has the rows."
+
+
+def _next(found: Record) -> Iterator[str]:
+    """What to do first to learn more."""
+    advice = _advice(found)
+    if advice:
+        yield f"Next: {advice}"
+
+
+def _advice(found: Record) -> str:
+    bound = [] if found["fit"] is None else [_parameter(n) for n in found["fit"]["at_bound"]]
+    if bound:
+        return (
+            f"ask why the fit pushed the {_list(bound)} to its bound; the model may lack something."
+        )
+    if found["basis"] == SAME:
+        return "judge stretches that were not fitted."
+    part = _largest_left(found["gaps"])
+    if part == "numerical":
+        return "a shorter step, since numerical error is most of what is left."
+    if part == "noise":
+        return "a quieter sensor or a longer record; this one holds no more about the model."
+    if part is None:
+        return ""
+    if _is_covered(found["gaps"]):
+        return (
+            "know the parameters better; until then their uncertainty hides what else is wrong"
+            " with the model."
+        )
+    if found["fit"] is None:
+        return (
+            "fit the parameters to one part of the recordings and judge another (calibrate:), to"
+            " tell wrong parameters from a wrong model."
+        )
+    return (
+        "a better model; neither a shorter step nor a quieter sensor would close this gap. What is"
+        " left over time shows where to look."
+    )
+
+
+def _largest_left(rows: Sequence[Record]) -> str | None:
+    """The largest part of what the best parameters leave over, over all engines and stretches."""
+    sums = {
+        key: math.fsum(row[key] ** 2 for row in rows)
+        for key in ("model_form", "numerical", "noise")
+    }
+    largest = max(sums, key=lambda key: sums[key])
+    return largest if sums[largest] > 0 else None
+
+
+# words
+
+
+def _label(found: Record, probe: str) -> str:
+    text = str(found["compare"][probe]["label"])
+    # DC and E_n stay as they are
+    return text[:1].lower() + text[1:] if text[1:2].islower() else text
+
+
+def _who(row: Record) -> str:
+    where = "" if row["stream"] == "log" else f" on {row['stream']}"
+    return f"{row['source']}{where}"
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _parameter(name: str) -> str:
+    return _words(name.removesuffix(units.suffix_of(name)))
+
+
+def _list(names: Sequence[str]) -> str:
+    if len(names) < 2:
+        return "".join(names)
+    return f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def _places(recording: str, streams: Sequence[str]) -> str:
@@ -159,10 +348,6 @@ def _places(recording: str, streams: Sequence[str]) -> str:
     if list(streams) == ["log"]:
         return recording
     return f"{', '.join(streams)} of {recording}"
-
-
-def _share(row: Mapping[str, Any]) -> str:
-    return "an unknown share" if row["nrmse"] is None else _percent(row["nrmse"])
 
 
 def _range(shares: Sequence[float]) -> str:
@@ -173,9 +358,7 @@ def _range(shares: Sequence[float]) -> str:
 def _percent(value: float) -> str:
     if 0 < value < 5e-4:
         return "below 0.05 %"
-    if value < 0:
-        return f"{100 * value:.0f} % (worse than before)"
-    return f"{100 * value:.2g} %" if value < 0.1 else f"{100 * value:.0f} %"
+    return f"{100 * value:.2g} %" if value < 0.0995 else f"{100 * value:.0f} %"
 
 
 def _number(value: float, unit: str) -> str:

@@ -397,7 +397,8 @@ def sandwich(J: Array, residuals: Array, variance: float, least: float) -> Array
     weight[: len(rho)] = rho
     weight[size - len(rho) + 1 :] = rho[:0:-1]
     filtered = np.fft.irfft(spectra * np.fft.rfft(weight)[:, None], size, axis=0)[:n]
-    values, axes = np.linalg.eigh((m := basis.T @ filtered) / 2 + m.T / 2)
+    middle = basis.T @ filtered
+    values, axes = np.linalg.eigh((middle + middle.T) / 2)
     inner = (axes * np.maximum(least, variance * values)) @ axes.T
     turn = np.linalg.pinv(triangle)
     return np.asarray(turn @ inner @ turn.T)

@@ -1,0 +1,119 @@
+"""Small least-squares problems solved side by side: Levenberg and Marquardt with bounds.
+
+A bootstrap or a profile needs hundreds of fits of a few unknowns. Their models are evaluated for
+all of them, and for all differences, in one call on arrays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simcompare.trajectory import Array
+
+#: unknowns (…, B, p) -> whitened residuals (…, B, n)
+Residuals = Callable[[Array], Array]
+
+#: step of the central differences in sizes of an unknown
+STEP = 1e-5
+MOST_STEPS = 60
+#: a fit has ended when the next step would lower chi squared by less than this
+_ENOUGH = 1e-9
+
+
+@dataclass(frozen=True)
+class Solution:
+    """B fits.
+
+    Attributes:
+        x: unknowns (B, p).
+        residuals: whitened (B, n).
+        jacobian: of the residuals (B, n, p).
+        converged: (B,).
+        at_bound: -1 at the lower, 1 at the upper bound with chi squared falling beyond (B, p).
+    """
+
+    x: Array
+    residuals: Array
+    jacobian: Array
+    converged: NDArray[np.bool_]
+    at_bound: NDArray[np.int64]
+
+    @property
+    def chi2(self) -> Array:
+        """Sum of squares of each fit (B,)."""
+        return np.asarray(np.sum(self.residuals**2, axis=-1))
+
+
+def solve(residuals: Residuals, start: Array, low: Array, high: Array, size: Array) -> Solution:
+    """Minimises the sum of squared residuals of every problem.
+
+    Args:
+        residuals: of all problems at once.
+        start: first guesses (B, p).
+        low: lower bounds (p,).
+        high: upper bounds (p,).
+        size: usual size of each unknown (p,).
+    """
+    x = np.clip(start, low, high)
+    r = residuals(x)
+    chi2 = np.sum(r**2, axis=-1)
+    damping = np.full(len(x), 1e-3)
+    done = np.zeros(len(x), dtype=bool)
+    jacobian = jacobian_of(residuals, x, size)
+    for _ in range(MOST_STEPS):
+        slope = np.einsum("bnp,bn->bp", jacobian, r)
+        outward = _outward(x, slope, low, high)
+        step, gain = _step(jacobian, slope, outward != 0, damping)
+        done |= gain < _ENOUGH * np.minimum(1.0, 1e-3 + chi2)
+        if done.all():
+            break
+        moved = np.where(done[:, None], x, np.clip(x + step * size, low, high))
+        r_moved = residuals(moved)
+        chi2_moved = np.nan_to_num(np.sum(r_moved**2, axis=-1), nan=np.inf)
+        better = (chi2_moved < chi2) & ~done
+        # no step of any length helps any more: rounding is reached
+        done |= ~better & (damping > 1e12)
+        damping = np.where(better, np.maximum(damping / 10, 1e-12), damping * 10)
+        if better.any():
+            x = np.where(better[:, None], moved, x)
+            r = np.where(better[:, None], r_moved, r)
+            chi2 = np.where(better, chi2_moved, chi2)
+            jacobian = jacobian_of(residuals, x, size)
+    slope = np.einsum("bnp,bn->bp", jacobian, r)
+    return Solution(x, r, jacobian / size, done, _outward(x, slope, low, high))
+
+
+def jacobian_of(residuals: Residuals, x: Array, size: Array) -> Array:
+    """Central differences in sizes (B, n, p)."""
+    count = x.shape[-1]
+    moves = np.eye(count)[:, None, :] * (STEP * size)
+    both = residuals(np.concatenate((x + moves, x - moves)))
+    return np.moveaxis((both[:count] - both[count:]) / (2 * STEP), 0, -1)
+
+
+def _outward(x: Array, slope: Array, low: Array, high: Array) -> NDArray[np.int64]:
+    """Which unknowns are held by a bound: -1 lower, 1 upper."""
+    return np.where((x <= low) & (slope > 0), -1, np.where((x >= high) & (slope < 0), 1, 0))
+
+
+def _step(
+    jacobian: Array, slope: Array, held: NDArray[np.bool_], damping: Array
+) -> tuple[Array, Array]:
+    """Damped step in sizes (B, p), and what chi squared would fall by without damping (B,)."""
+    normal = np.einsum("bnp,bnq->bpq", jacobian, jacobian)
+    free = ~held
+    normal = normal * free[:, :, None] * free[:, None, :]
+    diagonal = np.einsum("bpp->bp", normal)
+    # an unknown without any influence stays where it is
+    root = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    scaled = normal / root[:, :, None] / root[:, None, :]
+    goal = np.where(free, -slope, 0.0) / root
+    eye = np.eye(jacobian.shape[-1])
+    inert = eye * (~(diagonal > 0))[:, :, None]
+    step = np.linalg.solve(scaled + inert + damping[:, None, None] * eye, goal[..., None])[..., 0]
+    gain = np.einsum("bp,bp->b", goal, step)
+    return step / root, np.where(damping <= 1e-2, gain, np.inf)
