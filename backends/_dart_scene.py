@@ -225,10 +225,13 @@ def _set_contacts(scene: Scene, scenario: Scenario) -> None:
 
 
 def _touches_at_points(scenario: Scenario) -> bool:
-    """Whether there is friction, and one of any two bodies that rub is a single sphere."""
+    """Whether there is friction, and all that rubs are single spheres, or boxes on planes."""
     rubbing = [contact.pair for contact in touching_pairs(scenario) if contact.friction > 0]
-    shapes = {name: [s.type for s in body.shapes] for name, body in scenario.bodies.items()}
-    return bool(rubbing) and all(["sphere"] in (shapes[a], shapes[b]) for a, b in rubbing)
+    shapes = {name: [*(s.type for s in body.shapes)] for name, body in scenario.bodies.items()}
+    kinds = [(shapes[a], shapes[b]) for a, b in rubbing]
+    return bool(kinds) and all(
+        ["sphere"] in pair or (["box"] in pair and ["plane"] in pair) for pair in kinds
+    )
 
 
 def _solve_friction_exactly(engine: ModuleType, world: Any) -> None:

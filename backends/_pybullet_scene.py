@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import combinations
@@ -12,7 +13,7 @@ from simcompare.errors import Unsupported
 from simcompare.kinematics import Mount, mount_of
 from simcompare.pairs import per_body_product, touching_pairs, untouching_pairs
 from simcompare.scenario import Scenario
-from simcompare.shapes import Cylinder, Quaternion, Vector
+from simcompare.shapes import Cylinder, Plane, Quaternion, Vector
 
 #: a body, as PyBullet calls it: number of the articulated body and of its link, -1 for its base
 Place = tuple[int, int]
@@ -30,6 +31,8 @@ MARGIN_M = 1.0e-3
 #: softness of contacts where there are rims, in steps over the mass of all bodies: so the two rims
 #: of a wheel share its load evenly, which else the order would decide in which they are found
 SOFTNESS = 0.05
+#: edges of the box that is a floor for boxes [m]
+FLOOR_M = 1000.0
 
 
 @dataclass
@@ -304,6 +307,8 @@ def _shape(scene: Scene, body: str, origin: Vector) -> int:
     position = _plus(origin, shape.position_m)
     if isinstance(shape, Cylinder) and has_rims(scene, body):
         return _rims(scene, shape, position)
+    if isinstance(shape, Plane) and is_floor_of_boxes(scene, body):
+        return _floor(scene, shape, position)
     size: dict[str, object]
     match shape.type:
         case "plane":
@@ -332,22 +337,48 @@ def has_rims(scene: Scene, body: str) -> bool:
     edges that are rounded by its margin; the two rings that make these edges touch a plane just
     where the whole cylinder does, and give a point each.
     """
-    shapes, bodies = scene.scenario.bodies[body].shapes, scene.scenario.bodies
-    others = [
-        bodies[other].shapes
-        for contact in touching_pairs(scene.scenario)
-        if body in contact.pair
-        for other in contact.pair
-        if other != body
-    ]
+    shapes = scene.scenario.bodies[body].shapes
     return (
         scene.mapped
         and bool(shapes)
         and isinstance(shapes[0], Cylinder)
         and min(shapes[0].radius_m, shapes[0].length_m / 2) > MARGIN_M
-        and bool(others)
-        and all(shape.type == "plane" for other in others for shape in other)
+        and _kinds_on(scene, body) == {"plane"}
     )
+
+
+def is_floor_of_boxes(scene: Scene, body: str) -> bool:
+    """Whether a body's plane is built as the upper side of a large box.
+
+    Bullet finds the corners of a box on a plane in as many steps, on a box all of them at once.
+    """
+    return scene.mapped and _kinds_on(scene, body) == {"box"}
+
+
+def _kinds_on(scene: Scene, body: str) -> set[str]:
+    """Kinds of shape that can touch a body."""
+    return {
+        shape.type
+        for contact in touching_pairs(scene.scenario)
+        if body in contact.pair
+        for other in set(contact.pair) - {body}
+        for shape in scene.scenario.bodies[other].shapes
+    }
+
+
+def _floor(scene: Scene, shape: Plane, position: Vector) -> int:
+    """A box whose upper side is in the plane."""
+    x, y, z = (component / math.hypot(*shape.normal) for component in shape.normal)
+    # half of a turn about what lies between the normal and z turns z into the normal
+    between, half = (x, y, z + 1) if z > -1 else (1.0, 0.0, 0.0), FLOOR_M / 2
+    uid: int = scene.engine.createCollisionShape(
+        scene.engine.GEOM_BOX,
+        halfExtents=(half, half, half),
+        collisionFramePosition=_minus(position, (x * half, y * half, z * half)),
+        collisionFrameOrientation=(*(c / math.hypot(*between) for c in between), 0.0),
+        physicsClientId=scene.client,
+    )
+    return uid
 
 
 def _rims(scene: Scene, shape: Cylinder, position: Vector) -> int:

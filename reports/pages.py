@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from simcompare.reports import matplotlib_
-from simcompare.reports.tables import Table
+from simcompare.reports.tables import Table, printable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
@@ -59,9 +59,7 @@ def of(block: Block) -> Iterator[Canvas]:
             lines = _measured_lines(context) if name == "measurement" else _score_lines(context)
             yield from _table_pages(heading, lines)
     for filled in block.sections:
-        lines = _part_lines(filled.context)
-        if lines:
-            yield from _table_pages(filled.section.title, lines)
+        yield from _table_pages(filled.section.title, _part_lines(filled.context))
     yield from _table_pages("How it was made", _setup_lines(block.contexts["setup"]))
 
 
@@ -150,7 +148,7 @@ def _part_lines(context: dict[str, Any]) -> list[Line]:
     """Facts, remarks and tables of a section that has them as plain values."""
     lines = [Line((f"{key}: {value}",), False) for key, value in context.get("facts", {}).items()]
     lines += [Line((note,), False) for note in context.get("notes", ())]
-    for table in context.get("tables", ()):
+    for table in context.get("grids", ()):
         lines += _grid_lines(table)
     return lines
 
@@ -166,9 +164,9 @@ def _grid_lines(table: Table) -> Iterator[Line]:
     yield Line(heads, True, widths, numbers)
     for group in table.groups:
         if group.title:
-            yield Line((group.title,), True)
+            yield Line((printable(group.title),), True)
         for row in group.rows:
-            yield Line(row, False, widths, numbers)
+            yield Line(tuple(map(printable, row)), False, widths, numbers)
     if table.note:
         yield Line((table.note,), False)
 

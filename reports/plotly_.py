@@ -18,6 +18,8 @@ from simcompare.trajectory import Array
 FONT_PX = 16
 #: space between panels, as part of the width
 _GAP, _SHARED_GAP = 0.12, 0.03
+#: height of the legend above the panels, as part of a plot of usual height
+_LEGEND_UP = 0.13
 #: numbers along the x axes of all panels together
 _TICKS = 14
 #: digits that are kept of a coordinate; a screen shows fewer
@@ -61,7 +63,7 @@ def as_dict(figure: Figure) -> dict[str, Any]:
         "legend": {
             "orientation": "h",
             "x": 0,
-            "y": 1.13,
+            "y": round(1 + _LEGEND_UP / figure.height, 4),
             "yanchor": "bottom",
             "font": {"size": FONT_PX},
         },

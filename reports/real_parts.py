@@ -56,7 +56,7 @@ def gap_figure(run: Run) -> Figure | None:
 
 
 def _height(share: float) -> float:
-    return float(np.clip(round(share, 2), 1.0, 3.0))
+    return float(np.clip(round(share, 2), 0.7, 3.0))
 
 
 def part_words(run: Run, key: str, words: str) -> str:

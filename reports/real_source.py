@@ -7,7 +7,7 @@ from typing import Any
 
 from simcompare.recording import INFO, REPAIR, WARNING
 from simcompare.reports import numbers, real
-from simcompare.reports.tables import Column, Group, Table
+from simcompare.reports.tables import Column, Group, Table, printable
 from simcompare.results import Run
 
 Record = Mapping[str, Any]
@@ -38,7 +38,8 @@ def facts(run: Run) -> dict[str, str]:
         "clocks": ": ".join(clocks),
         "compared": compared,
     }
-    return told | ({"inputs": inputs} if inputs else {})
+    told |= {"inputs": inputs} if inputs else {}
+    return {printable(key): printable(value) for key, value in told.items()}
 
 
 def repairs(run: Run) -> list[Table]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -24,6 +25,8 @@ _PERIODS, _LEAST, _MOST = 2.5, 0.05, 0.35
 #: lines at more events than these hide the signal
 _MOST_EVENTS = 100
 _ENGINE_WIDTH = 1.6
+#: letters of a line beside an axis
+_AXIS_LETTERS = 30
 _MEASURED = Style("#A9A9A9", width=7.0)
 _BAND = Style("#B08900")
 _NOMINAL = Style("#555555", dash="dot", width=2.0)
@@ -44,7 +47,7 @@ def _overlay(run: Run, probe: str, case: int, name: str) -> Figure | None:
     zoom = zoom_window(measured, probe, [row for _, row in _residuals(run, probe, case, measured)])
     events = _events(run, case)
     spans = (*events, *([Span(*zoom, ZOOMED)] if zoom else []))
-    panels = [Panel("whole stretch", TIME, real.with_unit(run, probe), _dotted(whole), spans=spans)]
+    panels = [Panel("whole stretch", TIME, _axis(run, probe), _dotted(whole), spans=spans)]
     if zoom is not None:
         near = [cut for series in whole for cut in _cut(series, *zoom)]
         scale = scale_of([zoom[1] - zoom[0]], 2)
@@ -52,13 +55,18 @@ def _overlay(run: Run, probe: str, case: int, name: str) -> Figure | None:
         panels.append(
             Panel(
                 f"{scale.text(zoom[0])} s to {scale.text(zoom[1])} s, largest gap",
-                TIME, real.with_unit(run, probe), _dotted(near), spans=inside, x_limits=zoom,
+                TIME, _axis(run, probe), _dotted(near), spans=inside, x_limits=zoom,
             )
         )  # fmt: skip
         panels[0] = replace(panels[0], weight=1.3)
     where = real.stretch(name)
     title = f"{real.label(run, probe)}: measured and simulated" + (f", {where}" if where else "")
     return Figure(f"overlay-{probe}-{case + 1}", title, _overlay_caption(run, case), tuple(panels))
+
+
+def _axis(run: Run, probe: str) -> str:
+    """A quantity with its unit, broken where it is longer than the axis."""
+    return "\n".join(textwrap.wrap(real.with_unit(run, probe), _AXIS_LETTERS))
 
 
 def _overlay_caption(run: Run, case: int) -> str:

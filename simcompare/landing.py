@@ -24,6 +24,7 @@ from simcompare.pairs import touching_pairs
 from simcompare.rotations import matrix_of
 from simcompare.scenario import Body, Scenario
 from simcompare.shapes import Plane, Shape, Sphere, Vector
+from simcompare.trajectory import Array
 
 if TYPE_CHECKING:
     from simcompare.simulation import Simulation
@@ -96,6 +97,16 @@ def approaches(scenario: Scenario) -> tuple[list[Approach], list[str]]:
     ]
 
 
+def finely_stepped(scenario: Scenario, step_s: float) -> Scenario:
+    """The scene in engine steps of at most ``step_s``, if it has bounces that are not landed on."""
+    bounces = any(contact.restitution > 0 for contact in scenario.contacts)
+    parts = math.ceil(scenario.world.engine_step_s / step_s - 1e-9)
+    if not bounces or parts < 2 or approaches(scenario)[0]:
+        return scenario
+    world = scenario.world.model_copy(update={"substeps": scenario.world.substeps * parts})
+    return scenario.model_copy(update={"world": world})
+
+
 def _sphere_on_plane(scenario: Scenario, first: str, second: str) -> Approach | None:
     for mover, ground in ((first, second), (second, first)):
         body, base = scenario.bodies[mover], scenario.bodies[ground]
@@ -154,9 +165,9 @@ def _clearance_m(body: Body, ground: Body, plane: Plane) -> float:
     return float(min(heights))
 
 
-def _reach_m(shape: Shape, direction: Vector) -> float:
+def _reach_m(shape: Shape, direction: Vector | Array) -> float:
     """How far a shape reaches from its centre, at most, in a direction of its own frame [m]."""
-    x, y, z = (abs(component) for component in direction)
+    x, y, z = (abs(float(component)) for component in direction)
     match shape.type:
         case "sphere":
             return shape.radius_m

@@ -315,35 +315,53 @@ def _unsound(found) -> str:
 
 
 def _rows_lost(log: Log, mutation: Mutation, found) -> str:
-    """A table of text: whatever a plain reader takes for a row must be there, in order."""
-    if not log.separator or len(mutation.files) > 1:
+    """A table of text: whatever a plain reader takes for a row must be there with its values."""
+    if not log.separator or len(found.streams) != 1:
         return ""
-    rows = plain_rows(next(iter(mutation.files.values())), log)
-    samples = sum(len(stream.time_s) for stream in found.streams.values())
-    if samples < len(rows):
-        return f"{samples} samples, but {len(rows)} plain rows of numbers"
-    return ""
+    data = next(iter(mutation.files.values()))
+    if _is_recoded(data, log):
+        return ""  # a plain reader does not know the encoding
+    rows = plain_rows(data, log)
+    (stream,) = found.streams.values()
+    if len(stream.time_s) < len(rows):
+        return f"{len(stream.time_s)} samples, but {len(rows)} plain rows of numbers"
+    factors = {c.channel: (c.factor, c.offset) for c in found.provenance.conversions if c.channel}
+    if not rows or len(factors) != len(rows[0]) - 1:
+        return ""
+    wanted = np.array(rows)[:, 1:] * [f for f, _ in factors.values()]
+    wanted += [offset for _, offset in factors.values()]
+    have = {
+        _key(row) for row in zip(*(stream.channels[name].values for name in factors), strict=True)
+    }
+    missing = [row for row in wanted if _key(row) not in have]
+    return f"{len(missing)} plain rows are missing, such as {missing[0]}" if missing else ""
+
+
+def _key(row) -> tuple:
+    return tuple(np.format_float_scientific(value + 0.0, 9) for value in row)
+
+
+def _is_recoded(data: bytes, log: Log) -> bool:
+    text = data.decode(log.encoding, errors="replace")
+    return text.count("\ufffd") > 3 or text.count("\0") > 3
 
 
 def plain_rows(data: bytes, log: Log) -> list[list[float]]:
-    """Lines with as many numbers as the commonest line has, read as simply as can be."""
+    """Lines with as many numbers as the valid log has, read as simply as can be."""
     text = data.decode(log.encoding, errors="replace").lstrip("\ufeff")
+    width = len(_cells(next(iter(log.files.values())).decode(log.encoding).rstrip(), log))
     found: list[list[float]] = []
-    for line in text.split("\n"):
-        cells = line.split() if log.separator == " " else line.strip("\r ").split(log.separator)
-        try:
-            found.append([float(cell.replace(log.decimal, ".")) for cell in cells if cell.strip()])
-        except ValueError:
-            continue
-    width = len(log_width(log))
-    return [row for row in found if len(row) == width]
+    for line in text.split("\n")[:-1]:  # the last one may be cut
+        with contextlib.suppress(ValueError):
+            cells = _cells(line, log)
+            if len(cells) == width and not any("_" in cell for cell in cells):
+                found.append([float(cell.replace(log.decimal, ".")) for cell in cells])
+    return found
 
 
-def log_width(log: Log) -> list[str]:
-    """Cells of the last line of the valid log."""
-    text = next(iter(log.files.values())).decode(log.encoding)
-    line = text.rstrip().split("\n")[-1]
-    return line.split() if log.separator == " " else line.strip().split(log.separator)
+def _cells(text: str, log: Log) -> list[str]:
+    line = text.split("\n")[-1]
+    return line.split() if log.separator == " " else line.strip("\r ").split(log.separator)
 
 
 def _cut(log: Log, mutation: Mutation, valid, found) -> str:

@@ -9,9 +9,11 @@ import pytest
 from simcompare.reports import energy, matplotlib_, plotly_
 from simcompare.reports.figures import (
     Band,
+    Bars,
     Figure,
     Panel,
     Series,
+    Span,
     Style,
     decimated,
     fitted_range,
@@ -277,3 +279,124 @@ def test_a_long_legend_is_broken_into_rows():
     box = page.legends[0].get_window_extent()
     assert box.x0 >= 0
     assert box.x1 <= page.bbox.width
+
+
+# bars, bands about lines, ranges of x
+
+
+def stacked(**more):
+    layers = (
+        Bars("low", np.array([1.0, 3.0]), "#0072B2", "/", ("$1", "")),
+        Bars("high", np.array([2.0, 0.0]), "#D55E00"),
+    )
+    return Panel("", "share (%)", "", (), bars=layers, **more)
+
+
+def test_bars_stand_on_each_other():
+    one = figure(stacked(x_ticks=("a", "b")))
+    assert one.y_range(one.panels[0]) == pytest.approx((0.0, 3.24))
+    low, high = matplotlib_.canvas(one).axes[0].containers
+    assert [bar.get_y() for bar in high] == [1.0, 3.0]
+    assert [bar.get_height() for bar in low] == [1.0, 3.0]
+    found = plotly_.as_dict(one)
+    assert found["layout"]["barmode"] == "stack"
+    assert [(t["orientation"], t["y"]) for t in found["data"]] == [
+        ("v", [1.0, 3.0]),
+        ("v", [2.0, 0.0]),
+    ]
+
+
+def test_bars_lie_beside_names():
+    one = figure(stacked(y_ticks=("a", "<b>")))
+    assert one.panels[0].x_range == pytest.approx((0.0, 3.24))
+    assert one.y_range(one.panels[0]) == (1.5, -0.5)
+    axes = matplotlib_.canvas(one).axes[0]
+    assert [bar.get_x() for bar in axes.containers[1]] == [1.0, 3.0]
+    assert [text.get_text() for text in axes.get_yticklabels()] == ["a", "<b>"]
+    found = plotly_.as_dict(one)
+    assert found["data"][1]["x"] == [2.0, 0.0]
+    assert found["data"][1]["orientation"] == "h"
+    assert found["layout"]["yaxis"]["ticktext"] == ["a", "&lt;b&gt;"]
+    assert found["layout"]["yaxis"]["range"] == [1.5, -0.5]
+
+
+def test_bars_hold_their_texts():
+    one = figure(stacked(y_ticks=("a", "b")))
+    assert plotly_.as_dict(one)["data"][0]["text"] == ["<b>$1</b>", ""]
+    assert "text" not in plotly_.as_dict(one)["data"][1]
+    axes = matplotlib_.canvas(one).axes[0]
+    assert [text.get_text() for text in axes.texts] == [r"\$1", ""]
+    assert matplotlib_.rendered(one, "svg").startswith(b"<?xml")
+
+
+def test_bars_without_length_are_drawn():
+    layers = (Bars("none", np.zeros(2), "#000000"),)
+    for ticks in ({"x_ticks": ("a", "b")}, {"y_ticks": ("a", "b")}):
+        one = figure(Panel("", "", "", (), bars=layers, **ticks))
+        assert matplotlib_.rendered(one, "png")
+        json.dumps(plotly_.as_dict(one), allow_nan=False)
+
+
+def test_uncertainty_beside_names_lies():
+    row = line([0.0, 1.0], u=np.array([0.5, 0.6]), points=True, line=False)
+    one = figure(panel(row, y_ticks=("a", "b")))
+    (trace,) = plotly_.as_dict(one)["data"]
+    assert trace["error_x"]["array"] == [0.5, 0.6]
+    assert "error_y" not in trace
+    (bars,) = matplotlib_.canvas(one).axes[0].containers
+    assert bars.has_xerr
+    assert not bars.has_yerr
+
+
+def test_a_shaded_line_has_its_band_below_it():
+    one = figure(panel(line([1.0, 2.0], u=np.array([0.1, 0.2]), shaded=True)))
+    band, row = plotly_.as_dict(one)["data"]
+    assert band["y"] == pytest.approx([0.9, 1.8, 2.2, 1.1])
+    assert band["x"] == [0, 1, 1, 0]
+    assert (band["showlegend"], row["showlegend"]) == (False, True)
+    assert "error_y" not in row
+    axes = matplotlib_.canvas(one).axes[0]
+    assert len(axes.collections) == len(axes.lines) == 1
+    assert axes.collections[0].get_datalim(axes.transData).y1 == pytest.approx(2.2)
+
+
+def test_a_band_without_a_line_is_in_the_legend():
+    one = figure(panel(line([1.0, 2.0], u=np.array([0.1, 0.2]), shaded=True, line=False)))
+    (band,) = plotly_.as_dict(one)["data"]
+    assert band["showlegend"]
+    page = matplotlib_.canvas(one)
+    assert not page.axes[0].lines
+    assert [text.get_text() for text in page.legends[0].get_texts()] == ["a"]
+
+
+def test_ranges_and_instants_of_x_are_marked():
+    spans = (Span(0.2, 0.4, "a part"), Span(0.7, 0.7, "an event"), Span(0.8, 0.8, "an event"))
+    one = figure(panel(line([1.0, 2.0]), spans=spans))
+    shapes = plotly_.as_dict(one)["layout"]["shapes"]
+    assert [(s["type"], s["x0"], s["x1"]) for s in shapes] == [
+        ("rect", 0.2, 0.4),
+        ("line", 0.7, 0.7),
+        ("line", 0.8, 0.8),
+    ]
+    assert [s["showlegend"] for s in shapes] == [True, True, False]
+    page = matplotlib_.canvas(one)
+    assert [t.get_text() for t in page.legends[0].get_texts()] == ["a", "a part", "an event"]
+
+
+def test_a_part_of_x_is_enlarged():
+    one = figure(panel(line([1.0, 2.0, 3.0]), x_limits=(0.5, 1.5)))
+    assert plotly_.as_dict(one)["layout"]["xaxis"]["range"] == [0.5, 1.5]
+    assert matplotlib_.canvas(one).axes[0].get_xlim() == (0.5, 1.5)
+
+
+def test_a_dollar_sign_is_no_mathematics():
+    row = Series("$a_{", np.arange(2.0), np.arange(2.0), Style("#000000"))
+    one = figure(Panel("$t_{", "$x_{", "$y_{", (row,), x_ticks=("$k_{", "b")))
+    assert matplotlib_.rendered(one, "svg").startswith(b"<?xml")
+
+
+def test_a_taller_figure_is_taller():
+    flat, tall = figure(stacked(y_ticks=("a", "b"))), figure(stacked(y_ticks=("a", "b")))
+    tall = Figure(tall.name, tall.title, tall.caption, tall.panels, height=2.0)
+    sizes = [matplotlib_.canvas(one).get_figheight() for one in (flat, tall)]
+    assert sizes[1] == pytest.approx(2 * sizes[0])

@@ -110,7 +110,8 @@ def _long_steps(time_s: Array, median: float) -> tuple[Indices, Array, int]:
 def _period(time_s: Array, median: float) -> float:
     """Mean of the steps that are not long: of many, it is surer than the median."""
     steps = intervals.sampled_steps(time_s)
-    return float(np.mean(steps[(steps > median / _LONG) & (steps < _LONG * median)]))
+    usual = steps[(steps > median / _LONG) & (steps < _LONG * median)]
+    return float(np.mean(usual)) if len(usual) else median
 
 
 def _inner(start: int, count: int, total: int) -> slice:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,6 +14,8 @@ from simcompare.recording import INFO, REPAIR, Repair, ranges
 
 #: faults that are named one by one
 MOST_FAULTS = 20
+#: rows of one kind that are named; their count is always whole
+MOST_ROWS = 100_000
 
 
 @dataclass
@@ -51,7 +54,7 @@ class State:
     clock_ns: dict[int, int] = field(default_factory=dict)
     midnights: list[int] = field(default_factory=list)
     days: set[int] = field(default_factory=set)
-    skipped: dict[str, list[int]] = field(default_factory=dict)
+    skipped: dict[str, array[int]] = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)
     count: int = 0
     last_line: int = 0
@@ -63,6 +66,10 @@ class State:
         self.count += 1
         if len(self.faults) < MOST_FAULTS:
             self.faults.append(text)
+
+    def skip(self, reason: str, line: int) -> None:
+        """Notes a line that is no row; eight bytes each, as there may be millions."""
+        self.skipped.setdefault(reason, array("q")).append(line)
 
     def repairs(self, layout: Layout) -> list[Repair]:
         """What was noticed on the way."""
@@ -80,9 +87,10 @@ class State:
         for rule, lines in self.skipped.items():
             if rule in words:
                 severity, text = words[rule]
-                found.append(Repair(rule, severity, text, rows=ranges(lines), count=len(lines)))
+                named = ranges(np.asarray(lines[:MOST_ROWS]))
+                found.append(Repair(rule, severity, text, rows=named, count=len(lines)))
         if self.midnights:
             text = "the time of day passes midnight; a day was added from there on"
-            rows = ranges(self.midnights)
+            rows = ranges(self.midnights[:MOST_ROWS])
             found.append(Repair("midnight", REPAIR, text, rows=rows, count=len(self.midnights)))
         return found

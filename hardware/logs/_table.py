@@ -115,7 +115,7 @@ class _Reader:
         data = b"\n".join(kept) + b"\n"
         rows = self._fast(_text.Block(block.line, data, len(kept), True), numbers)
         for reason, at in gone if rows is not None else []:
-            self.state.skipped.setdefault(reason, []).append(at)
+            self.state.skip(reason, at)
         return rows
 
     def _decoded(self, raw: bytes) -> str:
@@ -237,7 +237,7 @@ class _Reader:
             line = self._decoded(raw)
             reason = self._skipped(line)
             if reason:
-                state.skipped.setdefault(reason, []).append(at)
+                state.skip(reason, at)
                 continue
             cells = split(line, self.layout.separator)
             width = len(self.layout.kinds)
@@ -248,7 +248,7 @@ class _Reader:
             if not block.ended and (len(cells) < width or self._is_cut(cells)):
                 have = f"{len(cells)} of {width} cells" if len(cells) < width else repr(line[-20:])
                 state.truncated = f"line {at} ends in the middle ({have}); it was left out"
-                state.skipped.setdefault("cut", []).append(at)
+                state.skip("cut", at)
                 continue
             if len(cells) != width:
                 state.fault(f"line {at}: has {len(cells)} cells, expected {width}")
@@ -364,8 +364,9 @@ class _Reader:
 
     def _rows(self, count: int) -> NDArray[np.int64] | None:
         first = self.layout.first_line
-        gone = sorted(line for lines in self.state.skipped.values() for line in lines)
-        if not gone or gone[0] >= first + count:
+        lines = [np.asarray(found, dtype=np.int64) for found in self.state.skipped.values()]
+        gone = np.concatenate([np.empty(0, dtype=np.int64), *lines])
+        if not len(gone) or gone.min() >= first + count:
             return None
         numbers = np.arange(first, self.state.last_line + 1, dtype=np.int64)
-        return np.delete(numbers, np.asarray(gone, dtype=np.int64) - first)
+        return np.delete(numbers, gone - first)

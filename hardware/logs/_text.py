@@ -23,6 +23,8 @@ from simcompare.trajectory import Array
 HEAD_BYTES = 1 << 16
 #: bytes that are parsed together
 BLOCK_BYTES = 8 << 20
+#: lines that are parsed together
+MOST_LINES = 1 << 18
 #: a line longer than this belongs to no table
 LONGEST_LINE = 16 << 20
 
@@ -212,12 +214,25 @@ def blocks(source: Source, first_line: int = 1) -> Iterator[Block]:
             at = line
             line += count
             if line > first_line and count:
-                while at < first_line:
-                    data = data[data.index(b"\n") + 1 :]
-                    at, count = at + 1, count - 1
-                yield Block(at, data, count, ended)
+                yield from _pieces(Block(at, data, count, ended), first_line)
             if last:
                 return
+
+
+def _pieces(block: Block, first_line: int) -> Iterator[Block]:
+    """A block from a line on, in pieces of not too many lines: some of them may be empty."""
+    start = max(first_line - block.line, 0)
+    if not start and block.count <= MOST_LINES:
+        yield block
+        return
+    ends = np.flatnonzero(np.frombuffer(block.data, np.uint8) == ord("\n")) + 1
+    for first in range(start, block.count, MOST_LINES):
+        stop = min(first + MOST_LINES, block.count)
+        begin = int(ends[first - 1]) if first else 0
+        is_last = stop == block.count
+        end = len(block.data) if is_last else int(ends[stop - 1])
+        ended = block.ended if is_last else True
+        yield Block(block.line + first, block.data[begin:end], stop - first, ended)
 
 
 def is_time(name: str) -> bool:

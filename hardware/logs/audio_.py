@@ -16,7 +16,7 @@ from simcompare.recording import INFO, Clock, Event, Repair
 from simcompare.trajectory import Array
 
 TITLE = "a sound recording (WAV or FLAC)"
-#: frames that are read together; fewer near a damaged place
+#: values that are read together; fewer near a damaged place
 _BLOCKS = (1 << 18, 1 << 12, 1 << 6)
 #: relative standard uncertainty of a sound card's or telephone's rate
 U_RATE = 50e-6
@@ -86,10 +86,11 @@ def _waveform(path: Path, channels: int) -> tuple[list[Array], str]:
     spool, cut = Spool(channels), ""
     # where a file is damaged, a whole block is refused: what is whole of it comes in smaller ones
     for size in _BLOCKS:
+        count = max(1, size // channels)
         with soundfile.SoundFile(path) as file:
             file.seek(len(spool))
             try:
-                while len(frames := file.read(size, dtype="float64", always_2d=True)):
+                while len(frames := file.read(count, dtype="float64", always_2d=True)):
                     spool.append(frames)
             except soundfile.LibsndfileError as error:
                 cut = str(error)

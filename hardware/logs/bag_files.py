@@ -16,7 +16,7 @@ from typing import Any, BinaryIO, Protocol
 from simcompare.errors import InputError
 
 #: a chunk may become so much larger, or at least this large, when it is unpacked
-MOST_TIMES, LEAST_LIMIT = 256, 1 << 26
+MOST_TIMES, LEAST_LIMIT = 256, 1 << 25
 
 #: a message: its connection, when it was received [ns], its bytes
 Message = tuple["Connection", int, bytes]

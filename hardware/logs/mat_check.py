@@ -80,6 +80,8 @@ def _variable(file: BinaryIO, kind: int, length: int, most: int, order: str) -> 
         raise Damaged(f"holds an element of the type {kind}; expected {_MATRIX}")
     walk = _Walk(source.take, order)
     walk.matrix(size, 0)
+    if not source.ended():
+        raise Damaged("is followed by more than fits into its element")
     return walk.name, source.count
 
 
@@ -104,21 +106,32 @@ class _Unpacked:
             Damaged: there are not so many, or more than is plausible.
         """
         while len(self._ready) < count:
-            piece = self._zlib.unconsumed_tail or self._file.read(min(_PIECE, self._left))
-            if not self._zlib.unconsumed_tail:
-                self._left -= len(piece)
-            try:
-                new = self._zlib.decompress(piece, _PIECE)
-            except zlib.error as error:
-                raise Damaged(f"cannot be unpacked ({error})") from None
-            if not new and not piece:
+            if not self._more():
                 raise Damaged("ends too early")
-            self._ready += new
         self.count += count
         if self.count > self._most:
             raise Damaged(f"unpacks to more than {self._most >> 20} MB, which is not plausible")
         found, self._ready = self._ready[:count], self._ready[count:]
         return found
+
+    def ended(self) -> bool:
+        """Whether nothing is left."""
+        while not self._ready and self._more():
+            pass
+        return not self._ready
+
+    def _more(self) -> bool:
+        """Unpacks another piece; false where there is none."""
+        piece = self._zlib.unconsumed_tail
+        if not piece:
+            piece = self._file.read(min(_PIECE, self._left))
+            self._left -= len(piece)
+        try:
+            new = self._zlib.decompress(piece, _PIECE)
+        except zlib.error as error:
+            raise Damaged(f"cannot be unpacked ({error})") from None
+        self._ready += new
+        return bool(new or piece)
 
 
 class _Walk:

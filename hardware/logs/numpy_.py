@@ -159,6 +159,8 @@ def _header(file: BinaryIO) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
 
 
 def _refusal(shape: tuple[int, ...], dtype: np.dtype[Any]) -> str:
+    if any(n < 0 for n in shape):
+        return f"has the shape {shape}"
     if dtype.names:
         return "" if len(shape) == 1 else f"is a table with {len(shape)} dimensions"
     if dtype.kind not in "biufmM" or dtype.itemsize > 8:

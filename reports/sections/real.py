@@ -15,7 +15,7 @@ from simcompare.reports import (
 )
 from simcompare.reports.figures import Figure
 from simcompare.reports.sections.base import Section
-from simcompare.reports.tables import Table
+from simcompare.reports.tables import Table, printable
 from simcompare.results import Run
 
 
@@ -34,7 +34,7 @@ class RealAnswer(Section):
         ]
         return {
             "question": run.record["question"],
-            "answer": [*found["sentences"], *_not_run(run)],
+            "answer": [*map(printable, found["sentences"]), *_not_run(run)],
             **_parts(figures, [real_tables.waveforms(run)] if found["waveforms"] else []),
         }
 
@@ -52,8 +52,8 @@ def _parts(
     """Figures, tables and remarks, as far as there are any."""
     return {
         "figures": [figure for figure in figures if figure is not None],
-        "tables": [table for table in tables if table is not None],
-        "notes": [note for note in notes if note],
+        "grids": [table for table in tables if table is not None],
+        "notes": [printable(note) for note in notes if note],
     }
 
 
@@ -88,7 +88,7 @@ class Timings(Section):
         """Figure and tables of events; ``None`` where none are compared."""
         tables = [real_events.summary(run), real_events.intervals(run)]
         found = _parts([real_events.figure(run)], tables)
-        return found if found["tables"] else None
+        return found if found["grids"] else None
 
 
 class RealValues(Section):

@@ -14,6 +14,7 @@ integration). It is stated here by its restitution at a reference speed, as the 
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -36,7 +37,8 @@ _SMALL = 1e-3
 _ARC_SERIES = (1.0, -1 / 3, 1 / 5, -1 / 7, 1 / 9, -1 / 11)
 _COSH_SERIES = (1.0, -1 / 6, 2 / 45, -17 / 1260, 62 / 14175)
 _LOG_SERIES = (1.0, -2 / 3, 2 / 4, -2 / 5, 2 / 6, -2 / 7)
-_NEWTON_STEPS = 5
+#: largest χ·v of the table of Hunt and Crossley's restitution
+_FASTEST = 12.0
 
 
 @dataclass(frozen=True)
@@ -175,10 +177,15 @@ def height_at(
     given = {name: np.asarray(value)[..., None] for name, value in {**DEFAULTS, **values}.items()}
     k, gravity = drag_of(given), given["gravity_m_s2"]
     own = (time_s - given["release_time_s"]) / (1 + given["clock_skew"])
-    after = own - found.apex_s[..., flight]
-    squared = gravity * gravity * k * after * after
-    drop = 0.5 * gravity * after * after * _cosh_ratio(np.where(after < 0, -squared, squared))
-    return np.asarray(given["floor_m"] + (found.apex_m[..., flight] - drop) / given["scale"])
+    height = arc(own - found.apex_s[..., flight], found.apex_m[..., flight], gravity, k)
+    return np.asarray(given["floor_m"] + height / given["scale"])
+
+
+def arc(after_s: Array, apex_m: Array | float, gravity: Array | float, k: Array | float) -> Array:
+    """Height at times after (or, negative, before) the apex of a flight, with drag k = 1/v_t²."""
+    squared = gravity * gravity * k * after_s * after_s
+    fall = _cosh_ratio(np.where(after_s < 0, -squared, squared))
+    return np.asarray(apex_m - 0.5 * gravity * after_s * after_s * fall)
 
 
 def restitution_at(model: Model, values: Mapping[str, Array | float], speed: Array) -> Array:
@@ -199,34 +206,53 @@ def hunt_crossley_dissipation(restitution: float) -> float:
 
 
 def hunt_crossley(y: Array) -> Array:
-    """Effective restitution at y = χ·v, to rounding.
-
-    With S(x) = ±√(2(x - ln(1 + x))) the relation is S(-y·e) = -S(y): smooth and free of the
-    trivial root, so a few Newton steps from a guess within 3 % are enough.
-    """
+    """Effective restitution at y = χ·v, to rounding."""
     given = np.maximum(np.asarray(y, dtype=float), 0.0)
-    y = np.clip(given, 1e-12, 30.0)
+    y = np.clip(given, 1e-12, _FASTEST)
+    places, guesses = _table()
+    z = _improved(np.interp(y / (1 + y), places, guesses), -y * _root_ratio(y))
+    found = np.where(given <= 1e-12, 1.0, -z / y)
+    if np.any(given > _FASTEST):
+        # the ball creeps out: q·exp(-q) = (1 + y)·exp(-1 - y) with small q = 1 - y·e
+        near = (1 + given) * np.exp(-(1 + given))
+        slow = (1 - near * (1 + near * (1 + 1.5 * near))) / np.maximum(given, 1.0)
+        found = np.where(given > _FASTEST, slow, found)
+    return np.asarray(found)
+
+
+@functools.cache
+def _table() -> tuple[Array, Array]:
+    """z = -y·e at places of y/(1 + y), from which one Newton step reaches rounding."""
+    places = np.linspace(0, _FASTEST / (1 + _FASTEST), 4001)
+    y = places / (1 - places)
     near = (1 + y) * np.exp(-(1 + y))
-    left = np.maximum(1 - y / (1 + 2 * y / 3), near * np.exp(near * np.exp(near)))
-    z = left - 1
+    z = np.maximum(1 - y / (1 + 2 * y / 3), near * np.exp(near * np.exp(near))) - 1
     goal = -y * _root_ratio(y)
-    for _ in range(_NEWTON_STEPS):
-        ratio = _root_ratio(z)
-        z = np.maximum(z - (z * ratio - goal) * (1 + z) * ratio, (z - 1) / 2)
-    # beyond 30 the ball creeps out with 1/χ, to rounding
-    return np.asarray(np.where(given <= 1e-12, 1.0, np.where(given > 30, 1 / np.maximum(given, 1), -z / y)))
+    for _ in range(6):
+        z = _improved(z, goal)
+    return places, z
+
+
+def _improved(z: Array, goal: Array) -> Array:
+    """One Newton step towards S(z) = goal; S is smooth and free of the trivial root z = y.
+
+    S(x) = ±√(2(x - ln(1 + x))), and the relation of Hunt and Crossley is S(-y·e) = -S(y).
+    """
+    ratio = _root_ratio(z)
+    return np.maximum(z - (z * ratio - goal) * (1 + z) * ratio, (z - 1) / 2)
 
 
 def _inverse_hunt_crossley(e: Array) -> Array:
     """y = χ·v at which the restitution is e."""
-    e = np.clip(np.asarray(e, dtype=float), 1e-3, 1 - 1e-12)
-    y = np.minimum(1.5 * (1 / e - 1), 0.97 / e)
-    for _ in range(2 * _NEWTON_STEPS):
-        ours, theirs = _root_ratio(y), _root_ratio(-e * y)
-        slope = _root_slope(y, ours) + e * e * _root_slope(-e * y, theirs)
-        step = (ours - e * theirs) / slope
-        y = np.clip(y - step, y / 4, (y + 3 / e) / 4)
-    return np.asarray(y)
+    e = np.clip(np.asarray(e, dtype=float), 1.001 / _FASTEST, 1 - 1e-12)
+    places, z = _table()
+    y = places[1:] / (1 - places[1:])
+    # the table's restitution falls, and interpolation wants it to rise
+    guess = np.interp(-e, np.concatenate(([-1.0], z[1:] / y)), places)
+    y = np.maximum(guess / (1 - guess), 1e-13)
+    ours, theirs = _root_ratio(y), _root_ratio(-e * y)
+    slope = _root_slope(y, ours) + e * e * _root_slope(-e * y, theirs)
+    return np.asarray(y - (ours - e * theirs) / slope)
 
 
 def _root_ratio(x: Array) -> Array:
@@ -246,7 +272,9 @@ def _root_slope(x: Array, ratio: Array) -> Array:
 
 def arc_ratio(s: Array) -> Array:
     """A(s) = arctan(√s)/√s, and artanh(√-s)/√-s below 0; s above -1."""
-    s = np.maximum(s, -1 + 1e-15)
+    s = np.maximum(np.asarray(s), -1 + 1e-15)
+    if not s.any():
+        return np.ones_like(s)
     root = np.sqrt(np.abs(s))
     small = root * root < _SMALL
     root = np.where(small, 0.5, root)

@@ -20,7 +20,7 @@ Residuals = Callable[[Array], Array]
 #: step of the central differences in sizes of an unknown
 STEP = 1e-5
 MOST_STEPS = 60
-#: a fit has ended when the next step would lower chi squared by less than this
+#: a fit has ended when the next step would lower chi squared by less than this part
 _ENOUGH = 1e-9
 
 
@@ -68,7 +68,7 @@ def solve(residuals: Residuals, start: Array, low: Array, high: Array, size: Arr
         slope = np.einsum("bnp,bn->bp", jacobian, r)
         outward = _outward(x, slope, low, high)
         step, gain = _step(jacobian, slope, outward != 0, damping)
-        done |= gain < _ENOUGH * np.minimum(1.0, 1e-3 + chi2)
+        done |= gain < _ENOUGH * (1e-3 + chi2)
         if done.all():
             break
         moved = np.where(done[:, None], x, np.clip(x + step * size, low, high))
@@ -77,7 +77,7 @@ def solve(residuals: Residuals, start: Array, low: Array, high: Array, size: Arr
         better = (chi2_moved < chi2) & ~done
         # no step of any length helps any more: rounding is reached
         done |= ~better & (damping > 1e12)
-        damping = np.where(better, np.maximum(damping / 10, 1e-12), damping * 10)
+        damping = np.where(better, np.maximum(damping / 30, 1e-14), damping * 10)
         if better.any():
             x = np.where(better[:, None], moved, x)
             r = np.where(better[:, None], r_moved, r)
@@ -114,6 +114,8 @@ def _step(
     goal = np.where(free, -slope, 0.0) / root
     eye = np.eye(jacobian.shape[-1])
     inert = eye * (~(diagonal > 0))[:, :, None]
-    step = np.linalg.solve(scaled + inert + damping[:, None, None] * eye, goal[..., None])[..., 0]
-    gain = np.einsum("bp,bp->b", goal, step)
-    return step / root, np.where(damping <= 1e-2, gain, np.inf)
+    whole = scaled + inert
+    step = np.linalg.solve(whole + damping[:, None, None] * eye, goal[..., None])[..., 0]
+    # damping hides weak directions, so what is left to gain is judged without it
+    full = np.linalg.solve(whole + 1e-13 * eye, goal[..., None])[..., 0]
+    return step / root, np.einsum("bp,bp->b", goal, full)

@@ -129,7 +129,7 @@ class Problem:
             found = bounce_models.bounces(self.model, values, impacts.count)
             for block in self.blocks:
                 if block.drop == number:
-                    parts.append(_seen(block, impacts, found, values, x.shape[:-1]))
+                    parts.append(seen_in(block, impacts, found, values, x.shape[:-1]))
         return np.concatenate(parts, axis=-1)
 
     def residuals(
@@ -340,7 +340,7 @@ def _whitening(covariance: Array) -> Array:
     return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
 
 
-def _seen(
+def seen_in(
     block: Block,
     impacts: Impacts,
     found: bounce_models.Bounces,

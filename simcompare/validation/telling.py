@@ -193,14 +193,11 @@ def _when(found: Record) -> Iterator[str]:
         f" measured are at most {_number(worst['rmse_s'], 's')} apart (root mean square,"
         f" {_who(worst)})"
     )
-    told += f"; {lost} have no partner" if lost else ""
+    told += f"; {lost} {'has' if lost == 1 else 'have'} no partner" if lost else ""
     judged = [i["e_n"] for row in rows for i in row["intervals"] if i["e_n"] is not None]
     if judged:
         within = sum(abs(e_n) <= 1 for e_n in judged)
-        told += (
-            f". Of {len(judged)} intervals between them {within} agree within the noise level"
-            " (|E_n| ≤ 1, k = 2)"
-        )
+        told += f". {_agreeing(within, len(judged), 'interval')}"
     yield f"{told}."
 
 
@@ -214,7 +211,7 @@ def _how_sure(found: Record) -> Iterator[str]:
         yield "No single value can be judged, because a part of its uncertainty is not known."
         return
     within = sum(row["within_noise"] for row in rows)
-    told = f"Of {len(rows)} single values {within} agree within the noise level (|E_n| ≤ 1, k = 2)"
+    told = _agreeing(within, len(rows), "single value")
     if within < len(rows):
         worst = max(rows, key=lambda row: abs(row["e_n"]))
         e_n = f"{worst['e_n']:+.1f}".replace("-", "−")
@@ -223,7 +220,14 @@ def _how_sure(found: Record) -> Iterator[str]:
         told += "; that shows no fault, and proves no model"
     source, share = _dominant(rows)
     most = "Nearly all" if share > 0.99 else _percent(share)
-    yield f"{told}. {most} of their squared uncertainty comes from {_SOURCES[source]}."
+    yield f"{told}. {most} of the squared uncertainty comes from {_SOURCES[source]}."
+
+
+def _agreeing(within: int, count: int, noun: str) -> str:
+    level = "within the noise level (|E_n| ≤ 1, k = 2)"
+    if count == 1:
+        return f"The one {noun} {'agrees' if within else 'does not agree'} {level}"
+    return f"Of {count} {noun}s {within} agree{'s' if within == 1 else ''} {level}"
 
 
 def _dominant(rows: Sequence[Record]) -> tuple[str, float]:

@@ -1,0 +1,139 @@
+"""Figures of simulations held against a recording."""
+
+import json
+
+import numpy as np
+import pytest
+
+from simcompare.reports import real_parts, real_tables, real_waves
+from simcompare.trajectory import Trajectory
+from tests import validated
+from tests.validated import NOISE_RAD, cells, changed, streams
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    return validated.make(tmp_path_factory.mktemp("logs"))
+
+
+@pytest.fixture(scope="module")
+def fitted(made):
+    return validated.run_of(made, "fitted")
+
+
+@pytest.fixture(scope="module")
+def judged(made):
+    return validated.run_of(made, "known")
+
+
+def test_a_gap_that_the_fit_made_larger_is_told_and_not_drawn(fitted):
+    rows = json.loads(json.dumps(fitted.record["validation"]["gaps"]))
+    for row in rows:
+        row["shares"] |= {"removed": -0.06, "model_form": 1.05, "noise": 0.01, "numerical": 0.0}
+    figure = real_parts.gap_figure(changed(fitted, gaps=rows))
+    (panel,) = figure.panels
+    assert "made the mean square larger, by up to 6 %" in figure.caption
+    assert all((bars.heights >= 0).all() for bars in panel.bars)
+    lengths = np.sum([bars.heights for bars in panel.bars], axis=0)
+    assert lengths == pytest.approx([row["total"] for row in rows])
+    table = real_tables.gaps(changed(fitted, gaps=rows))[0]
+    head = [column.head for column in table.columns].index("Fit took away (%)")
+    assert {row[head] for row in cells(table)} == {"−6.0"}
+
+
+def test_without_a_fit_parameters_and_model_are_not_told_apart(judged):
+    figure = real_parts.gap_figure(judged)
+    assert figure.panels[0].bars[0].label == "model form or parameters"
+    assert "before the fit" not in figure.panels[0].x_label
+    assert real_parts.parameter_figure(judged) is None
+
+
+def test_bars_stand_below_the_name_of_their_stretch(fitted):
+    (panel,) = real_parts.gap_figure(streams(fitted, 2)).panels
+    assert panel.y_ticks[:2] == ("part 0:", "pymunk")
+    assert panel.y_ticks[3] == "part 1:"
+    assert panel.bars[0].heights[0] == panel.bars[0].heights[3] == 0
+
+
+def test_a_distant_e_n_is_drawn_at_the_edge(judged):
+    rows = json.loads(json.dumps(judged.record["validation"]["values"]))
+    rows[0]["e_n"] = -480.0
+    figure = real_parts.e_n_figure(changed(judged, values=rows))
+    assert min(series.x.min() for series in figure.panels[0].series) == -10
+    assert "drawn at the edge" in figure.caption
+    assert not any(one["e_n"] == -10 for one in rows)
+
+
+def test_fitted_parameters_are_drawn_in_units_of_what_was_known(fitted):
+    figure = real_parts.parameter_figure(fitted)
+    (series,) = figure.panels[0].series
+    rows = {row["name"]: row for row in fitted.record["validation"]["parameters"]}
+    length = rows["length_m"]
+    assert series.x[0] == pytest.approx((length["fitted"] - 0.24) / 0.01)
+    assert series.u[0] == pytest.approx(2 * length["u_fitted"] / 0.01)
+    assert figure.panels[0].y_ticks == ("length", "damping")
+
+
+def test_single_stretches_scatter_about_the_fit(fitted):
+    fit = json.loads(json.dumps(fitted.record["validation"]["fit"]))
+    rows = {row["name"]: row for row in fitted.record["validation"]["parameters"]}
+    names = fit["names"]
+    fit["single"] = {
+        "a": [rows[n]["fitted"] + rows[n]["u_fitted"] for n in names],
+        "b": [rows[n]["fitted"] - 3 * rows[n]["u_fitted"] for n in names],
+    }
+    figure = real_parts.parameter_figure(changed(fitted, fit=fit))
+    (series,) = figure.panels[1].series
+    assert sorted(series.x) == pytest.approx([-3, -3, 1, 1])
+    table = real_tables.single_fits(changed(fitted, fit=fit))
+    assert [row[0] for row in cells(table)] == ["a", "b"]
+
+
+def test_of_many_stretches_the_best_and_the_worst_are_drawn(fitted):
+    many = streams(fitted, 4)
+    found = real_waves.overlay_figures(many, "angle_rad")
+    assert [figure.name for figure in found] == ["overlay-angle_rad-1", "overlay-angle_rad-4"]
+    assert "Of 4 stretches" in found[0].caption
+    assert "part 3" in found[1].title
+
+
+def test_the_zoom_is_where_the_gap_is_largest():
+    time_s = np.linspace(0, 10, 1001)
+    values = np.sin(2 * np.pi * time_s)
+    residual = np.where(time_s > 8, 0.2, 0.01)
+    measured = Trajectory("measured", time_s, {"x": values})
+    low, high = real_waves.zoom_window(measured, "x", [residual, 0 * residual])
+    assert low >= 7
+    assert high <= 10.001
+    assert high - low == pytest.approx(2.5, rel=0.1)
+
+
+def test_lines_do_not_cross_a_gap():
+    time_s = np.array([0.0, 0.1, 0.2, 0.3, 0.9, 1.0, 1.1])
+    times, values = real_waves.with_gaps(time_s, np.arange(7.0))
+    assert np.flatnonzero(np.isnan(values)) == pytest.approx([4])
+    assert len(times) == 8
+
+
+def test_events_are_marked_on_the_aligned_clock(fitted):
+    events = [
+        {"name": "push", "time_s": t, "stream": s, "u_s": None, "value": None}
+        for t, s in ((1.5, "log"), (99.0, "log"), (1.0, "elsewhere"))
+    ]
+    shifted = [{"offset_s": 0.5, "skew": 0.0, "text": "By events."}]
+    run = changed(fitted, events=events, alignments=shifted)
+    (overlay,) = real_waves.overlay_figures(run, "angle_rad")
+    marks = [span.low for span in overlay.panels[0].spans if span.label == "event"]
+    assert marks == [1.0]
+    assert "events of the recording" in overlay.caption
+    residual = real_waves.residual_figure(run, "angle_rad")
+    assert [span.low for span in residual.panels[0].spans] == [1.0]
+
+
+def test_the_residual_shows_noise_and_parameters(judged):
+    (panel,) = real_waves.residual_figure(judged, "angle_rad").panels
+    (band,) = panel.bands
+    assert (band.low, band.high) == pytest.approx((-2 * NOISE_RAD, 2 * NOISE_RAD))
+    shaded = next(series for series in panel.series if series.shaded)
+    assert (shaded.u >= 2 * NOISE_RAD - 1e-12).all()
+    assert shaded.u.max() > 10 * NOISE_RAD
