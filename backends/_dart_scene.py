@@ -225,12 +225,13 @@ def _set_contacts(scene: Scene, scenario: Scenario) -> None:
 
 
 def _touches_at_points(scenario: Scenario) -> bool:
-    """Whether there is friction, and all that rubs are single spheres, or boxes on planes."""
+    """Whether there is friction, and all that rubs are single spheres, or free boxes on planes."""
     rubbing = [contact.pair for contact in touching_pairs(scenario) if contact.friction > 0]
     shapes = {name: [*(s.type for s in body.shapes)] for name, body in scenario.bodies.items()}
     kinds = [(shapes[a], shapes[b]) for a, b in rubbing]
+    free = not scenario.joints
     return bool(kinds) and all(
-        ["sphere"] in pair or (["box"] in pair and ["plane"] in pair) for pair in kinds
+        ["sphere"] in pair or (free and ["box"] in pair and ["plane"] in pair) for pair in kinds
     )
 
 

@@ -18,6 +18,8 @@ KNOWN, FITTED = "known before", "fitted"
 ONLY = "log"
 #: stretches of a recording that are drawn; the tables have all
 MOST_STRETCHES = 2
+#: judged quantities of which all those stretches are drawn; of more, only the worst one
+MOST_PROBES = 2
 #: letters of a name that a figure or a cell can hold; names come from files
 _LETTERS = 28
 
@@ -91,21 +93,27 @@ def drawn_cases(run: Run) -> list[tuple[int, str]]:
     """Number and name of the stretches that are drawn: all, or the best and the worst of many."""
     streams = [str(case["stream"]) for case in validation(run)["cases"]]
     found = list(enumerate(streams))
-    if len(found) <= MOST_STRETCHES:
+    if len(found) <= _most_drawn(run):
         return found
     sizes = {stream: 0.0 for stream in streams}
     for row in validation(run)["waveforms"]:
         if row["judged"] and row["parameters"] == last_parameters(run):
             sizes[row["stream"]] = max(sizes[row["stream"]], row["nrmse"] or 0.0)
     order = sorted(found, key=lambda pair: sizes[pair[1]])
-    return sorted([order[0], order[-1]])
+    return sorted([order[0], order[-1]][-_most_drawn(run) :])
+
+
+def _most_drawn(run: Run) -> int:
+    return MOST_STRETCHES if len(judged_probes(run)) <= MOST_PROBES else 1
 
 
 def chosen_words(run: Run) -> str:
     """Which stretches are drawn, where that is not all of them."""
     count = len(validation(run)["cases"])
-    if count <= MOST_STRETCHES:
+    if count <= _most_drawn(run):
         return ""
+    if _most_drawn(run) == 1:
+        return f" Of {count} stretches the one with the largest gap."
     return f" Of {count} stretches the one with the smallest and the one with the largest gap."
 
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from simcompare.reports import real, runs
 from simcompare.reports.figures import (
-    MOST_PANELS,
     Bars,
     Figure,
     Panel,
@@ -35,24 +34,30 @@ UNFITTED = "model form or parameters"
 _ROOM = 0.08
 #: E_n beyond this is drawn at the edge: how many times it is 1 no longer matters
 _FAR = 10.0
+#: lying bars need the width of half a page
+_PANELS = 2
 #: rows that a figure of usual height holds
 _ROWS, _POINT_ROWS = 10, 7
 _FITTED, _ALONE = Style("#0072B2"), Style("#000000", marker="diamond", hollow=True)
 
 
-def gap_figure(run: Run) -> Figure | None:
+def gap_figures(run: Run) -> list[Figure]:
     """How large the gap of each engine is and what it is made of."""
     rows = [row for row in real.validation(run)["gaps"] if row["total"] > 0]
     panels = [
         _gap_panel(run, probe, own)
         for probe in real.judged_probes(run)
         if (own := [row for row in rows if row["probe"] == probe])
-    ][:MOST_PANELS]
-    if not panels:
-        return None
-    height = max(len(panel.y_ticks or ()) for panel in panels) / _ROWS
-    return Figure("gap", "What the gap is made of", _gap_caption(run), tuple(panels),
-                  height=_height(height))  # fmt: skip
+    ]
+    parts = [panels[i : i + _PANELS] for i in range(0, len(panels), _PANELS)]
+    return [_gap_figure(run, number, tuple(part)) for number, part in enumerate(parts, start=1)]
+
+
+def _gap_figure(run: Run, number: int, panels: tuple[Panel, ...]) -> Figure:
+    height = _height(max(len(panel.y_ticks or ()) for panel in panels) / _ROWS)
+    name = "gap" if number == 1 else f"gap-{number}"
+    caption = _gap_caption(run) if number == 1 else "The same for the other quantities."
+    return Figure(name, "What the gap is made of", caption, panels, height=height)
 
 
 def _height(share: float) -> float:

@@ -16,6 +16,7 @@ _PUBLIC = {
     "load_run": "simcompare.store",
     "export": "simcompare.exporters",
     "import_log": "simcompare.importing",
+    "fit": "simcompare.fitting.fitting",
     "validate": "simcompare.validation.validating",
     "Recording": "simcompare.recording",
     "Scenario": "simcompare.scenario",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
@@ -17,7 +17,7 @@ from simcompare.scenario_checks import faults_between_parts
 from simcompare.signals import Signal
 
 #: keys of the file that describe it rather than the scene
-HEAD_KEYS = ("parameters", "presets")
+HEAD_KEYS = ("parameters", "presets", "fit")
 #: names a scenario that this one is a variant of
 EXTENDS = "extends"
 #: what expressions call the time between samples
@@ -59,9 +59,25 @@ class Preset(BaseModel):
     taken_from: tuple[str, ...] = Field((), description="published tables that it was taken from")
 
 
+class Fittable(BaseModel):
+    """What of a scenario can be fitted to a measurement, and how.
+
+    Attributes:
+        by: "bounces" (impact times, rebound heights, height against time) or "waveform" (a probe
+            against a recorded channel).
+        parameters: parameters that a measurement may tell.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    by: Literal["bounces", "waveform"]
+    parameters: tuple[str, ...] = Field(min_length=1)
+
+
 class _Head(BaseModel):
     parameters: Mapping[str, Parameter] = Field(default_factory=dict)
     presets: Mapping[str, Preset] = Field(default_factory=dict)
+    fit: Fittable | None = None
 
 
 @dataclass(frozen=True)
@@ -75,6 +91,7 @@ class ScenarioFile:
         tree: the rest of the file, expressions unevaluated.
         lines: dotted place -> line number, for messages.
         extends: files that this one is a variant of, the nearest first.
+        fit: what of it can be fitted, ``None`` where nothing is named.
     """
 
     path: Path
@@ -83,6 +100,7 @@ class ScenarioFile:
     tree: Mapping[str, Any]
     lines: Mapping[str, int] = field(repr=False)
     extends: tuple[Path, ...] = ()
+    fit: Fittable | None = None
 
     @property
     def name(self) -> str:
@@ -232,7 +250,7 @@ def read(path: Path) -> ScenarioFile:
     faults.update(build(scene, values, None)[1])
     if faults:
         raise InputError(str(path), describe(faults, lines))
-    return ScenarioFile(path, head.parameters, head.presets, scene, lines, extended)
+    return ScenarioFile(path, head.parameters, head.presets, scene, lines, extended, head.fit)
 
 
 def _read_with_bases(
@@ -292,6 +310,9 @@ def _head_faults(head: _Head) -> dict[str, str]:
     for name in head.parameters:
         if not name.isidentifier() or name in taken:
             faults[f"parameters.{name}"] = f"{name!r} cannot be the name of a parameter"
+    for number, name in enumerate(head.fit.parameters if head.fit else ()):
+        if name not in head.parameters:
+            faults[f"fit.parameters.{number}"] = str(UnknownName("parameter", name, head.parameters))
     for name, preset in head.presets.items():
         for parameter, sentence in out_of_bounds(preset.set, head.parameters).items():
             faults[f"presets.{name}.set.{parameter}"] = sentence

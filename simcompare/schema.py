@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from simcompare.scenario import Scenario
-from simcompare.scenario_file import SCHEMA_PATH, Parameter, Preset
+from simcompare.scenario_file import SCHEMA_PATH, Fittable, Parameter, Preset
 
 _EXPRESSION = {"type": "string", "pattern": r"^\s*\$\{.*\}\s*$"}
 
@@ -17,8 +17,10 @@ def build() -> dict[str, Any]:
     definitions = schema["$defs"]
     definitions["Parameter"] = Parameter.model_json_schema()
     definitions["Preset"] = Preset.model_json_schema()
+    definitions["Fittable"] = Fittable.model_json_schema()
     schema["properties"]["parameters"] = _mapping_of("Parameter")
     schema["properties"]["presets"] = _mapping_of("Preset")
+    schema["properties"]["fit"] = {"$ref": "#/$defs/Fittable"}
     schema["properties"]["extends"] = {"type": "string"}
     schema["title"] = "simcompare scenario"
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
@@ -33,7 +35,7 @@ def build() -> dict[str, Any]:
     return {**schema, "if": {"required": ["extends"]}, "then": variant, "else": whole}
 
 
-_PLAIN = ("Parameter", "Preset")
+_PLAIN = ("Parameter", "Preset", "Fittable")
 
 
 def _mapping_of(name: str) -> dict[str, Any]:

@@ -352,10 +352,15 @@ def plain_rows(data: bytes, log: Log) -> list[list[float]]:
     width = len(_cells(next(iter(log.files.values())).decode(log.encoding).rstrip(), log))
     found: list[list[float]] = []
     for line in text.split("\n")[:-1]:  # the last one may be cut
-        with contextlib.suppress(ValueError):
-            cells = _cells(line, log)
-            if len(cells) == width and not any("_" in cell for cell in cells):
-                found.append([float(cell.replace(log.decimal, ".")) for cell in cells])
+        cells = _cells(line, log)
+        try:
+            numbers = [float(cell.replace(log.decimal, ".")) for cell in cells if "_" not in cell]
+        except ValueError:
+            numbers = []
+        if len(numbers) == len(cells) == width:
+            found.append(numbers)
+        elif len(found) < 3:
+            found.clear()  # what looks like a row within the header is none
     return found
 
 

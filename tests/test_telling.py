@@ -252,3 +252,31 @@ def test_events_alone_are_an_answer():
         "Impact times: simulated and measured are at most 0.002 s apart (root mean square, north);"
         " 1 has no partner. Of 2 intervals 1 agrees within the noise level" in found
     )
+
+
+def test_many_quantities_are_told_in_one_sentence():
+    probes = {"a": "Rate a", "b": "Rate b", "c": "Rate c"}
+    found = record(
+        compare={probe: {"label": label} for probe, label in probes.items()},
+        waveforms=[waveform(probe=p, rmse=0.01 * i) for i, p in enumerate(probes, start=1)],
+        gaps=[gap(model_form=0.1 * i, probe=p) for i, p in enumerate(probes, start=1)],
+    )
+    told = telling.sentences(found)
+    assert told[0] == (
+        "With the parameters known before, the simulated signals are off by these shares of the"
+        " measured range (root mean square): rate a 1 %; rate b 2 %; rate c 3 %."
+    )
+    assert told[1].startswith(
+        "Of the mean square of each gap this is neither noise nor numerical error: rate a 10 %;"
+        " rate b 20 %; rate c 30 %. Nothing was fitted"
+    )
+
+
+def test_a_value_just_outside_does_not_look_like_one_just_inside():
+    assert "None of 2 single values agrees" in text(record(values=[value(-1.04), value(1.02)]))
+    assert "E_n = −1.04" in text(record(values=[value(-1.04), value(1.02)]))
+
+
+def test_a_vanishing_numerical_error_is_told_shortly():
+    rows = [gap(0.0, 0.9, name, numerical=1e-6) for name in ("north", "south")]
+    assert "of each engine is below 0.05 % of that" in text(record(gaps=rows))

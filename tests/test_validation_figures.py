@@ -5,7 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from simcompare.reports import real_parts, real_tables, real_waves
+from simcompare.reports import real_events, real_parts, real_tables, real_waves
+from simcompare.reports.sections.real import Timings
 from simcompare.trajectory import Trajectory
 from tests import validated
 from tests.validated import NOISE_RAD, cells, changed, streams
@@ -30,7 +31,7 @@ def test_a_gap_that_the_fit_made_larger_is_told_and_not_drawn(fitted):
     rows = json.loads(json.dumps(fitted.record["validation"]["gaps"]))
     for row in rows:
         row["shares"] |= {"removed": -0.06, "model_form": 1.05, "noise": 0.01, "numerical": 0.0}
-    figure = real_parts.gap_figure(changed(fitted, gaps=rows))
+    (figure,) = real_parts.gap_figures(changed(fitted, gaps=rows))
     (panel,) = figure.panels
     assert "made the mean square larger, by up to 6 %" in figure.caption
     assert all((bars.heights >= 0).all() for bars in panel.bars)
@@ -42,14 +43,15 @@ def test_a_gap_that_the_fit_made_larger_is_told_and_not_drawn(fitted):
 
 
 def test_without_a_fit_parameters_and_model_are_not_told_apart(judged):
-    figure = real_parts.gap_figure(judged)
+    (figure,) = real_parts.gap_figures(judged)
     assert figure.panels[0].bars[0].label == "model form or parameters"
     assert "before the fit" not in figure.panels[0].x_label
     assert real_parts.parameter_figure(judged) is None
 
 
 def test_bars_stand_below_the_name_of_their_stretch(fitted):
-    (panel,) = real_parts.gap_figure(streams(fitted, 2)).panels
+    (figure,) = real_parts.gap_figures(streams(fitted, 2))
+    (panel,) = figure.panels
     assert panel.y_ticks[:2] == ("part 0:", "pymunk")
     assert panel.y_ticks[3] == "part 1:"
     assert panel.bars[0].heights[0] == panel.bars[0].heights[3] == 0
@@ -137,3 +139,51 @@ def test_the_residual_shows_noise_and_parameters(judged):
     shaded = next(series for series in panel.series if series.shaded)
     assert (shaded.u >= 2 * NOISE_RAD - 1e-12).all()
     assert shaded.u.max() > 10 * NOISE_RAD
+
+
+def timed(run, **more):
+    """The same run as if it had compared impacts."""
+    interval = {
+        "number": 1, "simulated_s": 0.512, "measured_s": 0.5, "u_data_s": 0.003, "u_num_s": 0.004,
+        "u_input_s": None, "e_n": None,
+    }  # fmt: skip
+    row = {
+        "source": "pymunk", "stream": "log", "series": "impact_times", "matched": 2, "missed": 1,
+        "extra": 0, "bias_s": 0.01, "rmse_s": 0.0123, "max_abs_s": 0.02, "times_s": [0.0, 0.512],
+        "measured_s": [0.0, 0.5], "intervals": [interval], **more,
+    }  # fmt: skip
+    return changed(run, timings=[row])
+
+
+def test_intervals_between_events_are_drawn_with_what_is_known_of_their_uncertainty(fitted):
+    figure = real_events.figure(timed(fitted))
+    (panel,) = figure.panels
+    (series,) = panel.series
+    assert series.y[0] == pytest.approx(0.012)
+    assert series.u[0] == pytest.approx(2 * 0.005)
+    assert panel.y_label == "simulated − measured (s)"
+
+
+def test_events_without_a_partner_are_counted(fitted):
+    (row,) = cells(real_events.summary(timed(fitted)))
+    assert row == ("pymunk", "2", "1", "0", "0.0100", "0.0123", "0.0200")
+    assert cells(real_events.intervals(timed(fitted)))[0][4:] == ("0.00300", "0.00400", "–", "–")
+    lost = timed(fitted, matched=0, bias_s=None, rmse_s=None, max_abs_s=None, intervals=[])
+    assert cells(real_events.summary(lost))[0][4:] == ("–", "–", "–")
+    assert real_events.figure(lost) is None
+
+
+def test_a_run_without_events_has_no_section_on_them(fitted):
+    assert real_events.summary(fitted) is None
+    assert Timings().context(fitted) is None
+    assert Timings().context(timed(fitted))["grids"]
+
+
+def test_no_quantity_is_left_out_of_the_picture_of_the_gap(fitted):
+    found = fitted.record["validation"]
+    probes = [f"q{i}" for i in range(5)]
+    rows = [{**row, "probe": probe} for probe in probes for row in found["gaps"]]
+    compare = {probe: found["compare"]["angle_rad"] | {"label": probe} for probe in probes}
+    figures = real_parts.gap_figures(changed(fitted, gaps=rows, compare=compare))
+    assert [figure.name for figure in figures] == ["gap", "gap-2", "gap-3"]
+    assert [panel.title for figure in figures for panel in figure.panels] == probes

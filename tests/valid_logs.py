@@ -223,41 +223,52 @@ def _bag(folder: Path) -> list[Log]:
     return [*found, Log("bag/mcap", {"l.mcap": mcap.read_bytes()})]
 
 
-def fill_bag(writer: object, *, ros1: bool, count: int = ROWS) -> None:
-    """Messages of an inertial unit and of joints, 10 ms apart."""
+def fill_bag(writer, *, ros1: bool) -> None:
+    """Messages of an inertial unit and of a range finder, 10 ms apart."""
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE)
-    pack = store.serialize_ros1 if ros1 else store.serialize_cdr
-    kinds = store.types
-    with writer:  # type: ignore[attr-defined]
-        topics = {
-            kind: writer.add_connection(topic, kind, typestore=store)  # type: ignore[attr-defined]
-            for topic, kind in (
-                ("/imu", "sensor_msgs/msg/Imu"),
-                ("/range", "sensor_msgs/msg/Range"),
-            )
+    topics = {"/imu": ("sensor_msgs/msg/Imu", imu_message),
+              "/range": ("sensor_msgs/msg/Range", _range_message)}  # fmt: skip
+    with writer:
+        connections = {
+            topic: writer.add_connection(topic, kind, typestore=store)
+            for topic, (kind, _) in topics.items()
         }
-        vector, turn = kinds["geometry_msgs/msg/Vector3"], kinds["geometry_msgs/msg/Quaternion"]
-        none = np.zeros(9)
-        for i, (a, b, c) in enumerate(motion(count).tolist()):
-            ns = START_NS + i * 10_000_000
-            stamp = kinds["builtin_interfaces/msg/Time"](sec=ns // 10**9, nanosec=ns % 10**9)
-            more = {"seq": i} if ros1 else {}
-            head = kinds["std_msgs/msg/Header"](stamp=stamp, frame_id="imu", **more)
-            imu = kinds["sensor_msgs/msg/Imu"](
-                header=head, orientation=turn(x=0.0, y=0.0, z=0.0, w=1.0),
-                orientation_covariance=none, angular_velocity=vector(x=a, y=0.1 * b, z=0.2 * c),
-                angular_velocity_covariance=np.diag([1e-4, 4e-4, 9e-4]).ravel(),
-                linear_acceleration=vector(x=a, y=0.1 * b, z=9.8),
-                linear_acceleration_covariance=none,
-            )  # fmt: skip
-            reach = kinds["sensor_msgs/msg/Range"](
-                header=head, radiation_type=0, field_of_view=0.1, min_range=0.1, max_range=4.0,
-                range=1.0 + 0.1 * b,
-            )  # fmt: skip
-            for kind, message in (("sensor_msgs/msg/Imu", imu), ("sensor_msgs/msg/Range", reach)):
-                writer.write(topics[kind], ns + 2_000_000, pack(message, kind))  # type: ignore[attr-defined]
+        for i in range(ROWS):
+            for topic, (_, message) in topics.items():
+                received = START_NS + i * 10_000_000 + 2_000_000
+                writer.write(connections[topic], received, message(store, i, ros1=ros1))
+
+
+def imu_message(store, i: int, *, ros1: bool = False) -> bytes:
+    """A packed message of an inertial unit."""
+    vector = store.types["geometry_msgs/msg/Vector3"]
+    turn = store.types["geometry_msgs/msg/Quaternion"]
+    a, b, c = motion()[i].tolist()
+    return _packed(
+        store, "sensor_msgs/msg/Imu", i, ros1, orientation=turn(x=0.0, y=0.0, z=0.0, w=1.0),
+        orientation_covariance=np.zeros(9), angular_velocity=vector(x=a, y=0.1 * b, z=0.2 * c),
+        angular_velocity_covariance=np.diag([1e-4, 4e-4, 9e-4]).ravel(),
+        linear_acceleration=vector(x=a, y=0.1 * b, z=9.8),
+        linear_acceleration_covariance=np.zeros(9),
+    )  # fmt: skip
+
+
+def _range_message(store, i: int, *, ros1: bool = False) -> bytes:
+    return _packed(
+        store, "sensor_msgs/msg/Range", i, ros1, radiation_type=0, field_of_view=0.1,
+        min_range=0.1, max_range=4.0, range=1.0 + 0.1 * motion()[i, 1],
+    )  # fmt: skip
+
+
+def _packed(store, kind: str, i: int, ros1: bool, **fields) -> bytes:
+    ns = START_NS + i * 10_000_000
+    stamp = store.types["builtin_interfaces/msg/Time"](sec=ns // 10**9, nanosec=ns % 10**9)
+    more = {"seq": i} if ros1 else {}
+    head = store.types["std_msgs/msg/Header"](stamp=stamp, frame_id="imu", **more)
+    message = store.types[kind](header=head, **fields)
+    return bytes((store.serialize_ros1 if ros1 else store.serialize_cdr)(message, kind))
 
 
 def all_logs(folder: Path) -> dict[str, Log]:

@@ -18,6 +18,7 @@ COMMENTS = ("#", "%", "//", "!")
 _LIST = re.compile(r"[\[(]\s*[-+.\deE,;\s]*[\])]")
 _FLAGS = {"true": 1.0, "false": 0.0}
 _MOST_LINES = 1000
+_GROUPS = re.compile(r"\d{1,3}(?:,\d{3})+")
 
 
 @dataclass(frozen=True)
@@ -283,6 +284,11 @@ def marks(
             if verdict == "?" and len(unsure) < 3:
                 unsure.append(doubt(line, names[k][0], cell))
     both = [v for v in (".,", ",.") if seen[v]]  # decimal mark first, then that of thousands
+    if len(both) > 1 or (both == [".,"] and seen[","]):
+        raise InputError(
+            label, ["commas stand for decimals in some numbers and for thousands in others;"
+                    " write the log with decimal points and without marks of thousands"],
+        )  # fmt: skip
     if both:
         return both[0][0], both[0][1], True
     if seen[","]:
@@ -311,5 +317,5 @@ def mark_of(cell: str) -> str:
     if points:
         return ".," if text.rindex(".") > text.rindex(",") else ",."
     if commas > 1:
-        return ".,"
+        return ".," if _GROUPS.fullmatch(text) else ""
     return "?" if re.fullmatch(r"[1-9]\d{0,2},\d{3}", text) else ","

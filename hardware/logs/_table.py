@@ -24,6 +24,15 @@ from simcompare.trajectory import Array
 
 #: faults after which nothing more is read
 _ENOUGH = 100_000
+#: bytes of a line that may be a row
+_LONGEST_ROW = 1 << 20
+#: marks of thousands that are none: pandas would take them out wherever they stand
+_MISGROUPED = {
+    mark: re.compile(
+        rb"\d{4}%s|(?<!\d)0\d*%s|\d%s(?!\d{3}(?!\d))" % ((re.escape(mark.encode()),) * 3)
+    )
+    for mark in (",", ".")
+}
 _DAY_NS = 86_400 * 10**9
 
 
@@ -127,6 +136,8 @@ class _Reader:
         layout = self.layout
         blanks = layout.separator == " "
         if b"\0" in block.data or (not blanks and not self._even(block)):
+            return None
+        if layout.thousands and _MISGROUPED[layout.thousands].search(block.data):
             return None
         types: dict[int, Any] = {
             k: {"number": np.float64, "integer": np.int64}.get(layout.kinds[k], "str")
@@ -234,6 +245,9 @@ class _Reader:
         found: list[Array] = []
         lines = block.data.split(b"\n")[: block.count]
         for at, raw in enumerate(lines, start=block.line):
+            if len(raw) > _LONGEST_ROW:
+                state.fault(f"line {at}: has {len(raw)} bytes, which is no row of a table")
+                continue
             line = self._decoded(raw)
             reason = self._skipped(line)
             if reason:

@@ -22,7 +22,7 @@ _BLOCKS = (1 << 18, 1 << 12, 1 << 6)
 U_RATE = 50e-6
 #: bits that hold one sample, by libsndfile's name of the coding
 _BITS = {"PCM_S8": 8, "PCM_U8": 8, "PCM_16": 16, "PCM_24": 24, "PCM_32": 32}
-_SLOWEST_HZ = 2000.0
+_SLOWEST_HZ, _FASTEST_HZ = 2000.0, 2e6
 
 
 def recognises(head: Head) -> int:
@@ -51,12 +51,13 @@ def read(path: Path, mapping: Mapping) -> RawLog:
         raise InputError(
             str(path), [f"holds {len(values[0])} samples of sound; expected at least two"]
         )
-    if rate_Hz < _SLOWEST_HZ:
-        raise InputError(
-            str(path),
-            [f"has {rate_Hz:g} samples in a second; expected a sound with 2000 Hz or more"],
-        )
     true_Hz = float((mapping.time and mapping.time.rate_Hz) or rate_Hz)
+    for rate in (rate_Hz, true_Hz):
+        if not _SLOWEST_HZ <= rate <= _FASTEST_HZ:
+            raise InputError(
+                str(path),
+                [f"has {rate:g} samples in a second; expected a sound with 2000 Hz to 2 MHz"],
+            )
     columns = [
         RawColumn(name, column, "1", limits=_limits(coding))
         for name, column in zip(_names(len(values)), values, strict=True)

@@ -286,9 +286,10 @@ def _stream(
         time = RawColumn("X_Value", by_name[x_name].values[:count], "s")
         stream.columns.insert(0, time)
         stream.time = "X_Value"
-    elif step is not None and step > 0:
+    elif step is not None and 0 < step < np.inf:
+        start = _text.number(segment.of("X0", first).replace(",", "."))
         stream.increment_s = step
-        stream.start_s = _text.number(segment.of("X0", first).replace(",", ".")) or 0.0
+        stream.start_s = start if start is not None and np.isfinite(start) else 0.0
     dimension = segment.of("X_Dimension", first)
     if dimension and dimension.lower() != "time":
         text = f"the X axis is {dimension!r}, not time; it was taken as seconds"

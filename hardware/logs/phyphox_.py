@@ -123,7 +123,7 @@ def _pairs(source: _text.Source | None) -> dict[str, str]:
 
 
 def _separator(source: _text.Source) -> str:
-    match = re.match(r'"[^"]*"([,;\t])|[^",;\t]*([,;\t])', source.head[0])
+    match = re.match(r'"[^"]*"([,;\t])|[^",;\t]*([,;\t])', "".join(source.head[:1]))
     return (match[1] or match[2]) if match else ","
 
 

@@ -53,7 +53,7 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     """
     source = _text.source_of(path)
     lines = source.head
-    multi = lines[0].strip().lower().startswith("#multi:")
+    multi = _line(lines, 0).strip().lower().startswith("#multi:")
     at = 1 if multi else 0
     separator = _separator(lines, at)
     if not separator:

@@ -64,8 +64,8 @@ class Gap(Section):
 
     def context(self, run: Run) -> dict[str, Any] | None:
         """Figure and tables; ``None`` where no gap could be split."""
-        figure = real_parts.gap_figure(run)
-        return None if figure is None else _parts([figure], [*real_tables.gaps(run)])
+        figures = real_parts.gap_figures(run)
+        return _parts(figures, [*real_tables.gaps(run)]) if figures else None
 
 
 class Residuals(Section):

@@ -77,7 +77,18 @@ def _interrupt(*_: object) -> None:
 
 def main() -> None:
     """Entry point of the ``simcompare`` command."""
-    from simcompare.cli import data, doctor, export, import_, list_, report, run, show, validate
+    from simcompare.cli import (
+        data,
+        doctor,
+        export,
+        fit,
+        import_,
+        list_,
+        report,
+        run,
+        show,
+        validate,
+    )
 
     # an ended terminal or batch job stops a run as Ctrl-C does: workers ended, results kept
     signal.signal(signal.SIGTERM, _interrupt)
@@ -88,6 +99,7 @@ def main() -> None:
     app.command("report")(report.report)
     app.command("export")(export.export)
     app.command("import")(import_.import_)
+    app.command("fit")(fit.fit)
     app.command("validate")(validate.validate)
     app.add_typer(data.data, name="data")
     for stream in (sys.stdout, sys.stderr):

@@ -84,16 +84,16 @@ def progress_bar(what: str) -> Iterator[Progress | None]:
         yield update
 
 
-def pairs(settings: list[str]) -> dict[str, str | float]:
-    """Reads ``--set`` arguments of the form parameter=value."""
+def pairs(settings: list[str], where: str = "--set") -> dict[str, str | float]:
+    """Reads arguments of the form parameter=value, such as those of ``--set``."""
     from simcompare.errors import InputError
 
     found: dict[str, str | float] = {}
     for text in settings:
         name, equals, value = text.partition("=")
         if not equals or not name.strip() or not value.strip():
-            raise InputError("--set", [f"{text!r} is not of the form parameter=value"])
+            raise InputError(where, [f"{text!r} is not of the form parameter=value"])
         if name.strip() in found:
-            raise InputError("--set", [f"{name.strip()} is given twice"])
+            raise InputError(where, [f"{name.strip()} is given twice"])
         found[name.strip()] = value.strip()
     return found

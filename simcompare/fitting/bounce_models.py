@@ -151,7 +151,7 @@ def bounces(model: Model, values: Mapping[str, Array | float], count: int) -> Bo
 
 
 def drag_of(values: Mapping[str, Array | float]) -> Array:
-    """k = 1/v_t² [s²/m²]."""
+    """K = 1/v_t² [s²/m²]."""
     if "drag_k" in values:
         return np.asarray(values["drag_k"], dtype=float)
     return 1.0 / np.asarray(values["terminal_speed_m_s"], dtype=float) ** 2
@@ -222,7 +222,7 @@ def hunt_crossley(y: Array) -> Array:
 
 @functools.cache
 def _table() -> tuple[Array, Array]:
-    """z = -y·e at places of y/(1 + y), from which one Newton step reaches rounding."""
+    """Z = -y·e at places of y/(1 + y), from which one Newton step reaches rounding."""
     places = np.linspace(0, _FASTEST / (1 + _FASTEST), 4001)
     y = places / (1 - places)
     near = (1 + y) * np.exp(-(1 + y))
@@ -243,7 +243,7 @@ def _improved(z: Array, goal: Array) -> Array:
 
 
 def _inverse_hunt_crossley(e: Array) -> Array:
-    """y = χ·v at which the restitution is e."""
+    """Y = χ·v at which the restitution is e."""
     e = np.clip(np.asarray(e, dtype=float), 1.001 / _FASTEST, 1 - 1e-12)
     places, z = _table()
     y = places[1:] / (1 - places[1:])

@@ -23,7 +23,7 @@ from simcompare.backend import MAPPED, Settings
 from simcompare.errors import InputError, SimcompareError
 from simcompare.fitting import bounce_models, likelihood
 from simcompare.fitting.likelihood import Fit
-from simcompare.fitting.problem import Problem, seen_in
+from simcompare.fitting.problem import Problem, seen_in, shown
 from simcompare.jobs import FAILED, OK, Job, Outcome
 from simcompare.runner import TIME_LIMIT_S, Progress, run_jobs
 from simcompare.scenario import Scenario
@@ -76,6 +76,8 @@ class EngineFit:
         simulations: how many were run.
         wall_s: wall time of them.
         left_s: measured less simulated impact times, drop by drop.
+        outcome: how the last simulation ended.
+        runs: the middle simulation of each drop in the last round.
     """
 
     engine: str
@@ -90,6 +92,8 @@ class EngineFit:
     simulations: int = 0
     wall_s: float = 0.0
     left_s: tuple[tuple[float, ...], ...] = ()
+    outcome: Outcome | None = field(default=None, repr=False)
+    runs: tuple[tuple[Scenario, Trajectory], ...] = field(default=(), repr=False)
 
 
 def fit_engines(
@@ -118,7 +122,8 @@ def fit_engines(
     """
     state = {name: _State(start.x, np.zeros(len(problem.data))) for name in engines}
     for _ in range(ROUNDS):
-        jobs, plan = [], []
+        jobs: list[Job] = []
+        plan: list[tuple[str, int, Scenario]] = []
         for name in engines:
             if state[name].outcome_bad is None:
                 for drop, scene in _scenes(model, problem, state[name].x, given, step_s):
@@ -144,7 +149,7 @@ class _State:
     last: Outcome | None = None
     simulations: int = 0
     wall_s: float = 0.0
-    reason: str | None = None
+    runs: tuple[tuple[Scenario, Trajectory], ...] = ()
 
 
 def _scenes(
@@ -200,17 +205,20 @@ def _advance(
     walls = [o.trajectory.wall_s for _, o in own if o.trajectory is not None]
     state.wall_s += sum(wall.get("build", 0.0) + wall.get("step", 0.0) for wall in walls)
     try:
-        shown, defects = [], []
+        seen, defects, middle = [], [], []
         for drop in range(len(problem.drops)):
             runs = [(scene, o.trajectory) for (_, d, scene), o in own if d == drop]
             parts = [_beside_truth(model, scene, run) for scene, run in runs if run is not None]
-            shown.append(_together(parts, problem.drops[drop].count))
+            middle += [
+                (s, run) for s, run in runs[DITHERS // 2 : DITHERS // 2 + 1] if run is not None
+            ]
+            seen.append(_together(parts, problem.drops[drop].count))
             defects.append(parts)
     except SimcompareError as error:
         state.outcome_bad = replace(state.last, status=FAILED, reason=str(error))
         return
-    state.shown = tuple(shown)
-    state.defect = _in_data(problem, state.x, shown)
+    state.shown, state.runs = tuple(seen), tuple(middle)
+    state.defect = _in_data(problem, state.x, seen)
     # what each dither alone would give: the scatter of the engine in the parameters
     alone = [
         _in_data(problem, state.x, [_together([parts[i]], problem.drops[d].count)
@@ -287,12 +295,10 @@ def _result(name: str, problem: Problem, start: Fit, state: _State) -> EngineFit
     bad = state.outcome_bad
     if bad is not None:
         return EngineFit(name, bad.facts.version, bad.status, bad.reason,
-                         simulations=state.simulations, wall_s=state.wall_s)  # fmt: skip
+                         simulations=state.simulations, wall_s=state.wall_s, outcome=bad)  # fmt: skip
     assert state.last is not None
     assert state.last.trajectory is not None
-    values = np.array(
-        [float(likelihood.shown(n, v)) for n, v in zip(problem.names, state.x, strict=True)]
-    )
+    values = np.array([float(shown(n, v)) for n, v in zip(problem.names, state.x, strict=True)])
     spread = np.std(np.stack(state.spread), axis=0, ddof=1) / math.sqrt(DITHERS)
     u_num = {
         unknown: float(s * likelihood.scale_of(unknown, value))
@@ -309,6 +315,7 @@ def _result(name: str, problem: Problem, start: Fit, state: _State) -> EngineFit
         name, state.last.facts.version, OK, None, fitted, u_num, _effective(state),
         state.shown, _contact_rows(state.last.trajectory), state.simulations, state.wall_s,
         tuple(_left(problem, state, drop) for drop in range(len(problem.drops))),
+        state.last, state.runs,
     )  # fmt: skip
 
 

@@ -228,12 +228,12 @@ def as_interval(name: str, low: float, high: float) -> tuple[float, float]:
     return min(ends), max(ends)
 
 
-def shape(impacts: Impacts, model: str, count: int) -> Array:
-    """Impact times 1 … count of the closed form that fits best, for finding out of line ones."""
+def shape(impacts: Impacts, model: str, count: int) -> tuple[Array, Array]:
+    """Impact times 1 … count of the closed form that fits best, and the residuals' Jacobian."""
     problem = build([impacts], bounce_models.model_of(model))
     best = _minimum(problem, starts.of(problem))
     values = problem.values(best.x[0], 0)
-    return bounce_models.bounces(problem.model, values, count).impact_s
+    return bounce_models.bounces(problem.model, values, count).impact_s, best.jacobian[0]
 
 
 def minimise(

@@ -197,7 +197,7 @@ def build(
     Raises:
         InputError: every fault of the request.
     """
-    asked = [SPEED if n == "terminal_speed" else n for n in unknowns or _usual(drops, model)]
+    asked = [SPEED if n == "terminal_speed" else n for n in unknowns or usual(drops, model)]
     fixed, priors, bounds = dict(fixed or {}), dict(priors or {}), dict(bounds or {})
     if unknowns is None:
         asked = [name for name in asked if name not in fixed]
@@ -263,7 +263,8 @@ def _both(name: str, bounds: tuple[float, float]) -> tuple[float, float]:
     return sought(name, bounds[0]), sought(name, bounds[1])
 
 
-def _usual(drops: Sequence[Impacts], model: Model) -> list[str]:
+def usual(drops: Sequence[Impacts], model: Model) -> list[str]:
+    """What a fit seeks where nothing is said: the model, and where and when each drop began."""
     names = list(model.own)
     if all(len(drop.times_s) or drop.track for drop in drops):
         names += ["drop_height_m", "release_time_s"]

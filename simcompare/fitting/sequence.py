@@ -1,13 +1,15 @@
 """Which impact is which: flights that last twice as long, and knocks within a flight.
 
-Flights of a bouncing ball last ever shorter, by a factor that changes slowly. A series of three
-impacts proposes that factor; how many of the others it explains, each at a whole number of
-flights, tells how good the proposal is (M. A. Fischler and R. C. Bolles, Comm. ACM 24 (1981) 381).
-The best one is refined with the closed form of a ball.
+Flights of a bouncing ball last ever shorter, by a factor that changes slowly. Two flights propose
+that factor; how many of the other impacts it explains tells how good the proposal is (M. A.
+Fischler and R. C. Bolles, Comm. ACM 24 (1981) 381). The best ones are refined with the closed form
+of a ball, and what lies far off it is left out.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,16 +18,21 @@ from numpy.typing import NDArray
 from simcompare.errors import InputError
 from simcompare.fitting.impacts import Dropped, Impacts
 from simcompare.trajectory import Array
-from simcompare.validation.scores import MAD_TO_SD
 
-#: an impact so many standard deviations off the others is none of the series
-OUTLIER = 6.0
+#: chance that an impact of the series is taken for an outlier, and that its scatter is told
+_BY_CHANCE = 1e-3
 #: scatter about the closed form, as part of a flight, above which the order is looked into
 _ROUGH = 0.02
 #: a missed impact counts against a proposal as half an impact
 _MISSED = 0.5
 #: flights that a proposal may reach over when others knocked in between
 _REACH = 4
+#: by what the logarithm of the factor shrinks from flight to flight: drag, and e(v)
+_SLOWER = (1.0, 0.94, 0.88, 0.82)
+#: flights that a proposal foretells, backwards and forwards
+_BACK, _ON = 6, 24
+#: proposals that are refined
+_BEST = 4
 
 
 @dataclass(frozen=True)
@@ -47,15 +54,19 @@ class Ordered:
 
 @dataclass(frozen=True)
 class _Fit:
-    """Closed form through numbered impacts: where every impact should be."""
+    """Closed form through numbered impacts.
+
+    Attributes:
+        predicted: where every impact should be, by number.
+        scatter: standard deviation of the impacts about it, and of their stated uncertainty.
+        worst: the impact that is farthest off.
+        is_off: whether that is more than chance.
+    """
 
     predicted: Array
-    scale: float
-
-    def flight(self, numbers: NDArray[np.int64]) -> Array:
-        """How long the flights about these impacts last."""
-        steps = np.diff(self.predicted)
-        return np.asarray(steps[np.clip(numbers - 1, 0, len(steps) - 1)])
+    scatter: float
+    worst: int
+    is_off: bool
 
 
 def split(times_s: Array) -> list[slice]:
@@ -101,125 +112,180 @@ def _smooth(times: Array, u: Array, numbers: NDArray[np.int64]) -> bool:
         first, second = np.diff(times)
         return bool(0.05 * first < second < first)
     fitted = _fit(times, u, numbers)
-    left = np.abs(times - fitted.predicted[numbers])
-    limit = OUTLIER * fitted.scale
-    rough = fitted.scale > _ROUGH * float(np.median(np.diff(times)))
-    return not rough and bool(np.all(left <= limit))
+    rough = fitted.scatter > _ROUGH * float(np.median(np.diff(times)))
+    return not rough and not fitted.is_off
 
 
 def _fit(times: Array, u: Array, numbers: NDArray[np.int64]) -> _Fit:
     """Restitution as a power of the speed, which drag resembles; constant for few impacts."""
+    from scipy import stats
+
     from simcompare.fitting import likelihood
 
     model = "power" if len(times) > 4 else "constant"
     steps = numbers - int(numbers.min()) + 1
     each = np.where(np.isfinite(u), u, 1e-3)
     impacts = Impacts(times, each, tuple(steps.tolist()))
-    predicted = likelihood.shape(impacts, model, int(steps[-1]) + 1 + _REACH)
-    left = times - predicted[steps - 1]
-    degrees = max(len(times) - (4 if model == "power" else 3), 1)
-    made = MAD_TO_SD * float(np.median(np.abs(left))) * np.sqrt(len(times) / degrees)
-    offset = int(numbers.min())
-    shifted = np.concatenate((np.full(offset, np.nan), predicted))
-    return _Fit(shifted, max(float(np.median(each)) if np.isfinite(u).all() else 1e-5, made))
+    predicted, jacobian = likelihood.shape(impacts, model, int(steps[-1]) + _REACH)
+    left = (times - predicted[steps - 1]) / each
+    chi2, degrees = float(left @ left), len(times) - jacobian.shape[1]
+    stated = bool(np.isfinite(u).all())
+    scale = math.sqrt(chi2 / max(degrees, 1))
+    scatter = float(np.median(each)) * (max(scale, 1.0) if stated else scale)
+    fine = stated and stats.chi2.sf(chi2, max(degrees, 1)) > _BY_CHANCE
+    if fine or degrees < 2:
+        return _Fit(predicted, scatter, -1, False)
+    # residuals as if each impact had been left out of the fit (externally studentised)
+    q = np.linalg.qr(jacobian)[0]
+    free = np.maximum(1 - np.sum(q * q, axis=1), 1e-9)
+    others = np.maximum(chi2 - left**2 / free, 1e-12 * chi2) / (degrees - 1)
+    if stated:
+        others = np.maximum(others, 1.0)
+    size = np.abs(left) / np.sqrt(others * free)
+    worst = int(np.argmax(size))
+    limit = float(stats.t.isf(_BY_CHANCE / 2 / len(times), degrees - 1))
+    return _Fit(predicted, scatter, worst, bool(size[worst] > limit))
 
 
 def _found(times: Array, u: Array, source: str) -> NDArray[np.int64]:
     """Number of each impact, -1 for those that do not belong."""
-    numbers = _proposed(times)
-    if numbers is None:
-        raise InputError(source or "impacts", [_no_series(times)])
-    for tolerance in (0.25, 0.15, 0.1, 0.1):
-        kept = numbers >= 0
-        if np.count_nonzero(kept) < 4:
-            break
-        fitted = _fit(times[kept], u[kept], numbers[kept] - numbers[kept].min())
-        again = _assigned(times, fitted, tolerance)
-        if np.array_equal(again, numbers):
-            break
-        numbers = again
-    numbers = _without_outliers(times, u, numbers)
-    left = int(np.count_nonzero(numbers >= 0))
-    if left < 3 or left < len(times) / 2:
+    best, most = None, -math.inf
+    for proposal in _proposals(times):
+        numbers, score = _refined(times, u, proposal)
+        if score > most:
+            best, most = numbers, score
+    left = 0 if best is None else int(np.count_nonzero(best >= 0))
+    if best is None or left < 3 or left < len(times) / 2:
         raise InputError(source or "impacts", [_no_series(times, left)])
-    return numbers
+    return best
 
 
-def _no_series(times: Array, left: int = 0) -> str:
+def _no_series(times: Array, left: int) -> str:
     flights = ", ".join(f"{step:.3g}" for step in np.diff(times)[:8])
-    count = f"only {left} of" if left else "no three of"
+    count = f"only {left}" if left > 2 else "no three"
     return (
-        f"{count} the {len(times)} impacts follow each other as those of a bouncing ball, whose"
+        f"{count} of the {len(times)} impacts follow each other as those of a bouncing ball, whose"
         f" flights become shorter by a steady factor; found flights of {flights}"
         f"{', …' if len(times) > 9 else ''} s. Cut out the part with the bounces, or record again"
     )
 
 
-def _proposed(times: Array) -> NDArray[np.int64] | None:
-    """The numbering by the three impacts that explain most of the others."""
-    best, most = None, 0.0
+def _proposals(times: Array) -> list[NDArray[np.int64]]:
+    """Numberings that explain most of the impacts, best first."""
+    found: dict[bytes, tuple[float, NDArray[np.int64]]] = {}
+    for start, flight, e in _pairs(times):
+        for slower in _SLOWER:
+            numbers, score = _explained(times, start, flight, e, slower)
+            key = numbers.tobytes()
+            if score > found.get(key, (-math.inf,))[0]:
+                found[key] = score, numbers
+    ranked = sorted(found.values(), key=lambda one: -one[0])
+    return [numbers for _, numbers in ranked[:_BEST]]
+
+
+def _pairs(times: Array) -> Iterator[tuple[float, float, float]]:
+    """Two flights: when the first began, how long it lasted, and the factor to the next."""
     for i in range(len(times) - 2):
         for j in range(i + 1, min(i + _REACH, len(times) - 1)):
             for k in range(j + 1, min(j + _REACH, len(times))):
-                flight = times[j] - times[i]
-                e = (times[k] - times[j]) / flight
-                if 0.1 < e < 0.99:
-                    numbers, score = _explained(times, times[i], flight, float(e))
-                    if score > most:
-                        best, most = numbers, score
-    return best
+                start, flight = float(times[i]), float(times[j] - times[i])
+                ratio = float(times[k] - times[j]) / flight
+                if 0.1 < ratio < 0.99:
+                    yield start, flight, ratio
+                if j == i + 1 and k == j + 1:
+                    # the second of them missed an impact: e + e²; or the first: e²/(1 + e)
+                    e = (math.sqrt(1 + 4 * ratio) - 1) / 2
+                    if 0.1 < e < 0.99:
+                        yield start, flight, e
+                    e = (ratio + math.sqrt(ratio * ratio + 4 * ratio)) / 2
+                    if 0.1 < e < 0.99:
+                        yield start, flight / (1 + e), e
 
 
 def _explained(
-    times: Array, start: float, flight: float, e: float
+    times: Array, start: float, flight: float, e: float, slower: float
 ) -> tuple[NDArray[np.int64], float]:
-    """Whole numbers of flights from ``start``, and how well they fit."""
-    left = 1 - (times - start) * (1 - e) / flight
-    flights = np.where(left > 0, np.log(np.maximum(left, 1e-12)) / np.log(e), np.inf)
-    whole = np.round(np.clip(flights, -50, 50))
+    """Numbers of the impacts that lie where the proposal foretells one, and how well they do."""
+    change = math.log(e) * slower ** np.arange(_ON)
+    on = flight * np.exp(np.concatenate(([0.0], np.cumsum(change))))
+    change = math.log(e) / slower ** np.arange(1, _BACK + 1)
+    back = flight * np.exp(-np.cumsum(change))
+    flights = np.concatenate((back[::-1], on))
+    places = start - back.sum() + np.concatenate(([0.0], np.cumsum(flights)))
+    flights = np.append(flights, flights[-1])
+    off = np.abs(times[:, None] - places) / flights
+    nearest = np.argmin(off, axis=1)
     # the factor changes slowly: farther away less is known
-    tolerance = np.minimum(0.08 + 0.04 * np.abs(whole - 1), 0.3)
-    worth = np.maximum(0.0, 1 - ((flights - whole) / tolerance) ** 2)
-    worth = np.where(np.isfinite(flights), worth, 0.0)
-    numbers = np.where(worth > 0, whole, -99).astype(np.int64)
-    for number in np.unique(numbers):
-        same = np.flatnonzero(numbers == number)
-        if number > -99 and len(same) > 1:
-            lose = same[same != same[np.argmax(worth[same])]]
-            numbers[lose], worth[lose] = -99, 0.0
-    used = numbers[numbers > -99]
+    tolerance = np.minimum(0.08 + 0.03 * np.abs(nearest - _BACK - 1), 0.25)
+    worth = np.maximum(0.0, 1 - (off[np.arange(len(times)), nearest] / tolerance) ** 2)
+    numbers = _one_each(np.where(worth > 0, nearest, -1), worth)
+    used = numbers[numbers >= 0]
+    if len(used) < 2:
+        return numbers, 0.0
     gaps = int(np.ptp(used)) + 1 - len(used)
-    result = np.where(numbers > -99, numbers - used.min(), -1)
-    return result, float(worth.sum()) - _MISSED * gaps
+    numbers = np.where(numbers >= 0, numbers - used.min(), -1)
+    return numbers, float(worth[numbers >= 0].sum()) - _MISSED * gaps
 
 
-def _assigned(times: Array, fitted: _Fit, tolerance: float) -> NDArray[np.int64]:
+def _one_each(numbers: NDArray[np.intp], worth: Array) -> NDArray[np.int64]:
+    """Of several impacts with one number only the best keeps it."""
+    kept = numbers.astype(np.int64)
+    for number in np.unique(kept[kept >= 0]):
+        same = np.flatnonzero(kept == number)
+        kept[same[same != same[np.argmax(worth[same])]]] = -1
+    return kept
+
+
+def _refined(
+    times: Array, u: Array, numbers: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], float]:
+    """The numbering by the closed form, without outliers, and how good it is."""
+    for tolerance in (0.2, 0.12, 0.08, 0.08):
+        kept = numbers >= 0
+        if np.count_nonzero(kept) < 4:
+            break
+        fitted = _fit(times[kept], u[kept], numbers[kept])
+        again = _assigned(times, fitted.predicted, tolerance)
+        if np.array_equal(again, numbers):
+            break
+        numbers = again
+    numbers, scatter = _without_outliers(times, u, numbers)
+    kept = numbers >= 0
+    if np.count_nonzero(kept) < 3:
+        return numbers, -math.inf
+    gaps = int(numbers.max()) + 1 - int(np.count_nonzero(kept))
+    rough = scatter / float(np.median(np.diff(times[kept])))
+    return numbers, float(np.count_nonzero(kept)) - _MISSED * gaps - 50 * min(rough, 0.1)
+
+
+def _assigned(times: Array, predicted: Array, tolerance: float) -> NDArray[np.int64]:
     """Each impact to the place next to it, if that is near enough and nobody is nearer."""
-    distance = np.abs(times[:, None] - fitted.predicted[None, :])
-    nearest = np.nanargmin(distance, axis=1)
-    off = distance[np.arange(len(times)), nearest]
-    near = off <= tolerance * fitted.flight(nearest)
-    numbers = np.where(near, nearest, -1)
-    for number in np.unique(numbers[numbers >= 0]):
-        same = np.flatnonzero(numbers == number)
-        numbers[same[same != same[np.argmin(off[same])]]] = -1
-    return numbers
+    steps = np.diff(predicted, append=np.nan)
+    steps[-1] = steps[-2]
+    off = np.abs(times[:, None] - predicted) / steps
+    nearest = np.argmin(off, axis=1)
+    least = off[np.arange(len(times)), nearest]
+    numbers = _one_each(np.where(least <= tolerance, nearest, -1), -least)
+    used = numbers[numbers >= 0]
+    return np.where(numbers >= 0, numbers - used.min(), -1) if len(used) else numbers
 
 
-def _without_outliers(times: Array, u: Array, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+def _without_outliers(
+    times: Array, u: Array, numbers: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], float]:
     """Takes out, one by one, impacts that are far off where the others put them."""
     numbers = numbers.copy()
-    for _ in range(max(1, len(times) // 5)):
+    scatter = 0.0
+    for _ in range(max(1, len(times) // 5) + 1):
         kept = np.flatnonzero(numbers >= 0)
-        if len(kept) < 6:
+        if len(kept) < 4:
+            return numbers, 0.05 * float(np.ptp(times)) / len(times)
+        fitted = _fit(times[kept], u[kept], numbers[kept])
+        scatter = fitted.scatter
+        if not fitted.is_off:
             break
-        fitted = _fit(times[kept], u[kept], numbers[kept] - numbers[kept].min())
-        left = np.abs(times[kept] - fitted.predicted[numbers[kept] - numbers[kept].min()])
-        worst = int(np.argmax(left))
-        if left[worst] <= OUTLIER * fitted.scale:
-            break
-        numbers[kept[worst]] = -1
-    return numbers
+        numbers[kept[fitted.worst]] = -1
+    return numbers, scatter
 
 
 def _reasons(

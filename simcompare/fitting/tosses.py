@@ -214,7 +214,7 @@ def witnesses(tosses: Iterable[Toss], width_m: float, gravity_m_s2: float) -> tu
     for face, height in rests:
         faces.setdefault(face, []).append(height)
     levels = [statistics.fmean(heights) for heights in faces.values()]
-    rest = statistics.fmean(levels)
+    level = statistics.fmean(levels)
     # what lies under a face and what is within differs from face to face; the rest is common
     u_level = statistics.stdev(levels) / math.sqrt(len(levels)) if len(levels) > 1 else 0.0
     scatter = statistics.stdev(height for _, height in rests)
@@ -225,8 +225,8 @@ def witnesses(tosses: Iterable[Toss], width_m: float, gravity_m_s2: float) -> tu
             f" up to {AIR:.1%}, for which nothing is added, rectangular",
         ),
         Witness(
-            "height of rest", 2 * rest / width_m, 2 * math.hypot(u_level, scatter) / width_m,
-            f"{len(rests)} tosses rest at {1000 * rest:.3f} mm on {len(levels)} faces; u from what"
+            "height of rest", 2 * level / width_m, 2 * math.hypot(u_level, scatter) / width_m,
+            f"{len(rests)} tosses rest at {1000 * level:.3f} mm on {len(levels)} faces; u from what"
             f" tosses scatter by, {1000 * scatter:.2f} mm, as the table's own zero is not known",
         ),
     )  # fmt: skip

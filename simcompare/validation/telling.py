@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from simcompare import units
+from simcompare.validation import phrases
 
 #: what the parameters rest on
 KNOWN, HELD_OUT, SAME = "known before", "held out", "same data"
@@ -21,6 +21,8 @@ _PARTS = {
 _SOURCES = {"u_num": "the steps", "u_input": "the parameters", "u_data": "the measurement"}
 #: a part of this share is most of the whole; an error below the second is small beside another
 _MOST, _SMALL = 0.5, 0.2
+#: more quantities than these are told in one sentence
+_MANY = 2
 #: samples that a band with k = 2 holds where nothing else is wrong
 _ALL = 0.95
 
@@ -59,75 +61,129 @@ def sentences(found: Record) -> list[str]:
 
 
 def _how_large(found: Record) -> Iterator[str]:
-    for probe in dict.fromkeys(row["probe"] for row in found["waveforms"] if row["judged"]):
-        rows = [r for r in found["waveforms"] if r["judged"] and r["probe"] == probe]
-        told = [_size(found, rows), *_engines(found, probe)]
-        yield " ".join(told)
+    rows = [row for row in found["waveforms"] if row["judged"]]
+    probes = list(dict.fromkeys(row["probe"] for row in rows))
+    by_probe = {probe: [row for row in rows if row["probe"] == probe] for probe in probes}
+    if len(probes) > _MANY:
+        yield " ".join([_sizes(found, by_probe), *_engines(found["gaps"])])
+        return
+    for probe, own in by_probe.items():
+        gaps = [row for row in found["gaps"] if row["probe"] == probe]
+        yield " ".join([_size(found, own), *_engines(gaps)])
+
+
+def _sizes(found: Record, by_probe: Mapping[str, Sequence[Record]]) -> str:
+    """One sentence for many quantities."""
+    shown = [
+        f"{phrases.label(found, probe)} {_off(_main(found, own))}"
+        for probe, own in by_probe.items()
+    ]
+    text = "; ".join(shown).replace(" of the measured range", "")
+    return (
+        f"With {_whose(found)}, the simulated signals are off by these shares of the measured"
+        f" range (root mean square): {text}."
+    )
+
+
+def _whose(found: Record) -> str:
+    return "the parameters known before" if found["fit"] is None else "fitted parameters"
+
+
+def _main(found: Record, rows: Sequence[Record]) -> list[Record]:
+    """Rows with the parameters that are judged, on aligned clocks where there are any."""
+    wanted = KNOWN if found["fit"] is None else "fitted"
+    last = [row for row in rows if row["parameters"] == wanted]
+    aligned = any(row["aligned"] for row in last)
+    return [row for row in last if row["aligned"] == aligned]
 
 
 def _size(found: Record, rows: Sequence[Record]) -> str:
-    fitted = found["fit"] is not None
-    last = [row for row in rows if row["parameters"] == ("fitted" if fitted else KNOWN)]
-    aligned = any(row["aligned"] for row in last)
-    main = [row for row in last if row["aligned"] == aligned]
+    main = _main(found, rows)
     worst = max(main, key=lambda row: row["rmse"])
     told = (
-        f"With {'fitted parameters' if fitted else 'the parameters known before'}, the simulated"
-        f" {_label(found, worst['probe'])} is {_off(main)} off (root mean square)"
+        f"With {_whose(found)}, the simulated {phrases.label(found, worst['probe'])} is"
+        f" {_off(main)} off (root mean square)"
     )
-    if fitted:
-        before = [r for r in rows if r["parameters"] == KNOWN and r["aligned"] == aligned]
+    if found["fit"] is not None:
+        same = main[0]["aligned"]
+        before = [r for r in rows if r["parameters"] == KNOWN and r["aligned"] == same]
         told += f"; before the fit it was {_off(before)}" if before else ""
-    if aligned:
-        raw = [row for row in last if not row["aligned"]]
+    if main[0]["aligned"]:
+        wanted = main[0]["parameters"]
+        raw = [r for r in rows if r["parameters"] == wanted and not r["aligned"]]
         told += f"; with the clocks as recorded it would be {_off(raw)}" if raw else ""
-    size, most = (_number(worst[key], worst["unit"]) for key in ("rmse", "max_abs"))
-    return f"{told}. The largest: {_who(worst)}, {size}, and {most} at one instant."
+    size, most = (phrases.sized(worst[key], worst["unit"]) for key in ("rmse", "max_abs"))
+    return f"{told}. The largest: {phrases.who(worst)}, {size}, and {most} at one instant."
 
 
 def _off(rows: Sequence[Record]) -> str:
     shares = [row["nrmse"] for row in rows]
     if None in shares:  # the measurement does not vary, so there is no range
         sizes = (min(row["rmse"] for row in rows), max(row["rmse"] for row in rows))
-        return " to ".join(dict.fromkeys(_number(size, rows[0]["unit"]) for size in sizes))
-    return f"{_range(shares)} of the measured range"
+        return " to ".join(dict.fromkeys(phrases.sized(size, rows[0]["unit"]) for size in sizes))
+    return f"{phrases.span(shares)} of the measured range"
 
 
-def _engines(found: Record, probe: str) -> Iterator[str]:
+def _engines(gaps: Sequence[Record]) -> Iterator[str]:
     """Whether the gap is the engines' own."""
-    rows = [row for row in found["gaps"] if row["probe"] == probe and row["remaining"] > 0]
+    rows = [row for row in gaps if row["remaining"] > 0]
     share = max((row["numerical"] / row["remaining"] for row in rows), default=0.0)
     if share == 0:  # it is not known
         return
     several = len({row["source"] for row in rows}) > 1
     whose = "The numerical error of each engine" if several else "Its numerical error"
+    size = (
+        phrases.percent(share) if share < phrases.NOTHING else f"at most {phrases.percent(share)}"
+    )
     if share >= _SMALL:
-        yield f"{whose} is up to {_percent(share)} of that: a shorter step comes first."
+        yield f"{whose} is up to {phrases.percent(share)} of that: a shorter step comes first."
     elif several:
         yield (
-            f"{whose} is at most {_percent(share)} of that: they agree far better with each other"
-            " than with reality."
+            f"{whose} is {size} of that: they agree far better with each other than with reality."
         )
     else:
-        yield f"{whose} is at most {_percent(share)} of that."
+        yield f"{whose} is {size} of that."
 
 
 # what it is made of
 
 
 def _made_of(found: Record) -> Iterator[str]:
-    for probe in dict.fromkeys(row["probe"] for row in found["gaps"]):
+    probes = list(dict.fromkeys(row["probe"] for row in found["gaps"]))
+    if len(probes) > _MANY:
+        yield _many_parts(found, probes)
+        return
+    for probe in probes:
         rows = [row for row in found["gaps"] if row["probe"] == probe]
-        label = _label(found, probe)
+        label = phrases.label(found, probe)
         told = _split(rows, label) if found["fit"] is not None else _unsplit(rows, label)
         yield told + _explained(rows)
+
+
+def _many_parts(found: Record, probes: Sequence[str]) -> str:
+    """One sentence for many quantities."""
+    shown = []
+    for probe in probes:
+        shares = [r["shares"]["model_form"] for r in found["gaps"] if r["probe"] == probe]
+        shown.append(f"{phrases.label(found, probe)} {phrases.span(shares)}")
+    why = (
+        " Nothing was fitted, so it may come from the parameters as well as from the form of the"
+        " model."
+        if found["fit"] is None
+        else " This is called model form; what the fit took away is in the table."
+    )
+    return (
+        "Of the mean square of each gap this is neither noise nor numerical error"
+        f"{'' if found['fit'] is None else ' nor the parameters'}: {'; '.join(shown)}.{why}"
+        + _explained(found["gaps"])
+    )
 
 
 def _split(rows: Sequence[Record], label: str) -> str:
     shares = {key: [row["shares"][key] for row in rows] for key in _PARTS}
     order = sorted(_PARTS, key=lambda key: -max(shares[key]))
     parts = [
-        f"{_PARTS[key]} {_range([max(share, 0.0) for share in shares[key]])}"
+        f"{_PARTS[key]} {phrases.span([max(share, 0.0) for share in shares[key]])}"
         for key in order
         if max(shares[key]) > 0
     ]
@@ -137,8 +193,8 @@ def _split(rows: Sequence[Record], label: str) -> str:
     worse = -min(shares["removed"])
     if worse > 0.005:
         told += (
-            f" The fitted parameters made the gap larger, by up to {_percent(worse)}, so they do"
-            " not carry over, and the parts sum to more than 100 %."
+            f" The fitted parameters made the gap larger, by up to {phrases.percent(worse)}, so"
+            " they do not carry over, and the parts sum to more than 100 %."
         )
     if max(shares["model_form"]) > _MOST and not _is_covered(rows):
         told += (
@@ -156,7 +212,7 @@ def _unsplit(rows: Sequence[Record], label: str) -> str:
             " cannot be seen here."
         )
     return (
-        f"Of the gap of the {label}, {_range(shares)} of the mean square is neither noise nor"
+        f"Of the gap of the {label}, {phrases.span(shares)} of the mean square is neither noise nor"
         " numerical error. Nothing was fitted, so it may come from the parameters as well as from"
         " the form of the model."
     )
@@ -167,7 +223,9 @@ def _explained(rows: Sequence[Record]) -> str:
     covered = [row["covered"] for row in rows if row.get("covered") is not None]
     if not covered:
         return ""
-    start = f" The uncertainty of the parameters (k = 2) covers {_range(covered)} of the samples"
+    start = (
+        f" The uncertainty of the parameters (k = 2) covers {phrases.span(covered)} of the samples"
+    )
     if _is_covered(rows):
         return f"{start}: it may explain the gap without any fault of the model."
     return f"{start}; the others differ by more than that."
@@ -188,10 +246,11 @@ def _when(found: Record) -> Iterator[str]:
         return
     worst = max(rows, key=lambda row: row["rmse_s"])
     lost = sum(row["missed"] + row["extra"] for row in rows)
+    series = phrases.spaced(worst["series"])
     told = (
-        f"{_words(worst['series'])[:1].upper()}{_words(worst['series'])[1:]}: simulated and"
-        f" measured are at most {_number(worst['rmse_s'], 's')} apart (root mean square,"
-        f" {_who(worst)})"
+        f"{series[:1].upper()}{series[1:]}: simulated and measured are at most"
+        f" {phrases.sized(worst['rmse_s'], 's')} apart (root mean square,"
+        f" {phrases.who(worst)})"
     )
     told += f"; {lost} {'has' if lost == 1 else 'have'} no partner" if lost else ""
     judged = [i["e_n"] for row in rows for i in row["intervals"] if i["e_n"] is not None]
@@ -214,12 +273,15 @@ def _how_sure(found: Record) -> Iterator[str]:
     told = _agreeing(within, len(rows), "single value")
     if within < len(rows):
         worst = max(rows, key=lambda row: abs(row["e_n"]))
-        e_n = f"{worst['e_n']:+.1f}".replace("-", "−")
-        told += f"; the furthest is the {_words(worst['measure'])} of {_who(worst)}, E_n = {e_n}"
+        # one just outside must not look like one just inside
+        digits = 2 if abs(worst["e_n"]) < 2 else 1
+        e_n = f"{worst['e_n']:+.{digits}f}".replace("-", "−")
+        measure = phrases.spaced(worst["measure"])
+        told += f"; the furthest is the {measure} of {phrases.who(worst)}, E_n = {e_n}"
     elif found["basis"] != SAME:
         told += "; that shows no fault, and proves no model"
     source, share = _dominant(rows)
-    most = "Nearly all" if share > 0.99 else _percent(share)
+    most = "Nearly all" if share > 0.99 else phrases.percent(share)
     yield f"{told}. {most} of the squared uncertainty comes from {_SOURCES[source]}."
 
 
@@ -227,6 +289,8 @@ def _agreeing(within: int, count: int, noun: str) -> str:
     level = "within the noise level (|E_n| ≤ 1, k = 2)"
     if count == 1:
         return f"The one {noun} {'agrees' if within else 'does not agree'} {level}"
+    if within == 0:
+        return f"None of {count} {noun}s agrees {level}"
     return f"Of {count} {noun}s {within} agree{'s' if within == 1 else ''} {level}"
 
 
@@ -244,11 +308,13 @@ def _dominant(rows: Sequence[Record]) -> tuple[str, float]:
 def _basis(found: Record) -> str:
     if found["basis"] == KNOWN:
         return "All parameters were known before the measurement was looked at."
-    names = [_parameter(row["name"]) for row in found["parameters"] if row["fitted"] is not None]
-    fitted = f"{_list(names)} {'were' if len(names) > 1 else 'was'} fitted to"
+    names = [
+        phrases.parameter(row["name"]) for row in found["parameters"] if row["fitted"] is not None
+    ]
+    fitted = f"{phrases.listed(names)} {'were' if len(names) > 1 else 'was'} fitted to"
     fitted = fitted[:1].upper() + fitted[1:]
-    streams = _places(found["fit"]["recording"], found["fit"]["streams"])
-    judged = _places(found["recording"], [case["stream"] for case in found["cases"]])
+    streams = phrases.places(found["fit"]["recording"], found["fit"]["streams"])
+    judged = phrases.places(found["recording"], [case["stream"] for case in found["cases"]])
     if found["basis"] == SAME:
         return (
             f"{fitted} {streams}, which is also what was judged: this is a fit, not a validation."
@@ -264,7 +330,9 @@ def _log(found: Record) -> Iterator[str]:
     repairs = found["provenance"]["repairs"]
     told = []
     for severity, words in (("repair", "repaired"), ("warning", "left and marked")):
-        rules = dict.fromkeys(_words(r["rule"]) for r in repairs if r["severity"] == severity)
+        rules = dict.fromkeys(
+            phrases.spaced(r["rule"]) for r in repairs if r["severity"] == severity
+        )
         if rules:
             told.append(f"{words}: {', '.join(rules)}")
     if told:
@@ -279,11 +347,10 @@ def _next(found: Record) -> Iterator[str]:
 
 
 def _advice(found: Record) -> str:
-    bound = [] if found["fit"] is None else [_parameter(n) for n in found["fit"]["at_bound"]]
+    bound = [] if found["fit"] is None else found["fit"]["at_bound"]
     if bound:
-        return (
-            f"ask why the fit pushed the {_list(bound)} to its bound; the model may lack something."
-        )
+        names = phrases.listed([phrases.parameter(name) for name in bound])
+        return f"ask why the fit pushed the {names} to its bound; the model may lack something."
     if found["basis"] == SAME:
         return "judge stretches that were not fitted."
     part = _largest_left(found["gaps"])
@@ -317,54 +384,3 @@ def _largest_left(rows: Sequence[Record]) -> str | None:
     }
     largest = max(sums, key=lambda key: sums[key])
     return largest if sums[largest] > 0 else None
-
-
-# words
-
-
-def _label(found: Record, probe: str) -> str:
-    text = str(found["compare"][probe]["label"])
-    # DC and E_n stay as they are
-    return text[:1].lower() + text[1:] if text[1:2].islower() else text
-
-
-def _who(row: Record) -> str:
-    where = "" if row["stream"] == "log" else f" on {row['stream']}"
-    return f"{row['source']}{where}"
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")
-
-
-def _parameter(name: str) -> str:
-    return _words(name.removesuffix(units.suffix_of(name)))
-
-
-def _list(names: Sequence[str]) -> str:
-    if len(names) < 2:
-        return "".join(names)
-    return f"{', '.join(names[:-1])} and {names[-1]}"
-
-
-def _places(recording: str, streams: Sequence[str]) -> str:
-    """Streams of a recording; one that has only one is called by its own name."""
-    if list(streams) == ["log"]:
-        return recording
-    return f"{', '.join(streams)} of {recording}"
-
-
-def _range(shares: Sequence[float]) -> str:
-    low, high = _percent(min(shares)), _percent(max(shares))
-    return low if low == high else f"{low} to {high}"
-
-
-def _percent(value: float) -> str:
-    if 0 < value < 5e-4:
-        return "below 0.05 %"
-    return f"{100 * value:.2g} %" if value < 0.0995 else f"{100 * value:.0f} %"
-
-
-def _number(value: float, unit: str) -> str:
-    shown = units.symbol(unit)
-    return f"{value:.3g}" + ("" if shown == "1" else f" {shown}")

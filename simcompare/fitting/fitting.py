@@ -1,0 +1,244 @@
+"""The verb ``fit``: a scenario's parameters from measurements, on every engine, with uncertainty."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from simcompare import catalogue, engines, experiment, run_record, units
+from simcompare.compare import INFO, Score
+from simcompare.errors import InputError, UnknownName
+from simcompare.fitting import bounce_models, choose, engine_fit, holding_out, records
+from simcompare.fitting.engine_fit import EngineFit
+from simcompare.fitting.impacts import Impacts, from_recording, from_table
+from simcompare.fitting.likelihood import Fit
+from simcompare.fitting.problem import SPEED, Prior
+from simcompare.results import Run, Stored
+from simcompare.runner import TIME_LIMIT_S, Progress
+from simcompare.scenario_file import ScenarioFile
+from simcompare.validation.model import model_of
+
+#: mode under which fitted engines are recorded
+FITTED = "fitted"
+
+
+def fit(
+    scenario: str = "ball",
+    *,
+    recordings: Sequence[str | Path],
+    hold_out: Sequence[str | Path] = (),
+    engine: str = "all",
+    model: str = "auto",
+    unknowns: Sequence[str] = (),
+    fixed: Mapping[str, str | float] | None = None,
+    priors: Mapping[str, tuple[float, float]] | None = None,
+    u_time_s: float | None = None,
+    set: Mapping[str, str | float] | None = None,
+    preset: str | None = None,
+    mapping: str | Path | None = None,
+    step: str | float | None = None,
+    out: str | Path | None = None,
+    time_limit_s: float = TIME_LIMIT_S,
+    progress: Progress | None = None,
+) -> Run:
+    """Fits a bouncing scenario to measured impacts or heights.
+
+    Args:
+        scenario: name, folder or file of a scenario that can be fitted by bounces.
+        recordings: logs, stored recordings, public data sets or bounce tables that are fitted.
+        hold_out: the same, which are not fitted but predicted.
+        engine: ``"all"`` or names with commas.
+        model: closed form, or "auto": the one with the least AICc.
+        unknowns: what is sought beside what the model has, such as "clock_skew".
+        fixed: values of what is not sought.
+        priors: unknown -> value and standard uncertainty.
+        u_time_s: standard uncertainty of an impact time, where a recording does not say [s].
+        set: parameters of the scenario, such as the ball's mass.
+        preset: named set of parameters, applied first.
+        mapping: mapping file for the logs.
+        step: time between samples.
+        out: folder in which the run's own folder is made; nothing is stored where ``None``.
+        time_limit_s: longest time for one simulation [s].
+        progress: called as jobs end.
+
+    Returns:
+        The run; ``record["fit"]`` holds what was found, and goes into fit.json.
+
+    Raises:
+        InputError: every fault of the request or of a recording.
+    """
+    chosen = engines.select(engine)
+    file = catalogue.load(scenario)
+    if file.fit is None or file.fit.by != "bounces":
+        raise InputError(
+            scenario, ["names no fit by bounces; expected fit: {by: bounces, …} in its file"]
+        )
+    if not recordings:
+        raise InputError("--recording", ["no recording is given; give at least one"])
+    if out is not None:
+        experiment.check_writable(Path(out))
+    given = _given(file, set, preset)
+    asked = _Asked(
+        extra=tuple(unknowns),
+        fixed={**_known_drag(given), **_numbers(fixed or {})},
+        priors={name: Prior(value, u) for name, (value, u) in (priors or {}).items()},
+    )
+    drops = [drop for name in recordings for drop in drops_of(name, mapping, u_time_s)]
+    held = [drop for name in hold_out for drop in drops_of(name, mapping, u_time_s)]
+    choice = choose.compare(
+        drops, _candidates(model, asked), extra=asked.extra, fixed=asked.fixed, priors=asked.priors
+    )
+    whole = model_of(file)
+    start = _for_engines(choice.best, drops, asked)
+    step_s = None if step is None else units.to_si(step, "s", "--step")
+    found = engine_fit.fit_engines(
+        whole, start.problem, start, chosen, given, step_s=step_s, time_limit_s=time_limit_s,
+        progress=progress,
+    )  # fmt: skip
+    predicted = holding_out.predict(choice.best, found, held, asked.fixed)
+    told = _Told(scenario, file, tuple(map(str, recordings)), tuple(map(str, hold_out)), step_s)
+    done = _gather(told, choice, start, found, predicted, (drops, held), given)
+    if out is None:
+        return done
+    from simcompare import store
+
+    stored = store.save(done, Path(out))
+    assert stored.folder is not None
+    (stored.folder / "fit.json").write_text(
+        store.to_json(stored.record["fit"], indent=1) + "\n", encoding="utf-8"
+    )
+    return stored
+
+
+@dataclass(frozen=True)
+class _Asked:
+    extra: tuple[str, ...]
+    fixed: Mapping[str, float]
+    priors: Mapping[str, Prior]
+
+
+@dataclass(frozen=True)
+class _Told:
+    scenario: str
+    file: ScenarioFile
+    recordings: tuple[str, ...]
+    hold_out: tuple[str, ...]
+    step_s: float | None
+
+
+def _given(
+    file: ScenarioFile, set: Mapping[str, str | float] | None, preset: str | None
+) -> dict[str, float]:
+    values = {name: parameter.value for name, parameter in file.parameters.items()}
+    if preset is not None:
+        if preset not in file.presets:
+            raise UnknownName(f"preset of {file.name}", preset, file.presets)
+        values.update(file.presets[preset].set)
+    return {**values, **file.read_settings(set or {})}
+
+
+def _known_drag(given: Mapping[str, float]) -> dict[str, float]:
+    """The terminal speed that the scenario's own drag makes, where it has some."""
+    if not given.get("drag_coefficient"):
+        return {}
+    import math
+
+    area = math.pi * given["radius_m"] ** 2
+    force = 0.5 * given["air_density_kg_m3"] * given["drag_coefficient"] * area
+    return {SPEED: math.sqrt(given["mass_kg"] * given["gravity_m_s2"] / force)}
+
+
+def _numbers(fixed: Mapping[str, str | float]) -> dict[str, float]:
+    found = {}
+    for text, value in fixed.items():
+        name = units.find_name(text, bounce_models.DEFAULTS) or text
+        found[name] = units.to_si(value, units.unit_of(name), f"--fix {text}")
+    return found
+
+
+def _candidates(model: str, asked: _Asked) -> list[str]:
+    """Closed forms that are compared; with a known terminal speed those without drag fall away."""
+    if model != "auto":
+        return [bounce_models.model_of(model).name]
+    names = [
+        name for name, one in bounce_models.MODELS.items() if SPEED not in asked.fixed or one.drag
+    ]
+    return names
+
+
+def drops_of(name: str | Path, mapping: str | Path | None, u_s: float | None) -> list[Impacts]:
+    """Every drop in a recording, a log, or a table of bounces.
+
+    Raises:
+        InputError: nothing that bounces is in it.
+    """
+    from simcompare.hardware.logs import bounce_table
+    from simcompare.validation import sources
+
+    if str(name) in bounce_table.facts():
+        return [from_table(bounce_table.read(bounce_table.facts()[str(name)], _TABLE))]
+    source = sources.find(str(name), mapping=mapping)
+    return list(from_recording(source.recording, u_s=u_s))
+
+
+_TABLE = {"restitution": "1", "rebound_height": "m", "impact_time": "s", "impact_speed": "m/s"}
+
+
+def _for_engines(best: Fit, drops: Sequence[Impacts], asked: _Asked) -> Fit:
+    """The fit with the contact that engines have: a restitution that does not depend on speed."""
+    model = bounce_models.model_of(best.model)
+    if model.law == "constant":
+        return best
+    name = "constant+drag" if model.drag or SPEED in asked.fixed else "constant"
+    priors = {n: prior for n, prior in asked.priors.items() if n != "exponent"}
+    fixed = {n: value for n, value in asked.fixed.items() if n != "exponent"}
+    return choose.compare(drops, [name], extra=asked.extra, fixed=fixed, priors=priors).best
+
+
+def _gather(
+    told: _Told,
+    choice: choose.Choice,
+    start: Fit,
+    found: Sequence[EngineFit],
+    predicted: Mapping[str, Any],
+    drops: tuple[Sequence[Impacts], Sequence[Impacts]],
+    given: Mapping[str, float],
+) -> Run:
+    sources = [
+        run_record.of_source(one.engine, FITTED, [one.outcome])
+        for one in found
+        if one.outcome is not None
+    ]
+    nominal = engine_fit.scenario_values(start.problem, start.x, 0, given)
+    scene = told.file.resolve(nominal, step_s=told.step_s)
+    scores = [score for one in found for score in _scores(one)]
+    record = run_record.of_run(told.file, [scene], None, sources, scores)
+    record["fit"] = records.of_fit(
+        told.file.name, choice, start, found, predicted, drops, given, scene.world.step_s
+    )
+    record.update(
+        engines_asked=",".join(one.engine for one in found), scenario_asked=told.scenario,
+        against=None, against_asked=None, preset=None, interrupted=False, kind="fit",
+        recording_asked=list(told.recordings),
+    )  # fmt: skip
+    stored = [
+        Stored(one.engine, FITTED, drop, run)
+        for one in found
+        for drop, (_, run) in enumerate(one.runs)
+    ]
+    return Run(record, tuple(scores), tuple(stored))
+
+
+def _scores(one: EngineFit) -> list[Score]:
+    if one.fit is None or one.effective is None:
+        return []
+    rows = [
+        Score(one.engine, FITTED, name, "", None, float(value), float(u), units.unit_of(name),
+              1, None, None, INFO)
+        for name, value, u in zip(one.fit.names, one.fit.values, one.fit.u, strict=True)
+    ]  # fmt: skip
+    value, u = one.effective
+    return [*rows, Score(one.engine, FITTED, "effective_restitution", "", None, value, u, "1",
+                         1, None, None, INFO)]  # fmt: skip

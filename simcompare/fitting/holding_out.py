@@ -1,0 +1,102 @@
+"""Drops that were not fitted, predicted: the only thing that validates a fit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from simcompare.fitting.engine_fit import EngineFit
+from simcompare.fitting.impacts import Impacts
+from simcompare.fitting.likelihood import Fit, fit
+from simcompare.fitting.problem import SPEED, base
+from simcompare.validation.scores import e_n
+
+#: unknowns that belong to one drop alone and are found in the held-out drop itself
+_OWN = ("drop_height_m", "release_time_s", "floor_m")
+
+
+def predict(
+    best: Fit,
+    engines: Sequence[EngineFit],
+    held: Sequence[Impacts],
+    fixed: Mapping[str, float],
+) -> dict[str, Any]:
+    """How well what was fitted predicts drops that it has not seen.
+
+    Height and release of a held-out drop are its own; with them alone fitted, and everything else
+    as it was, its impacts are predicted. The restitution that the drop itself would give is held
+    against the fitted one by E_n.
+
+    Args:
+        best: the closed form that was fitted.
+        engines: the engines that were fitted.
+        held: drops that were not fitted.
+        fixed: what was not sought.
+
+    Returns:
+        Plain values: ``drops`` for the closed form, ``engines`` for each engine.
+    """
+    if not held:
+        return {"drops": [], "text": "No drop was held out, so nothing was validated."}
+    rows = []
+    for number, drop in enumerate(held, start=1):
+        rows.append({"number": number, "source": drop.source, **_closed(best, drop, fixed)})
+    for one in engines:
+        if one.fit is None:
+            continue
+        for row in rows:
+            row.setdefault("engines", {})[one.engine] = _engine(one, row)
+    judged = [row["e_n"] for row in rows if row["e_n"] is not None]
+    good = sum(abs(value) <= 1 for value in judged)
+    text = (
+        f"{good} of {len(judged)} held-out drops agree with the fitted restitution within"
+        " the noise level (|E_n| ≤ 1, k = 2)."
+    )
+    return {"drops": rows, "text": text}
+
+
+def _closed(best: Fit, drop: Impacts, fixed: Mapping[str, float]) -> dict[str, Any]:
+    own = [n for n in best.problem.model.own if n != SPEED or SPEED not in fixed]
+    kept = {
+        base(n): float(v)
+        for n, v in zip(best.names, best.values, strict=True)
+        if base(n) not in _OWN and math.isfinite(v)
+    }
+    usual = {**fixed, **kept}
+    alone = [n for n in ("drop_height_m", "release_time_s") if n not in fixed]
+    alone += ["floor_m"] if drop.track is not None else []
+    predicted = fit(drop, best.model, unknowns=alone, fixed=usual, profiles=False)
+    # what this drop says of the restitution by itself, everything else as fitted
+    single = {n: v for n, v in usual.items() if n != "restitution"}
+    again = fit(drop, best.model, unknowns=["restitution", *alone], fixed=single, profiles=False)
+    value, u = again.as_dict()["restitution"], float(again.u[again.names.index("restitution")])
+    k = best.names.index("restitution")
+    known, u_known = float(best.values[k]), float(best.u[k])
+    return {
+        "rms": dict(predicted.rms),
+        "chi2": predicted.chi2,
+        "count": predicted.count,
+        "drop_height_m": predicted.as_dict().get("drop_height_m"),
+        "restitution": value,
+        "u_restitution": u,
+        "fitted": known,
+        "u_fitted": u_known,
+        "e_n": e_n(value, known, 2 * u, 2 * u_known),
+        "unknowns": own,
+        "speeds_m_s": list(again.speeds_m_s),
+    }
+
+
+def _engine(one: EngineFit, row: Mapping[str, Any]) -> dict[str, Any]:
+    """The engine shows its effective restitution at every drop; that is held against this one's."""
+    assert one.effective is not None
+    assert one.fit is not None
+    value, u = one.effective
+    k = one.fit.names.index("restitution")
+    whole = math.hypot(u, float(one.fit.u[k]))
+    return {
+        "restitution": value,
+        "u": whole,
+        "e_n": e_n(value, row["restitution"], 2 * whole, 2 * row["u_restitution"]),
+    }

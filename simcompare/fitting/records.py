@@ -1,0 +1,104 @@
+"""What fit.json says, as plain values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from simcompare.fitting import bounce_models, other_estimates
+from simcompare.fitting.bootstrap import parametric
+from simcompare.fitting.choose import Choice
+from simcompare.fitting.engine_fit import EngineFit, as_dict
+from simcompare.fitting.identifiability import identifiability
+from simcompare.fitting.impacts import Impacts
+from simcompare.fitting.likelihood import Fit
+
+#: version of what fit.json holds
+FORMAT = 1
+
+
+def of_fit(
+    scenario: str,
+    choice: Choice,
+    start: Fit,
+    engines: Sequence[EngineFit],
+    predicted: Mapping[str, Any],
+    drops: tuple[Sequence[Impacts], Sequence[Impacts]],
+    given: Mapping[str, float],
+    step_s: float,
+) -> dict[str, Any]:
+    """The whole record of a fit.
+
+    Args:
+        scenario: its name.
+        choice: the closed forms and which was chosen.
+        start: the closed form that engines were fitted with.
+        engines: what each engine must be given.
+        predicted: the held-out drops.
+        drops: those that were fitted, and those that were held out.
+        given: further parameters of the scenario.
+        step_s: time between samples of the engines.
+    """
+    known = identifiability(choice.best)
+    sources = []
+    for one in engines:
+        row = as_dict(one)
+        row["identifiable"] = not any(direction.weak for direction in known.directions)
+        row["holdout"] = [
+            {"source": drop["source"], **drop["engines"][one.engine]}
+            for drop in predicted["drops"]
+            if one.engine in drop.get("engines", {})
+        ]
+        sources.append(row)
+    found: dict[str, Any] = {
+        "format": FORMAT,
+        "scenario": scenario,
+        "given": dict(given),
+        "measured": [drop.to_dict() for drop in drops[0]],
+        "told": [sentence for drop in drops[0] for sentence in drop.told()],
+        "held_out": [drop.to_dict() for drop in drops[1]],
+        "closed_form": choice.best.to_dict(),
+        "choice": choice.to_dict(),
+        "bootstrap": parametric(choice.best).to_dict(),
+        "identifiability": known.to_dict(),
+        "engine_model": start.model,
+        "engine_model_text": bounce_models.model_of(start.model).text,
+        "sources": sources,
+        "holdout": dict(predicted),
+        "other_estimates": other_estimates.of_drops(drops[0], choice.best),
+        "valid": {
+            "speed_m_s": list(choice.best.speeds_m_s),
+            "step_s": step_s,
+        },
+    }
+    found["sentences"] = _sentences(found, choice)
+    return found
+
+
+def _sentences(found: Mapping[str, Any], choice: Choice) -> list[str]:
+    best = choice.best
+    e = best.as_dict().get("restitution")
+    said = []
+    if e is not None:
+        k = best.names.index("restitution")
+        low, high = best.intervals[k]
+        said.append(
+            f"The restitution is {e:.5f}, with 95 % between {low:.5f} and {high:.5f}"
+            f" ({bounce_models.model_of(best.model).text};"
+            f" impacts at {best.speeds_m_s[0]:.2f} to {best.speeds_m_s[1]:.2f} m/s)."
+        )
+    shown = [s["effective"]["restitution"]["value"] for s in found["sources"] if s["effective"]]
+    if len(shown) > 1:
+        spread = (max(shown) - min(shown)) / (sum(shown) / len(shown))
+        said.append(
+            f"Fitted to it, {len(shown)} engines show restitutions that differ by"
+            f" {100 * spread:.3f} %."
+        )
+    said += [_sentence(text) for text in (*choice.words, *found["identifiability"]["words"])]
+    said += [_sentence(text) for text in best.warnings]
+    said.append(found["holdout"]["text"])
+    return said
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
