@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -50,7 +51,13 @@ def gap_figures(run: Run) -> list[Figure]:
         if (own := [row for row in rows if row["probe"] == probe])
     ]
     parts = [panels[i : i + _PANELS] for i in range(0, len(panels), _PANELS)]
-    return [_gap_figure(run, number, tuple(part)) for number, part in enumerate(parts, start=1)]
+    found = [_gap_figure(run, number, tuple(part)) for number, part in enumerate(parts, start=1)]
+    if len(found) == 1:
+        return found
+    return [
+        replace(figure, title=f"{figure.title} ({number} of {len(found)})")
+        for number, figure in enumerate(found, start=1)
+    ]
 
 
 def _gap_figure(run: Run, number: int, panels: tuple[Panel, ...]) -> Figure:

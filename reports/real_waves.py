@@ -25,6 +25,8 @@ _PERIODS, _LEAST, _MOST = 2.5, 0.05, 0.35
 #: lines at more events than these hide the signal
 _MOST_EVENTS = 100
 _ENGINE_WIDTH = 1.6
+#: second differences above this part of the range are noise that fills the panel
+_ROUGH = 0.03
 #: letters of a line beside an axis
 _AXIS_LETTERS = 30
 _MEASURED = Style("#A9A9A9", width=7.0)
@@ -70,7 +72,7 @@ def _axis(run: Run, probe: str) -> str:
 
 
 def _overlay_caption(run: Run, case: int) -> str:
-    told = ["Thick grey: what was measured. Thin lines: the engines, which often hide each other."]
+    told = ["Grey: what was measured. Thin lines: the engines, which often hide each other."]
     if real.truth(run, real.BEST, case) is not None:
         told.append(
             f"Shaded: the {TRUTH} with twice the standard uncertainty that it has from its"
@@ -93,7 +95,7 @@ def _layers(run: Run, probe: str, case: int) -> Iterator[Series]:
     measured = real.stored(run, real.MEASURED, "", case)
     if measured is not None:
         times, values = with_gaps(measured.time_s, measured.signals[probe])
-        yield Series(real.MEASURED, times, values, _MEASURED)
+        yield Series(real.MEASURED, times, values, _measured_style(values))
     nominal = real.truth(run, real.NOMINAL, case)
     if nominal is not None and probe in nominal.signals and real.is_fitted(run):
         yield Series(real.KNOWN, nominal.time_s, nominal.signals[probe], _NOMINAL)
@@ -101,6 +103,15 @@ def _layers(run: Run, probe: str, case: int) -> Iterator[Series]:
         found = real.stored(run, name, real.BEST, case)
         if found is not None and probe in found.signals:
             yield Series(name, found.time_s, found.signals[probe], _thin(name))
+
+
+def _measured_style(values: Array) -> Style:
+    """Thick, so that it is seen below the engines; thin where its noise would fill the panel."""
+    known = values[np.isfinite(values)]
+    if len(known) < 3:
+        return _MEASURED
+    rough = float(np.median(np.abs(np.diff(known, 2)))) > _ROUGH * float(np.ptp(known))
+    return replace(_MEASURED, width=_ENGINE_WIDTH) if rough else _MEASURED
 
 
 def _thin(engine: str) -> Style:

@@ -1,12 +1,14 @@
 """Figures of simulations held against a recording."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from simcompare.reports import real_events, real_parts, real_tables, real_waves
 from simcompare.reports.sections.real import Timings
+from simcompare.results import Stored
 from simcompare.trajectory import Trajectory
 from tests import validated
 from tests.validated import NOISE_RAD, cells, changed, streams
@@ -187,3 +189,20 @@ def test_no_quantity_is_left_out_of_the_picture_of_the_gap(fitted):
     figures = real_parts.gap_figures(changed(fitted, gaps=rows, compare=compare))
     assert [figure.name for figure in figures] == ["gap", "gap-2", "gap-3"]
     assert [panel.title for figure in figures for panel in figure.panels] == probes
+
+
+def test_a_noisy_measurement_does_not_fill_the_panel(fitted):
+    def width(run):
+        (figure,) = real_waves.overlay_figures(run, "angle_rad")
+        return next(s.style.width for s in figure.panels[0].series if s.label == "measured")
+
+    noisy = tuple(
+        Stored(s.source, s.contact, s.repeat, rough(s.trajectory)) if s.source == "measured" else s
+        for s in fitted.trajectories
+    )
+    assert width(fitted) > 3 * width(replace(fitted, trajectories=noisy))
+
+
+def rough(trajectory):
+    noise = np.random.default_rng(0).normal(0, 1, len(trajectory.time_s))
+    return Trajectory("measured", trajectory.time_s, {"angle_rad": noise})

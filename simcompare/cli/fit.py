@@ -105,7 +105,7 @@ def _priors(texts: list[str]) -> dict[str, tuple[float, float]]:
         if not colon:
             raise InputError(
                 "--prior",
-                [f"{given}={text} has no uncertainty; expected {given}=VALUE:UNCERTAINTY"],
+                [f"{given}={text} has no uncertainty; expected {given}=VALUE:U"],
             )
         name = units.find_name(given, DEFAULTS) or given
         unit = units.unit_of(name)
@@ -170,8 +170,7 @@ def _print_engines(found: dict[str, Any]) -> None:
             console.number(effective["value"], effective["u"]),
             str(source["simulations"]), f"{source['wall_s']:.2f}",
         )  # fmt: skip
-    cells = [
-        console.number(closed[n]["value"], closed[n]["u"]) if n in closed else "" for n in names
-    ]
+    none = {"value": None, "u": None}
+    cells = [console.number(*(closed.get(n, none)[key] for key in ("value", "u"))) for n in names]
     made.add_row("closed form", *cells, "", "", "")
     console.show_table(made)

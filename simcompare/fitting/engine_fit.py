@@ -209,9 +209,7 @@ def _advance(
         for drop in range(len(problem.drops)):
             runs = [(scene, o.trajectory) for (_, d, scene), o in own if d == drop]
             parts = [_beside_truth(model, scene, run) for scene, run in runs if run is not None]
-            middle += [
-                (s, run) for s, run in runs[DITHERS // 2 : DITHERS // 2 + 1] if run is not None
-            ]
+            middle += [(s, run) for s, run in runs[DITHERS // 2 :][:1] if run is not None]
             seen.append(_together(parts, problem.drops[drop].count))
             defects.append(parts)
     except SimcompareError as error:
@@ -295,7 +293,8 @@ def _result(name: str, problem: Problem, start: Fit, state: _State) -> EngineFit
     bad = state.outcome_bad
     if bad is not None:
         return EngineFit(name, bad.facts.version, bad.status, bad.reason,
-                         simulations=state.simulations, wall_s=state.wall_s, outcome=bad)  # fmt: skip
+                         simulations=state.simulations, wall_s=state.wall_s,
+                         outcome=bad)  # fmt: skip
     assert state.last is not None
     assert state.last.trajectory is not None
     values = np.array([float(shown(n, v)) for n, v in zip(problem.names, state.x, strict=True)])

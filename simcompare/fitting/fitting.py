@@ -1,4 +1,4 @@
-"""The verb ``fit``: a scenario's parameters from measurements, on every engine, with uncertainty."""
+"""The verb ``fit``: parameters from measurements, on every engine, with uncertainty."""
 
 from __future__ import annotations
 
@@ -162,10 +162,8 @@ def _candidates(model: str, asked: _Asked) -> list[str]:
     """Closed forms that are compared; with a known terminal speed those without drag fall away."""
     if model != "auto":
         return [bounce_models.model_of(model).name]
-    names = [
-        name for name, one in bounce_models.MODELS.items() if SPEED not in asked.fixed or one.drag
-    ]
-    return names
+    known = SPEED in asked.fixed
+    return [name for name, one in bounce_models.MODELS.items() if one.drag or not known]
 
 
 def drops_of(name: str | Path, mapping: str | Path | None, u_s: float | None) -> list[Impacts]:

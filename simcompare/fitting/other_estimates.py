@@ -49,8 +49,8 @@ def _of_times(drop: Impacts) -> list[dict[str, Any]]:
     at = numbers[:-1][np.diff(numbers) == 1]
     if len(steps) > 2:
         slope = float(np.polyfit(at, np.log(steps), 1)[0])
-        rows.append(_row("straight line through the logarithms of the flights", float(np.exp(slope)),
-                         None, "every flight counts alike, long and short ones"))  # fmt: skip
+        text = "every flight counts alike, long and short ones"
+        rows.append(_row("line through the logarithms of the flights", np.exp(slope), None, text))
     return rows
 
 
@@ -85,7 +85,7 @@ def _of_trajectory(drop: Impacts, fit: Fit, number: int) -> dict[str, Any]:
 
 
 def _row(name: str, value: float, u: float | None, text: str) -> dict[str, Any]:
-    return {"name": name, "value": value, "u": u, "text": text}
+    return {"name": name, "value": float(value), "u": u, "text": text}
 
 
 def _finite(value: float) -> float | None:
