@@ -19,6 +19,7 @@ _MODES = {
     DEFAULT: ("as each engine behaves by default", "by default"),
     COEFFICIENTS: ("with the scenario's coefficients", "with coefficients"),
     MAPPED: ("scenario's physics mapped", "mapped"),
+    "fitted": ("with parameters fitted to a measurement", "fitted"),
 }
 
 

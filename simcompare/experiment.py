@@ -22,6 +22,7 @@ from simcompare.simulation import sample_times
 from simcompare.trajectory import Trajectory
 
 if TYPE_CHECKING:
+    from simcompare.fitting.fit_file import FitFile
     from simcompare.hardware.logs.bounce_table import BounceTable
     from simcompare.scenario_file import ScenarioFile
 
@@ -48,7 +49,8 @@ def run(
     Args:
         scenario: name, folder or file.
         engine: ``"all"`` or names with commas.
-        contact: contact modes, a list or a text with commas.
+        contact: contact modes, a list or a text with commas; also the fit.json of a fit, with which
+            each engine runs with its own fitted parameters.
         set: parameters that differ from the file; text may carry a unit ("30cm").
         preset: named set of parameters, applied first.
         step: time between samples, "1ms" or in seconds.
@@ -65,10 +67,10 @@ def run(
         SimcompareError: faults of the arguments or of a file, or nowhere to store the run.
     """
     chosen = engines.select(engine)
-    modes = _modes(contact)
+    modes, fit = _modes(contact)
     file = catalogue.load(scenario)
     table = _table(file, against)
-    values = file.read_settings(set or {})
+    values = {**({} if fit is None else fit.base(file)), **file.read_settings(set or {})}
     if table is not None:
         values, preset = with_conditions(file, table, values, preset)
     step_s = None if step is None else units.to_si(step, "s", "--step")
@@ -83,10 +85,7 @@ def run(
     if out is not None:
         check_writable(Path(out))
     jobs = [
-        Job(name, scenarios[i], Settings(mode), i)
-        for name in chosen
-        for mode in modes
-        for i in range(len(scenarios))
+        job for name in chosen for mode in modes for job in _jobs(file, name, mode, scenarios, fit)
     ]
     interrupted = False
     try:
@@ -98,6 +97,8 @@ def run(
         engines_asked=engine,
         scenario_asked=scenario,
         against_asked=None if against is None else str(against),
+        fit_asked=None if fit is None else str(fit.path),
+        cautions=[] if fit is None else fit.cautions(scenarios[len(scenarios) // 2]),
         preset=preset,
         interrupted=interrupted,
     )
@@ -200,12 +201,40 @@ def _check_step(scenario: Scenario, step_s: float) -> None:
         )
 
 
-def _modes(contact: str | Sequence[str]) -> list[str]:
-    modes = [part.strip() for part in contact.split(",")] if isinstance(contact, str) else contact
-    for mode in modes:
-        if mode not in CONTACT_MODES:
-            raise UnknownName("contact mode", mode, CONTACT_MODES)
-    return list(dict.fromkeys(modes))
+def _modes(contact: str | Sequence[str]) -> tuple[list[str], FitFile | None]:
+    """Contact modes, and the fit where one of them is a file."""
+    from simcompare.fitting import fit_file
+
+    asked = [part.strip() for part in contact.split(",")] if isinstance(contact, str) else contact
+    modes, fit = [], None
+    for mode in asked:
+        path = None if mode in CONTACT_MODES else fit_file.find(mode)
+        if path is not None:
+            fit = fit_file.read(path)
+            modes.append(fit_file.FITTED)
+        elif mode in CONTACT_MODES:
+            modes.append(mode)
+        else:
+            raise UnknownName("contact mode or fit", mode, CONTACT_MODES)
+    return list(dict.fromkeys(modes)), fit
+
+
+def _jobs(
+    file: ScenarioFile,
+    engine: str,
+    mode: str,
+    scenarios: Sequence[Scenario],
+    fit: FitFile | None,
+) -> list[Job]:
+    """One job for each repeat; a fitted engine is given its own parameters."""
+    if fit is None or mode in CONTACT_MODES:
+        return [Job(engine, scene, Settings(mode), i) for i, scene in enumerate(scenarios)]
+    found = []
+    for i, scene in enumerate(scenarios):
+        for name, value in (fit.of_engine(engine, file) or {}).items():
+            scene = file.vary(scene, name, value)
+        found.append(Job(engine, scene, Settings(MAPPED), i, mode))
+    return found
 
 
 def _table(file: ScenarioFile, against: str | Path | None) -> BounceTable | None:
@@ -245,7 +274,7 @@ def _gather(
     sources = []
     by_source: dict[tuple[str, str], list[Outcome]] = {}
     for outcome in outcomes:
-        by_source.setdefault((outcome.job.engine, outcome.job.settings.contact), []).append(outcome)
+        by_source.setdefault((outcome.job.engine, outcome.job.mode), []).append(outcome)
     for (engine, mode), own in by_source.items():
         good = [outcome for outcome in own if outcome.status == OK]
         record = run_record.of_source(engine, mode, own)

@@ -24,12 +24,19 @@ class Job:
         scenario: the scene with numbers.
         settings: contact mode and seed.
         repeat: index of the dithered repeat.
+        label: mode under which the result is shown, where it is not that of the settings.
     """
 
     engine: str
     scenario: Scenario
     settings: Settings
     repeat: int = 0
+    label: str = ""
+
+    @property
+    def mode(self) -> str:
+        """Contact mode under which the result is shown."""
+        return self.label or self.settings.contact
 
 
 @dataclass(frozen=True)
@@ -124,7 +131,7 @@ def _checked(job: Job, trajectory: Trajectory) -> Trajectory:
         raise EngineBroken(
             f"{job.engine} returned times or an audit with values that are no numbers"
         )
-    named = replace(trajectory, source=job.engine, contact=job.settings.contact, wall_s=wall)
+    named = replace(trajectory, source=job.engine, contact=job.mode, wall_s=wall)
     named.to_columns()
     if not named.audit:
         note = "this backend read nothing back: whether the engine took what was set is not known"

@@ -28,6 +28,10 @@ def export(
         [], "--set", metavar="P=V", help="Change a parameter, such as torque=10mN*m."
     ),
     preset: str = typer.Option(None, help="Named set of parameters, applied before --set."),
+    fit: str = typer.Option(None, help="fit.json of simcompare fit, whose parameters are used."),
+    contact_values: bool = typer.Option(
+        False, "--contact-values", help="Print each engine's own contact values of the fit."
+    ),
     out: Path = typer.Option(
         None, "--out", "-o", help="File or folder to write; stdout by default."
     ),
@@ -37,7 +41,12 @@ def export(
     from simcompare import exporters
     from simcompare.cli import console
 
-    twin = exporters.twin(scenario, format=format, set=console.pairs(settings), preset=preset)
+    if contact_values:
+        typer.echo(_contact_values(fit), nl=False)
+        return
+    twin = exporters.twin(
+        scenario, format=format, set=console.pairs(settings), preset=preset, fit=fit
+    )
     written = None
     if out is not None:
         written = _write(out, f"{twin.scenario}{exporters.FORMATS[format]}", twin.text)
@@ -58,6 +67,15 @@ def export(
         typer.echo(str(written))
     for sentence in twin.left_out:
         typer.echo(f"left out: {sentence}", err=True)
+
+
+def _contact_values(fit: str | None) -> str:
+    from simcompare.errors import InputError
+    from simcompare.fitting import fit_file
+
+    if fit is None:
+        raise InputError("--contact-values", ["needs a fit; give --fit fit.json"])
+    return fit_file.contact_values(fit_file.find(fit) or Path(fit))
 
 
 def _write(out: Path, name: str, text: str) -> Path:

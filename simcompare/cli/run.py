@@ -105,6 +105,8 @@ def _print(result: Run, written: Path | None) -> None:
             typer.echo(f"{source['name']}, {source['contact']}: {source['reason']}")
     if record["against"] is not None:
         _print_against(record["against"])
+    for sentence in record.get("cautions", ()):
+        typer.echo(f"Caution: {sentence}")
     if result.interrupted:
         typer.echo("Interrupted: what had finished is kept.", err=True)
     if result.folder is not None:

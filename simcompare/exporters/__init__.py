@@ -7,6 +7,7 @@ all that a scenario says: what one cannot is listed in ``Twin.left_out`` and in 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from simcompare.errors import UnknownName
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
 #: formats and the usual ending of their files
 FORMATS = {"urdf": ".urdf", "sdf": ".sdf", "mjcf": ".xml"}
+#: formats that only one engine reads, which then gets its own fitted parameters
+_ENGINE_OF = {"mjcf": "mujoco"}
 
 
 def export(
@@ -25,6 +28,7 @@ def export(
     format: str = "urdf",
     set: Mapping[str, str | float] | None = None,
     preset: str | None = None,
+    fit: str | None = None,
 ) -> str:
     """The text of a scenario in another simulator's format.
 
@@ -33,11 +37,12 @@ def export(
         format: "urdf", "sdf" or "mjcf".
         set: parameters that differ from the file; text may carry a unit ("30cm").
         preset: named set of parameters, applied first.
+        fit: fit.json of ``simcompare fit``, whose parameters are used.
 
     Raises:
         SimcompareError: unknown names, faults of the arguments, or what the format cannot hold.
     """
-    return twin(scenario, format=format, set=set, preset=preset).text
+    return twin(scenario, format=format, set=set, preset=preset, fit=fit).text
 
 
 def twin(
@@ -46,6 +51,7 @@ def twin(
     format: str = "urdf",
     set: Mapping[str, str | float] | None = None,
     preset: str | None = None,
+    fit: str | None = None,
 ) -> Twin:
     """Like :func:`export`, with what is in the text and what had to be left out."""
     if format not in FORMATS:
@@ -53,11 +59,15 @@ def twin(
     from simcompare.exporters import mjcf, sdf, urdf
 
     write = {"urdf": urdf.write, "sdf": sdf.write, "mjcf": mjcf.write}[format]
-    return write(_resolved(scenario, set or {}, preset))
+    return write(_resolved(scenario, set or {}, preset, fit, _ENGINE_OF.get(format, "")))
 
 
 def _resolved(
-    scenario: str | Scenario, settings: Mapping[str, str | float], preset: str | None
+    scenario: str | Scenario,
+    settings: Mapping[str, str | float],
+    preset: str | None,
+    fit: str | None,
+    engine: str,
 ) -> Scenario:
     if not isinstance(scenario, str):
         from simcompare.errors import InputError
@@ -71,4 +81,10 @@ def _resolved(
     from simcompare import catalogue
 
     file = catalogue.load(scenario)
-    return file.resolve(file.read_settings(settings), preset=preset)
+    known: dict[str, float] = {}
+    if fit is not None:
+        from simcompare.fitting import fit_file
+
+        found = fit_file.read(fit_file.find(fit) or Path(fit))
+        known = {**found.base(file), **(found.of_engine(engine, file) or {})}
+    return file.resolve({**known, **file.read_settings(settings)}, preset=preset)

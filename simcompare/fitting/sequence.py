@@ -27,6 +27,12 @@ _ROUGH = 0.02
 _MISSED = 0.5
 #: flights that a proposal may reach over when others knocked in between
 _REACH = 4
+#: a pause between two drops lasts longer than so many of the longest flight
+_PAUSE = 1.5
+#: an impact that others of known scatter contradict is off by this part of a flight or more
+_LEAST_OFF = 0.01
+#: part of a residual that its own impact does not fit away, at least
+_LEVERAGE = 0.3
 #: by what the logarithm of the factor shrinks from flight to flight: drag, and e(v)
 _SLOWER = (1.0, 0.94, 0.88, 0.82)
 #: flights that a proposal foretells, backwards and forwards
@@ -74,11 +80,12 @@ def split(times_s: Array) -> list[slice]:
     steps = np.diff(times_s)
     starts = [0]
     for i in range(2, len(times_s) - 2):
-        before = steps[starts[-1] : i - 1][-3:]
+        before = steps[starts[-1] : i - 1]
         if len(before) < 2:
             continue
-        usual = float(np.median(before))
-        if steps[i - 1] > 1.3 * usual and steps[i] > 1.1 * usual and steps[i + 1] < steps[i]:
+        # the pause is longer than a missed impact makes a flight, and long flights follow it
+        pause = steps[i - 1] > _PAUSE * before.max()
+        if pause and steps[i] > 1.1 * np.median(before[-3:]) and steps[i + 1] < steps[i]:
             starts.append(i)
     return [slice(a, b) for a, b in zip(starts, [*starts[1:], len(times_s)], strict=True)]
 
@@ -138,13 +145,18 @@ def _fit(times: Array, u: Array, numbers: NDArray[np.int64]) -> _Fit:
     # residuals as if each impact had been left out of the fit (externally studentised)
     q = np.linalg.qr(jacobian)[0]
     free = np.maximum(1 - np.sum(q * q, axis=1), 1e-9)
-    others = np.maximum(chi2 - left**2 / free, 1e-12 * chi2) / (degrees - 1)
-    if stated:
-        others = np.maximum(others, 1.0)
-    size = np.abs(left) / np.sqrt(others * free)
-    worst = int(np.argmax(size))
+    rest = np.maximum(chi2 - left**2 / free, 1e-12 * chi2)
+    worst = int(np.argmin(rest))
+    blamed = stats.chi2.sf(rest[worst], degrees - 1) > _BY_CHANCE and free[worst] > _LEVERAGE
+    if stated and degrees > 2 and blamed:
+        # all others agree within what is stated, so this one alone is to blame; not so at the
+        # ends, where leaving one out means to extrapolate a form that is not exact
+        flight = float(predicted[steps[worst]] - predicted[steps[worst] - 1])
+        off = abs(left[worst]) / free[worst] * each[worst]
+        return _Fit(predicted, scatter, worst, bool(off > _LEAST_OFF * flight))
+    scale = math.sqrt(max(rest[worst] / (degrees - 1), 1.0 if stated else 0.0) * free[worst])
     limit = float(stats.t.isf(_BY_CHANCE / 2 / len(times), degrees - 1))
-    return _Fit(predicted, scatter, worst, bool(size[worst] > limit))
+    return _Fit(predicted, scatter, worst, bool(abs(left[worst]) > limit * scale))
 
 
 def _found(times: Array, u: Array, source: str) -> NDArray[np.int64]:
