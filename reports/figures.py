@@ -98,6 +98,31 @@ class Bars:
 
 
 @dataclass(frozen=True)
+class Matrix:
+    """Cells between -1 and 1 with a number in each; told by the numbers, not by colour alone.
+
+    Attributes:
+        values: rows from the top (n, m); NaN is an empty cell.
+        places: digits after the point.
+    """
+
+    values: Array
+    places: int = 2
+
+    @property
+    def texts(self) -> list[list[str]]:
+        """What is written into the cells."""
+        return [
+            [f"{v:.{self.places}f}".replace("-", "−") if math.isfinite(v) else "–" for v in row]
+            for row in self.values.tolist()
+        ]
+
+
+#: colours of a matrix at -1, 0 and 1, pale enough for dark digits
+MATRIX_COLOURS = ("#5AA6DC", "#FFFFFF", "#F0A35C")
+
+
+@dataclass(frozen=True)
 class Band:
     """A range of y that means something: a tolerance, or the limits of a measurement."""
 
@@ -143,6 +168,7 @@ class Panel:
         y_ticks: names at y = 0, 1, 2, … from the top; values then run along x, so that bars and
             the bars of uncertainties lie. ``None`` for numbers.
         x_limits: lowest and highest x, ``None`` to fit the data.
+        matrix: cells under ``x_ticks`` and beside ``y_ticks``, which it needs.
     """
 
     title: str
@@ -160,6 +186,7 @@ class Panel:
     spans: tuple[Span, ...] = ()
     y_ticks: tuple[str, ...] | None = None
     x_limits: tuple[float, float] | None = None
+    matrix: Matrix | None = None
 
     @property
     def x_range(self) -> tuple[float, float] | None:

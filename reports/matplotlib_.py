@@ -6,7 +6,17 @@ import io
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from simcompare.reports.figures import Band, Bars, Figure, Panel, Series, Span, decimated
+from simcompare.reports.figures import (
+    MATRIX_COLOURS,
+    Band,
+    Bars,
+    Figure,
+    Matrix,
+    Panel,
+    Series,
+    Span,
+    decimated,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -100,6 +110,8 @@ def draw(page: Any, figure: Figure) -> None:  # noqa: ANN401  (a Figure or a Sub
             handle = _span(axes, span)
             if span.label:
                 handles.setdefault(span.label, handle)
+        if panel.matrix is not None:
+            _matrix(axes, panel.matrix)
         for bars, handle in _stacked(axes, panel):
             handles.setdefault(bars.label, handle)
         for series in panel.series:
@@ -184,6 +196,16 @@ def _band(axes: Axes, band: Band) -> Any:  # noqa: ANN401  (a handle for the leg
     if band.centre is not None:
         axes.axhline(band.centre, color="#555555", linewidth=0.8, zorder=1)
     return axes.axhspan(band.low, band.high, color="#000000", alpha=0.1, linewidth=0)
+
+
+def _matrix(axes: Axes, matrix: Matrix) -> None:
+    from matplotlib.colors import LinearSegmentedColormap
+
+    colours = LinearSegmentedColormap.from_list("signed", MATRIX_COLOURS)
+    axes.imshow(matrix.values, cmap=colours, vmin=-1, vmax=1, aspect="auto", zorder=2)
+    for i, row in enumerate(matrix.texts):
+        for k, text in enumerate(row):
+            axes.text(k, i, text, ha="center", va="center", color="#222222", zorder=3)
 
 
 def _stacked(axes: Axes, panel: Panel) -> Iterator[tuple[Bars, Any]]:

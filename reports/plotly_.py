@@ -12,7 +12,17 @@ from typing import Any
 import numpy as np
 
 from simcompare.errors import OutputError
-from simcompare.reports.figures import Band, Bars, Figure, Panel, Series, Span, decimated
+from simcompare.reports.figures import (
+    MATRIX_COLOURS,
+    Band,
+    Bars,
+    Figure,
+    Matrix,
+    Panel,
+    Series,
+    Span,
+    decimated,
+)
 from simcompare.trajectory import Array
 
 FONT_PX = 16
@@ -91,6 +101,8 @@ def as_dict(figure: Figure) -> dict[str, Any]:
             layout["shapes"].append(_span(span, axis, span.label not in {*listed, ""}))
             listed.add(span.label)
         lying = panel.y_ticks is not None
+        if panel.matrix is not None:
+            data.append(_matrix(panel.matrix, axis))
         for bars in panel.bars:
             data.append(_bars(bars, axis, bars.label not in listed, lying))
             listed.add(bars.label)
@@ -251,6 +263,18 @@ def _shade(series: Series, axis: str, *, listed: bool) -> dict[str, Any]:
         "y": _numbers(np.concatenate((low, high[::-1]))),
         "xaxis": f"x{axis}", "yaxis": f"y{axis}", "line": {"width": 0},
         "fillcolor": series.style.colour, "opacity": 0.25,
+    }  # fmt: skip
+
+
+def _matrix(matrix: Matrix, axis: str) -> dict[str, Any]:
+    rows, columns = matrix.values.shape
+    return {
+        "type": "heatmap", "z": [_numbers(row) for row in matrix.values],
+        "x": list(range(columns)), "y": list(range(rows)), "text": matrix.texts,
+        "texttemplate": "%{text}", "textfont": {"color": _INK, "size": FONT_PX},
+        "colorscale": [[i / 2, colour] for i, colour in enumerate(MATRIX_COLOURS)],
+        "zmin": -1, "zmax": 1, "showscale": False, "xgap": 2, "ygap": 2, "hoverinfo": "text",
+        "xaxis": f"x{axis}", "yaxis": f"y{axis}",
     }  # fmt: skip
 
 

@@ -108,8 +108,8 @@ def _few(streams: Iterable[str]) -> str:
 
 def _changes(before: Mapping[str, float], after: Mapping[str, float]) -> str:
     return "; ".join(
-        f"{key.replace('_', ' ')} {numbers.plain(value, 4)}"
-        + (f" → {numbers.plain(after[key], 4)}" if key in after else "")
+        f"{key.replace('_', ' ')} {numbers.plain(value)}"
+        + (f" → {numbers.plain(after[key])}" if key in after else "")
         for key, value in before.items()
     )
 

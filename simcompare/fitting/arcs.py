@@ -8,6 +8,7 @@ intersected: neither the floor's level nor a frame at the impact is needed.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -159,7 +160,7 @@ def _samples(
 def _noise(height: Array) -> float:
     """Standard deviation of one sample: third differences of a parabola are none."""
     third = np.diff(height, 3)
-    return max(MAD_TO_SD * float(np.median(np.abs(third))) / np.sqrt(20), 1e-7)
+    return max(MAD_TO_SD * float(np.median(np.abs(third))) / math.sqrt(20), 1e-7)
 
 
 def _kinks(
@@ -181,9 +182,13 @@ def _kinks(
     u_kink = _u_of_kink(noise, step, width)
     threshold = max(_KINK * u_kink, 1.3 * gravity * width * step)
     kink[before > -_FALLING * u_kink] = -np.inf
-    if -float(np.min(kink[np.isfinite(kink)], initial=0.0)) > 2 * max(float(np.max(kink)), _SLOW):
-        raise InputError(source or "height", ["the height turns downwards at the impacts: it is"
-                         " counted downwards; give it the other sign in a mapping file"])  # fmt: skip
+    down = -float(np.min(kink[np.isfinite(kink)], initial=0.0))
+    if down > 2 * max(float(np.max(kink)), _SLOW):
+        raise InputError(
+            source or "height",
+            ["the height turns downwards at the impacts: it is counted downwards; give it the other"
+             " sign in a mapping file"],
+        )  # fmt: skip
     tops = [
         i for i in np.flatnonzero(kink > threshold).tolist()
         if kink[i] == np.max(kink[max(0, i - width) : i + width + 1])

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from simcompare.errors import InputError
 from simcompare.fitting import least_squares
@@ -107,7 +108,12 @@ def over_drops(fit: Fit, draws: int = DRAWS, seed: int = 0) -> Bootstrap:
 
 
 def _summary(
-    kind: str, fit: Fit, x: Array, fine: Array, seed: int, columns: list[int] | None = None
+    kind: str,
+    fit: Fit,
+    x: Array,
+    fine: NDArray[np.bool_],
+    seed: int,
+    columns: list[int] | None = None,
 ) -> Bootstrap:
     kept = list(range(len(fit.names))) if columns is None else columns
     names = tuple(fit.names[k] for k in kept)

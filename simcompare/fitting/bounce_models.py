@@ -19,6 +19,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from simcompare.errors import UnknownName
 from simcompare.trajectory import Array
@@ -158,7 +159,7 @@ def drag_of(values: Mapping[str, Array | float]) -> Array:
 
 
 def height_at(
-    found: Bounces, values: Mapping[str, Array | float], time_s: Array, flight: Array
+    found: Bounces, values: Mapping[str, Array | float], time_s: Array, flight: NDArray[np.int64]
 ) -> Array:
     """Height that a camera shows at times of the log, each within the flight of that number.
 
@@ -194,7 +195,7 @@ def restitution_at(model: Model, values: Mapping[str, Array | float], speed: Arr
     e = np.asarray(given["restitution"], dtype=float)
     if model.law == "power":
         exponent = np.asarray(given["exponent"], dtype=float)
-        return np.minimum(e * (speed / REFERENCE_SPEED) ** -exponent, 1.0)
+        return np.asarray(np.minimum(e * (speed / REFERENCE_SPEED) ** -exponent, 1.0))
     if model.law == "hunt_crossley":
         return hunt_crossley(_inverse_hunt_crossley(e) / REFERENCE_SPEED * speed)
     return np.broadcast_to(e, np.broadcast_shapes(e.shape, np.shape(speed))).copy()

@@ -1,16 +1,19 @@
 """Which closed form the data ask for, with the numbers shown.
 
-AICc = χ² + 2k + 2k(k + 1)/(n - k - 1) and BIC = χ² + k·ln n (K. P. Burnham and D. R. Anderson,
-Model Selection and Multimodel Inference, 2nd ed., Springer 2002). χ² is divided by the scatter of
-the richest model where that exceeds the stated uncertainties, so that underestimated noise does
-not ask for more unknowns. An unknown with a prior counts by the part that the data determine.
+AIC = χ² + 2k, AICc = AIC + 2k(k + 1)/(n - k - 1) and BIC = χ² + k·ln n (K. P. Burnham and D. R.
+Anderson, Model Selection and Multimodel Inference, 2nd ed., Springer 2002). The correction for few
+data belongs to a variance that is estimated from them (C. M. Hurvich and C.-L. Tsai, Biometrika 76
+(1989) 297), so AICc decides where no uncertainty is stated or the scatter exceeds it, AIC where the
+stated uncertainties hold. χ² is divided by the scatter of the richest model where that exceeds the
+stated uncertainties, so that underestimated noise does not ask for more unknowns. An unknown with a
+prior counts by the part that the data determine.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from simcompare.errors import InputError
@@ -20,8 +23,10 @@ from simcompare.fitting.impacts import Impacts
 from simcompare.fitting.likelihood import Fit
 from simcompare.fitting.problem import Prior
 
-#: AICc above the least by less than this: the data cannot tell; by more than that: excluded
+#: above the least criterion by less than this: the data cannot tell; by more than that: excluded
 RIVAL, EXCLUDED = 4.0, 10.0
+#: scatter that is told has at most this chance where the stated uncertainties hold
+_BY_CHANCE = 0.01
 
 
 @dataclass(frozen=True)
@@ -33,16 +38,19 @@ class Candidate:
         fit: its fit, without profiles unless it was chosen.
         unknowns: k, how many unknowns the data determine.
         chi2: of the data, divided by the common scatter.
-        aicc: Akaike's criterion; infinite where there are too few data for the model.
+        aic: Akaike's criterion, for known uncertainties.
+        aicc: the same corrected for few data; infinite where there are too few for the model.
         bic: Schwarz's criterion.
-        delta: AICc above the least.
-        weight: Akaike weight among the candidates.
+        delta: the deciding criterion above the least.
+        weight: Akaike weight among the candidates; 0 for one that repeats another because its
+            drag vanished.
     """
 
     model: str
     fit: Fit
     unknowns: float
     chi2: float
+    aic: float
     aicc: float
     bic: float
     delta: float
@@ -54,13 +62,15 @@ class Choice:
     """All candidates, best first, and what they say.
 
     Attributes:
-        candidates: by AICc.
+        candidates: best first.
+        criterion: which decided, "AIC" or "AICc".
         scatter: what χ² was divided by.
         refused: model -> why it could not be fitted.
         words: what a reader must know, one sentence each.
     """
 
     candidates: tuple[Candidate, ...]
+    criterion: str
     scatter: float
     refused: Mapping[str, str]
     words: tuple[str, ...]
@@ -79,13 +89,14 @@ class Choice:
         """Plain values for JSON."""
         return {
             "chosen": self.candidates[0].model,
+            "criterion": self.criterion,
             "scatter": self.scatter,
             "words": list(self.words),
             "refused": dict(self.refused),
             "candidates": [
                 {
                     "model": c.model, "text": MODELS[c.model].text, "unknowns": c.unknowns,
-                    "chi2": c.chi2, "aicc": c.aicc if math.isfinite(c.aicc) else None,
+                    "chi2": c.chi2, "aic": c.aic, "aicc": c.aicc if math.isfinite(c.aicc) else None,
                     "bic": c.bic, "delta": c.delta if math.isfinite(c.delta) else None,
                     "weight": c.weight,
                     "parameters": {
@@ -140,7 +151,8 @@ def compare(
     if not fits:
         raise InputError("fit", list(dict.fromkeys(refused.values())))
     scatter = _scatter(list(fits.values()))
-    candidates = _weighed(fits, scatter)
+    stated = scatter == 1.0 and all(drop.u_known for drop in every)
+    candidates = _weighed(fits, scatter, stated)
     best = candidates[0]
     asked = list(best.fit.names) if len(every) == 1 else _usual(every, model_of(best.model), extra)
     profiled = likelihood.fit(
@@ -148,10 +160,10 @@ def compare(
         priors=dict(priors or {}), bounds=bounds, intervals=intervals,
     )  # fmt: skip
     rest = candidates[1:]
-    chosen = Candidate(best.model, profiled, best.unknowns, best.chi2, best.aicc, best.bic,
-                       best.delta, best.weight)  # fmt: skip
-    words = _words([chosen, *rest], scatter, held)
-    return Choice((chosen, *rest), scatter, refused, tuple(words))
+    chosen = replace(best, fit=profiled)
+    criterion = "AIC" if stated else "AICc"
+    words = _words([chosen, *rest], criterion, scatter, held)
+    return Choice((chosen, *rest), criterion, scatter, refused, tuple(words))
 
 
 def _usual(drops: Sequence[Impacts], model: Model, extra: Sequence[str]) -> list[str]:
@@ -161,30 +173,43 @@ def _usual(drops: Sequence[Impacts], model: Model, extra: Sequence[str]) -> list
 
 
 def _scatter(fits: Sequence[Fit]) -> float:
-    """What the richest model that can show any scatter has left, at least 1 where u is stated."""
+    """What the richest model that can show any scatter has left, at least 1 where u is stated.
+
+    Scatter that chance explains is none.
+    """
+    from scipy import stats
+
     able = [fit for fit in fits if fit.dof > 0]
     if not able:
         return 1.0
-    return max(able, key=lambda fit: (len(fit.names), -fit.chi2)).s2
+    richest = max(able, key=lambda fit: (len(fit.names), -fit.chi2))
+    by_chance = stats.chi2.sf(richest.s2 * richest.dof, richest.dof) > _BY_CHANCE
+    return 1.0 if richest.problem.u_known and by_chance else richest.s2
 
 
-def _weighed(fits: Mapping[str, Fit], scatter: float) -> list[Candidate]:
+def _weighed(fits: Mapping[str, Fit], scatter: float, stated: bool) -> list[Candidate]:
     rows = []
     for name, fit in fits.items():
         k, n, chi2 = fit.effective, fit.count, fit.chi2 / scatter
         left = n - k - 1
-        aicc = chi2 + 2 * k + 2 * k * (k + 1) / left if left > 1e-6 else math.inf
-        rows.append((name, fit, k, chi2, aicc, chi2 + k * math.log(n)))
-    if all(math.isinf(row[4]) for row in rows):  # too few data for AICc at all: the BIC decides
-        rows = [(*row[:4], row[5], row[5]) for row in rows]
-    least = min(row[4] for row in rows)
-    weights = [math.exp(-(row[4] - least) / 2) if math.isfinite(row[4]) else 0.0 for row in rows]
+        aic = chi2 + 2 * k
+        aicc = aic + 2 * k * (k + 1) / left if left > 1e-6 else math.inf
+        rows.append(Candidate(name, fit, k, chi2, aic, aicc, chi2 + k * math.log(n), 0.0, 0.0))
+    # too few data for AICc of any model: AIC has to do
+    plain = stated or all(math.isinf(row.aicc) for row in rows)
+    scores = [row.aic if plain else row.aicc for row in rows]
+    least = min(scores)
+    shares = [
+        math.exp(-(score - least) / 2) if _is_own(row) else 0.0
+        for row, score in zip(rows, scores, strict=True)
+    ]
+    total = sum(shares) or 1.0
     found = [
-        Candidate(*row, delta=row[4] - least, weight=w / sum(weights))
-        for row, w in zip(rows, weights, strict=True)
+        replace(row, delta=score - least, weight=share / total)
+        for row, score, share in zip(rows, scores, shares, strict=True)
     ]
     # of equals the model with fewer unknowns, such as one whose drag vanished
-    return sorted(found, key=lambda c: (round(c.aicc, 6), len(c.fit.names)))
+    return sorted(found, key=lambda c: (round(c.delta, 6), len(c.fit.names)))
 
 
 def _is_own(candidate: Candidate) -> bool:
@@ -192,12 +217,14 @@ def _is_own(candidate: Candidate) -> bool:
     return not candidate.fit.at_bound
 
 
-def _words(rows: Sequence[Candidate], scatter: float, held: Mapping[str, float]) -> list[str]:
+def _words(
+    rows: Sequence[Candidate], criterion: str, scatter: float, held: Mapping[str, float]
+) -> list[str]:
     best = rows[0]
     rivals = [c for c in rows[1:] if c.delta < RIVAL and _is_own(c)]
     said = [
-        f"{MODELS[best.model].text} describes the data best (AICc {best.aicc:.1f}, Akaike weight"
-        f" {best.weight:.0%})"
+        f"{MODELS[best.model].text} describes the data best ({criterion}"
+        f" {best.aic if criterion == 'AIC' else best.aicc:.1f}, Akaike weight {best.weight:.0%})"
     ]
     if rivals:
         said.append(_ambiguous(best, rivals, held))
@@ -218,11 +245,13 @@ def _words(rows: Sequence[Candidate], scatter: float, held: Mapping[str, float])
 
 def _ambiguous(best: Candidate, rivals: Sequence[Candidate], held: Mapping[str, float]) -> str:
     """What the data leave undecided, and what would decide it."""
-    among = [model_of(c.model) for c in (best, *rivals)]
-    names = ", ".join(f"{MODELS[c.model].text} (ΔAICc {c.delta:.1f})" for c in rivals)
+    names = ", ".join(f"{MODELS[c.model].text} (ΔAIC {c.delta:.1f})" for c in rivals)
     values = [c.fit.as_dict().get("restitution", math.nan) for c in (best, *rivals)]
     known = [v for v in values if math.isfinite(v)]
-    spread = f"; the restitution is {min(known):.4f} to {max(known):.4f} among them" if known else ""
+    spread = ""
+    if known:
+        spread = f"; the restitution is {min(known):.4f} to {max(known):.4f} among them"
+    among = [model_of(c.model) for c in (best, *rivals)]
     only_drag = any(m.drag and m.law == "constant" for m in among)
     only_law = any(m.law != "constant" and not m.drag for m in among)
     if only_drag and only_law and "terminal_speed_m_s" not in held:
@@ -230,12 +259,20 @@ def _ambiguous(best: Candidate, rivals: Sequence[Candidate], held: Mapping[str, 
             "the data cannot tell drag from velocity dependence: give the terminal speed. About as"
             f" good: {names}{spread}"
         )
+    if all(_extends(model_of(c.model), model_of(best.model)) for c in rivals):
+        return f"nothing in the data asks for more, and they do not exclude it: {names}{spread}"
     return f"the data cannot tell it from: {names}{spread}"
+
+
+def _extends(model: Model, simple: Model) -> bool:
+    """Whether a model is the simple one with more unknowns."""
+    same = model.law == simple.law or (simple.law == "constant" and model.law == "power")
+    return same and set(simple.own) < set(model.own)
 
 
 def _left_out(best: Candidate, simple: Candidate) -> str:
     """What a constant restitution without drag would have said."""
-    text = f"constant restitution without drag is excluded (ΔAICc {simple.delta:.0f})"
+    text = f"constant restitution without drag is excluded (ΔAIC {simple.delta:.0f})"
     ours, theirs = (c.fit.as_dict().get("restitution") for c in (best, simple))
     if ours is None or theirs is None:
         return text

@@ -22,6 +22,7 @@ from simcompare.audit import AuditRow
 from simcompare.backend import MAPPED, Settings
 from simcompare.errors import InputError, SimcompareError
 from simcompare.fitting import bounce_models, likelihood
+from simcompare.fitting.bounce_models import Bounces
 from simcompare.fitting.likelihood import Fit
 from simcompare.fitting.problem import Problem, seen_in, shown
 from simcompare.jobs import FAILED, OK, Job, Outcome
@@ -274,19 +275,24 @@ def _in_data(problem: Problem, x: Array, shown: Sequence[Bouncing]) -> Array:
     for drop, (impacts, seen) in enumerate(zip(problem.drops, shown, strict=True)):
         values = problem.values(x, drop)
         closed = bounce_models.bounces(problem.model, values, impacts.count)
-        later = np.append(seen.late_s[1:], seen.late_s[-1])
-        between = np.concatenate(([0.0], (seen.late_s + later) / 2))
-        engine = replace(
-            closed,
-            impact_s=closed.impact_s + seen.late_s,
-            apex_s=closed.apex_s + between,
-            apex_m=closed.apex_m + seen.higher_m,
-        )
+        engine = engine_bounces(closed, seen)
         for block in problem.blocks:
             if block.drop == drop:
                 ours = seen_in(block, impacts, engine, values, ())
                 parts.append(ours - seen_in(block, impacts, closed, values, ()))
     return np.concatenate(parts)
+
+
+def engine_bounces(closed: Bounces, seen: Bouncing) -> Bounces:
+    """Bounces of an engine: those of the closed form, moved by what it shows beside it."""
+    later = np.append(seen.late_s[1:], seen.late_s[-1])
+    between = np.concatenate(([0.0], (seen.late_s + later) / 2))
+    return replace(
+        closed,
+        impact_s=closed.impact_s + seen.late_s,
+        apex_s=closed.apex_s + between,
+        apex_m=closed.apex_m + seen.higher_m,
+    )
 
 
 def _result(name: str, problem: Problem, start: Fit, state: _State) -> EngineFit:

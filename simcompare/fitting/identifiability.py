@@ -7,7 +7,8 @@ unknowns is known than the best one; the last singular vector names that combina
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -89,31 +90,77 @@ class Identifiability:
         }
 
 
+@dataclass(frozen=True)
+class Language:
+    """How unknowns are called, and what would help where they cannot be told apart.
+
+    Attributes:
+        title: unknown -> its name in a sentence.
+        unit: unknown -> its unit after a number, with a space before it.
+        advise: names of unknowns that the data do not separate -> what would.
+    """
+
+    title: Callable[[str], str]
+    unit: Callable[[str], str]
+    advise: Callable[[set[str]], str]
+
+
 def identifiability(fit: Fit) -> Identifiability:
     """What the data of a fit can tell about its unknowns."""
     problem = fit.problem
     jacobian = least_squares.jacobian_of(
         lambda x: problem.residuals(x, priors=False), fit.x[None, :], problem.size
     )[0] / problem.size  # fmt: skip
+    language = Language(
+        _title, lambda name: _UNITS.get(base(name), ""), lambda names: _advice(fit, names)
+    )
+    found = of_jacobian(fit.names, jacobian, language, slopes=_slopes(fit), u=fit.u)
+    for k, name in enumerate(fit.names):
+        helped = problem.priors.get(name)
+        if helped is not None and fit.u[k] > 0.9 * helped.u:
+            more = f"{_title(name)} is known from its prior alone; the data add nothing"
+            found = replace(found, words=(*found.words, more))
+    return found
+
+
+def of_jacobian(
+    names: Sequence[str],
+    jacobian: Array,
+    language: Language,
+    *,
+    slopes: Array | None = None,
+    u: Array | None = None,
+) -> Identifiability:
+    """What data can tell about unknowns, from how they change with them.
+
+    Args:
+        names: the unknowns.
+        jacobian: of the residuals over their standard uncertainty (n, p).
+        language: how the unknowns are called.
+        slopes: derivatives of the unknowns as shown to those of the Jacobian (p,); 1 where
+            ``None``.
+        u: standard uncertainties with all that is known (p,); those of the data where ``None``.
+    """
+    slopes = np.ones(len(names)) if slopes is None else slopes
     length = np.linalg.norm(jacobian, axis=0)
     length = np.where(length > 0, length, 1e-150)
     _, values, vectors = np.linalg.svd(jacobian / length, full_matrices=False)
-    missing = len(fit.names) - len(values)  # fewer data than unknowns
+    missing = len(names) - len(values)  # fewer data than unknowns
     values = np.concatenate((values, np.zeros(missing)))
     vectors = np.linalg.svd(jacobian / length)[2] if missing else vectors
     condition = float(values[0] / values[-1]) if values[-1] > 0 else np.inf
-    slopes = _slopes(fit)
     covariance = covariance_of(jacobian) * np.outer(slopes, slopes)
-    u = np.sqrt(np.diag(covariance))
+    u_data = np.sqrt(np.diag(covariance))
     directions = tuple(
-        _direction(fit, s, v / length * slopes, u, values[0])
+        _direction(names, s, v / length * slopes, u_data, values[0])
         for s, v in zip(values, vectors, strict=True)
     )
-    correlation = covariance / np.outer(u, u)
-    words = _words(fit, directions, condition, correlation, u)
+    correlation = covariance / np.outer(u_data, u_data)
+    words = _words(names, directions, condition, correlation, language)
     return Identifiability(
-        fit.names, values, condition, u, fit.u, correlation, directions, tuple(words)
-    )
+        tuple(names), values, condition, u_data, u_data if u is None else u, correlation,
+        directions, tuple(words),
+    )  # fmt: skip
 
 
 def _slopes(fit: Fit) -> Array:
@@ -131,54 +178,57 @@ def shown_values(fit: Fit) -> list[float]:
     return [float(shown(name, x)) for name, x in zip(fit.names, fit.x, strict=True)]
 
 
-def _direction(fit: Fit, value: float, along: Array, u: Array, largest: float) -> Direction:
+def _direction(
+    names: Sequence[str], value: float, along: Array, u: Array, largest: float
+) -> Direction:
     moves = along / max(value, 1e-12)
     lead = int(np.argmax(np.abs(moves) / u))
     moves = moves * np.sign(moves[lead])
     named = np.abs(moves) / u > _SHARE
-    found = {n: float(m) for n, m, k in zip(fit.names, moves, named, strict=True) if k}
+    found = {n: float(m) for n, m, k in zip(names, moves, named, strict=True) if k}
     return Direction(float(value), found, bool(largest > WEAK * value))
 
 
 def _words(
-    fit: Fit, directions: tuple[Direction, ...], condition: float, rho: Array, u: Array
+    names: Sequence[str],
+    directions: tuple[Direction, ...],
+    condition: float,
+    rho: Array,
+    language: Language,
 ) -> list[str]:
     weak = [d for d in directions if d.weak]
     if not weak:
         said = [f"all unknowns are determined by the data (condition {condition:.0f})"]
     else:
-        said = [_weak(fit, d, directions[0].singular_value) for d in weak]
+        said = [_weak(d, directions[0].singular_value, language) for d in weak]
     pairs = [
         (abs(rho[i, j]), i, j)
-        for i in range(len(u))
+        for i in range(len(names))
         for j in range(i)
         if abs(rho[i, j]) > CORRELATED
     ]
     for size, i, j in sorted(pairs, reverse=True)[:4]:
-        a, b = _title(fit.names[j]), _title(fit.names[i])
+        a, b = language.title(names[j]), language.title(names[i])
         said.append(
             f"{a} and {b} are correlated by {np.sign(rho[i, j]) * size:+.3f}: an error of one is"
             " made up for by the other, so neither should be quoted without it"
         )
-    for k, name in enumerate(fit.names):
-        helped = fit.problem.priors.get(name)
-        if helped is not None and fit.u[k] > 0.9 * helped.u:
-            said.append(f"{_title(name)} is known from its prior alone; the data add nothing")
     return said
 
 
-def _weak(fit: Fit, direction: Direction, largest: float) -> str:
+def _weak(direction: Direction, largest: float, language: Language) -> str:
     """One combination that the data do not determine, and what would help."""
     kinds = {base(name) for name in direction.moves}
     moves = ", ".join(
-        f"{_title(name)} {move:+.2g}{_UNITS.get(base(name), '')}"
+        f"{language.title(name)} {move:+.2g}{language.unit(name)}"
         for name, move in direction.moves.items()
     )
+    advice = language.advise(kinds)
     if largest > BLIND * direction.singular_value:
-        names = ", ".join(_title(name) for name in direction.moves)
-        return f"nothing in the data tells {names} apart: {_advice(fit, kinds)}"
+        names = ", ".join(language.title(name) for name in direction.moves)
+        return f"nothing in the data tells {names} apart: {advice}"
     return (
-        f"{_advice(fit, kinds)}. Changing {moves} together moves the data by one standard"
+        f"{advice}. Changing {moves} together moves the data by one standard"
         f" deviation only (condition {largest / direction.singular_value:.0f})"
     )
 

@@ -99,7 +99,7 @@ class Impacts:
     def count(self) -> int:
         """Number of impacts that a model must give to be held against this."""
         flights = [] if self.track is None else self.track.flight.tolist()
-        return max((*self.numbers, *self.height_numbers, *flights, 1))
+        return int(max((*self.numbers, *self.height_numbers, *flights, 1)))
 
     @property
     def u_known(self) -> bool:

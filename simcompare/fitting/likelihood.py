@@ -94,7 +94,8 @@ class Fit:
     def restitution_at(self, speed_m_s: float) -> tuple[float, float]:
         """Effective restitution at that speed and its standard uncertainty."""
         found, jacobian = self._restitution(np.array([speed_m_s]))
-        return float(found[0]), math.sqrt(float((jacobian @ self.sought_covariance @ jacobian.T)[0, 0]))
+        variance = float((jacobian @ self.sought_covariance @ jacobian.T)[0, 0])
+        return float(found[0]), math.sqrt(max(variance, 0.0))
 
     def _restitution(self, speed: Array) -> tuple[Array, Array]:
         model = bounce_models.model_of(self.model)

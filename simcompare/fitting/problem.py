@@ -229,13 +229,13 @@ def build(
 
 
 def base(name: str) -> str:
-    """ "drop_height_m[2]" without its number."""
+    """The name without the number of a drop: drop_height_m for drop_height_m[2]."""
     return name.partition("[")[0]
 
 
 def own_drop(name: str) -> int | None:
     """Number of the drop (from 0) to which an unknown belongs; ``None`` for all."""
-    head, bracket, rest = name.partition("[")
+    _, bracket, rest = name.partition("[")
     if bracket:
         return int(rest[:-1]) - 1
     return None
@@ -286,10 +286,8 @@ def _faults(
     bounds: Mapping[str, tuple[float, float]],
 ) -> list[str]:
     """Every fault of the names and numbers that were given."""
-    faults = []
-    for name in dict.fromkeys((*asked, *priors, *bounds)):
-        if base(name) not in BOUNDS:
-            faults.append(str(UnknownName("unknown of a bounce", name, BOUNDS)))
+    unknown = [n for n in dict.fromkeys((*asked, *priors, *bounds)) if base(n) not in BOUNDS]
+    faults = [str(UnknownName("unknown of a bounce", name, BOUNDS)) for name in unknown]
     for name in fixed:
         if base(name) not in DEFAULTS:
             faults.append(str(UnknownName("parameter of a bounce", name, DEFAULTS)))
@@ -299,19 +297,29 @@ def _faults(
         if list(asked).count(name) > 1:
             faults.append(f"{name} is sought twice")
     for name, prior in priors.items():
-        if not (np.isfinite(prior.value) and prior.u > 0):
-            faults.append(f"the prior {prior.value:g} ± {prior.u:g} of {name} is no normal"
-                          " distribution; give a finite value and an uncertainty above 0")  # fmt: skip
-        elif base(name) == SPEED and not prior.value > 0:
-            faults.append(f"the prior of {name} is {prior.value:g}; a speed is above 0")
-    for name, (low, high) in bounds.items():
-        if not low < high:
-            faults.append(f"the bounds of {name} are {low:g} to {high:g}; the first must be lower")
-        elif base(name) == SPEED and low <= 0:
-            faults.append(f"the lower bound of {name} is {low:g}; a speed is above 0")
+        faults += _prior_faults(name, prior)
+    for name, limits in bounds.items():
+        faults += _bound_faults(name, *limits)
     if not asked:
         faults.append("nothing is sought; name at least one unknown")
     return faults
+
+
+def _prior_faults(name: str, prior: Prior) -> list[str]:
+    if not (np.isfinite(prior.value) and np.isfinite(prior.u) and prior.u > 0):
+        return [f"the prior {prior.value:g} ± {prior.u:g} of {name} is no normal distribution; give"
+                " a finite value and an uncertainty above 0"]  # fmt: skip
+    if base(name) == SPEED and not prior.value > 0:
+        return [f"the prior of {name} is {prior.value:g}; a speed is above 0"]
+    return []
+
+
+def _bound_faults(name: str, low: float, high: float) -> list[str]:
+    if not low < high:
+        return [f"the bounds of {name} are {low:g} to {high:g}; the first must be lower"]
+    if base(name) == SPEED and low <= 0:
+        return [f"the lower bound of {name} is {low:g}; a speed is above 0"]
+    return []
 
 
 def _blocks(drop: Impacts, number: int, intervals: bool) -> list[Block]:
@@ -348,6 +356,7 @@ def seen_in(
     values: Mapping[str, Array | float],
     shape: tuple[int, ...],
 ) -> Array:
+    """What bounces look like in the measured numbers of a block, for parameter sets of a shape."""
     if block.kind == "track":
         assert impacts.track is not None
         track = impacts.track

@@ -86,11 +86,9 @@ def profile(fit: Fit, name: str, level: float = 3.841458820694124) -> Profile:
             rise = np.concatenate((far_rise, rise) if side < 0 else (rise, far_rise))
     low, open_low = _crossing(at, rise, fit.x[k], level, -1, float(problem.low[k]))
     high, open_high = _crossing(at, rise, fit.x[k], level, 1, float(problem.high[k]))
-    ends_shown = [float(shown(name, low)), float(shown(name, high))]
-    opens = [open_low, open_high]
-    if ends_shown[0] > ends_shown[1]:
-        ends_shown, opens = ends_shown[::-1], opens[::-1]
-    return Profile(name, shown(name, at), rise, *ends_shown, *opens)
+    ends = (float(shown(name, low)), open_low), (float(shown(name, high)), open_high)
+    (low, open_low), (high, open_high) = sorted(ends)
+    return Profile(name, shown(name, at), rise, low, high, open_low, open_high)
 
 
 def _step_of(fit: Fit, k: int) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from simcompare.fitting import bounce_models, other_estimates
+from simcompare.fitting import bounce_models, other_estimates, pictures
 from simcompare.fitting.bootstrap import parametric
 from simcompare.fitting.choose import Choice
 from simcompare.fitting.engine_fit import EngineFit, as_dict
@@ -43,6 +43,7 @@ def of_fit(
     sources = []
     for one in engines:
         row = as_dict(one)
+        row["left"] = [] if one.fit is None else pictures.left_of(one.fit, one.shown)
         row["identifiable"] = not any(direction.weak for direction in known.directions)
         row["holdout"] = [
             {"source": drop["source"], **drop["engines"][one.engine]}
@@ -61,6 +62,11 @@ def of_fit(
         "choice": choice.to_dict(),
         "bootstrap": parametric(choice.best).to_dict(),
         "identifiability": known.to_dict(),
+        "left": pictures.left_of(choice.best),
+        "law": pictures.law_of(choice.best),
+        "ratios": pictures.measured_ratios(drops[0]),
+        "profiles": pictures.profiles_of(choice.best),
+        "engine_form": None if start.model == choice.best.model else start.to_dict(),
         "engine_model": start.model,
         "engine_model_text": bounce_models.model_of(start.model).text,
         "sources": sources,

@@ -248,9 +248,7 @@ def _one_each(numbers: NDArray[np.intp], worth: Array) -> NDArray[np.int64]:
     return kept
 
 
-def _refined(
-    times: Array, u: Array, numbers: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], float]:
+def _refined(times: Array, u: Array, numbers: NDArray[np.int64]) -> tuple[NDArray[np.int64], float]:
     """The numbering by the closed form, without outliers, and how good it is."""
     for tolerance in (0.2, 0.12, 0.08, 0.08):
         kept = numbers >= 0
@@ -316,8 +314,9 @@ def _reasons(
             before, after = float(times[kept[at - 1]]), float(times[kept[at]])
             part = (time - before) / (after - before)
             a, b = int(numbers[at - 1]), int(numbers[at])
-            where = f"within the flight from impact {a} to {b}" if b == a + 1 else (
-                f"between impacts {a} and {b}, and not where one of the missing would be")  # fmt: skip
+            where = f"within the flight from impact {a} to {b}"
+            if b > a + 1:
+                where = f"between impacts {a} and {b}, and not where one of the missing would be"
             reason = f"it is {where}, {1e3 * (time - before):.1f} ms ({part:.0%}) into it"
         found.append(Dropped("impact", first + k + 1, time, reason))
     return tuple(found)

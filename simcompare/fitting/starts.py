@@ -29,7 +29,7 @@ def of(problem: Problem) -> Array:
         else:
             value = DEFAULTS[kind] if prior is None else prior.value
         found.append(value)
-    return np.clip(np.array(found), problem.low, problem.high)
+    return np.asarray(np.clip(np.array(found), problem.low, problem.high))
 
 
 def _drop(drop: Impacts, gravity: float) -> dict[str, float]:

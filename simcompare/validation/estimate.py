@@ -10,6 +10,7 @@ import numpy as np
 from simcompare.errors import InputError
 from simcompare.trajectory import Array
 from simcompare.validation.cases import Case
+from simcompare.validation.judging import noise
 from simcompare.validation.model import Model
 
 #: samples of one stream that a fit looks at; more would not tell more
@@ -27,7 +28,7 @@ class Estimate:
         values: estimates, in the units of their names.
         covariance: of the estimates (k, k).
         streams: which were fitted.
-        rms: root mean square of what is left, in the unit of the probe.
+        rms: root mean square of what is left, in the unit of the leading probe.
         single: stream -> estimates of that stream alone.
         how: where the covariance comes from, in words.
         at_bound: parameters that ended at a bound.
@@ -52,10 +53,46 @@ class Estimate:
         return dict(zip(self.names, self.values.tolist(), strict=True))
 
 
+@dataclass(frozen=True)
+class Block:
+    """The samples of one probe in one case that a fit looks at.
+
+    Attributes:
+        case: the stretch of the recording.
+        probe: which quantity.
+        time_s: (n,) [s].
+        values: what was measured (n,).
+        weight: residuals are multiplied by it; 1 where only one probe is fitted.
+    """
+
+    case: Case
+    probe: str
+    time_s: Array
+    values: Array
+    weight: float = 1.0
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A least-squares fit.
+
+    Attributes:
+        values: the parameters (k,).
+        residuals: weighted, of each block.
+        jacobian: of all residuals, one block after the other (n, k).
+        bound: parameters that ended at a bound.
+    """
+
+    values: Array
+    residuals: tuple[Array, ...]
+    jacobian: Array
+    bound: tuple[str, ...]
+
+
 def estimate(
     model: Model,
     cases: Sequence[Case],
-    probe: str,
+    probe: str | Sequence[str],
     names: Sequence[str],
     nuisance: Sequence[str] = (),
 ) -> Estimate:
@@ -69,7 +106,7 @@ def estimate(
     Args:
         model: the scenario.
         cases: what is fitted.
-        probe: what is compared.
+        probe: what is compared; several weigh by the noise of their samples.
         names: the parameters.
         nuisance: parameters that are fitted too and left out of the estimate.
 
@@ -77,57 +114,119 @@ def estimate(
         InputError: a parameter without bounds, or nothing that changes with a parameter.
     """
     names, wanted = (*names, *nuisance), len(names)
-    together, residuals, jacobian, bound = _fit(model, cases, probe, names, None)
+    blocks = blocks_of(cases, (probe,) if isinstance(probe, str) else probe)
+    together = solve(model, blocks, names)
     single = {}
     if len(cases) > 1:
         for case in cases:
-            single[case.stream] = _fit(model, [case], probe, names, together)[0]
-    rms = float(np.sqrt(np.mean(residuals**2)))
-    if len(cases) >= 3:
-        scatter = np.cov(np.array(list(single.values())).T).reshape(len(names), len(names))
-        covariance = np.asarray(scatter / len(cases), dtype=float)
-        how = f"scatter of {len(cases)} streams fitted alone"
-    else:
-        spread = float(residuals @ residuals) / max(len(residuals) - len(names), 1)
-        length = correlation_length(residuals)
-        covariance = np.linalg.pinv(jacobian.T @ jacobian) * spread * length
-        how = f"residuals, correlated over {length:.0f} samples"
-        if len(cases) == 2:
-            first, second = single.values()
-            half = (first - second) / 2
-            covariance = np.asarray(covariance + np.outer(half, half), dtype=float)
-            how += ", and half the difference of two streams fitted alone"
+            own = [block for block in blocks if block.case is case]
+            single[case.stream] = solve(model, own, names, together.values).values
+    covariance, how = _covariance(blocks, together, single)
+    leading = [
+        left / block.weight
+        for block, left in zip(blocks, together.residuals, strict=True)
+        if block.probe == blocks[0].probe
+    ]
     return Estimate(
-        names[:wanted], together[:wanted], covariance[:wanted, :wanted],
-        tuple(case.stream for case in cases), rms, how,
-        {name: values[:wanted] for name, values in single.items()}, bound,
+        names[:wanted], together.values[:wanted], covariance[:wanted, :wanted],
+        tuple(case.stream for case in cases),
+        float(np.sqrt(np.mean(np.concatenate(leading) ** 2))), how,
+        {name: values[:wanted] for name, values in single.items()}, together.bound,
     )  # fmt: skip
 
 
-def _fit(
-    model: Model,
-    cases: Sequence[Case],
-    probe: str,
-    names: tuple[str, ...],
-    start: Array | None,
-) -> tuple[Array, Array, Array, tuple[str, ...]]:
+def blocks_of(cases: Sequence[Case], probes: Sequence[str]) -> list[Block]:
+    """What is fitted; a weight is 1 over the noise of a sample where there are several probes."""
+    found = []
+    for case in cases:
+        for probe in probes:
+            seen = case.seen[probe]
+            u = noise(seen)[0] if len(probes) > 1 else 1.0
+            every = -(-len(seen.time_s) // MOST_SAMPLES)
+            found.append(
+                Block(case, probe, seen.time_s[::every], seen.values[::every], 1 / (u or 1.0))
+            )
+    return found
+
+
+def residuals_of(model: Model, blocks: Sequence[Block], values: Mapping[str, float]) -> list[Array]:
+    """Weighted reference less measurement, of each block."""
+    return [
+        (model.at(block.case, block.probe, values, block.time_s) - block.values) * block.weight
+        for block in blocks
+    ]
+
+
+def _covariance(
+    blocks: Sequence[Block], found: Solution, single: Mapping[str, Array]
+) -> tuple[Array, str]:
+    """Covariance of the estimates, and where it comes from in words."""
+    count = found.jacobian.shape[1]
+    if len(single) >= 3:
+        scatter = np.cov(np.array(list(single.values())).T).reshape(count, count)
+        how = f"scatter of {len(single)} streams fitted alone"
+        return np.asarray(scatter / len(single), dtype=float), how
+    size = np.linalg.norm(found.jacobian, axis=0)
+    inverse = np.linalg.pinv((found.jacobian / size).T @ (found.jacobian / size))
+    inverse /= np.outer(size, size)
+    middle, lengths = np.zeros((count, count)), []
+    for probe in dict.fromkeys(block.probe for block in blocks):
+        left, rows = of_probe(blocks, found, probe)
+        spread = float(left @ left) / max(len(left) - count, 1)
+        lengths.append(correlation_length(left))
+        middle += rows.T @ rows * spread * lengths[-1]
+    covariance = np.asarray(inverse @ middle @ inverse, dtype=float)
+    words = " and ".join(f"{length:.0f}" for length in lengths)
+    how = f"residuals, correlated over {words} samples"
+    if len(single) == 2:
+        first, second = single.values()
+        half = (first - second) / 2
+        covariance = np.asarray(covariance + np.outer(half, half), dtype=float)
+        how += ", and half the difference of two streams fitted alone"
+    return covariance, how
+
+
+def of_probe(blocks: Sequence[Block], found: Solution, probe: str) -> tuple[Array, Array]:
+    """Residuals of one probe in all cases, and the rows of the Jacobian that belong to them."""
+    ends = np.cumsum([len(left) for left in found.residuals])
+    parts = [
+        (left, found.jacobian[end - len(left) : end])
+        for block, left, end in zip(blocks, found.residuals, ends, strict=True)
+        if block.probe == probe
+    ]
+    return np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
+
+
+def solve(
+    model: Model, blocks: Sequence[Block], names: Sequence[str], start: Array | None = None
+) -> Solution:
+    """Least squares of the reference on what was measured.
+
+    Args:
+        model: the scenario.
+        blocks: what was measured.
+        names: the parameters.
+        start: where to begin; what is known of the first case, or the scenario's own values, where
+            ``None``.
+
+    Raises:
+        InputError: nothing changes with a parameter.
+    """
     from scipy.optimize import least_squares
 
     parameters = model.file.parameters
     low = np.array([parameters[name].min for name in names])
     high = np.array([parameters[name].max for name in names])
-    first = [cases[0].values.get(name, parameters[name].value) for name in names]
+    first = [blocks[0].case.values.get(name, parameters[name].value) for name in names]
     begin = np.clip(np.array(first) if start is None else start, low, high)
     size = np.maximum(np.abs(begin), 1e-3 * (high - low))
-    thinned = [_thinned(case, probe) for case in cases]
+
+    def parts(x: Array) -> list[Array]:
+        values = np.clip(x * size, low, high).tolist()
+        return residuals_of(model, blocks, dict(zip(names, values, strict=True)))
 
     def residuals(x: Array) -> Array:
-        values = dict(zip(names, np.clip(x * size, low, high).tolist(), strict=True))
-        parts = [
-            model.at(case, probe, values, times) - seen
-            for case, (times, seen) in zip(cases, thinned, strict=True)
-        ]
-        return np.concatenate(parts)
+        return np.concatenate(parts(x))
 
     def slopes(x: Array) -> Array:
         here = residuals(x)
@@ -152,13 +251,7 @@ def _fit(
     values = np.asarray(found.x * size, dtype=float)
     near = np.minimum(values - low, high - values) <= 1e-6 * (high - low)
     bound = tuple(name for name, is_near in zip(names, near, strict=True) if is_near)
-    return values, np.asarray(found.fun, dtype=float), jacobian, bound
-
-
-def _thinned(case: Case, probe: str) -> tuple[Array, Array]:
-    seen = case.seen[probe]
-    every = -(-len(seen.time_s) // MOST_SAMPLES)
-    return seen.time_s[::every], seen.values[::every]
+    return Solution(values, tuple(parts(found.x)), jacobian, bound)
 
 
 def correlation_length(residuals: Array) -> float:

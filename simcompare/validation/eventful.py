@@ -95,7 +95,7 @@ def _u_input(judged: Judged, series: str) -> Array | None:
         return None
     best = np.diff(times(judged.scene, judged.truth, series))
     square = np.zeros(len(best))
-    for run in judged.shifted:
+    for _, run in judged.shifted:
         moved = np.diff(times(judged.scene, run, series))
         common = min(len(best), len(moved))
         square[:common] += (moved[:common] - best[:common]) ** 2

@@ -45,7 +45,7 @@ class Judged:
         truth: the reference with the best parameters, by probe; ``None`` without a reference.
         nominal: the reference with the parameters known before.
         u_input: probe -> standard uncertainty of the reference from its parameters (n,).
-        shifted: what the reference gives when parameters move by one standard uncertainty.
+        shifted: parameter, and what the reference gives when it moves by its standard uncertainty.
     """
 
     case: Case
@@ -53,14 +53,14 @@ class Judged:
     scene: Scenario
     truth: Trajectory | None
     nominal: Trajectory | None
-    shifted: tuple[Trajectory, ...] = ()
+    shifted: tuple[tuple[str, Trajectory], ...] = ()
 
     def u_input(self, probe: str) -> Array | None:
         """Standard uncertainty from the parameters, at the reference's samples."""
         if self.truth is None:
             return None
         best = self.truth.signals[probe]
-        parts = [run.signals[probe] - best for run in self.shifted]
+        parts = [run.signals[probe] - best for _, run in self.shifted]
         return np.sqrt(np.sum(np.square(parts), axis=0)) if parts else np.zeros_like(best)
 
 
@@ -127,7 +127,7 @@ def values(engine: Engine, number: int, judged: Judged) -> list[dict[str, Any]]:
     best = _resampled(engine.runs[number, BEST], measured)
     found = measured_values(judged.scene, best, measured, probes)
     u_data = _u_data(judged, best, measured, found)
-    u_input = _u_input(judged, measured, found)
+    budget = _budget(judged, measured, found) or {}
     others = {
         variant: measured_values(judged.scene, _resampled(run, measured), measured, probes)
         for (i, variant), run in engine.runs.items()
@@ -136,7 +136,9 @@ def values(engine: Engine, number: int, judged: Judged) -> list[dict[str, Any]]:
     rows = []
     for name, (simulated, real, unit, probe, _) in found.items():
         u_num, how = _u_num(simulated, {v: row[name] for v, row in others.items() if name in row})
-        parts = (u_num, u_input.get(name), u_data[name])
+        shares = budget.get(name)
+        u_input = None if shares is None else math.hypot(*shares.values())
+        parts = (u_num, u_input, u_data[name])
         known = [0.0 if part is None else part for part in parts]
         judged_by = vv20(simulated, real, *known)
         known_all = None not in parts and judged_by.u_val > 0
@@ -157,6 +159,7 @@ def values(engine: Engine, number: int, judged: Judged) -> list[dict[str, Any]]:
                 "zeta": judged_by.error / judged_by.u_val if known_all else None,
                 "within_noise": judged_by.within_noise if known_all else None,
                 "step_error": how,
+                "budget": shares or {},
             }
         )
     return rows
@@ -228,21 +231,26 @@ def _u_data(
     return {name: math.hypot(float(noisy[name]), both.u) for name, both in found.items()}
 
 
-def _u_input(judged: Judged, measured: Trajectory, found: Mapping[str, Both]) -> dict[str, float]:
+def _budget(
+    judged: Judged, measured: Trajectory, found: Mapping[str, Both]
+) -> dict[str, dict[str, float]] | None:
+    """Value -> parameter -> what its standard uncertainty does to that value of the reference."""
     if judged.truth is None:
-        return {}
-    probes = tuple(judged.case.seen)
+        return None
+    probes = tuple(measured.signals)
     best = measured_values(judged.scene, _resampled(judged.truth, measured), measured, probes)
-    moved = [
-        measured_values(judged.scene, _resampled(run, measured), measured, probes)
-        for run in judged.shifted
-    ]
+    moved = {
+        name: measured_values(judged.scene, _resampled(run, measured), measured, probes)
+        for name, run in judged.shifted
+    }
     return {
-        name: math.sqrt(
-            sum((row[name].simulated - best[name].simulated) ** 2 for row in moved if name in row)
-        )
-        for name in found
-        if name in best
+        value: {
+            name: abs(row[value].simulated - best[value].simulated)
+            for name, row in moved.items()
+            if value in row
+        }
+        for value in found
+        if value in best
     }
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from simcompare import units
 from simcompare.recording import Provenance
 from simcompare.validation import telling
+from simcompare.validation.alignment import Alignment
 from simcompare.validation.cases import DURATION
 from simcompare.validation.estimate import Estimate
 from simcompare.validation.judging import Judged, noise
@@ -26,6 +27,7 @@ def of_validation(
     fit: Estimate | None,
     rows: Mapping[str, list[dict[str, Any]]],
     agreement: list[dict[str, Any]],
+    alignments: Sequence[Alignment | None],
 ) -> dict[str, Any]:
     """The whole record of a validation.
 
@@ -36,6 +38,7 @@ def of_validation(
         fit: what was fitted.
         rows: waveforms, values and gaps.
         agreement: of the engines among themselves.
+        alignments: of the clock of each case.
     """
     basis = basis_of(plan, source, judged, fit)
     for row in rows["values"]:
@@ -63,6 +66,7 @@ def of_validation(
         "events": [asdict(event) for event in source.recording.events[:1000]],
         **rows,
         "agreement": agreement,
+        "alignments": [None if one is None else one.to_dict() for one in alignments],
     }
     found["sentences"] = telling.sentences(found)
     return found

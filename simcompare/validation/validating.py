@@ -88,11 +88,8 @@ def validate(
         model, cases, best, chosen, contact=contact, step_s=step_s, time_limit_s=time_limit_s,
         progress=progress,
     )  # fmt: skip
-    done = _gather(_Asked(file, source, plan, contact, fit), judged, found)
+    done = _gather(_Asked(file, source, plan, contact, fit), judged, found, alignments)
     record = dict(done.record)
-    record["validation"]["alignments"] = [
-        None if one is None else one.to_dict() for one in alignments
-    ]
     record.update(
         engines_asked=engine, scenario_asked=scenario, against_asked=None, preset=None,
         recording_asked=recording, interrupted=False, kind="validation",
@@ -163,37 +160,51 @@ def _judged(
             return of_probes(scene, model.truth(scene), case.watched)
 
         truth = at(best)
-        shifted = [at(values) for values in moves(model.file, case, fit)]
+        shifted = tuple((name, at(values)) for name, values in moves(model.file, case, fit).items())
         alignment = _aligned(plan, case, scene, truth)
         alignments.append(alignment)
         seen = case if alignment is None else _on_reference(case, alignment)
         raw = None if alignment is None else case
-        found.append(Judged(seen, raw, scene, truth, at({}), tuple(shifted)))
+        found.append(Judged(seen, raw, scene, truth, at({}), shifted))
     return found, alignments
 
 
-def moves(file: ScenarioFile, case: Case, fit: Estimate | None) -> list[dict[str, float]]:
+def moves(file: ScenarioFile, case: Case, fit: Estimate | None) -> dict[str, dict[str, float]]:
     """Parameters moved by one standard uncertainty, one by one; fitted ones along their axes.
 
-    The axes are the principal ones of the covariance, so that correlations are kept.
+    The axes are the principal ones of the covariance, so that correlations are kept; each is
+    named after the parameter that moves most in it. What would leave a bound moves the other way.
     """
     best = {} if fit is None else fit.as_dict()
-    found = [
-        {**best, name: case.values[name] + u}
-        for name, u in case.u.items()
-        if u > 0 and name not in best
-    ]
+    steps = {name: {name: u} for name, u in case.u.items() if u > 0 and name not in best}
     if fit is not None:
         sizes, axes = np.linalg.eigh(fit.covariance)
-        for size, axis in zip(sizes, axes.T, strict=True):
+        for size, axis in zip(np.maximum(sizes, 0.0), axes.T, strict=True):
+            step = dict(zip(fit.names, (np.sqrt(size) * axis).tolist(), strict=True))
+            shares = np.abs(list(step.values())) / np.where(fit.u > 0, fit.u, 1.0)
+            lead = f"{fit.names[int(np.argmax(shares))]} (fitted)"
+            while lead in steps:
+                lead += "'"
             if size > 0:
-                step = dict(zip(fit.names, (np.sqrt(size) * axis).tolist(), strict=True))
-                found.append({name: best[name] + step[name] for name in best})
-    bounds = file.parameters
-    return [
-        {name: min(max(value, bounds[name].min), bounds[name].max) for name, value in one.items()}
-        for one in found
-    ]
+                steps[lead] = step
+    return {
+        lead: {**best, **_within(file, {**case.values, **best}, step)}
+        for lead, step in steps.items()
+    }
+
+
+def _within(
+    file: ScenarioFile, values: Mapping[str, float], step: Mapping[str, float]
+) -> dict[str, float]:
+    """Values after a step, or after its opposite where the step would leave a bound."""
+    for sign in (1, -1):
+        moved = {name: values[name] + sign * change for name, change in step.items()}
+        if all(file.parameters[n].min <= v <= file.parameters[n].max for n, v in moved.items()):
+            return moved
+    return {
+        name: min(max(value, file.parameters[name].min), file.parameters[name].max)
+        for name, value in moved.items()
+    }
 
 
 def _aligned(plan: Plan, case: Case, scene: Scenario, truth: Trajectory) -> Alignment | None:
@@ -227,7 +238,12 @@ class _Asked:
     fit: Estimate | None
 
 
-def _gather(asked: _Asked, judged: Sequence[Judged], found: Sequence[Engine]) -> Run:
+def _gather(
+    asked: _Asked,
+    judged: Sequence[Judged],
+    found: Sequence[Engine],
+    alignments: Sequence[Alignment | None],
+) -> Run:
     rows: dict[str, list[dict[str, Any]]] = {
         "waveforms": [], "values": [], "gaps": [], "timings": []
     }  # fmt: skip
@@ -248,8 +264,9 @@ def _gather(asked: _Asked, judged: Sequence[Judged], found: Sequence[Engine]) ->
     record = run_record.of_run(asked.file, scenes[:1], truth, sources_, scores)
     record["against"] = None
     record["validation"] = records.of_validation(
-        asked.source, asked.plan, judged, asked.fit, rows, judging.agreement(rows["values"])
-    )
+        asked.source, asked.plan, judged, asked.fit, rows, judging.agreement(rows["values"]),
+        alignments,
+    )  # fmt: skip
     return Run(record, tuple(scores), tuple(_stored(judged, found)))
 
 

@@ -1,0 +1,331 @@
+"""Impacts drawn from sound, stopwatches, videos and tables; what is missed or spurious is told."""
+
+import json
+
+import numpy as np
+import pytest
+
+from simcompare.errors import InputError
+from simcompare.fitting import arcs
+from simcompare.fitting.impacts import (
+    from_intervals,
+    from_rebounds,
+    from_recording,
+    from_table,
+    from_times,
+    sentences,
+)
+from simcompare.hardware.logs import bounce_table
+from simcompare.importing import import_log
+from tests.bounces import IN_AIR, TRUTH, filmed, filmed_samples, recording, times_of
+
+EVENTS = times_of(count=7)
+
+
+# ---- sound and stopwatches ----------------------------------------------------------------------
+
+
+def test_impacts_that_were_heard_keep_their_own_uncertainties():
+    u = np.linspace(1e-4, 2e-4, 7)
+    log = recording(events=[("impact", t, s) for t, s in zip(EVENTS, u, strict=True)])
+    (drop,) = from_recording(log)
+    assert drop.times_s.tolist() == EVENTS.tolist()
+    assert drop.u_s.tolist() == u.tolist()
+    assert drop.numbers == (1, 2, 3, 4, 5, 6, 7)
+    assert (drop.kind, drop.source, drop.told()) == ("sound", "log.csv", [])
+
+
+def test_other_events_are_no_impacts():
+    events = [("impact", t, 1e-4) for t in EVENTS] + [("clap", 0.1, 1e-4), ("clap", 9.0, 1e-4)]
+    (drop,) = from_recording(recording(events=events))
+    assert drop.times_s.tolist() == EVENTS.tolist()
+
+
+def test_a_collision_table_of_phyphox_gives_its_bounces(tmp_path):
+    path = tmp_path / "collision.csv"
+    cells = ",".join(f'"Bounce {k} (s)","Height {k} (m)"' for k in range(5))
+    values = ",".join(f"{t:.6f},{0.5:.3f}" for t in EVENTS[:5])
+    path.write_text(f"{cells}\n{values}\n")
+    (drop,) = from_recording(import_log(path))
+    assert np.diff(drop.times_s) == pytest.approx(np.diff(EVENTS[:5]), abs=2e-6)
+    assert drop.kind == "stopwatch"
+    assert not drop.u_known
+
+
+def test_an_acoustic_stopwatch_gives_start_and_stops(tmp_path):
+    path = tmp_path / "watch.csv"
+    heads = ",".join(['"Start (s)"', *(f'"Stop {k} (s)"' for k in range(1, 5))])
+    path.write_text(heads + "\n" + ",".join(f"{t:.6f}" for t in EVENTS[:5]) + "\n")
+    (drop,) = from_recording(import_log(path), u_s=2e-4)
+    assert np.diff(drop.times_s) == pytest.approx(np.diff(EVENTS[:5]), abs=2e-6)
+    assert drop.u_s.tolist() == [2e-4] * 5
+
+
+def test_intervals_are_laid_end_to_end():
+    (drop,) = from_intervals(np.diff(EVENTS), 1e-4)
+    assert drop.times_s == pytest.approx(EVENTS - EVENTS[0])
+
+
+# ---- missed and spurious impacts ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("values", [TRUTH, IN_AIR, {**TRUTH, "exponent": 0.1}])
+@pytest.mark.parametrize("missed", [2, 4, 6])
+def test_a_flight_that_lasts_twice_as_long_is_a_missed_impact(values, missed):
+    times = np.delete(times_of(values, 8), missed - 1)
+    (drop,) = from_times(times, 1e-4)
+    assert drop.missed == (missed,)
+    assert drop.numbers == tuple(n for n in range(1, 9) if n != missed)
+    assert drop.dropped == ()
+    assert drop.told() == [
+        f"impact {missed} not recorded: a flight there lasts too long for one"
+    ]
+
+
+@pytest.mark.parametrize("values", [TRUTH, IN_AIR])
+@pytest.mark.parametrize("part", [0.12, 0.5, 0.8])
+@pytest.mark.parametrize("flight", [0, 2, 5])
+def test_a_knock_within_a_flight_is_left_out_by_number_and_reason(values, flight, part):
+    times = times_of(values, 8)
+    knock = times[flight] + part * (times[flight + 1] - times[flight])
+    (drop,) = from_times(np.insert(times, flight + 1, knock), 1e-4)
+    assert drop.times_s.tolist() == times.tolist()
+    (out,) = drop.dropped
+    assert (out.number, out.time_s) == (flight + 2, knock)
+    assert f"within the flight from impact {flight + 1} to {flight + 2}" in out.reason
+    assert f"({part:.0%}) into it" in out.reason
+
+
+def test_a_clap_before_and_a_knock_after_are_left_out():
+    times = times_of(count=8)
+    (drop,) = from_times([times[0] - 0.11, *times, times[-1] + 0.5], 1e-4)
+    assert drop.times_s.tolist() == times.tolist()
+    assert [d.number for d in drop.dropped] == [1, 10]
+    assert "before the series" in drop.dropped[0].reason
+    assert "after the series" in drop.dropped[1].reason
+
+
+def test_a_missed_and_a_spurious_impact_are_told_together():
+    times = np.delete(times_of(count=9), 3)
+    knock = times[6] + 0.06
+    (drop,) = from_times(np.sort(np.append(times, knock)), 1e-4)
+    assert drop.missed == (4,)
+    assert [d.time_s for d in drop.dropped] == [knock]
+
+
+def test_a_late_onset_among_many_is_left_out():
+    times = times_of(count=11)
+    times[5] += 0.03 * (times[6] - times[5])
+    (drop,) = from_times(times, 1e-4)
+    assert [d.number for d in drop.dropped] == [6]
+    assert drop.missed == (6,)
+
+
+def test_clean_impacts_are_never_left_out():
+    for seed in range(30):
+        generator = np.random.default_rng(seed)
+        values = {
+            **TRUTH, "restitution": generator.uniform(0.55, 0.93),
+            "exponent": generator.uniform(0, 0.1), "drop_height_m": generator.uniform(0.3, 1.5),
+            "terminal_speed_m_s": generator.choice([8.6, 30.0, np.inf]),
+        }  # fmt: skip
+        times = times_of(values, int(generator.integers(3, 9)))
+        u = generator.choice([1e-4, 5e-4])
+        (drop,) = from_times(times + generator.normal(0, u, len(times)), u)
+        assert drop.numbers == tuple(range(1, len(times) + 1)), values
+
+
+def test_noise_beyond_what_is_stated_is_no_reason_to_leave_impacts_out():
+    times = times_of(count=8) + np.random.default_rng(4).normal(0, 1e-3, 8)
+    (drop,) = from_times(times, 1e-4)
+    assert len(drop.times_s) == 8
+
+
+def test_drops_after_each_other_are_taken_apart():
+    first, second = times_of(count=6), times_of({**TRUTH, "drop_height_m": 0.7}, 5)
+    drops = from_times([*first, *(second + first[-1] + 3)], 1e-4)
+    assert [len(d.times_s) for d in drops] == [6, 5]
+    knock = second[1] + first[-1] + 3.2
+    drops = from_times(np.sort([*first, *(second + first[-1] + 3), knock]), 1e-4)
+    assert sentences(drops) == [
+        f"drop 2: impact 9 at {knock:.4f} s was left out: it is within the flight from impact 2"
+        f" to 3, 200.0 ms ({0.2 / (second[2] - second[1]):.0%}) into it"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("times", "message"),
+    [
+        ([], "0 impacts were found; two at least"),
+        ([1.0], "1 impact was found; two at least"),
+        ([1.0, 2.0, 1.5], r"impact 3 at 1.5 s is not after impact 2 at 2 s"),
+        ([1.0, 2.0, np.nan], "missing or infinite"),
+        ([0.0, 0.3, 0.8, 1.5, 2.5], "no three of the 5 impacts follow each other as those of a"),
+    ],
+)
+def test_what_is_no_series_of_bounces_is_refused_in_words(times, message):
+    with pytest.raises(InputError, match=message):
+        from_times(times, 1e-4, source="a.wav")
+
+
+def test_a_metronome_is_no_ball():
+    with pytest.raises(InputError, match="become shorter by a steady factor; found flights of 0.5"):
+        from_times(np.arange(12) * 0.5, 1e-4)
+
+
+# ---- height against time ------------------------------------------------------------------------
+
+
+def test_arcs_meet_at_the_impacts_without_knowing_the_floor():
+    truth = times_of(count=4)
+    errors = []
+    for seed in range(20):
+        drop = filmed(seed=seed)
+        assert drop.numbers == tuple(range(1, len(drop.numbers) + 1))
+        errors.append((drop.times_s[:4] - truth) / drop.u_s[:4])
+        assert drop.u_s[:4].max() < 1e-3
+    assert 0.7 < np.std(errors) < 1.3
+    assert abs(np.mean(errors)) < 0.35
+
+
+def test_apexes_are_heights_above_where_the_arcs_meet():
+    drop = filmed(seed=3)
+    assert drop.height_numbers[:4] == (0, 1, 2, 3)
+    expected = 0.85 ** (2 * np.arange(4))
+    assert drop.heights_m[:4] == pytest.approx(expected, abs=6e-3)
+
+
+def test_parabolas_are_wrong_where_there_is_drag_and_drag_arcs_are_not():
+    time, height = filmed_samples(IN_AIR, u_m=1e-4, seconds=2.5)
+    truth = times_of(IN_AIR, 4)
+    plain = arcs.from_heights(time, height, 1e-4)
+    shaped = arcs.from_heights(time, height, 1e-4, terminal_speed_m_s=8.644)
+    assert abs(plain.times_s[0] - truth[0]) > 2e-3
+    assert shaped.times_s[:4] == pytest.approx(truth[: len(shaped.times_s)][:4], abs=1e-4)
+    again = arcs.rejoined(plain, 8.644, 9.80665)
+    assert again.times_s[0] == pytest.approx(truth[0], abs=2e-4)
+
+
+def test_frames_before_the_release_are_left_out_and_told():
+    drop = filmed(seed=1)
+    held = [d for d in drop.dropped if d.reason == "the ball had not been released"]
+    assert [d.number for d in held] == list(range(1, len(held) + 1))
+    assert abs(held[-1].time_s - 0.3) < 0.05
+
+
+def test_a_misplaced_mark_is_left_out_and_told():
+    time, height = filmed_samples(seed=2)
+    height[30] += 0.08
+    drop = arcs.from_heights(time, height, 3e-3)
+    (out,) = [d for d in drop.dropped if "off its flight" in d.reason]
+    assert out.number == 31
+    assert out.reason.startswith("8") or out.reason.startswith("7")
+
+
+def test_frames_in_which_nothing_was_seen_are_told():
+    time, height = filmed_samples(seed=2)
+    height[40:42] = np.nan
+    drop = arcs.from_heights(time, height, 3e-3)
+    assert [d.number for d in drop.dropped if "nothing was seen" in d.reason] == [41, 42]
+
+
+def test_flights_too_short_for_the_camera_are_left_out_and_told():
+    drop = filmed({**TRUTH, "restitution": 0.6}, seconds=4.0)
+    assert any("too short for the samples" in note for note in drop.notes)
+    assert 2 <= len(drop.times_s) <= 5
+
+
+def test_a_fast_camera_gives_more_flights():
+    assert len(filmed(fps=240, u_m=1e-3, seconds=4.5).times_s) > len(filmed(seconds=4.5).times_s)
+
+
+def test_height_is_found_by_its_name_and_may_be_named():
+    time, height = filmed_samples()
+    log = recording({"a": (time, {"x_m": (height * 0, "m", None), "y_m": (height, "m", 3e-3)})})
+    (drop,) = from_recording(log)
+    assert drop.kind == "video track"
+    assert drop.u_known
+    (named,) = from_recording(log, channel="y", u_m=1e-3)
+    assert set(named.track.u_m) == {1e-3}
+
+
+def test_a_tracker_export_becomes_flights(tmp_path):
+    time, height = filmed_samples(seed=5)
+    rows = "\n".join(f"{t:.6f},0.0,{h:.6f}" for t, h in zip(time, height, strict=True))
+    (tmp_path / "ball.txt").write_text(f",ball,\nt,x,y\n{rows}\n")
+    (tmp_path / "map.yaml").write_text("channels:\n  height: {column: y, unit: m}\n"
+                                       "  side: {column: x, unit: m}\n")  # fmt: skip
+    (drop,) = from_recording(import_log(tmp_path / "ball.txt", mapping=tmp_path / "map.yaml"))
+    # the recording's clock begins with its first sample
+    assert drop.times_s[:3] + time[0] == pytest.approx(times_of(count=3), abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("height", "message"),
+    [
+        (lambda t: 0 * t, "no impact is seen"),
+        (lambda t: -np.abs(np.sin(3 * t)), "counted downwards"),
+        (lambda t: np.where(t < 0.2, 1.0, np.nan), "8"),
+    ],
+)
+def test_a_height_without_bounces_is_refused_in_words(height, message):
+    time = np.arange(0, 3, 1 / 60)
+    with pytest.raises(InputError, match=message):
+        arcs.from_heights(time, height(time), 1e-3)
+
+
+def test_a_recording_of_something_else_is_refused_with_what_it_holds():
+    log = recording({"imu": ([0, 1, 2], {"acceleration_x_m_s2": ([1, 2, 3], "m/s**2", None)})})
+    with pytest.raises(InputError, match=r"no impacts and no height; found.*acceleration_x_m_s2"):
+        from_recording(log)
+
+
+def test_two_heights_must_be_told_apart():
+    time, height = filmed_samples()
+    held = {"left_height_m": (height, "m", None), "right_height_m": (height, "m", None)}
+    with pytest.raises(InputError, match=r"left_height_m, a/right_height_m; name one"):
+        from_recording(recording({"a": (time, held)}))
+
+
+# ---- tables -------------------------------------------------------------------------------------
+
+
+def test_a_bounce_table_gives_rebounds_and_the_drop(tmp_path):
+    path = tmp_path / "ball.csv"
+    path.write_text("# drop_height: 100 cm\nbounce,rebound_height_cm,u_rebound_height_cm\n"
+                    "1,72.3,0.2\n2,52.2,0.2\n4,27.2,0.2\n")  # fmt: skip
+    drop = from_table(bounce_table.read(path, {"rebound_height": "m"}))
+    assert drop.height_numbers == (0, 1, 2, 4)
+    assert drop.heights_m == pytest.approx([1.0, 0.723, 0.522, 0.272])
+    assert drop.u_heights_m == pytest.approx([5e-4, 2e-3, 2e-3, 2e-3])
+    assert drop.missed == (3,)
+    assert any("no stated uncertainty" in note for note in drop.notes)
+
+
+def test_a_table_without_heights_says_what_it_holds(tmp_path):
+    path = tmp_path / "ball.csv"
+    path.write_text("bounce,restitution\n1,0.88\n")
+    with pytest.raises(InputError, match="holds restitution, but no rebound_height"):
+        from_table(bounce_table.read(path, {"restitution": "1"}))
+
+
+@pytest.mark.parametrize(
+    ("heights", "message"),
+    [
+        ([0.5], "1 height; two at least"),
+        ([0.5, -0.1], "rebound 2: -0.1 m is not a height above the floor"),
+        ([0.5, 0.7], "rebound 2: 0.7 m is higher than the 0.5 m before it"),
+    ],
+)
+def test_heights_that_cannot_be_are_refused(heights, message):
+    with pytest.raises(InputError, match=message):
+        from_rebounds(heights, 1e-3)
+
+
+def test_impacts_become_plain_values():
+    knock = EVENTS[2] + 0.1
+    (drop,) = from_times(np.sort([*EVENTS, knock]))
+    plain = json.loads(json.dumps(drop.to_dict(), allow_nan=False))
+    assert plain["u_s"] == [None] * 7
+    assert plain["dropped"][0]["number"] == 4
+    assert plain["numbers"] == [1, 2, 3, 4, 5, 6, 7]
