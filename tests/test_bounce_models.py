@@ -83,7 +83,7 @@ def test_the_effective_restitution_is_that_of_the_contact_force(power, y):
     """m·x'' = -K·xⁿ·(1 + χ·x') with m = K = χ = 1 and speed y, integrated through the contact."""
 
     def motion(_, s):
-        return [s[1], -max(s[0], 0.0) ** power * (1 + s[1])]
+        return [s[1], -(max(s[0], 0.0) ** power) * (1 + s[1])]
 
     def leaves(_, s):
         return s[0]
@@ -97,7 +97,9 @@ def test_the_effective_restitution_is_that_of_the_contact_force(power, y):
 @pytest.mark.parametrize(("e", "y"), [(0.9, 0.166482), (0.8, 0.373146), (0.5, 1.432751)])
 def test_tabulated_values_of_hunt_and_crossley_come_out(e, y):
     assert float(bounce_models.hunt_crossley(np.array(y))) == pytest.approx(e, abs=1e-6)
-    assert bounce_models.hunt_crossley_dissipation(e) * REFERENCE_SPEED == pytest.approx(y, rel=1e-5)
+    assert bounce_models.hunt_crossley_dissipation(e) * REFERENCE_SPEED == pytest.approx(
+        y, rel=1e-5
+    )
 
 
 def test_hunt_and_crossley_holds_its_relation_from_crawling_to_sticking():

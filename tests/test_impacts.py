@@ -77,9 +77,7 @@ def test_a_flight_that_lasts_twice_as_long_is_a_missed_impact(values, missed):
     assert drop.missed == (missed,)
     assert drop.numbers == tuple(n for n in range(1, 9) if n != missed)
     assert drop.dropped == ()
-    assert drop.told() == [
-        f"impact {missed} not recorded: a flight there lasts too long for one"
-    ]
+    assert drop.told() == [f"impact {missed} not recorded: a flight there lasts too long for one"]
 
 
 @pytest.mark.parametrize("values", [TRUTH, IN_AIR])
@@ -160,7 +158,10 @@ def test_drops_after_each_other_are_taken_apart():
         ([1.0], "1 impact was found; two at least"),
         ([1.0, 2.0, 1.5], r"impact 3 at 1.5 s is not after impact 2 at 2 s"),
         ([1.0, 2.0, np.nan], "missing or infinite"),
-        ([0.0, 0.3, 0.8, 1.5, 2.5], "no three of the 5 impacts follow each other as those of a"),
+        (
+            [0.0, 0.3, 0.8, 1.5, 2.5],
+            "(no four|only 3) of the 5 impacts follow each other as those of a",
+        ),
     ],
 )
 def test_what_is_no_series_of_bounces_is_refused_in_words(times, message):
@@ -265,7 +266,10 @@ def test_a_tracker_export_becomes_flights(tmp_path):
     [
         (lambda t: 0 * t, "no impact is seen"),
         (lambda t: -np.abs(np.sin(3 * t)), "counted downwards"),
-        (lambda t: np.where(t < 0.2, 1.0, np.nan), "8"),
+        (
+            lambda t: np.where(t < 0.1, 1.0, np.nan),
+            "6 samples of height; a bounce needs at least 8",
+        ),
     ],
 )
 def test_a_height_without_bounces_is_refused_in_words(height, message):

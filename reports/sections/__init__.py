@@ -10,6 +10,16 @@ from simcompare.reports.sections.contrast import Contrast
 from simcompare.reports.sections.curves import Curves
 from simcompare.reports.sections.energy import Energy
 from simcompare.reports.sections.events import Events
+from simcompare.reports.sections.fitted import (
+    FitAnswer,
+    FitEngines,
+    FitForms,
+    FitHeldOut,
+    FitKnown,
+    FitMeasured,
+    FitOthers,
+    FitSpeed,
+)
 from simcompare.reports.sections.given import Given
 from simcompare.reports.sections.headline import Headline
 from simcompare.reports.sections.limits import Limits
@@ -54,8 +64,24 @@ VALIDATION: tuple[Section, ...] = (
     Limits(),
     Setup(),
 )
+#: the same for parameters fitted to measured bounces
+FIT: tuple[Section, ...] = (
+    FitAnswer(),
+    FitEngines(),
+    FitForms(),
+    FitSpeed(),
+    FitKnown(),
+    FitHeldOut(),
+    FitOthers(),
+    FitMeasured(),
+    Given(),
+    Limits(),
+    Setup(),
+)
 
 
 def of_run(record: Mapping[str, Any]) -> tuple[Section, ...]:
     """The sections that suit a run."""
+    if record.get("fit"):
+        return FIT
     return VALIDATION if record.get("validation") else SECTIONS

@@ -116,13 +116,14 @@ def _priors(texts: list[str]) -> dict[str, tuple[float, float]]:
 
 
 def _print(result: Run, written: Path | None) -> None:
-    from simcompare.cli import console
-
     found = result.record["fit"]
     for sentence in found["told"]:
         typer.echo(sentence)
-    _print_choice(found)
-    _print_engines(found)
+    if "choice" in found:
+        _print_choice(found)
+        _print_engines(found)
+    else:
+        _print_waves(found)
     for source in found["sources"]:
         if source["status"] != "ok":
             typer.echo(f"{source['name']}: {source['reason']}")
@@ -130,10 +131,62 @@ def _print(result: Run, written: Path | None) -> None:
     for sentence in found["sentences"]:
         typer.echo(sentence)
     if result.folder is not None:
-        typer.echo(f"Stored in {result.folder}; reuse it with --contact {result.folder}/fit.json")
+        reuse = f"; reuse it with --contact {result.folder}/fit.json" if "choice" in found else ""
+        typer.echo(f"Stored in {result.folder}{reuse}")
     if written is not None:
         typer.echo(f"Report: {written}")
-    _ = console
+
+
+def _print_waves(found: dict[str, Any]) -> None:
+    """Parameters and what engines show with them, and how well they predict what was held out."""
+    from simcompare.cli import console
+
+    closed, names = found["closed_form"], found["closed_form"]["names"]
+    held = found["holdout"]["streams"]
+    lead = found["probes"][0]
+    made = console.table(
+        "engine", *names, *(f"rms {lead} {row['stream']}" for row in held), "simulations", "seconds"
+    )
+    for source in found["sources"]:
+        if source["status"] != "ok":
+            made.add_row(source["name"], source["status"])
+            continue
+        left = {row["source"]: row["rms"][lead] for row in source["holdout"]}
+        made.add_row(
+            f"{source['name']} {source['version'] or ''}",
+            *_cells(source["parameters"], names),
+            *(f"{left[row['stream']]:.3g}" if row["stream"] in left else "" for row in held),
+            str(source["simulations"]), f"{source['wall_s']:.2f}",
+        )  # fmt: skip
+    made.add_row("closed form", *_cells(closed["parameters"], names),
+                 *(f"{row['rms'][lead]:.3g}" for row in held), "", "")  # fmt: skip
+    console.show_table(made)
+    _print_holdout(held)
+
+
+def _cells(parameters: dict[str, Any], names: list[str]) -> list[str]:
+    from simcompare.cli import console
+
+    return [console.number(parameters[name]["value"], parameters[name]["u"]) for name in names]
+
+
+def _print_holdout(held: list[dict[str, Any]]) -> None:
+    """E_n of each value of each stream, engine by engine."""
+    from simcompare.cli import console
+
+    engines = list(dict.fromkeys(name for row in held for name in row["engines"]))
+    if not engines:
+        return
+    made = console.table("held out", "value", "measured", *(f"E_n {name}" for name in engines))
+    for row in held:
+        for i, value in enumerate(row["values"]):
+            found = [row["engines"][n]["values"][i:] for n in engines if n in row["engines"]]
+            scores = [own[0]["e_n"] if own else None for own in found]
+            made.add_row(
+                row["stream"], value["measure"], console.number(value["measured"], value["u_data"]),
+                *("–" if score is None else f"{score:+.2f}" for score in scores),
+            )  # fmt: skip
+    console.show_table(made)
 
 
 def _print_choice(found: dict[str, Any]) -> None:

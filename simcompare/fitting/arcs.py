@@ -34,6 +34,8 @@ _FALLING = 3.0
 _SLOW, _LONG_S = 0.6, 0.1
 #: a sample so many standard deviations off its arc is an outlier
 _OUTLIER = 5.0
+#: samples of the first flight that propose parabolas
+_PROPOSERS = 40
 #: names that a height may have, best first
 _NAMES = ("height", "y", "z", "position_y", "position_z")
 
@@ -108,7 +110,7 @@ def from_heights(
     cuts = _kinks(time, height, noise, gravity_m_s2, source)
     flight = np.searchsorted(cuts, np.arange(len(time)), side="right")
     flight, notes = _long_enough(time, flight, source)
-    kept = flight >= 0
+    kept = (flight >= 0) & ~_in_hand(time, height, flight == 0, noise, gravity_m_s2)
     drag = 1 / terminal_speed_m_s**2
     for _ in range(10):
         arcs = _fitted(time, height, u, np.where(kept, flight, -1), gravity_m_s2, drag)
@@ -244,6 +246,28 @@ def _long_enough(
                  " out",)  # fmt: skip
     inside = (flight >= first) & (flight < last)
     return np.where(inside, flight - first, -1), notes
+
+
+def _in_hand(
+    time: Array, height: Array, first: NDArray[np.bool_], noise: float, gravity: float
+) -> NDArray[np.bool_]:
+    """Samples of the first flight that do not lie on the fall that most of its samples share.
+
+    Each pair of samples proposes a parabola; a ball in a hand follows none of them for long.
+    """
+    t, y = time[first], height[first]
+    straight = y + 0.5 * gravity * (t - t[0]) ** 2
+    pick = np.unique(np.linspace(0, len(t) - 1, _PROPOSERS).round().astype(int))
+    a, b = np.triu_indices(len(pick), 1)
+    run = t[pick][b] - t[pick][a]
+    slope = (straight[pick][b] - straight[pick][a]) / run
+    level = straight[pick][a] - slope * t[pick][a]
+    off = np.abs(straight - level[:, None] - slope[:, None] * t)
+    # drag bends a fall by about a hundredth of its height
+    on = off <= max(_OUTLIER * noise, 0.01 * float(np.ptp(y)))
+    found = np.zeros(len(time), dtype=bool)
+    found[np.flatnonzero(first)] = ~on[int(np.argmax(on.sum(axis=1)))]
+    return found
 
 
 def _fitted(

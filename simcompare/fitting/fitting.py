@@ -10,7 +10,14 @@ from typing import Any
 from simcompare import catalogue, engines, experiment, run_record, units
 from simcompare.compare import INFO, Score
 from simcompare.errors import InputError, UnknownName
-from simcompare.fitting import bounce_models, choose, engine_fit, holding_out, records
+from simcompare.fitting import (
+    bounce_models,
+    choose,
+    engine_fit,
+    holding_out,
+    records,
+    waveform_fit,
+)
 from simcompare.fitting.engine_fit import EngineFit
 from simcompare.fitting.impacts import Impacts, from_recording, from_table
 from simcompare.fitting.likelihood import Fit
@@ -43,15 +50,16 @@ def fit(
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
 ) -> Run:
-    """Fits a bouncing scenario to measured impacts or heights.
+    """Fits a scenario to a measurement: to impacts and heights, or to signals over time.
 
     Args:
-        scenario: name, folder or file of a scenario that can be fitted by bounces.
+        scenario: name, folder or file of a scenario that says under ``fit:`` how it is fitted.
         recordings: logs, stored recordings, public data sets or bounce tables that are fitted.
         hold_out: the same, which are not fitted but predicted.
         engine: ``"all"`` or names with commas.
         model: closed form, or "auto": the one with the least AICc.
-        unknowns: what is sought beside what the model has, such as "clock_skew".
+        unknowns: what is sought beside what the model has, such as "clock_skew"; by waveform,
+            all that is sought.
         fixed: values of what is not sought.
         priors: unknown -> value and standard uncertainty.
         u_time_s: standard uncertainty of an impact time, where a recording does not say [s].
@@ -71,14 +79,22 @@ def fit(
     """
     chosen = engines.select(engine)
     file = catalogue.load(scenario)
-    if file.fit is None or file.fit.by != "bounces":
-        raise InputError(
-            scenario, ["names no fit by bounces; expected fit: {by: bounces, …} in its file"]
-        )
     if not recordings:
         raise InputError("--recording", ["no recording is given; give at least one"])
+    if file.fit is None:
+        raise InputError(
+            scenario, ["names nothing that can be fitted; expected fit: {by: bounces|waveform, …}"]
+        )
     if out is not None:
         experiment.check_writable(Path(out))
+    if file.fit.by == "waveform":
+        only = {"--prior": priors, "--model": model != "auto", "--u-time": u_time_s is not None}
+        done = waveform_fit.fit_waveform(
+            file, recordings=recordings, hold_out=hold_out, engine=engine, unknowns=unknowns,
+            given=waveform_fit.given_of(file, preset, fixed or {}, set or {}, only),
+            mapping=mapping, step=step, time_limit_s=time_limit_s, progress=progress,
+        )  # fmt: skip
+        return _saved(done, out)
     given = _given(file, set, preset)
     asked = _Asked(
         extra=tuple(unknowns),
@@ -99,7 +115,10 @@ def fit(
     )  # fmt: skip
     predicted = holding_out.predict(choice.best, found, held, asked.fixed)
     told = _Told(scenario, file, tuple(map(str, recordings)), tuple(map(str, hold_out)), step_s)
-    done = _gather(told, choice, start, found, predicted, (drops, held), given)
+    return _saved(_gather(told, choice, start, found, predicted, (drops, held), given), out)
+
+
+def _saved(done: Run, out: str | Path | None) -> Run:
     if out is None:
         return done
     from simcompare import store

@@ -31,7 +31,8 @@ def left_of(fit: Fit, shown: Sequence[Bouncing] | None = None) -> list[dict[str,
     Returns:
         For each drop and kind ("times" [s], "heights" [m], "track" [m]): ``at`` are the numbers of
         the impacts or apexes, or times [s]; ``u`` the standard uncertainty, from the scatter where
-        none is stated.
+        none is ``stated``; ``judged`` whether the fit minimised these. Times and heights of a video
+        are drawn from its arcs and only shown.
     """
     found: list[dict[str, Any]] = []
     for number, drop in enumerate(fit.problem.drops):
@@ -62,6 +63,7 @@ def _row(
         "drop": number + 1, "kind": kind, "at": list(at), "left": np.ravel(left).tolist(),
         "u": np.where(np.isfinite(u), u, assumed).tolist(),
         "stated": bool(np.all(np.isfinite(u))),
+        "judged": kind == "track" or fit.problem.drops[number].track is None,
     }  # fmt: skip
 
 
@@ -81,20 +83,29 @@ def law_of(fit: Fit) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def measured_ratios(drops: Sequence[Impacts]) -> list[dict[str, Any]]:
-    """Restitution of single bounces from neighbouring flights, or from neighbouring heights."""
+def measured_ratios(fit: Fit) -> list[dict[str, Any]]:
+    """Ratios of neighbouring flights, or roots of ratios of heights, and what the fit expects."""
     found = []
-    for number, drop in enumerate(drops, start=1):
+    for number, drop in enumerate(fit.problem.drops, start=1):
         try:
             best = ratios.ratios(drop)
-            rows = (best.numbers, best.values, best.u, "flight times")
+            numbers, values, u, how = best.numbers, best.values, best.u, "flight times"
         except InputError:
-            rows = _of_heights(drop)
-        numbers, values, u, how = rows
+            numbers, values, u, how = _of_heights(drop)
         if len(numbers):
+            closed = bounce_models.bounces(
+                fit.problem.model, fit.problem.values(fit.x, number - 1), max(numbers) + 1
+            )
+            times, heights = np.ravel(closed.impact_s), np.ravel(closed.apex_m)
+            at = np.array(numbers)
+            if how == "heights":
+                expected = np.sqrt(heights[at] / heights[at - 1])
+            else:
+                before = times[at - 1] - times[at - 2]
+                expected = (times[at] - times[at - 1]) / before
             found.append({
                 "drop": number, "how": how, "numbers": list(numbers), "values": values.tolist(),
-                "u": [float(v) if np.isfinite(v) else None for v in u],
+                "expected": expected.tolist(), "u": [float(v) if np.isfinite(v) else None for v in u],
             })  # fmt: skip
     return found
 

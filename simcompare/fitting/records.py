@@ -64,7 +64,7 @@ def of_fit(
         "identifiability": known.to_dict(),
         "left": pictures.left_of(choice.best),
         "law": pictures.law_of(choice.best),
-        "ratios": pictures.measured_ratios(drops[0]),
+        "ratios": pictures.measured_ratios(choice.best),
         "profiles": pictures.profiles_of(choice.best),
         "engine_form": None if start.model == choice.best.model else start.to_dict(),
         "engine_model": start.model,

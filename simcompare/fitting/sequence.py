@@ -27,8 +27,12 @@ _ROUGH = 0.02
 _MISSED = 0.5
 #: flights that a proposal may reach over when others knocked in between
 _REACH = 4
-#: a pause between two drops lasts longer than so many of the longest flight
-_PAUSE = 1.5
+#: a pause between two drops lasts longer than so many of the longest flight, and than this [s]
+_PAUSE, _PAUSE_S = 1.5, 1.0
+#: smallest scatter that is believed where no uncertainty is stated [s]
+_FINEST_S = 1e-5
+#: largest factor between flights that a ball can have
+_MOST = 0.99
 #: an impact that others of known scatter contradict is off by this part of a flight or more
 _LEAST_OFF = 0.01
 #: part of a residual that its own impact does not fit away, at least
@@ -37,6 +41,9 @@ _LEVERAGE = 0.3
 _SLOWER = (1.0, 0.94, 0.88, 0.82)
 #: flights that a proposal foretells, backwards and forwards
 _BACK, _ON = 6, 24
+#: part of the impacts that must belong to the series, and how many at least: any three that are
+#: picked out of more make some series
+_ENOUGH, _FEWEST = 0.6, 4
 #: proposals that are refined
 _BEST = 4
 
@@ -84,7 +91,7 @@ def split(times_s: Array) -> list[slice]:
         if len(before) < 2:
             continue
         # the pause is longer than a missed impact makes a flight, and long flights follow it
-        pause = steps[i - 1] > _PAUSE * before.max()
+        pause = steps[i - 1] > max(_PAUSE * before.max(), _PAUSE_S)
         if pause and steps[i] > 1.1 * np.median(before[-3:]) and steps[i + 1] < steps[i]:
             starts.append(i)
     return [slice(a, b) for a, b in zip(starts, [*starts[1:], len(times_s)], strict=True)]
@@ -120,7 +127,14 @@ def _smooth(times: Array, u: Array, numbers: NDArray[np.int64]) -> bool:
         return bool(0.05 * first < second < first)
     fitted = _fit(times, u, numbers)
     rough = fitted.scatter > _ROUGH * float(np.median(np.diff(times)))
-    return not rough and not fitted.is_off
+    return not rough and not fitted.is_off and _shrinks(times, numbers)
+
+
+def _shrinks(times: Array, numbers: NDArray[np.int64]) -> bool:
+    """Whether the last flight is shorter than the first one, as it is for a ball."""
+    steps = np.diff(times) / np.diff(numbers)
+    flights = (numbers[-1] + numbers[-2] - numbers[1] - numbers[0]) / 2
+    return bool(steps[-1] < _MOST**flights * steps[0])
 
 
 def _fit(times: Array, u: Array, numbers: NDArray[np.int64]) -> _Fit:
@@ -137,7 +151,8 @@ def _fit(times: Array, u: Array, numbers: NDArray[np.int64]) -> _Fit:
     left = (times - predicted[steps - 1]) / each
     chi2, degrees = float(left @ left), len(times) - jacobian.shape[1]
     stated = bool(np.isfinite(u).all())
-    scale = math.sqrt(chi2 / max(degrees, 1))
+    least = 0.0 if stated else (_FINEST_S / float(each[0])) ** 2
+    scale = math.sqrt(max(chi2 / max(degrees, 1), least))
     scatter = float(np.median(each)) * (max(scale, 1.0) if stated else scale)
     fine = stated and stats.chi2.sf(chi2, max(degrees, 1)) > _BY_CHANCE
     if fine or degrees < 2:
@@ -154,7 +169,7 @@ def _fit(times: Array, u: Array, numbers: NDArray[np.int64]) -> _Fit:
         flight = float(predicted[steps[worst]] - predicted[steps[worst] - 1])
         off = abs(left[worst]) / free[worst] * each[worst]
         return _Fit(predicted, scatter, worst, bool(off > _LEAST_OFF * flight))
-    scale = math.sqrt(max(rest[worst] / (degrees - 1), 1.0 if stated else 0.0) * free[worst])
+    scale = math.sqrt(max(rest[worst] / (degrees - 1), 1.0 if stated else least) * free[worst])
     limit = float(stats.t.isf(_BY_CHANCE / 2 / len(times), degrees - 1))
     return _Fit(predicted, scatter, worst, bool(abs(left[worst]) > limit * scale))
 
@@ -167,14 +182,14 @@ def _found(times: Array, u: Array, source: str) -> NDArray[np.int64]:
         if score > most:
             best, most = numbers, score
     left = 0 if best is None else int(np.count_nonzero(best >= 0))
-    if best is None or left < 3 or left < len(times) / 2:
+    if best is None or left < max(_FEWEST, _ENOUGH * len(times)):
         raise InputError(source or "impacts", [_no_series(times, left)])
     return best
 
 
 def _no_series(times: Array, left: int) -> str:
     flights = ", ".join(f"{step:.3g}" for step in np.diff(times)[:8])
-    count = f"only {left}" if left > 2 else "no three"
+    count = f"only {left}" if left > 2 else "no four"
     return (
         f"{count} of the {len(times)} impacts follow each other as those of a bouncing ball, whose"
         f" flights become shorter by a steady factor; found flights of {flights}"
@@ -265,6 +280,8 @@ def _refined(times: Array, u: Array, numbers: NDArray[np.int64]) -> tuple[NDArra
         return numbers, -math.inf
     gaps = int(numbers.max()) + 1 - int(np.count_nonzero(kept))
     rough = scatter / float(np.median(np.diff(times[kept])))
+    if rough > _ROUGH or not _shrinks(times[kept], numbers[kept]):
+        return numbers, -math.inf
     return numbers, float(np.count_nonzero(kept)) - _MISSED * gaps - 50 * min(rough, 0.1)
 
 

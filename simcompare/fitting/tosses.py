@@ -144,9 +144,14 @@ def lowest_m(toss: Toss, width_m: float) -> Array:
 
 
 def samples_in_flight(toss: Toss, width_m: float) -> int:
-    """Samples before the first touch."""
-    low = lowest_m(toss, width_m) <= CLEAR * width_m
-    return int(np.argmax(low)) if low.any() else len(low)
+    """Samples before the first touch, which may come and go between two of them."""
+    low = lowest_m(toss, width_m) - CLEAR * width_m
+    ahead = low - np.maximum(-np.diff(low, prepend=low[0]), 0.0)
+    touches = ahead <= 0
+    if not touches.any():
+        return len(low)
+    first = int(np.argmax(touches))
+    return first + bool(low[first] > 0)
 
 
 def start_of(toss: Toss, width_m: float, gravity_m_s2: float) -> Start:

@@ -22,13 +22,15 @@ from simcompare.jobs import FAILED, OK, Job, Outcome
 from simcompare.runner import TIME_LIMIT_S, Progress, run_jobs
 from simcompare.trajectory import Array, Trajectory
 from simcompare.validation.cases import Case
-from simcompare.validation.estimate import Block, solve
+from simcompare.validation.estimate import Block, residuals_of, solve
 from simcompare.validation.filtering import interpolated
 from simcompare.validation.model import Model
 from simcompare.validation.simulated import BEST, HALF, of_probes
 
 #: how often an engine is run and the reference fitted again
 ROUNDS = 2
+#: Newton's steps at most, and the part of an unknown below which a step no longer counts
+MOST_STEPS, ENOUGH = 12, 1e-8
 #: (number of the case, variant) -> what its probes saw
 Runs = Mapping[tuple[int, str], Trajectory]
 
@@ -206,11 +208,27 @@ def _filled(values: Array) -> Array:
 
 
 def _corrected(work: _Work, x: Array, defects: Sequence[Array]) -> Array:
+    """The unknowns that fit what the defect leaves, by Newton's steps with the reference's slopes.
+
+    What is looked for is near, so the slopes are as good as those there, and each step costs one
+    evaluation. Where a bound is in the way, or nothing converges, it is fitted from scratch.
+    """
     blocks: list[Block] = [
         replace(block, values=block.values - defect)
         for block, defect in zip(work.fitted.blocks, defects, strict=True)
     ]
-    return solve(work.model, blocks, work.setup.every, x).values
+    names, bounds = work.setup.every, work.model.file.parameters
+    found = x
+    for _ in range(MOST_STEPS if not work.fitted.estimate.at_bound else 0):
+        values = dict(zip(names, found.tolist(), strict=True))
+        left = np.concatenate(residuals_of(work.model, blocks, values))
+        moved = found - work.fitted.gain @ left
+        if not all(bounds[n].min < v < bounds[n].max for n, v in zip(names, moved, strict=True)):
+            break
+        if np.all(np.abs(moved - found) <= ENOUGH * np.abs(moved)):
+            return np.asarray(moved, dtype=float)
+        found = moved
+    return solve(work.model, blocks, names, x).values
 
 
 def _result(work: _Work, name: str, state: _State, runs: Runs) -> EngineWaves:

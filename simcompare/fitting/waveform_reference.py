@@ -23,6 +23,8 @@ from simcompare.validation.model import Model
 
 #: singular values of the scaled Jacobian below this part of the largest tell nothing
 _LEAST = 1e-10
+#: part of an uncertainty by which what is known is moved, so that everything is straight
+PART = 0.01
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,7 @@ def fit_reference(model: Model, setup: Setup) -> Fitted:
     best = dict(zip(setup.every, whole.values.tolist(), strict=True))
     here = np.concatenate(whole.residuals)
     known = {
-        name: -gain @ (_moved(model, blocks, best, name, u, None) - here)
+        name: -gain @ (_moved(model, blocks, best, name, PART * u, None) - here) / PART
         for name, u in setup.known().items()
     }
     # the scatter between three and more streams has what was read off each of them in it
@@ -100,13 +102,10 @@ def _moved(
     case: Case | None,
 ) -> Array:  # fmt: skip
     """Weighted residuals with one parameter moved by its uncertainty, in one case or in all."""
-    bounds = model.file.parameters[name]
     parts = []
     for block in blocks:
-        own = dict(best)
-        if case is None or block.case is case:
-            value = block.case.values[name] + u
-            own[name] = min(max(value, bounds.min), bounds.max)
+        moves = case is None or block.case is case
+        own = _within(model, best, block.case, {name: u}) if moves else best
         parts += residuals_of(model, [block], own)
     return np.concatenate(parts)
 
@@ -116,14 +115,16 @@ def _read_off(
     here: Array,
 ) -> list[Array]:  # fmt: skip
     return [
-        -gain @ (_moved(model, blocks, best, name, case.u[name], case) - here)
+        -gain @ (_moved(model, blocks, best, name, PART * case.u[name], case) - here) / PART
         for case in setup.fitted
         for name in setup.plan.start
         if name not in setup.every and case.u.get(name, 0.0) > 0
     ]
 
 
-def moves(model: Model, fitted: Fitted, values: Array, case: Case) -> list[dict[str, float]]:
+def moves(
+    model: Model, fitted: Fitted, values: Array, case: Case
+) -> list[tuple[str, dict[str, float]]]:
     """Parameters of a predicted stretch, moved by one standard uncertainty after the other.
 
     What is known of all stretches moves together with what was fitted under it, so that, say, a
@@ -135,21 +136,39 @@ def moves(model: Model, fitted: Fitted, values: Array, case: Case) -> list[dict[
         fitted: the reference as fitted.
         values: fitted parameters, of the reference or of an engine (k,).
         case: the stretch.
+
+    Returns:
+        What moves, and the parameters then.
     """
     names, k = fitted.estimate.names, len(fitted.estimate.names)
-    found = []
     sizes, axes = np.linalg.eigh(fitted.estimate.covariance)
-    shifts = [np.sqrt(size) * axis for size, axis in zip(sizes, axes.T, strict=True) if size > 0]
-    for shift in (*shifts, *(move[:k] for move in fitted.read_off)):
-        found.append(dict(zip(names, (values + shift).tolist(), strict=True)))
-    best = dict(zip(names, values.tolist(), strict=True))
+    steps = [
+        (f"fit, axis {i}", np.sqrt(size) * axis, {})
+        for i, (size, axis) in enumerate(zip(sizes, axes.T, strict=True), start=1)
+        if size > 0
+    ]
+    steps += [(f"start of fitted {i}", m[:k], {}) for i, m in enumerate(fitted.read_off, start=1)]
     for name, u in case.u.items():
         if u > 0 and name not in names:
             move = fitted.known[name][:k] if name in fitted.known else np.zeros(k)
-            moved = dict(zip(names, (values + move).tolist(), strict=True))
-            found.append({**best, **moved, name: case.values[name] + u})
-    bounds = model.file.parameters
+            steps.append((name, move, {name: u}))
     return [
-        {name: min(max(value, bounds[name].min), bounds[name].max) for name, value in one.items()}
-        for one in found
-    ]
+        (what, _within(model, dict(zip(names, values.tolist(), strict=True)), case,
+                       {**dict(zip(names, move.tolist(), strict=True)), **own}))
+        for what, move, own in steps
+    ]  # fmt: skip
+
+
+def _within(
+    model: Model, best: Mapping[str, float], case: Case, step: Mapping[str, float]
+) -> dict[str, float]:
+    """Parameters after a step, or after its opposite where the step would leave a bound."""
+    bounds, here = model.file.parameters, {**case.values, **best}
+    for sign in (1, -1):
+        moved = {name: here[name] + sign * change for name, change in step.items()}
+        if all(bounds[n].min <= value <= bounds[n].max for n, value in moved.items()):
+            break
+    return {
+        **best,
+        **{n: min(max(value, bounds[n].min), bounds[n].max) for n, value in moved.items()},
+    }

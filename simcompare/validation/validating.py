@@ -135,7 +135,11 @@ def _fit(
     own = plan if wanted.recording is None else plans.choose(other.plans, plan.scenario, other.name)
     cases = cases_of(model.file, own, other.recording, wanted.streams, given, wanted.most_s)
     probe = next(name for name, compared in own.compare.items() if compared.judged)
-    return estimate(model, cases, probe, names, wanted.nuisance)
+    fitted = {*names, *wanted.nuisance}
+    known = {n: one.u for n, one in own.parameters.items() if one.u > 0 and n not in fitted}
+    known = {n: u for n, u in known.items() if n not in given}
+    starts = [name for name in own.start if name not in given]
+    return estimate(model, cases, probe, names, wanted.nuisance, starts=starts, known=known)
 
 
 def _judged(
@@ -173,11 +177,15 @@ def moves(file: ScenarioFile, case: Case, fit: Estimate | None) -> dict[str, dic
     """Parameters moved by one standard uncertainty, one by one; fitted ones along their axes.
 
     The axes are the principal ones of the covariance, so that correlations are kept; each is
-    named after the parameter that moves most in it. What would leave a bound moves the other way.
+    named after the parameter that moves most in it. With a parameter that was known the fitted
+    ones move as the fit would have moved. What would leave a bound moves the other way.
     """
     best = {} if fit is None else fit.as_dict()
     steps = {name: {name: u} for name, u in case.u.items() if u > 0 and name not in best}
     if fit is not None:
+        for name in steps:  # the fit would have made up for some of it
+            if name in fit.follows:
+                steps[name].update(zip(fit.names, fit.follows[name].tolist(), strict=True))
         sizes, axes = np.linalg.eigh(fit.covariance)
         for size, axis in zip(np.maximum(sizes, 0.0), axes.T, strict=True):
             step = dict(zip(fit.names, (np.sqrt(size) * axis).tolist(), strict=True))

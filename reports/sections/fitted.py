@@ -1,0 +1,145 @@
+"""Sections of a fit: the answer, the engines, the closed forms, and what the data can tell."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from simcompare.reports import fitted, fitted_figures, fitted_parts, fitted_tables
+from simcompare.reports.figures import Figure
+from simcompare.reports.sections.base import Section
+from simcompare.reports.tables import Table, printable
+from simcompare.results import Run
+
+_TWO_THINGS = (
+    "The parameter is what an engine must be given; the effective restitution is what its motion"
+    " then shows. Only the second compares engines. The first is the number to type in, and holds"
+    " for this engine and this step alone."
+)
+
+
+def _parts(
+    figures: list[Figure] | list[Figure | None],
+    tables: list[Table] | list[Table | None],
+    *notes: str,
+) -> dict[str, Any]:
+    """Figures, tables and remarks, as far as there are any."""
+    return {
+        "figures": [figure for figure in figures if figure is not None],
+        "grids": [table for table in tables if table is not None],
+        "notes": [_sentence(note) for note in notes if note],
+    }
+
+
+def _sentence(text: str) -> str:
+    line = printable(text)
+    return line[:1].upper() + line[1:] + ("" if line.endswith(".") else ".")
+
+
+class FitAnswer(Section):
+    """What was found, in words, and what is left of the measured events."""
+
+    name, title, template = "answer", "Answer", "real_answer.html"
+
+    def context(self, run: Run) -> dict[str, Any] | None:
+        """Sentences of the record, residuals and the table of engines."""
+        missing = sorted({row["name"] for row in fitted.failed(run)})
+        said = [printable(text) for text in fitted.record(run)["sentences"]]
+        if missing:
+            said.append(f"Could not be fitted: {', '.join(missing)}; the reasons are below.")
+        return {
+            "question": run.record["question"],
+            "answer": said,
+            **_parts(fitted_figures.left_figures(run), [fitted_tables.engines(run)]),
+        }
+
+
+class FitEngines(Section):
+    """What each engine must be given, and what it then shows."""
+
+    name, title, template = "engines", "Each engine", "real_part.html"
+
+    def context(self, run: Run) -> dict[str, Any]:
+        """Parameters beside effective values, and native contact values."""
+        tables = [fitted_tables.failed(run), fitted_tables.parameters(run),
+                  fitted_tables.native(run)]  # fmt: skip
+        return _parts([fitted_figures.parameter_figure(run)], tables, _TWO_THINGS, _other_form(run))
+
+
+def _other_form(run: Run) -> str:
+    found = fitted.record(run)
+    if found.get("engine_form") is None:
+        return ""
+    return (
+        f"The data ask for: {found['closed_form']['text']}. Engines have no such contact; they were"
+        f" fitted with: {found['engine_model_text']}, and so is the closed form in this section"
+    )
+
+
+class FitForms(Section):
+    """Which closed form describes the data."""
+
+    name, title, template = "forms", "Which closed form", "real_part.html"
+
+    def context(self, run: Run) -> dict[str, Any]:
+        """Criteria of every candidate."""
+        tables = [fitted_tables.forms(run), fitted_tables.refused(run)]
+        return _parts([fitted_parts.forms_figure(run)], tables,
+                      *fitted.record(run)["choice"]["words"])  # fmt: skip
+
+
+class FitSpeed(Section):
+    """Restitution against speed."""
+
+    name, title, template = "speed", "Bounce by bounce", "real_part.html"
+
+    def context(self, run: Run) -> dict[str, Any]:
+        """Every bounce of every source."""
+        return _parts([fitted_figures.speed_figure(run)], [])
+
+
+class FitKnown(Section):
+    """What the data can tell and what they cannot."""
+
+    name, title, template = "identifiability", "What the data can tell", "real_part.html"
+
+    def context(self, run: Run) -> dict[str, Any]:
+        """Correlations, singular values, profiles."""
+        figures = [fitted_parts.correlation_figure(run), *fitted_parts.profile_figures(run)]
+        tables = [fitted_tables.bootstrap(run), fitted_tables.directions(run)]
+        return _parts(figures, tables, *fitted.record(run)["identifiability"]["words"])
+
+
+class FitHeldOut(Section):
+    """Whether the fit predicts drops that it has not seen."""
+
+    name, title, template = "holdout", "Drops that were not fitted", "real_part.html"
+
+    def context(self, run: Run) -> dict[str, Any]:
+        """Held-out drops, or that there are none."""
+        return _parts([fitted_parts.holdout_figure(run)], [fitted_tables.holdout(run)],
+                      fitted.record(run)["holdout"]["text"])  # fmt: skip
+
+
+class FitOthers(Section):
+    """What one would have concluded with another residual."""
+
+    name, title, template = "others", "With another residual", "real_part.html"
+
+    def context(self, run: Run) -> dict[str, Any] | None:
+        """Other estimates; ``None`` where there are none."""
+        table = fitted_tables.others(run)
+        return None if table is None else _parts([fitted_parts.others_figure(run)], [table])
+
+
+class FitMeasured(Section):
+    """What was measured, left out, fixed and known before, and where the fit holds."""
+
+    name, title, template = "measured", "What was measured", "real_recording.html"
+
+    def context(self, run: Run) -> dict[str, Any]:
+        """Drops and the range of validity."""
+        tables = [fitted_tables.measured(run), fitted_tables.left_out(run),
+                  fitted_tables.known(run)]  # fmt: skip
+        drops = (*fitted.record(run)["measured"], *fitted.record(run)["held_out"])
+        notes = [f"{drop['source']}: {note}" for drop in drops for note in drop["notes"]]
+        return {"facts": fitted_tables.valid(run), **_parts([], tables, *notes)}

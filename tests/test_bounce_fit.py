@@ -1,0 +1,491 @@
+"""Fits of closed forms: information limits, bias, coverage, priors, bounds, and the choice."""
+
+import json
+import math
+import time
+
+import numpy as np
+import pytest
+
+from simcompare.errors import InputError
+from simcompare.fitting import bootstrap, choose, profile
+from simcompare.fitting.impacts import Impacts, from_rebounds, from_times
+from simcompare.fitting.likelihood import fit
+from simcompare.fitting.problem import Prior
+from simcompare.fitting.ratios import ratios
+from tests.bounces import IN_AIR, TERMINAL, TRUTH, filmed, heard, times_of
+
+E = 0.85
+DRAWS = 200
+RECOMMENDED = {
+    "drop_height_m": Prior(1.0, 1e-3),
+    "terminal_speed_m_s": Prior(TERMINAL, 0.05 * TERMINAL),
+}
+
+
+def exact(count, values=IN_AIR) -> Impacts:
+    """Impacts without noise, of which 0.1 ms is stated: their covariance is Cramér and Rao's."""
+    return from_times(times_of(values, count), 1e-4)[0]
+
+
+def u_of(found, name="restitution"):
+    return found.u[found.names.index(name)]
+
+
+def drawn(centre, u, generator):
+    return Prior(float(generator.normal(centre, u)), u)
+
+
+# ---- information limits -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("model", "priors", "six", "nine"),
+    [
+        ("constant+drag", None, 3.7e-4, 1.1e-4),
+        ("power+drag", None, 6.4e-3, 1.4e-3),
+        ("power+drag", RECOMMENDED, 2.0e-3, 7.1e-4),
+    ],
+)
+def test_uncertainties_are_those_of_cramer_and_rao(model, priors, six, nine):
+    for count, expected in ((6, six), (9, nine)):
+        found = fit(exact(count), model, priors=priors)
+        assert found.as_dict()["restitution"] == pytest.approx(E, abs=1e-7)
+        assert u_of(found) == pytest.approx(expected, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("model", "six", "nine"), [("constant", 5.9e-5, 2.6e-5), ("power", 3.3e-4, 1.4e-4)]
+)
+def test_a_known_terminal_speed_leaves_as_much_as_cramer_and_rao_say(model, six, nine):
+    for count, expected in ((6, six), (9, nine)):
+        found = fit(exact(count), model, fixed={"terminal_speed_m_s": TERMINAL})
+        assert u_of(found) == pytest.approx(expected, rel=0.1)
+
+
+def test_the_terminal_speed_is_known_as_well_as_the_limit_allows():
+    for count, expected in ((6, 0.045), (9, 0.019)):
+        found = fit(exact(count), "constant+drag")
+        assert u_of(found, "terminal_speed_m_s") == pytest.approx(expected, rel=0.1)
+
+
+def test_seven_hits_at_a_tenth_of_a_millisecond_give_the_restitution_to_a_twentieth_of_a_percent():
+    errors = [fit(heard(seed=s), profiles=False).as_dict()["restitution"] - E for s in range(50)]
+    assert np.max(np.abs(errors)) <= 0.0005 * E
+
+
+def test_a_video_of_thirty_frames_gives_the_restitution_to_a_fifth_of_a_percent():
+    found = [fit(filmed(seed=s), profiles=False) for s in range(30)]
+    errors = [f.as_dict()["restitution"] - E for f in found]
+    assert np.max(np.abs(errors)) <= 0.002 * E
+    # near what the samples can tell at all, for three seconds from the release on
+    assert np.std(errors) < 4e-4
+
+
+# ---- coverage -----------------------------------------------------------------------------------
+
+
+def covered(fits):
+    hits = []
+    for found in fits:
+        low, high = found.intervals[found.names.index("restitution")]
+        hits.append(low <= E <= high)
+    return np.mean(hits)
+
+
+def test_intervals_cover_the_truth_for_a_constant_restitution():
+    assert 0.90 <= covered(fit(heard(seed=s)) for s in range(DRAWS)) <= 0.99
+
+
+def test_intervals_cover_the_truth_with_drag_and_a_prior():
+    generator = np.random.default_rng(0)
+
+    def draws():
+        for seed in range(DRAWS):
+            priors = {"terminal_speed_m_s": drawn(TERMINAL, 0.43, generator)}
+            yield fit(heard(IN_AIR, seed=seed), "constant+drag", priors=priors)
+
+    assert 0.90 <= covered(draws()) <= 0.99
+
+
+def test_intervals_cover_the_truth_from_video():
+    assert 0.90 <= covered(fit(filmed(seed=s)) for s in range(DRAWS)) <= 0.99
+
+
+def test_intervals_cover_the_truth_where_no_uncertainty_is_stated():
+    fits = (
+        fit(from_times(heard(seed=s, count=9).times_s)[0], profiles=False)
+        for s in range(DRAWS // 2)
+    )
+    assert 0.88 <= covered(fits) <= 0.995
+
+
+# ---- drag ---------------------------------------------------------------------------------------
+
+
+def test_drag_in_the_model_leaves_no_bias_beyond_the_interval():
+    found = [fit(heard(IN_AIR, seed=s), "constant+drag") for s in range(20)]
+    pulls = [(f.as_dict()["restitution"] - E) / u_of(f) for f in found]
+    assert abs(np.mean(pulls)) < 3 / math.sqrt(20)
+
+
+def test_drag_left_out_biases_a_table_tennis_ball_by_three_and_a_half_percent():
+    found = fit(exact(7))
+    assert found.as_dict()["restitution"] / E - 1 == pytest.approx(-0.035, abs=0.001)
+    assert found.rms["times"] == pytest.approx(5.1e-3, rel=0.02)
+    assert found.s2 > 1000
+    assert any("scatter" in text and "another model" in text for text in found.warnings)
+
+
+@pytest.mark.parametrize(
+    ("terminal", "bias", "rms"), [(30.0, -0.0040, 0.59e-3), (60.0, -0.0010, 0.15e-3)]
+)
+def test_drag_left_out_biases_heavier_balls_less(terminal, bias, rms):
+    found = fit(exact(7, {**TRUTH, "terminal_speed_m_s": terminal}))
+    assert found.as_dict()["restitution"] / E - 1 == pytest.approx(bias, rel=0.15)
+    assert found.rms["times"] == pytest.approx(rms, rel=0.15)
+
+
+def test_the_choice_of_model_sees_the_drag_and_says_what_leaving_it_out_costs():
+    choice = choose.compare(heard(IN_AIR, count=8))
+    assert choice.best.model == "constant+drag"
+    simple = next(c for c in choice.candidates if c.model == "constant")
+    assert simple.delta > 1000
+    assert simple.weight < 1e-9
+    (said,) = [w for w in choice.words if "without drag is excluded" in w]
+    assert "% off" in said
+    assert " -3." in said
+
+
+def test_drag_in_a_video_is_seen_by_its_arcs():
+    choice = choose.compare(filmed(IN_AIR), ["constant", "constant+drag"])
+    assert choice.best.model == "constant+drag"
+    low, high = choice.best.intervals[0]
+    assert low <= E <= high
+
+
+def test_vacuum_needs_no_drag_and_the_words_say_so():
+    found = next(f for f in (fit(heard(seed=s), "constant+drag") for s in range(20)) if f.at_bound)
+    assert found.as_dict()["terminal_speed_m_s"] == math.inf
+    low, high = found.intervals[found.names.index("terminal_speed_m_s")]
+    assert 20 < low < 1000
+    assert high == math.inf
+    (said,) = [text for text in found.warnings if "no drag is seen" in text]
+    assert "is excluded" in said
+    assert (
+        json.loads(json.dumps(found.to_dict(), allow_nan=False))["parameters"][
+            "terminal_speed_m_s"
+        ]["value"]
+        is None
+    )
+
+
+# ---- choice -------------------------------------------------------------------------------------
+
+
+def test_a_constant_restitution_is_chosen_where_there_is_nothing_else():
+    chosen = [choose.compare(heard(seed=s, count=8)) for s in range(10)]
+    assert sum(c.best.model == "constant" for c in chosen) >= 7
+    assert all(c.criterion == "AIC" for c in chosen)
+    assert all(sum(r.weight for r in c.candidates) == pytest.approx(1) for c in chosen)
+
+
+def test_velocity_dependence_is_told_from_drag_where_the_data_can():
+    values = {**TRUTH, "exponent": 0.05}
+    choice = choose.compare(heard(values, count=9))
+    assert choice.best.model == "power"
+    drag = next(c for c in choice.candidates if c.model == "constant+drag")
+    assert drag.delta > 10
+
+
+def test_a_hunt_crossley_contact_is_recognised():
+    choice = choose.compare(heard(count=8, model="hunt_crossley"))
+    assert choice.best.model == "hunt_crossley"
+
+
+def test_what_the_data_cannot_tell_is_said_with_what_would_help():
+    values = {**TRUTH, "terminal_speed_m_s": 25.0}
+    choice = choose.compare(heard(values, count=6, u_s=1e-3))
+    assert {c.model for c in (choice.candidates[0], *choice.rivals)} >= {"constant+drag", "power"}
+    assert any("cannot tell drag from velocity dependence: give the terminal speed" in w
+               for w in choice.words)  # fmt: skip
+    known = choose.compare(heard(values, count=6, u_s=1e-3), fixed={"terminal_speed_m_s": 25.0})
+    assert not any("give the terminal speed" in w for w in known.words)
+
+
+def test_the_numbers_of_the_choice_are_akaike_and_schwarz():
+    choice = choose.compare(heard(IN_AIR, count=9), ["constant", "constant+drag"])
+    for c in choice.candidates:
+        k, n = len(c.fit.names), 9
+        assert c.unknowns == pytest.approx(k)
+        assert c.aic == pytest.approx(c.chi2 + 2 * k)
+        assert c.aicc == pytest.approx(c.aic + 2 * k * (k + 1) / (n - k - 1))
+        assert c.bic == pytest.approx(c.chi2 + k * math.log(n))
+    assert choice.candidates[1].delta == pytest.approx(
+        choice.candidates[1].aic - choice.candidates[0].aic
+    )
+
+
+def test_unknown_noise_leaves_the_choice_to_the_corrected_criterion():
+    choice = choose.compare(from_times(heard(IN_AIR, count=10).times_s)[0])
+    assert choice.criterion == "AICc"
+    assert choice.best.model == "constant+drag"
+
+
+def test_a_model_with_too_many_unknowns_is_refused_and_the_others_stand():
+    choice = choose.compare(exact(4))
+    assert list(choice.refused) == ["power+drag"]
+    assert "4 measured numbers and 0 priors cannot give 5 unknowns" in choice.refused["power+drag"]
+    json.dumps(choice.to_dict(), allow_nan=False)
+
+
+# ---- covariance, intervals, ratios --------------------------------------------------------------
+
+
+def test_intervals_between_impacts_tell_what_the_impacts_with_a_free_release_tell():
+    drop = heard(IN_AIR)
+    times, steps = (fit(drop, "constant+drag", intervals=i) for i in (False, True))
+    assert steps.problem.blocks[0].whiten.shape == (6, 6)
+    for name in ("restitution", "terminal_speed_m_s", "drop_height_m"):
+        assert steps.as_dict()[name] == pytest.approx(times.as_dict()[name], rel=1e-6)
+        assert u_of(steps, name) == pytest.approx(u_of(times, name), rel=1e-3)
+    assert "release_time_s" not in steps.names
+
+
+def test_intervals_share_their_ends():
+    block = fit(heard(), intervals=True).problem.blocks[0]
+    covariance = np.linalg.inv(block.whiten.T @ block.whiten) / 1e-8
+    expected = 2 * np.eye(6) - np.eye(6, k=1) - np.eye(6, k=-1)
+    assert covariance / covariance[0, 0] * 2 == pytest.approx(expected, abs=1e-9)
+
+
+def test_ratios_of_flights_do_not_change_with_offset_and_rate_of_the_clock():
+    drop = heard()
+    moved = from_times(7.0 + (1 + 80e-6) * drop.times_s, 1e-4)[0]
+    assert ratios(moved).values == pytest.approx(ratios(drop).values, rel=1e-12)
+    assert ratios(moved).mean == pytest.approx(ratios(drop).mean, rel=1e-12)
+    plain, fast = fit(drop).as_dict(), fit(moved).as_dict()
+    assert fast["restitution"] == pytest.approx(plain["restitution"], rel=1e-7)
+    # what the rate does change: the drop looks higher, by its square
+    assert fast["drop_height_m"] / plain["drop_height_m"] == pytest.approx(1 + 160e-6, rel=1e-6)
+
+
+def test_ratios_have_the_uncertainty_of_flights_that_share_an_impact():
+    found = ratios(exact(7, TRUTH))
+    flight = np.diff(times_of(TRUTH, 7))[:-1]
+    assert found.u == pytest.approx(math.sqrt(2) * 1e-4 * math.sqrt(1 + E + E * E) / flight)
+    assert found.values == pytest.approx([E] * 5)
+    assert "no trend" in found.text
+
+
+def test_ratios_that_rise_are_named_as_the_mark_of_drag():
+    assert "rise by" in ratios(heard(IN_AIR)).text
+    assert "drag" in ratios(heard(IN_AIR)).text
+
+
+def test_noise_that_exceeds_its_statement_widens_the_interval():
+    drop = from_times(times_of() + np.random.default_rng(1).normal(0, 5e-4, 7), 1e-4)[0]
+    found, plain = fit(drop), fit(heard())
+    assert found.s2 > 4
+    assert u_of(found) == pytest.approx(u_of(plain) * math.sqrt(found.s2), rel=0.05)
+    assert any("times as much about this model" in text for text in found.warnings)
+
+
+def test_less_noise_than_stated_is_no_reason_for_smaller_intervals():
+    drop = from_times(times_of(), 1e-4)[0]
+    assert fit(drop).s2 == 1.0
+    assert fit(drop).chi2 < 1e-6
+
+
+def test_a_profile_of_a_straight_problem_is_the_normal_interval():
+    found = fit(heard(), profiles=False)
+    taken = profile.profile(found, "restitution")
+    k = found.names.index("restitution")
+    assert (taken.low, taken.high) == pytest.approx(found.intervals[k], rel=1e-4)
+    assert taken.chi2.min() >= 0
+
+
+def test_profiles_replace_intervals_of_what_is_correlated():
+    found = fit(heard(IN_AIR), "power+drag")
+    assert found.how[found.names.index("terminal_speed_m_s")] == "profile"
+    low, high = found.intervals[found.names.index("terminal_speed_m_s")]
+    best = found.as_dict()["terminal_speed_m_s"]
+    assert high - best > 1.1 * (best - low)
+
+
+# ---- priors and bounds --------------------------------------------------------------------------
+
+
+def test_a_prior_that_contradicts_the_data_is_told():
+    found = fit(heard(), priors={"drop_height_m": Prior(1.02, 1e-3)})
+    assert found.pulls["drop_height_m"] < -3
+    (said,) = [text for text in found.warnings if "contradicts" in text]
+    assert "the prior 1.02 ± 0.001 of drop_height_m" in said
+    assert "below it" in said
+
+
+def test_a_wrong_terminal_speed_is_told_with_its_side():
+    found = fit(heard(IN_AIR), "constant+drag", priors={"terminal_speed_m_s": Prior(9.5, 0.1)})
+    (said,) = [text for text in found.warnings if "contradicts" in text]
+    assert "below it" in said
+
+
+def test_priors_that_agree_are_not_complained_about():
+    generator = np.random.default_rng(3)
+    told = 0
+    for seed in range(60):
+        priors = {"drop_height_m": drawn(1.0, 1e-3, generator)}
+        told += any("contradicts" in t for t in fit(heard(seed=seed), priors=priors).warnings)
+    assert told <= 2
+
+
+def test_a_prior_pulls_as_far_as_its_weight():
+    free = fit(heard(IN_AIR), "constant+drag")
+    held = fit(heard(IN_AIR), "constant+drag", priors={"drop_height_m": Prior(1.0, 1e-5)})
+    assert held.as_dict()["drop_height_m"] == pytest.approx(1.0, abs=5e-5)
+    assert u_of(held) < 0.6 * u_of(free)
+    assert held.effective < 3.1
+
+
+def test_scatter_widens_the_data_and_not_the_prior():
+    drop = from_times(times_of() + np.random.default_rng(1).normal(0, 2e-3, 7), 1e-4)[0]
+    found = fit(drop, priors={"drop_height_m": Prior(1.0, 1e-3)})
+    assert found.s2 > 50
+    assert u_of(found, "drop_height_m") <= 1e-3
+
+
+def test_bounds_that_exclude_the_optimum_are_told_with_the_optimum():
+    found = fit(heard(), bounds={"restitution": (0.5, 0.8)})
+    assert found.at_bound == ("restitution",)
+    (said,) = [text for text in found.warnings if "exclude the optimum" in text]
+    assert "ended at 0.8" in said
+    assert "without them it would be 0.85" in said or "without them it would be 0.849" in said
+
+
+@pytest.mark.parametrize(
+    ("request_", "message"),
+    [
+        ({"unknowns": ["restitutoin"]}, "did you mean restitution"),
+        ({"priors": {"restitution": Prior(0.8, 0.0)}}, "an uncertainty above 0"),
+        ({"priors": {"terminal_speed_m_s": Prior(-1, 1)}}, "a speed is above 0"),
+        ({"bounds": {"restitution": (0.9, 0.8)}}, "the first must be lower"),
+        ({"unknowns": ["restitution"], "fixed": {"restitution": 0.8}}, "both sought and fixed"),
+        ({"fixed": {"colour": 1.0}}, "no parameter of a bounce is called 'colour'"),
+    ],
+)
+def test_a_wrong_request_is_refused_in_words(request_, message):
+    with pytest.raises(InputError, match=message):
+        fit(heard(), **request_)
+
+
+def test_too_few_bounces_are_refused_in_words_and_a_known_height_helps():
+    two = from_times(times_of(count=2), 1e-4)[0]
+    with pytest.raises(InputError, match=r"2 measured numbers and 0 priors cannot give 3 unknowns"):
+        fit(two)
+    found = fit(two, fixed={"drop_height_m": 1.0})
+    assert found.as_dict()["restitution"] == pytest.approx(E, abs=1e-9)
+    assert any("nothing is left that could show" in text for text in found.warnings)
+
+
+def test_unknown_noise_with_nothing_left_to_tell_it_is_refused():
+    with pytest.raises(InputError, match="without a stated uncertainty leave nothing"):
+        fit(from_times(times_of(count=3))[0])
+
+
+# ---- other data ---------------------------------------------------------------------------------
+
+
+def test_a_missed_impact_costs_information_but_no_bias():
+    whole, holed = exact(8), from_times(np.delete(times_of(IN_AIR, 8), 3), 1e-4)[0]
+    found = [fit(d, "constant+drag") for d in (whole, holed)]
+    assert found[1].as_dict()["restitution"] == pytest.approx(E, abs=1e-7)
+    assert u_of(found[0]) < u_of(found[1]) < 2 * u_of(found[0])
+
+
+def test_rebound_heights_give_the_restitution():
+    generator = np.random.default_rng(0)
+    heights = 0.85 ** (2 * np.arange(1, 6)) + generator.normal(0, 1e-3, 5)
+    found = fit(from_rebounds(heights, 1e-3, drop_height=(1.0, 1e-3)), unknowns=[
+        "restitution", "drop_height_m"
+    ])  # fmt: skip
+    assert abs(found.as_dict()["restitution"] - E) < 3 * u_of(found)
+    assert u_of(found) < 5e-4
+
+
+def test_several_drops_share_the_ball_and_have_heights_of_their_own():
+    drops = [heard({**IN_AIR, "drop_height_m": h}, seed=k) for k, h in enumerate((0.5, 0.9, 1.3))]
+    found = fit(drops, "constant+drag")
+    assert found.names == (
+        "restitution", "terminal_speed_m_s", "drop_height_m[1]", "drop_height_m[2]",
+        "drop_height_m[3]", "release_time_s[1]", "release_time_s[2]", "release_time_s[3]",
+    )  # fmt: skip
+    assert abs(found.as_dict()["restitution"] - E) < 3 * u_of(found)
+    assert u_of(found) < 0.7 * u_of(fit(drops[1], "constant+drag"))
+    assert found.as_dict()["drop_height_m[3]"] == pytest.approx(1.3, abs=0.01)
+
+
+def test_the_effective_restitution_carries_its_uncertainty_over_the_speeds():
+    found = fit(heard({**TRUTH, "exponent": 0.05}, count=9), "power")
+    for speed in found.speeds_m_s:
+        value, u = found.restitution_at(speed)
+        assert abs(value - 0.85 * (speed / 4) ** -0.05) < 4 * u
+        assert 0 < u < 1e-3
+
+
+# ---- bootstrap ----------------------------------------------------------------------------------
+
+
+def test_the_parametric_bootstrap_agrees_with_the_covariance():
+    found = fit(heard(IN_AIR), "constant+drag")
+    again = bootstrap.parametric(found, seed=1)
+    assert len(again.draws) == 200
+    assert again.failed == 0
+    assert again.u == pytest.approx(found.u, rel=0.2)
+    assert np.abs(again.bias / found.u).max() < 0.4
+
+
+def test_the_bootstrap_is_the_same_for_the_same_seed():
+    found = fit(heard())
+    one, two, other = (bootstrap.parametric(found, 20, seed=s) for s in (5, 5, 6))
+    assert one.draws.tolist() == two.draws.tolist()
+    assert one.draws.tolist() != other.draws.tolist()
+    json.dumps(one.to_dict(), allow_nan=False)
+
+
+def test_drops_that_differ_more_than_their_noise_show_in_the_case_bootstrap():
+    values = [{**TRUTH, "restitution": e} for e in (0.845, 0.848, 0.85, 0.852, 0.855)]
+    found = fit([heard(v, seed=k) for k, v in enumerate(values)])
+    again = bootstrap.over_drops(found, seed=2)
+    assert again.names == ("restitution",)
+    assert again.failed == 0
+    scatter = np.std([v["restitution"] for v in values], ddof=1) / math.sqrt(5)
+    assert again.u[0] == pytest.approx(scatter, rel=0.35)
+
+
+def test_resampling_two_drops_is_refused():
+    with pytest.raises(InputError, match="2 drops recorded; resampling needs three"):
+        bootstrap.over_drops(fit([heard(), heard(seed=1)]))
+
+
+# ---- speed and output ---------------------------------------------------------------------------
+
+
+def test_a_fit_takes_less_than_fifty_milliseconds():
+    drop = heard(IN_AIR)
+    for model in ("constant", "constant+drag"):
+        best = math.inf
+        for _ in range(10):
+            begin = time.perf_counter()
+            fit(drop, model)
+            best = min(best, time.perf_counter() - begin)
+        assert best < 0.05, model
+
+
+def test_a_fit_becomes_plain_values():
+    found = fit(heard(IN_AIR), "power+drag", priors=RECOMMENDED)
+    plain = json.loads(json.dumps(found.to_dict(), allow_nan=False))
+    assert plain["model"] == "power+drag"
+    row = plain["parameters"]["restitution"]
+    assert row["low"] < row["value"] < row["high"]
+    assert set(plain["pulls"]) == set(RECOMMENDED)
+    assert plain["s2"] >= 1

@@ -1,0 +1,98 @@
+"""What data can tell: conditions, correlations, and the combinations that they cannot separate."""
+
+import json
+
+import numpy as np
+import pytest
+
+from simcompare.fitting.identifiability import identifiability
+from simcompare.fitting.impacts import from_times
+from simcompare.fitting.likelihood import fit
+from simcompare.fitting.problem import Prior
+from tests.bounces import IN_AIR, TERMINAL, filmed, heard, times_of
+
+KNOWN = {"terminal_speed_m_s": TERMINAL}
+
+
+def exact(count):
+    return from_times(times_of(IN_AIR, count), 1e-4)[0]
+
+
+@pytest.mark.parametrize(
+    ("model", "fixed", "count", "condition"),
+    [
+        ("constant", KNOWN, 6, 18),
+        ("constant+drag", None, 6, 140),
+        ("power", KNOWN, 6, 78),
+        ("power+drag", None, 6, 1670),
+        ("power+drag", None, 9, 780),
+    ],
+)
+def test_the_condition_says_how_much_worse_the_worst_combination_is_known(
+    model, fixed, count, condition
+):
+    known = identifiability(fit(exact(count), model, fixed=fixed))
+    assert known.condition == pytest.approx(condition, rel=0.1)
+    assert np.all(np.diff(known.singular_values) < 0)
+    assert len(known.directions) == len(known.names)
+
+
+def test_restitution_and_drag_cannot_be_told_apart_together_with_a_velocity_exponent():
+    known = identifiability(fit(exact(6), "power+drag"))
+    i, j = known.names.index("restitution"), known.names.index("terminal_speed_m_s")
+    assert known.correlation[i, j] == pytest.approx(-0.999, abs=1e-3)
+    weak = [d for d in known.directions if d.weak]
+    assert len(weak) == 1
+    assert {"restitution", "terminal_speed_m_s", "exponent"} <= set(weak[0].moves)
+    assert known.words[0].startswith(
+        "sound cannot separate drag from velocity dependence: give the terminal speed"
+    )
+
+
+def test_moving_along_a_weak_direction_changes_the_data_by_one_standard_deviation():
+    found = fit(exact(6), "power+drag")
+    along = identifiability(found).directions[-1].moves
+    k = found.names.index("terminal_speed_m_s")
+    step = np.array([along.get(name, 0.0) for name in found.names]) * 0.1
+    step[k] *= -2 / TERMINAL**3  # what is sought is 1/v_t²
+    moved = found.problem.residuals(found.x + step, priors=False)
+    still = found.problem.residuals(found.x, priors=False)
+    assert np.linalg.norm(moved - still) == pytest.approx(0.1, rel=0.15)
+
+
+def test_well_determined_unknowns_are_said_to_be_so():
+    known = identifiability(fit(heard(), "constant"))
+    assert known.words[0].startswith("all unknowns are determined by the data")
+    assert not any(d.weak for d in known.directions)
+
+
+def test_priors_do_not_hide_what_the_data_alone_cannot_tell():
+    priors = {"drop_height_m": Prior(1.0, 1e-3), "terminal_speed_m_s": Prior(TERMINAL, 0.43)}
+    known = identifiability(fit(exact(6), "power+drag", priors=priors))
+    assert known.condition == pytest.approx(1670, rel=0.1)
+    assert known.u_data[0] > 2.5 * known.u[0]
+    assert any("drop height is known from its prior alone" in word for word in known.words)
+
+
+def test_a_clock_and_a_height_that_are_both_free_are_told_to_be_one():
+    found = fit(heard(), unknowns=["restitution", "drop_height_m", "release_time_s", "clock_skew"])
+    known = identifiability(found)
+    assert known.condition > 1e6
+    (said,) = [word for word in known.words if "nothing in the data tells" in word]
+    assert "clock skew" in said
+    assert "drop height" in said
+    helped = fit(heard(), unknowns=list(found.names), priors={"clock_skew": Prior(0.0, 50e-6)})
+    assert helped.u[helped.names.index("restitution")] < 1e-4
+
+
+def test_a_video_says_video():
+    found = fit(filmed(IN_AIR), "power+drag")
+    assert any(word.startswith("video cannot separate") for word in identifiability(found).words)
+
+
+def test_it_becomes_plain_values():
+    plain = identifiability(fit(heard(IN_AIR), "power+drag")).to_dict()
+    again = json.loads(json.dumps(plain, allow_nan=False))
+    assert again["names"][0] == "restitution"
+    assert len(again["singular_values"]) == 5
+    assert again["directions"][-1]["weak"]
