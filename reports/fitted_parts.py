@@ -177,13 +177,13 @@ def _e_n(drops: list[Record], ticks: tuple[str, ...]) -> Panel:
     for i, name in enumerate(names):
         rows = [drop if name == CLOSED else drop["engines"][name] for drop in drops]
         x = [math.nan if r["e_n"] is None else min(abs(r["e_n"]), _FAR) for r in rows]
-        y = np.arange(len(drops)) + spread(i, len(names), 0.6)
+        y: Array = np.arange(len(drops), dtype=float) + spread(i, len(names), 0.6)
         style = _CLOSED if name == CLOSED else style_of(name)
         series.append(Series(name, np.array(x), y, style, points=True, line=False))
+    reach = max([1.5, *(float(v) for one in series for v in one.x if math.isfinite(v))])
     return Panel("|E_n|", "|E_n|", "", tuple(series),
                  spans=(Span(0.0, 1.0, "within the noise level"),), y_ticks=ticks,
-                 x_limits=(0.0, 1.05 * max(1.5, *(float(np.nanmax(s.x)) for s in series))),
-                 )  # fmt: skip
+                 x_limits=(0.0, 1.05 * reach))  # fmt: skip
 
 
 def others_figure(run: Run) -> Figure | None:

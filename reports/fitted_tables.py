@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from simcompare.reports import fitted, numbers
+from simcompare.reports import fitted, numbers, real
 from simcompare.reports.fitted import CLOSED, RESTITUTION, Record
 from simcompare.reports.tables import Column, Group, Table, printable, scale_of
 from simcompare.results import Run
@@ -96,13 +96,17 @@ def forms(run: Run) -> Table:
         found = row["parameters"].get(RESTITUTION)
         rows.append((
             row["text"], numbers.plain(row["unknowns"], 3), _criterion(row["chi2"]),
-            _criterion(row["aicc"]), _criterion(row["delta"]), _criterion(row["bic"]), f"{row['weight']:.2f}", fitted.value_words(found),
+            _criterion(row["aicc"]), _criterion(row["delta"]), _criterion(row["bic"]),
+            f"{row['weight']:.2f}", fitted.value_words(found),
         ))  # fmt: skip
     columns = (
         Column("Closed form", text=True), Column("k"), Column("χ²"), Column("AICc"),
         Column("ΔAICc"), Column("BIC"), Column("Weight"), Column("Restitution ± u"),
     )  # fmt: skip
-    note = "k: unknowns that the data determine. AICc = χ² + 2k + 2k(k + 1)/(n − k − 1), BIC = χ² + k·ln n."
+    note = (
+        "k: unknowns that the data determine. AICc = χ² + 2k + 2k(k + 1)/(n − k − 1), BIC = χ² +"
+        " k·ln n."
+    )
     if choice["scatter"] > 1:
         note += (
             f" χ² is divided by {choice['scatter']:.3g}, the scatter of the richest form, so that"
@@ -188,7 +192,7 @@ def holdout(run: Run) -> Table | None:
             (name, numbers.with_u(row["restitution"], row["u"]), own, _e_n(row))
             for name, row in drop.get("engines", {}).items()
         ]
-        groups.append(Group(f"{drop['source']}: {_left(drop)}", tuple(rows)))
+        groups.append(Group(f"{real.short(str(drop['source']))}, {_left(drop)}", tuple(rows)))
     columns = (Column("Source", text=True), Column("Fitted, effective ± u"),
                Column("Of the held-out drop ± u"), Column("|E_n|"))  # fmt: skip
     return Table("Held-out drops", columns, tuple(groups))
@@ -200,7 +204,7 @@ def _e_n(row: Record) -> str:
 
 def _left(drop: Record) -> str:
     """How far the predicted drop is from the measured one."""
-    return f"residuals (RMS): {_rms(drop['rms'])}; impacts at {_range(drop['speeds_m_s'])} m/s"
+    return f"RMS of residuals: {_rms(drop['rms'])}; impacts at {_range(drop['speeds_m_s'])} m/s"
 
 
 def _range(ends: list[float]) -> str:
@@ -242,7 +246,8 @@ def measured(run: Run) -> Table:
             heights = " + ".join(
                 f"{n} {word}" for n, word in zip(counts, ("heights", "samples"), strict=True) if n
             )
-            rows.append((str(drop["source"]), drop["kind"], use, str(len(drop["times_s"])),
+            source, count = printable(str(drop["source"])), str(len(drop["times_s"]))
+            rows.append((source, drop["kind"], use, count,
                          _u(drop["u_s"], "s"), heights or "none",
                          _u(drop["u_heights_m"], "m")))  # fmt: skip
     columns = (
@@ -270,7 +275,7 @@ def left_out(run: Run) -> Table | None:
     found = fitted.record(run)
     rows = []
     for drop in (*found["measured"], *found["held_out"]):
-        source = str(drop["source"])
+        source = printable(str(drop["source"]))
         rows += [
             (source, f"{one['what']} {one['number']}", numbers.plain(one["time_s"], 6),
              one["reason"]) for one in drop["dropped"]

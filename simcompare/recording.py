@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simcompare import units
-from simcompare.errors import UnknownName
+from simcompare.errors import InputError, UnknownName
 from simcompare.trajectory import Array
 
 #: INFO: no defect; WARNING: a defect that was left and marked; REPAIR: something was changed
@@ -202,7 +202,8 @@ class Recording:
         "angle", "angle_rad" and "swing_2/angle_rad" may all mean the same channel.
 
         Raises:
-            UnknownName: no channel, or more than one, is called so.
+            UnknownName: no channel is called so.
+            InputError: channels of several streams are.
         """
         wanted, _, short = name.rpartition("/")
         found = [
@@ -212,7 +213,11 @@ class Recording:
             for full in [units.find_name(short, content.channels)]
             if full is not None
         ]
-        if len(found) != 1:
+        if len(found) > 1:
+            full = ", ".join("/".join(place) for place in found)
+            text = f"is the name of {len(found)} channels ({full}); write {found[0][0]}/{short}"
+            raise InputError(name, [f"{text}, or another stream"])
+        if not found:
             known = [f"{s}/{c}" for s, content in self.streams.items() for c in content.channels]
             raise UnknownName("channel", name, known)
         return found[0]

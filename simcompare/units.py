@@ -154,6 +154,15 @@ def si_of(text: str, where: str) -> tuple[float, float, str]:
     Raises:
         InputError: it is no unit, or one whose SI unit is not in ``UNITS_BY_SUFFIX``.
     """
+    found = _meaning(text)
+    if isinstance(found, str):
+        raise InputError(where, [found])
+    return found
+
+
+@functools.lru_cache(maxsize=4096)
+def _meaning(text: str) -> tuple[float, float, str] | str:
+    """Factor, offset and SI unit, or what is wrong; a log may ask for thousands of columns."""
     given = _LOG_UNITS.get(text.strip(), text.strip())
     given = re.sub(r"(?<=[a-z])([23])\b", r"**\1", given.replace("²", "**2").replace("³", "**3"))
     given = re.sub(r"Nm\b", "N*m", given.replace("·", "*").replace("^", "**").replace("°", "deg"))
@@ -161,20 +170,20 @@ def si_of(text: str, where: str) -> tuple[float, float, str]:
         return 1.0, 0.0, "1"
     wanted = "a unit such as m, s, m/s^2, deg/s, V, or 1 for a plain number"
     if given in _NO_UNITS:
-        raise InputError(where, [f"{text!r} has no place here; expected {wanted}"])
+        return f"{text!r} has no place here; expected {wanted}"
     if len(given) > 40 or not (_UNIT.match(given) or re.fullmatch(r"1 ?/ ?[A-Za-z]+", given)):
-        raise InputError(where, [f"{text!r} is not a unit; expected {wanted}"])
+        return f"{text!r} is not a unit; expected {wanted}"
     try:
         unit = _registry().Unit(given)
     except Exception:  # noqa: BLE001  (pint raises many kinds for what it cannot read)
         if len(given) > 3 and given != given.lower():  # Newtons, VOLTS, Second
-            return si_of(given.lower(), where)
-        raise InputError(where, [f"{text!r} is not a unit; expected {wanted}"]) from None
+            return _meaning(given.lower())
+        return f"{text!r} is not a unit; expected {wanted}"
     si_unit = _si_unit(
         unit, is_angle=bool(_ANGLE.search(given)), is_energy=given.endswith(("J", "h"))
     )
     if si_unit is None:
-        raise InputError(where, [f"{text!r} has no place here; expected {wanted}"])
+        return f"{text!r} has no place here; expected {wanted}"
     target = "" if si_unit == "1" else si_unit
     zero, one = (float(_registry().Quantity(x, unit).to(target).magnitude) for x in (0.0, 1.0))
     return one - zero, zero, si_unit

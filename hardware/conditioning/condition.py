@@ -36,6 +36,7 @@ CHECKS = (
     "time_quantised",
     "time_gaps",
     "counter_wrap",
+    "angle_wrap",
     "saturation",
     "plausible_units",
     "inertial",
@@ -174,8 +175,16 @@ def _uncertainty(
 ) -> float | Array | None:
     """In SI: the mapping gives it in the mapping's unit, the log in the unit of the raw values."""
     if wish is not None and wish.u is not None:
-        return wish.u * units.si_of(made.raw_unit, "")[0]
-    return None if column.u is None else column.u * abs(made.factor)
+        stated: float | Array | None = wish.u * units.si_of(made.raw_unit, "")[0]
+    else:
+        stated = None if column.u is None else column.u * abs(made.factor)
+    if stated is None or column.added_u is None:
+        return stated  # what is unknown does not become known by being interpolated
+    whole = column.added_u
+    for part in blocks(len(whole)):
+        own = stated[part] if isinstance(stated, np.ndarray) else stated
+        whole[part] = np.hypot(whole[part] * made.factor, own)
+    return whole
 
 
 def _copy(values: Array) -> Array:
@@ -183,8 +192,3 @@ def _copy(values: Array) -> Array:
     for part in blocks(len(values)):
         copied[part] = values[part]
     return copied
-
-
-def check_names() -> Sequence[str]:
-    """Names of the checks, for documentation and tests."""
-    return CHECKS

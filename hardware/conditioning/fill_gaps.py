@@ -198,13 +198,10 @@ def _weights(known: Array, wanted: Array) -> Array:
 
 def _widen(column: RawColumn, samples: Indices, u: float) -> None:
     """What was interpolated is less sure than what was measured."""
-    if column.u is None:
-        return
-    if not isinstance(column.u, np.ndarray):
-        own = intervals.room(len(column.values))
-        own[:] = column.u
-        column.u = own
-    column.u[samples] = np.hypot(column.u[samples], u)
+    if column.added_u is None:
+        column.added_u = intervals.room(len(column.values))
+        column.added_u[:] = 0.0
+    column.added_u[samples] = np.hypot(column.added_u[samples], u)
 
 
 def _count(number: int, word: str) -> str:

@@ -132,11 +132,6 @@ def without_unit(works: Sequence[Work]) -> list[str]:
     ]
 
 
-def factor_to_si(unit: str) -> float:
-    """Factor to SI of a unit that is known to be one."""
-    return units.si_of(unit_text("acceleration", unit), "")[0]
-
-
 def unused(mapping: Mapping, streams: Sequence[RawStream]) -> list[str]:
     """Columns that the mapping names and no stream has."""
     known = {c.name for s in streams for c in s.columns}

@@ -17,6 +17,8 @@ _COARSE = 0.05
 _FINE = 1e-5
 #: stamps of an even clock lie within so many steps of a line, and scatter by less
 _PEAK, _SCATTER = 1.5, 0.6
+#: fewer stamps that are shared or skipped are accidents, no way of the clock
+_SEVERAL = 5
 
 
 def check(work: Work) -> None:
@@ -71,8 +73,9 @@ def _ragged(work: Work, step: float) -> bool:
     is skipped is not made up for.
     """
     steps = intervals.sampled_steps(work.time_s)
-    shared, skipped = float(np.mean(steps == 0)), float(np.mean(steps > 1.5 * step))
-    return (shared > 0.02 or skipped > 0.02) or (shared > 0 and skipped > 0.5 * shared)
+    shared, skipped = int((steps == 0).sum()), int((steps > 1.5 * step).sum())
+    many = max(0.02 * len(steps), _SEVERAL - 1)
+    return max(shared, skipped) > many or (shared >= _SEVERAL and skipped > 0.5 * shared)
 
 
 def _line(time_s: Array, step: float) -> tuple[float, float, float] | None:

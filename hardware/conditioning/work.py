@@ -150,6 +150,8 @@ class Work:
                 self.time_s = column.values
             if isinstance(column.u, np.ndarray):
                 column.u = column.u[kept]
+            if column.added_u is not None:
+                column.added_u = column.added_u[kept]
         self.saturated = {name: mask[kept] for name, mask in self.saturated.items()}
         if len(self.time_s) == len(kept):
             self.time_s = _compressed(self.time_s, kept)

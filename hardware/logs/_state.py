@@ -45,6 +45,29 @@ class Table:
         return len(self.columns[0].values) if self.columns else 0
 
 
+class Lines:
+    """Numbers of lines that increase, as stretches: there may be millions."""
+
+    def __init__(self) -> None:
+        self._ends = array("q")
+        self._count = 0
+
+    def __len__(self) -> int:
+        return self._count
+
+    def add(self, line: int) -> None:
+        """Adds one."""
+        self._count += 1
+        if self._ends and self._ends[-1] == line - 1:
+            self._ends[-1] = line
+        else:
+            self._ends.extend((line, line))
+
+    def runs(self) -> NDArray[np.int64]:
+        """First and last line of each stretch (k, 2)."""
+        return np.array(self._ends, dtype=np.int64).reshape(-1, 2)
+
+
 @dataclass
 class State:
     """What is known after the blocks that were read so far."""
@@ -54,7 +77,7 @@ class State:
     clock_ns: dict[int, int] = field(default_factory=dict)
     midnights: list[int] = field(default_factory=list)
     days: set[int] = field(default_factory=set)
-    skipped: dict[str, array[int]] = field(default_factory=dict)
+    skipped: dict[str, Lines] = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)
     count: int = 0
     last_line: int = 0
@@ -68,8 +91,24 @@ class State:
             self.faults.append(text)
 
     def skip(self, reason: str, line: int) -> None:
-        """Notes a line that is no row; eight bytes each, as there may be millions."""
-        self.skipped.setdefault(reason, array("q")).append(line)
+        """Notes a line that is no row."""
+        self.skipped.setdefault(reason, Lines()).add(line)
+
+    def rows(self, first: int, count: int) -> NDArray[np.int64] | None:
+        """Lines of all rows, ``None`` where they follow each other from the first on."""
+        found = [lines.runs() for lines in self.skipped.values()]
+        runs = np.concatenate([np.empty((0, 2), dtype=np.int64), *found])
+        runs = runs[np.argsort(runs[:, 0])]
+        lengths = runs[:, 1] - runs[:, 0] + 1
+        # the row, counted from 0, before which each stretch of other lines stands
+        places = runs[:, 0] - first - (np.cumsum(lengths) - lengths)
+        if not (places < count).any():
+            return None
+        step = np.zeros(count + 1, dtype=np.int64)
+        np.add.at(step, np.minimum(places, count), lengths)
+        step += 1
+        step[0] += first - 1
+        return np.cumsum(step)[:count]
 
     def repairs(self, layout: Layout) -> list[Repair]:
         """What was noticed on the way."""
@@ -87,7 +126,7 @@ class State:
         for rule, lines in self.skipped.items():
             if rule in words:
                 severity, text = words[rule]
-                named = ranges(np.asarray(lines[:MOST_ROWS]))
+                named = tuple((a, b) for a, b in lines.runs()[:MOST_ROWS].tolist())
                 found.append(Repair(rule, severity, text, rows=named, count=len(lines)))
         if self.midnights:
             text = "the time of day passes midnight; a day was added from there on"

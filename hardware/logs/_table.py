@@ -368,19 +368,10 @@ class _Reader:
             else:
                 columns.append(RawColumn(name, next(left), "s" if kind == "date" else unit))
         origins = {layout.names[k][0]: origin for k, origin in state.origins.items()}
-        return Table(columns, layout.first_line, self._rows(len(arrays[0])), state.truncated,
+        return Table(columns, layout.first_line, state.rows(layout.first_line, len(arrays[0])), state.truncated,
                      state.repairs(layout), ignored, origins)  # fmt: skip
 
     def _example(self, k: int) -> str:
         line = self.source.head[min(self.layout.first_line, len(self.source.head)) - 1]
         cells = split(line, self.layout.separator)
         return f"holds text such as {cells[k].strip()[:40]!r}" if k < len(cells) else "holds text"
-
-    def _rows(self, count: int) -> NDArray[np.int64] | None:
-        first = self.layout.first_line
-        lines = [np.asarray(found, dtype=np.int64) for found in self.state.skipped.values()]
-        gone = np.concatenate([np.empty(0, dtype=np.int64), *lines])
-        if not len(gone) or gone.min() >= first + count:
-            return None
-        numbers = np.arange(first, self.state.last_line + 1, dtype=np.int64)
-        return np.delete(numbers, gone - first)

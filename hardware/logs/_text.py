@@ -236,12 +236,15 @@ def _pieces(block: Block, first_line: int) -> Iterator[Block]:
 
 
 def is_time(name: str) -> bool:
-    """Whether a column holds the time, by its name."""
-    return bool(_TIME.fullmatch(name.strip(" _").replace("_", " ")))
+    """Whether a column holds the time, by its name: ``time_s`` as well as ``Time``."""
+    bare = name.strip(" _").removesuffix("_s")
+    return bool(_TIME.fullmatch(bare.replace("_", " ")))
 
 
 def unit_of_time(name: str) -> str:
-    """Unit of a column that is called by it ("seconds"), empty otherwise."""
+    """Unit of a column that is called by it ("seconds", ``time_s``), empty otherwise."""
+    if name.strip().endswith("_s"):
+        return "s"
     match = re.fullmatch(r"(milli|micro|nano)?sec(?:ond)?s?", name.strip().lower())
     return {None: "s", "milli": "ms", "micro": "us", "nano": "ns"}[match[1]] if match else ""
 

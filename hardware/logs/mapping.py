@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, ValidationError, model_validator
 
 from simcompare.errors import InputError
-from simcompare.scenario_file import describe, faults_of, read_yaml
+from simcompare.yaml_file import describe, faults_of, read_yaml
 
 
 class _Part(BaseModel):

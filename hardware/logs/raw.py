@@ -39,6 +39,8 @@ class RawColumn:
         sensor: what measured it, where the log says.
         limits: smallest and largest value that the sensor can give, in ``unit``.
         u: standard uncertainty in ``unit``, where the log says: one number or one per sample.
+        added_u: what conditioning adds to that of single samples (n,), by the root of the sum of
+            squares, wherever it comes from; ``None`` where it adds nothing.
     """
 
     name: str
@@ -49,6 +51,7 @@ class RawColumn:
     sensor: str = ""
     limits: tuple[float, float] | None = None
     u: float | Array | None = None
+    added_u: Array | None = None
 
 
 @dataclass

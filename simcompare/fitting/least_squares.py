@@ -20,6 +20,11 @@ Residuals = Callable[[Array], Array]
 #: step of the central differences in sizes of an unknown
 STEP = 1e-5
 MOST_STEPS = 60
+UP,DOWN=10.,1/30
+#: step at which the bend of the model along a step is probed
+_PROBE = 0.1
+#: part of a step that the correction for that bend may have
+_MOST_BENT = 0.75
 #: a fit has ended when the next step would lower chi squared by less than this part
 _ENOUGH = 1e-9
 
@@ -52,7 +57,7 @@ def solve(residuals: Residuals, start: Array, low: Array, high: Array, size: Arr
     """Minimises the sum of squared residuals of every problem.
 
     Args:
-        residuals: of all problems at once.
+        residuals: of all problems at once, also for several sets of unknowns each.
         start: first guesses (B, p).
         low: lower bounds (p,).
         high: upper bounds (p,).
@@ -67,17 +72,23 @@ def solve(residuals: Residuals, start: Array, low: Array, high: Array, size: Arr
     for _ in range(MOST_STEPS):
         slope = np.einsum("bnp,bn->bp", jacobian, r)
         outward = _outward(x, slope, low, high)
-        step, gain = _step(jacobian, slope, outward != 0, damping)
+        damped, gain = _damped(jacobian, slope, outward != 0, damping)
         done |= gain < _ENOUGH * (1e-3 + chi2)
         if done.all():
             break
+        step = damped(slope)
+        bend = (residuals(np.clip(x + _PROBE * step * size, low, high)) - r) / _PROBE
+        bend = 2 / _PROBE * (bend - np.einsum("bnp,bp->bn", jacobian, step))
+        turn = damped(np.einsum("bnp,bn->bp", jacobian, bend)) / 2
+        length, turned = np.linalg.norm(step, axis=1), np.linalg.norm(turn, axis=1)
+        step = step + np.where(turned < _MOST_BENT * length, 1.0, 0.0)[:, None] * turn
         moved = np.where(done[:, None], x, np.clip(x + step * size, low, high))
         r_moved = residuals(moved)
         chi2_moved = np.nan_to_num(np.sum(r_moved**2, axis=-1), nan=np.inf)
         better = (chi2_moved < chi2) & ~done
         # no step of any length helps any more: rounding is reached
-        done |= ~better & (damping > 1e12)
-        damping = np.where(better, np.maximum(damping / 30, 1e-14), damping * 10)
+        done |= ~better & (damping > 1e9)
+        damping = np.where(better, np.maximum(damping * DOWN, 1e-14), damping * UP)
         if better.any():
             x = np.where(better[:, None], moved, x)
             r = np.where(better[:, None], r_moved, r)
@@ -100,22 +111,25 @@ def _outward(x: Array, slope: Array, low: Array, high: Array) -> NDArray[np.int6
     return np.where((x <= low) & (slope > 0), -1, np.where((x >= high) & (slope < 0), 1, 0))
 
 
-def _step(
+def _damped(
     jacobian: Array, slope: Array, held: NDArray[np.bool_], damping: Array
-) -> tuple[Array, Array]:
-    """Damped step in sizes (B, p), and what chi squared would fall by without damping (B,)."""
+) -> tuple[Callable[[Array], Array], Array]:
+    """Step in sizes against a slope (B, p), and what chi squared would fall by undamped (B,)."""
     normal = np.einsum("bnp,bnq->bpq", jacobian, jacobian)
     free = ~held
     normal = normal * free[:, :, None] * free[:, None, :]
     diagonal = np.einsum("bpp->bp", normal)
     # an unknown without any influence stays where it is
     root = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
-    scaled = normal / root[:, :, None] / root[:, None, :]
-    goal = np.where(free, -slope, 0.0) / root
     eye = np.eye(jacobian.shape[-1])
-    inert = eye * (~(diagonal > 0))[:, :, None]
-    whole = scaled + inert
-    step = np.linalg.solve(whole + damping[:, None, None] * eye, goal[..., None])[..., 0]
+    whole = normal / root[:, :, None] / root[:, None, :] + eye * (~(diagonal > 0))[:, :, None]
+    firm = whole + damping[:, None, None] * eye
+
+    def step(slope: Array) -> Array:
+        goal = np.where(free, -slope, 0.0) / root
+        return np.asarray(np.linalg.solve(firm, goal[..., None])[..., 0] / root)
+
     # damping hides weak directions, so what is left to gain is judged without it
+    goal = np.where(free, -slope, 0.0) / root
     full = np.linalg.solve(whole + 1e-13 * eye, goal[..., None])[..., 0]
-    return step / root, np.einsum("bp,bp->b", goal, full)
+    return step, np.einsum("bp,bp->b", goal, full)

@@ -105,7 +105,8 @@ def measured_ratios(fit: Fit) -> list[dict[str, Any]]:
                 expected = (times[at] - times[at - 1]) / before
             found.append({
                 "drop": number, "how": how, "numbers": list(numbers), "values": values.tolist(),
-                "expected": expected.tolist(), "u": [float(v) if np.isfinite(v) else None for v in u],
+                "expected": expected.tolist(),
+                "u": [float(v) if np.isfinite(v) else None for v in u],
             })  # fmt: skip
     return found
 

@@ -93,9 +93,18 @@ class _Work:
         return (*self.setup.fitted, *self.setup.held)
 
     def values(self, x: Array, number: int) -> dict[str, float]:
-        """Unknowns as parameters; the nuisance ones belong to the fitted stretches alone."""
-        names = self.setup.every if number < len(self.setup.fitted) else self.setup.names
-        return dict(zip(names, x[: len(names)].tolist(), strict=True))
+        """Unknowns as parameters of a stretch.
+
+        Nuisance parameters, and starts that were fitted, belong to the fitted stretches alone.
+        """
+        if number >= len(self.setup.fitted):
+            return dict(zip(self.setup.names, x[: len(self.setup.names)].tolist(), strict=True))
+        own = self.fitted.solution.starts[number]
+        return {**own, **dict(zip(self.setup.every, x.tolist(), strict=True))}
+
+    def number(self, block: Block) -> int:
+        """Which stretch a block belongs to."""
+        return next(i for i, case in enumerate(self.setup.fitted) if case is block.case)
 
 
 def fit_engines(
@@ -190,7 +199,7 @@ def _defects(work: _Work, x: Array, runs: Runs, variant: str) -> list[Array]:
     """Engine less reference, of each block."""
     found = []
     for block in work.fitted.blocks:
-        number = next(i for i, case in enumerate(work.setup.fitted) if case is block.case)
+        number = work.number(block)
         run = runs[number, variant]
         ours = interpolated(run.time_s, run.signals[block.probe], block.time_s)
         truth = work.model.at(block.case, block.probe, work.values(x, number), block.time_s)
@@ -220,15 +229,22 @@ def _corrected(work: _Work, x: Array, defects: Sequence[Array]) -> Array:
     names, bounds = work.setup.every, work.model.file.parameters
     found = x
     for _ in range(MOST_STEPS if not work.fitted.estimate.at_bound else 0):
-        values = dict(zip(names, found.tolist(), strict=True))
-        left = np.concatenate(residuals_of(work.model, blocks, values))
+        left = np.concatenate(
+            [
+                part
+                for block in blocks
+                for part in residuals_of(
+                    work.model, [block], work.values(found, work.number(block))
+                )
+            ]
+        )
         moved = found - work.fitted.gain @ left
         if not all(bounds[n].min < v < bounds[n].max for n, v in zip(names, moved, strict=True)):
             break
         if np.all(np.abs(moved - found) <= ENOUGH * np.abs(moved)):
             return np.asarray(moved, dtype=float)
         found = moved
-    return solve(work.model, blocks, names, x).values
+    return solve(work.model, blocks, names, x, starts=work.setup.starts).values
 
 
 def _result(work: _Work, name: str, state: _State, runs: Runs) -> EngineWaves:

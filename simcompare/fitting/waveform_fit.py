@@ -148,8 +148,9 @@ def _stored(
     """Measured, reference and engines, by probe; the repeat is the number of the stretch."""
     stored = []
     every = dict(zip(setup.every, fitted.solution.values.tolist(), strict=True))
+    own = [{**every, **start} for start in fitted.solution.starts]
     for number, case in enumerate((*setup.fitted, *setup.held)):
-        values = every if number < len(setup.fitted) else fitted.estimate.as_dict()
+        values = own[number] if number < len(own) else fitted.estimate.as_dict()
         scene = model.scenario(case, values, step_s)
         truth = of_probes(scene, model.truth(scene), case.watched)
         stored.append(Stored(MEASURED, "", number, as_trajectory(case)))

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from simcompare.fitting.waveform_engines import EngineWaves
-from simcompare.fitting.waveform_reference import Fitted, moves
+from simcompare.fitting.waveform_reference import Fitted
 from simcompare.fitting.waveform_setup import Setup
 from simcompare.results import TRUTH
 from simcompare.trajectory import Trajectory
-from simcompare.validation import judging
+from simcompare.validation import judging, validating
 from simcompare.validation.cases import Case
 from simcompare.validation.filtering import interpolated
 from simcompare.validation.judging import Judged
@@ -63,9 +63,8 @@ def _judged(model: Model, fitted: Fitted, case: Case, step_s: float | None) -> J
         moved = model.scenario(case, values, step_s)
         return of_probes(moved, model.truth(moved), case.watched)
 
-    shifted = tuple(
-        (what, at(values)) for what, values in moves(model, fitted, fitted.estimate.values, case)
-    )
+    moved = validating.moves(model.file, case, fitted.estimate)
+    shifted = tuple((what, at(values)) for what, values in moved.items())
     return Judged(case, None, scene, at(best), None, shifted)
 
 

@@ -60,7 +60,10 @@ def of_fit(
         "scenario": model.file.name,
         "given": dict(given),
         "probes": list(setup.probes),
-        "measured": [_case(case) for case in setup.fitted],
+        "measured": [
+            {**_case(case), "fitted_start": dict(start)}
+            for case, start in zip(setup.fitted, fitted.solution.starts, strict=True)
+        ],
         "told": list(setup.told),
         "held_out": [_case(case) for case in setup.held],
         "closed_form": _closed(setup, fitted),
@@ -121,8 +124,8 @@ def _closed(setup: Setup, fitted: Fitted) -> dict[str, Any]:
             zip(setup.nuisance, fitted.solution.values[len(own.names) :].tolist(), strict=True)
         ),
         "known": {
-            name: dict(zip(own.names, np.abs(move[: len(own.names)]).tolist(), strict=True))
-            for name, move in fitted.known.items()
+            name: dict(zip(own.names, np.abs(move).tolist(), strict=True))
+            for name, move in own.follows.items()
         },
     }
 

@@ -42,6 +42,12 @@ class Setup:
         """All unknowns."""
         return (*self.names, *self.nuisance)
 
+    @property
+    def starts(self) -> tuple[str, ...]:
+        """Parameters that each stretch has for itself, read off it."""
+        u = self.fitted[0].u
+        return tuple(n for n in self.plan.start if n not in self.every and u.get(n, 0.0) > 0)
+
     def known(self) -> dict[str, float]:
         """Parameters that all stretches share and that are known with some uncertainty."""
         first = self.fitted[0]

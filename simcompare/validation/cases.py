@@ -19,6 +19,8 @@ from simcompare.validation.plan import Plan, ReadOff
 DURATION = "duration_s"
 #: samples of a channel below which nothing can be said of it
 LEAST_SAMPLES = 10
+#: samples that may be missing in a row in an input
+_LONGEST_HOLE = 20
 
 
 @dataclass(frozen=True)
@@ -54,6 +56,8 @@ class Case:
         seen: probe -> what was measured.
         events: what happened, on the clock of the scenario.
         watched: all probes that are looked at, those of the events included.
+        u_inputs: standard uncertainty of an input, where its channel has one.
+        short: whether the log ends before the window does.
     """
 
     stream: str
@@ -65,6 +69,16 @@ class Case:
     seen: Mapping[str, Seen] = field(repr=False)
     events: tuple[Event, ...] = ()
     watched: tuple[str, ...] = ()
+    u_inputs: Mapping[str, float] = field(default_factory=dict)
+    short: bool = False
+
+    def with_input_moved(self, name: str) -> Case:
+        """The same with one input higher by its standard uncertainty, as if its zero were off."""
+        signal = self.inputs[name]
+        assert isinstance(signal, Table)
+        moved = tuple(value + self.u_inputs[name] for value in signal.value)
+        table = signal.model_copy(update={"value": moved})
+        return replace(self, inputs={**self.inputs, name: table})
 
 
 def cases_of(
@@ -174,6 +188,14 @@ def _case(
     inputs: dict[str, Signal] = {
         name: _table(reader, driven.channel, duration_s) for name, driven in plan.inputs.items()
     }
+    u_inputs = {
+        name: float(stated)
+        for name, driven in plan.inputs.items()
+        if isinstance(stated := reader.read(driven.channel)[1].u, float)
+    }
+    faults = unit_faults(file, plan, reader)
+    if faults:
+        raise InputError(f"stream {stream}", faults)
     seen = {
         probe: _seen(reader, compared.channel, compared.u, compared.offset, duration_s)
         for probe, compared in plan.compare.items()
@@ -186,7 +208,32 @@ def _case(
         and 0 <= event.time_s - start_s <= duration_s
     )
     watched = tuple(dict.fromkeys((*plan.compare, *event_probes(file, plan))))
-    return Case(stream, start_s, duration_s, values, u, inputs, seen, events, watched)
+    short = plan.window.duration_s is not None and left < 0.99 * plan.window.duration_s
+    return Case(
+        stream, start_s, duration_s, values, u, inputs, seen, events, watched, u_inputs, short
+    )
+
+
+def unit_faults(file: ScenarioFile, plan: Plan, reader: _Reader) -> list[str]:
+    """Channels that are of another unit than what they are held against, or read off as."""
+    from simcompare import units
+
+    found = []
+    probes = file.resolve().probes
+    wanted = [(f"probe {n}", probes[n].unit, c.channel) for n, c in plan.compare.items()]
+    wanted += [
+        (f"parameter {name}", units.unit_of(name), read_off.channel)
+        for name, read_off in plan.start.items()
+        if not read_off.derivative
+    ]
+    for what, unit, channel in wanted:
+        own = reader.read(channel)[1].unit
+        if own != units.si_of(unit, what)[2]:
+            found.append(
+                f"{what} is in {units.symbol(unit)}, but channel {channel} in"
+                f" {units.symbol(own)}; compare the right channel, or mend its unit with --map"
+            )
+    return found
 
 
 def event_probes(file: ScenarioFile, plan: Plan) -> list[str]:
@@ -229,6 +276,16 @@ def _table(reader: _Reader, name: str, duration_s: float) -> Table:
     step_s = float(np.median(np.diff(time_s)))
     inside = (time_s >= -2 * step_s) & (time_s <= duration_s + 2 * step_s)
     known = inside & np.isfinite(channel.values)
+    holes = np.diff(time_s[known]) if np.count_nonzero(known) > 2 else np.zeros(1)
+    if holes.max() > _LONGEST_HOLE * step_s:
+        at = float(time_s[known][int(np.argmax(holes))])
+        raise InputError(
+            f"stream {reader.stream}, channel {name}",
+            [
+                f"an input has a hole of {holes.max():.3g} s at {at:.4g} s of the window, where"
+                " nothing is known of it; choose a window without it"
+            ],
+        )
     if np.count_nonzero(known) < 2:
         raise InputError(
             f"stream {reader.stream}, channel {name}",
@@ -242,9 +299,15 @@ def _table(reader: _Reader, name: str, duration_s: float) -> Table:
 
 
 def _read_off(reader: _Reader, wanted: ReadOff) -> tuple[float, float]:
-    """Value or rate at the start, and its standard uncertainty, from a parabola or a cubic."""
+    """Value or rate at the start, and its standard uncertainty, from a parabola or a cubic.
+
+    It is laid through the samples on both sides of the start where the record has them.
+    """
     time_s, channel = reader.read(wanted.channel)
-    near = (time_s >= 0) & (time_s <= wanted.over_s) & np.isfinite(channel.values)
+    back_s = min(wanted.over_s / 2, max(0.0, -float(time_s[0])))
+    near = (time_s >= -back_s) & (time_s <= wanted.over_s - back_s) & np.isfinite(channel.values)
+    if channel.saturated is not None:
+        near &= ~channel.saturated
     times, values = time_s[near], channel.values[near]
     # a rate at the edge of its window wants one order more
     degree = min(2 + wanted.derivative, len(times) - 2)
@@ -252,15 +315,19 @@ def _read_off(reader: _Reader, wanted: ReadOff) -> tuple[float, float]:
         raise InputError(
             f"stream {reader.stream}, channel {wanted.channel}",
             [
-                f"has {len(times)} samples in the first {wanted.over_s:g} s; too few to read a"
-                " start off, use a longer over_s"
+                f"has {len(times)} usable samples within {wanted.over_s:g} s of the start; too few"
+                " to read a start off, use a longer over_s"
             ],
         )
-    design = np.vander(times, degree + 1, increasing=True)
+    scale = wanted.over_s  # so that powers of short times do not vanish
+    design = np.vander(times / scale, degree + 1, increasing=True)
     found, *_ = np.linalg.lstsq(design, values, rcond=None)
     left = values - design @ found
     free = len(times) - degree - 1
-    covariance = np.linalg.inv(design.T @ design) * float(left @ left) / max(free, 1)
+    own = float(np.mean(channel.u[near])) if isinstance(channel.u, np.ndarray) else channel.u or 0.0
+    # samples that stand still show no scatter, and are not exact for that
+    spread = max(float(left @ left) / max(free, 1), own**2 if wanted.derivative else 0.0)
     k = wanted.derivative
-    own = channel.u if isinstance(channel.u, float) and k == 0 else 0.0
-    return float(found[k]) + wanted.offset, float(np.hypot(np.sqrt(covariance[k, k]), own))
+    u = np.sqrt(np.linalg.pinv(design.T @ design)[k, k] * spread) / scale**k
+    common = own if k == 0 else 0.0
+    return float(found[k]) / scale**k + wanted.offset, float(np.hypot(u, common))

@@ -22,7 +22,7 @@ from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, TypeAdapter, V
 
 from simcompare.errors import InputError
 from simcompare.recording import Channel, Conversion, Recording, Stream
-from simcompare.scenario_file import describe, faults_of
+from simcompare.yaml_file import describe, faults_of
 from simcompare.trajectory import Array
 
 #: part of an interval in which a rate changes into the next, half of it on either side

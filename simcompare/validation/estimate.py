@@ -17,6 +17,8 @@ from simcompare.validation.model import Model
 MOST_SAMPLES = 1500
 #: step of the differences, in sizes of a parameter; references are exact to 1e-9 or better
 _STEP = 1e-4
+#: part of its standard uncertainty by which what was known is moved
+_SMALL = 0.01
 
 
 @dataclass(frozen=True)
@@ -85,12 +87,14 @@ class Solution:
         jacobian: of all residuals, one block after the other (n, k); what the starts of the cases
             would make up for is taken off.
         bound: parameters that ended at a bound.
+        starts: what each case's own start came to, case by case.
     """
 
     values: Array
     residuals: tuple[Array, ...]
     jacobian: Array
     bound: tuple[str, ...]
+    starts: tuple[Mapping[str, float], ...] = ()
 
 
 def estimate(
@@ -141,7 +145,7 @@ def estimate(
         tuple(case.stream for case in cases),
         float(np.sqrt(np.mean(np.concatenate(leading) ** 2))), how,
         {name: values[:wanted] for name, values in single.items()}, together.bound,
-        {name: moved[:wanted] for name, moved in _follows(model, blocks, names, together, known or {})},
+        {n: moved[:wanted] for n, moved in _follows(model, blocks, names, together, known or {})},
     )  # fmt: skip
 
 
@@ -155,7 +159,8 @@ def _follows(
     inverse = np.linalg.pinv(found.jacobian)
     for name, u in known.items():
         before = blocks[0].case.values[name]
-        step = u if before + u <= model.file.parameters[name].max else -u
+        step = _SMALL * u  # a whole one would not be straight
+        step = step if before + step <= model.file.parameters[name].max else -step
         moved = residuals_of(model, blocks, {**values, name: before + step})
         yield name, np.asarray(-inverse @ (np.concatenate(moved) - here) * (u / step), dtype=float)
 
@@ -249,10 +254,16 @@ def solve(
     low, high, size = problem.low, problem.high, problem.size
     shared = problem.first[: len(names)] if start is None else start
     begin = np.clip(np.concatenate((shared, problem.first[len(names) :])), low, high)
+
+    def residuals(x: Array) -> Array:
+        return np.concatenate(problem.residuals(x * size))
+
+    def slopes(x: Array) -> Array:
+        return problem.jacobian(x * size) * size
+
     found = least_squares(
-        lambda x: np.concatenate(problem.residuals(x * size)), begin / size,
-        jac=lambda x: problem.jacobian(x * size) * size, bounds=(low / size, high / size),
-        xtol=1e-10, max_nfev=60,
+        residuals, begin / size, jac=slopes, bounds=(low / size, high / size), xtol=1e-10,
+        max_nfev=60,
     )  # fmt: skip
     values = np.asarray(found.x * size, dtype=float)
     jacobian = np.asarray(found.jac, dtype=float) / size
@@ -271,7 +282,10 @@ def solve(
     bound = tuple(name for name, is_near in zip(names, near, strict=True) if is_near)
     parts = problem.residuals(values)[: len(blocks)]
     samples = sum(map(len, parts))
-    return Solution(values[:count], tuple(parts), np.asarray(own[:samples], dtype=float), bound)
+    return Solution(
+        values[:count], tuple(parts), np.asarray(own[:samples], dtype=float), bound,
+        tuple(problem.starts_at(values, number) for number in range(len(problem.cases))),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -318,6 +332,11 @@ class _Problem:
         held = np.clip(x, self.low, self.high).tolist()
         own = dict(zip(self.starts, held[at : at + len(self.starts)], strict=True))
         return {**dict(zip(self.names, held[: len(self.names)], strict=True)), **own}
+
+    def starts_at(self, x: Array, case: int) -> dict[str, float]:
+        """The start of one case."""
+        values = self._values(x, case)
+        return {name: values[name] for name in self.starts}
 
     def residuals(self, x: Array, only: int | None = None) -> list[Array]:
         """Those of every block, and then how far each start is from what was read off.

@@ -16,6 +16,7 @@ from simcompare.validation.alignment import Alignment, by_events
 from simcompare.validation.cases import Case
 from simcompare.validation.judging import Judged
 from simcompare.validation.matching import match
+from simcompare.validation.scores import e_n
 from simcompare.validation.simulated import BEST, DOUBLE, HALF, Engine, times
 
 #: part of the shortest interval within which a simulated and a measured event may be the same
@@ -59,6 +60,8 @@ def rows(engine: Engine, number: int, judged: Judged, series: str) -> dict[str, 
     errors = -np.asarray(found.errors_s)
     u_step = _u_step(engine, number, scene, series, ours)
     u_input = _u_input(judged, series)
+    # on the log's own clock: a skew that was fitted to the events must not excuse their intervals
+    as_recorded = theirs if judged.raw is None else measured_times(judged.raw)[0]
     return {
         "source": engine.name,
         "stream": case.stream,
@@ -71,7 +74,7 @@ def rows(engine: Engine, number: int, judged: Judged, series: str) -> dict[str, 
         "max_abs_s": float(np.max(np.abs(errors))) if len(errors) else None,
         "times_s": ours.tolist(),
         "measured_s": theirs.tolist(),
-        "intervals": _intervals(found.pairs, ours, theirs, (u, u_step, u_input)),
+        "intervals": _intervals(found.pairs, ours, as_recorded, (u, u_step, u_input)),
     }
 
 
@@ -127,9 +130,7 @@ def _intervals(
                 "u_data_s": u_data,
                 "u_num_s": u_num,
                 "u_input_s": u_model,
-                "e_n": (simulated - measured) / (2 * whole)
-                if None not in parts and whole > 0
-                else None,
+                "e_n": e_n(simulated, measured, 2 * whole, 0.0) if None not in parts else None,
             }
         )
     return found

@@ -16,7 +16,7 @@ from simcompare.validation.filtering import interpolated
 from simcompare.validation.gap import measured_noise, split
 from simcompare.validation.grid import gci
 from simcompare.validation.plan import Plan
-from simcompare.validation.scores import birge_ratio, vv20
+from simcompare.validation.scores import birge_ratio, e_n, vv20, zeta
 from simcompare.validation.simulated import (
     BEST,
     DOUBLE,
@@ -32,6 +32,8 @@ from simcompare.validation.waveform import waveform
 
 #: draws of noise from which the uncertainty of a measured value is told
 DRAWS = 16
+#: formal order above which an observed order of convergence is not believed
+_HIGHEST_ORDER = 2.3
 
 
 @dataclass(frozen=True)
@@ -128,6 +130,7 @@ def values(engine: Engine, number: int, judged: Judged) -> list[dict[str, Any]]:
     found = measured_values(judged.scene, best, measured, probes)
     u_data = _u_data(judged, best, measured, found)
     budget = _budget(judged, measured, found) or {}
+    truth = _of_reference(judged, measured)
     others = {
         variant: measured_values(judged.scene, _resampled(run, measured), measured, probes)
         for (i, variant), run in engine.runs.items()
@@ -135,9 +138,10 @@ def values(engine: Engine, number: int, judged: Judged) -> list[dict[str, Any]]:
     }
     rows = []
     for name, (simulated, real, unit, probe, _) in found.items():
-        u_num, how = _u_num(simulated, {v: row[name] for v, row in others.items() if name in row})
-        shares = budget.get(name)
-        u_input = None if shares is None else math.hypot(*shares.values())
+        own = {v: row[name] for v, row in others.items() if name in row}
+        u_num, how = _u_num(simulated, own, truth.get(name))
+        by_parameter = budget.get(name)
+        u_input = None if by_parameter is None else math.hypot(*by_parameter.values())
         parts = (u_num, u_input, u_data[name])
         known = [0.0 if part is None else part for part in parts]
         judged_by = vv20(simulated, real, *known)
@@ -155,27 +159,37 @@ def values(engine: Engine, number: int, judged: Judged) -> list[dict[str, Any]]:
                 **dict(zip(("u_num", "u_input", "u_data"), parts, strict=True)),
                 "u_val": judged_by.u_val,
                 "error": judged_by.error,
-                "e_n": judged_by.error / (2 * judged_by.u_val) if known_all else None,
-                "zeta": judged_by.error / judged_by.u_val if known_all else None,
+                "e_n": e_n(simulated, real, 2 * judged_by.u_val, 0.0) if known_all else None,
+                "zeta": zeta(simulated, real, judged_by.u_val, 0.0) if known_all else None,
                 "within_noise": judged_by.within_noise if known_all else None,
                 "step_error": how,
-                "budget": shares or {},
+                "budget": by_parameter or {},
             }
         )
     return rows
 
 
-def _u_num(simulated: float, others: Mapping[str, Both]) -> tuple[float | None, str | None]:
-    """Standard uncertainty from the step, and how it was told."""
+def _u_num(
+    simulated: float, others: Mapping[str, Both], exact: float | None
+) -> tuple[float | None, str | None]:
+    """Standard uncertainty from the step, and how it was told.
+
+    Where the scenario has a reference, the engine's deviation from it is known; the step error is
+    not less than that. An order above 2 is chance, since no engine has one.
+    """
+    least = 0.0 if exact is None else abs(simulated - exact)
     if DOUBLE in others:
         longer = [others[v].simulated for v in (DOUBLE, FOURFOLD) if v in others]
         found = gci(simulated, *longer)
-        return found.u_num, found.text
+        if found.observed is not None and found.observed > _HIGHEST_ORDER:
+            found = gci(simulated, longer[0])
+        return max(found.u_num, least), found.text
     if HALF in others:
         # the error of the longer one of two steps is that of the shorter one times their ratio
         found = gci(others[HALF].simulated, simulated)
-        return 2 * found.u_num, f"{found.text} A longer step than the scenario's cannot be run."
-    return None, None
+        text = f"{found.text} A longer step than the scenario's cannot be run."
+        return max(2 * found.u_num, least), text
+    return (None, None) if exact is None else (least, "deviation from the reference")
 
 
 def _within(measured: Trajectory, simulated: Trajectory) -> Trajectory:
@@ -208,27 +222,53 @@ def as_trajectory(case: Case) -> Trajectory:
 
 
 def _u_data(
-    judged: Judged,
-    best: Trajectory,
-    measured: Trajectory,
-    found: Mapping[str, Both],
+    judged: Judged, best: Trajectory, measured: Trajectory, found: Mapping[str, Both]
 ) -> dict[str, float]:
-    """How much a measured value scatters: when noise is drawn anew, and within the record."""
+    """What the uncertainty of the samples makes of a measured value.
+
+    A part of a stated uncertainty is seen as noise from sample to sample; the rest is common to all
+    samples of a record. Both are drawn anew, and so is a bias that noise makes (a path gets longer
+    by it). Where the record itself scatters more, that counts instead.
+    """
     generator = np.random.default_rng(0)
     drawn: dict[str, list[float]] = {name: [] for name in found}
     for _ in range(DRAWS):
-        signals = {
-            probe: signal + generator.normal(0.0, noise(judged.case.seen[probe])[0], len(signal))
-            for probe, signal in measured.signals.items()
-        }
+        signals = {}
+        for probe, signal in measured.signals.items():
+            random, common = shares(judged.case.seen[probe])
+            shift = generator.normal(0.0, common)
+            signals[probe] = signal + shift + generator.normal(0.0, random, len(signal))
         again = measured_values(
             judged.scene, best, Trajectory("measured", measured.time_s, signals), tuple(signals)
         )
         for name in found:
             if name in again:
                 drawn[name].append(again[name].measured)
-    noisy = {name: np.std(own, ddof=1) if len(own) > 1 else 0.0 for name, own in drawn.items()}
-    return {name: math.hypot(float(noisy[name]), both.u) for name, both in found.items()}
+    return {name: max(_spread(drawn[name], both.measured), both.u) for name, both in found.items()}
+
+
+def _spread(drawn: Sequence[float], value: float) -> float:
+    """Root mean square of what the draws make of a value, their bias included."""
+    if len(drawn) < 2:
+        return 0.0
+    return float(np.sqrt(np.mean(np.square(np.array(drawn) - value))))
+
+
+def shares(seen: Seen) -> tuple[float, float]:
+    """The part of the uncertainty that scatters from sample to sample, and the common part."""
+    whole = noise(seen)[0]
+    random = min(measured_noise(seen.values).value, whole)
+    return random, math.sqrt(max(0.0, whole**2 - random**2))
+
+
+def _of_reference(judged: Judged, measured: Trajectory) -> dict[str, float]:
+    """The same values of the reference; none where there is none."""
+    if judged.truth is None:
+        return {}
+    run = _resampled(judged.truth, measured)
+    probes = tuple(measured.signals)
+    found = measured_values(judged.scene, run, measured, probes)
+    return {name: both.simulated for name, both in found.items()}
 
 
 def _budget(
@@ -238,14 +278,14 @@ def _budget(
     if judged.truth is None:
         return None
     probes = tuple(measured.signals)
-    best = measured_values(judged.scene, _resampled(judged.truth, measured), measured, probes)
+    best = _of_reference(judged, measured)
     moved = {
         name: measured_values(judged.scene, _resampled(run, measured), measured, probes)
         for name, run in judged.shifted
     }
     return {
         value: {
-            name: abs(row[value].simulated - best[value].simulated)
+            name: abs(row[value].simulated - best[value])
             for name, row in moved.items()
             if value in row
         }
@@ -304,10 +344,40 @@ def agreement(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Whether the engines agree among themselves within their own step errors (Birge ratio)."""
     found = []
     for key in dict.fromkeys((row["stream"], row["measure"]) for row in rows):
-        own = [row for row in rows if (row["stream"], row["measure"]) == key and row["u_num"]]
+        every = [row for row in rows if (row["stream"], row["measure"]) == key]
+        own = [row for row in every if row["u_num"] is not None]
         if len(own) < 2:
             continue
-        ratio = birge_ratio([row["simulated"] for row in own], [row["u_num"] for row in own])
+        values = [row["simulated"] for row in own]
+        # two numbers that are equal to rounding agree
+        least = 1e-12 * max(map(abs, values)) or 1e-300
+        ratio = birge_ratio(values, [max(row["u_num"], least) for row in own])
         found.append({"stream": key[0], "measure": key[1], "unit": own[0]["unit"],
-                      "engines": [row["source"] for row in own], **ratio.to_dict()})  # fmt: skip
+                      "engines": [row["source"] for row in own],
+                      "left_out": [row["source"] for row in every if row["u_num"] is None],
+                      **ratio.to_dict()})  # fmt: skip
+    return found
+
+
+def spread(engines: Sequence[Engine], number: int, judged: Judged) -> list[dict[str, Any]]:
+    """How far the engines are from each other: from their mean, over the measured samples."""
+    found = []
+    for probe, seen in judged.case.seen.items():
+        runs = {
+            engine.name: interpolated(run.time_s, run.signals[probe], seen.time_s)
+            for engine in engines
+            if (run := engine.runs.get((number, BEST))) is not None
+        }
+        if len(runs) < 2:
+            continue
+        table = np.stack(list(runs.values()))
+        off = table - table.mean(axis=0)
+        found.append(
+            {
+                "stream": judged.case.stream,
+                "probe": probe,
+                "engines": list(runs),
+                "rms": float(np.sqrt(np.nanmean(off**2))),
+            }
+        )
     return found

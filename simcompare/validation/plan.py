@@ -17,7 +17,7 @@ from pydantic import (
 
 from simcompare.errors import InputError, UnknownName
 from simcompare.scenario import Scenario
-from simcompare.scenario_file import describe, faults_of
+from simcompare.yaml_file import describe, faults_of
 
 
 class _Part(BaseModel):
@@ -105,6 +105,7 @@ class Calibration(_Part):
         nuisance: parameters that are fitted as well, but belong to that recording alone, such as
             how its zero was set; they are not carried over.
         most_s: longest part of a stream that is used [s].
+        chosen_knowing: whether it was chosen after it was seen what the others say.
     """
 
     recording: str | None = None
@@ -112,6 +113,7 @@ class Calibration(_Part):
     parameters: tuple[str, ...] = Field(min_length=1)
     nuisance: tuple[str, ...] = ()
     most_s: PositiveFloat | None = None
+    chosen_knowing: bool = False
 
 
 class Alignment(_Part):
@@ -169,13 +171,19 @@ class Plan(_Part):
     def _consistent(self) -> Plan:
         if not any(compared.judged for compared in self.compare.values()) and self.events is None:
             raise ValueError("nothing is judged; at least one probe, or events, must be")
+        if self.calibrate and not any(one.judged for one in self.compare.values()):
+            raise ValueError(
+                "calibrate fits a judged probe, and compare: has none; a ball is fitted to its"
+                " impacts by simcompare fit"
+            )
         if self.align.by == "events" and self.events is None:
             raise ValueError("align.by is events, and there are none; say which under events:")
         if self.align.probe is not None:
             used = self.compare.get(self.align.probe)
             if used is None:
                 raise ValueError(f"align.probe {self.align.probe} is not among those compared")
-            if used.judged:
+            shared = [n for n, c in self.compare.items() if c.judged and c.channel == used.channel]
+            if used.judged or shared:
                 raise ValueError(
                     f"align.probe {self.align.probe} is judged as well: what clocks are aligned on"
                     " must not be judged; say judged: false there, or align on another quantity"

@@ -61,7 +61,11 @@ def of_validation(
         },
         "inputs": {name: driven.channel for name, driven in plan.inputs.items()},
         "parameters": _parameters(plan, judged, fit),
-        "fit": None if fit is None else _fit(fit, _fitted_on(plan, source)),
+        "fit": None
+        if fit is None
+        else _fit(
+            fit, _fitted_on(plan, source), bool(plan.calibrate and plan.calibrate.chosen_knowing)
+        ),
         "cases": [_case(one) for one in judged],
         "events": [asdict(event) for event in source.recording.events[:1000]],
         **rows,
@@ -76,8 +80,12 @@ def basis_of(plan: Plan, source: Source, judged: Sequence[Judged], fit: Estimate
     """What the parameters rest on: "known before", "held out", or "same data"."""
     if fit is None:
         return "known before"
-    if plan.calibrate is not None and plan.calibrate.recording not in (None, source.name):
-        return "held out"
+    if plan.calibrate is not None and plan.calibrate.recording is not None:
+        from simcompare.validation import sources
+
+        other = sources.digest(plan.calibrate.recording)
+        if other != source.recording.provenance.sha256:
+            return "held out"
     same = {one.case.stream for one in judged} & {*fit.streams}
     return "same data" if same else "held out"
 
@@ -121,11 +129,12 @@ def _fitted_on(plan: Plan, source: Source) -> str:
     return other or source.name
 
 
-def _fit(fit: Estimate, recording: str) -> dict[str, Any]:
+def _fit(fit: Estimate, recording: str, chosen_knowing: bool) -> dict[str, Any]:
     u = fit.u
     correlation = fit.covariance / (u[:, None] * u[None, :] + (u[:, None] * u[None, :] == 0))
     return {
         "recording": recording,
+        "chosen_knowing": chosen_knowing,
         "names": list(fit.names),
         "streams": list(fit.streams),
         "rms": fit.rms,
@@ -142,6 +151,7 @@ def _case(one: Judged) -> dict[str, Any]:
         "stream": case.stream,
         "start_s": case.start_s,
         "duration_s": case.duration_s,
+        "short": case.short,
         "start": {name: value for name, value in case.values.items() if name != DURATION},
         "probes": {
             probe: {

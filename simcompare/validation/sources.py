@@ -29,16 +29,13 @@ class Source:
     about: Mapping[str, str]
 
 
-def find(
-    name: str, *, mapping: str | Path | None = None, strict: bool = False, number: int = 0
-) -> Source:
+def find(name: str, *, mapping: str | Path | None = None, strict: bool = False) -> Source:
     """Finds and reads a recording.
 
     Args:
         name: a public data set, the folder of a stored recording, or a log.
         mapping: a mapping file; its ``validate:`` is used for a stored recording as well.
         strict: refuse logs with defects.
-        number: which file of a data set.
 
     Raises:
         UnknownName: nothing of that name exists.
@@ -49,8 +46,8 @@ def find(
 
     given = None if mapping is None else mappings.read(Path(mapping))
     path = Path(name)
-    if name in registry.files() and not path.exists():
-        return _public(name, given, strict, number)
+    if name in registry.files() and not recording_store.is_recording(path):
+        return _public(name, given, strict)
     if not _exists(path):
         raise UnknownName(
             "recording (public data set, stored recording, or log)", name, registry.files()
@@ -70,7 +67,7 @@ def _exists(path: Path) -> bool:
         return False
 
 
-def _public(name: str, given: Any, strict: bool, number: int) -> Source:  # noqa: ANN401
+def _public(name: str, given: Any, strict: bool) -> Source:  # noqa: ANN401
     from simcompare.hardware.logs import mapping as mappings
     from simcompare.hardware.recordings import registry
 
@@ -84,6 +81,11 @@ def _public(name: str, given: Any, strict: bool, number: int) -> Source:  # noqa
         "licence": data_set.licence,
         "source": f"github.com/{data_set.source.repository} at {data_set.source.commit}",
     }
-    found = importing.read(paths[number], wanted, strict=strict, about=about)
+    found = importing.read(paths[0], wanted, strict=strict, about=about)
     plans = (given.validate_ if given is not None else None) or list(data_set.validation)
     return Source(name, found, plans, about)
+
+
+def digest(name: str) -> str:
+    """SHA-256 of the log behind a recording, to tell whether two names mean the same."""
+    return find(name).recording.provenance.sha256

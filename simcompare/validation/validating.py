@@ -30,6 +30,8 @@ from simcompare.validation.simulated import BEST, NOMINAL, Engine, of_probes, si
 
 #: what measured trajectories are stored under
 MEASURED = "measured"
+#: greatest skew that a clock may have; quartz has 1e-4 at most
+MOST_SKEW = 1e-3
 
 
 def validate(
@@ -81,7 +83,7 @@ def validate(
         experiment.check_writable(Path(out))
     model = model_of(file)
     cases = cases_of(file, plan, source.recording, streams or plan.streams, given)
-    fit = _fit(model, plan, source, given)
+    fit = _fit(model, plan, source, given, mapping)
     best = None if fit is None else fit.as_dict()
     judged, alignments = _judged(model, plan, cases, fit, step_s)
     found = simulate(
@@ -93,7 +95,8 @@ def validate(
     record.update(
         engines_asked=engine, scenario_asked=scenario, against_asked=None, preset=None,
         recording_asked=recording, interrupted=False, kind="validation",
-        command=_command(scenario, recording, engine, contact, mapping, set, streams, step),
+        command=_command(scenario, recording, engine, contact, mapping, set, streams, step)
+        + (["--strict"] if strict else []),
     )  # fmt: skip
     done = replace(done, record=record)
     if out is None:
@@ -124,15 +127,26 @@ def _plan(file: ScenarioFile, source: sources.Source) -> Plan:
 
 
 def _fit(
-    model: Model, plan: Plan, source: sources.Source, given: Mapping[str, float]
+    model: Model,
+    plan: Plan,
+    source: sources.Source,
+    given: Mapping[str, float],
+    mapping: str | Path | None,
 ) -> Estimate | None:
     """The plan's parameters fitted to its streams; those that the user sets are not fitted."""
     wanted = plan.calibrate
     names = [n for n in wanted.parameters if n not in given] if wanted is not None else []
     if wanted is None or not names:
         return None
-    other = source if wanted.recording is None else sources.find(wanted.recording)
-    own = plan if wanted.recording is None else plans.choose(other.plans, plan.scenario, other.name)
+    other = source
+    own = plan
+    if wanted.recording is not None:
+        other = sources.find(wanted.recording, mapping=mapping)
+        # a log that has no plan of its own is read by that of the recording that is judged
+        own = plans.choose(other.plans, plan.scenario, other.name) if other.plans else plan
+        faults = plans.faults(own, model.file.resolve())
+        if faults:
+            raise InputError(f"{other.name}, validate", faults)
     cases = cases_of(model.file, own, other.recording, wanted.streams, given, wanted.most_s)
     probe = next(name for name, compared in own.compare.items() if compared.judged)
     fitted = {*names, *wanted.nuisance}
@@ -165,6 +179,9 @@ def _judged(
 
         truth = at(best)
         shifted = tuple((name, at(values)) for name, values in moves(model.file, case, fit).items())
+        shifted += tuple(
+            (f"input {name}", at(best, case.with_input_moved(name))) for name in case.u_inputs
+        )
         alignment = _aligned(plan, case, scene, truth)
         alignments.append(alignment)
         seen = case if alignment is None else _on_reference(case, alignment)
@@ -217,12 +234,30 @@ def _within(
 
 def _aligned(plan: Plan, case: Case, scene: Scenario, truth: Trajectory) -> Alignment | None:
     if plan.align.by == "events" and plan.events is not None:
-        return eventful.aligned(case, scene, truth, plan.events.series)
+        return _trusted(case, eventful.aligned(case, scene, truth, plan.events.series))
     probe = plan.align.probe
     if probe is None:
         return None
     seen = case.seen[probe]
-    return align(truth.time_s, truth.signals[probe], seen.time_s, seen.values)
+    return _trusted(case, align(truth.time_s, truth.signals[probe], seen.time_s, seen.values))
+
+
+def _trusted(case: Case, found: Alignment) -> Alignment:
+    """The alignment, where it can be believed.
+
+    Raises:
+        InputError: a skew that no clock has, or fewer than half of the events matched.
+    """
+    events = len(found.matched) + len(found.extra)
+    if abs(found.skew) > MOST_SKEW or (events and len(found.matched) < 0.5 * events):
+        raise InputError(
+            f"stream {case.stream}, align",
+            [
+                f"the clocks cannot be aligned: {found.text} The parameters that are known may be"
+                " too far off; mend them with --set, or calibrate them"
+            ],
+        )
+    return found
 
 
 def _on_reference(case: Case, alignment: Alignment) -> Case:
@@ -253,7 +288,8 @@ def _gather(
     alignments: Sequence[Alignment | None],
 ) -> Run:
     rows: dict[str, list[dict[str, Any]]] = {
-        "waveforms": [], "values": [], "gaps": [], "timings": []
+        "waveforms": [], "values": [], "gaps": [], "timings": [],
+        "spread": [row for k, one in enumerate(judged) for row in judging.spread(found, k, one)],
     }  # fmt: skip
     happened = asked.plan.events
     fitted = asked.fit is not None
