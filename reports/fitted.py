@@ -14,8 +14,6 @@ from simcompare.results import Run
 Record = Mapping[str, Any]
 CLOSED = "closed form"
 RESTITUTION = "restitution"
-#: half-width of a 95 % interval in standard uncertainties, if normal
-COVERAGE = 1.96
 #: drops that are drawn beside each other; the tables have all
 MOST_DROPS = 3
 _SMALL_UNITS = {"s": ("s", "ms", "µs"), "m": ("m", "mm", "µm")}
@@ -41,6 +39,17 @@ def for_engines(run: Run) -> Record:
     """The closed form with the contact that engines have."""
     found: Record = record(run).get("engine_form") or record(run)["closed_form"]
     return found
+
+
+def other_form(run: Run) -> str:
+    """That engines were fitted with another contact than the closed form's, empty if not."""
+    found = record(run)
+    if found.get("engine_form") is None:
+        return ""
+    return (
+        f"The closed form has: {found['closed_form']['text']}. Engines have no such contact; they"
+        f" were fitted with: {found['engine_model_text']}."
+    )
 
 
 def title(name: str) -> str:
@@ -70,16 +79,9 @@ def value_words(row: Record | None, name: str = "") -> str:
 
 
 def interval(row: Record) -> tuple[float, float]:
-    """The 95 % interval of a parameter, never narrower than its standard uncertainty says.
-
-    Ends that the data leave open are infinite.
-    """
+    """The 95 % interval of a parameter; ends that the data leave open are infinite."""
     low, high = row["interval95"] if "interval95" in row else (row["low"], row["high"])
-    low, high = (-math.inf if low is None else low), (math.inf if high is None else high)
-    if row["value"] is None or row["u"] is None:
-        return low, high
-    half = COVERAGE * row["u"]
-    return min(low, row["value"] - half), max(high, row["value"] + half)
+    return (-math.inf if low is None else low), (math.inf if high is None else high)
 
 
 def interval_words(row: Record | None) -> str:

@@ -72,6 +72,8 @@ def _left_figure(run: Run, kind: str, title: str, unit: str, axis: str) -> Figur
     if not all(row["judged"] for row in rows):
         caption += " They are drawn from the arcs of the video; the fit judged its samples."
     caption += fitted.drawn_words(run)
+    other = fitted.other_form(run)
+    caption += f" {other}" if other else ""
     head = f"{title}, measured minus simulated"
     return Figure(f"left-{kind}", head, caption, panels, share_y=True)
 
@@ -188,11 +190,9 @@ def speed_figure(run: Run) -> Figure | None:
     series = [line]
     for row in found["ratios"]:
         x = _speeds(law, row["drop"], row["numbers"])
-        expected = f"expected from {row['how']}"
-        series.append(Series(expected, x, np.array(row["expected"]), _EXPECTED))
+        series.append(Series("closed form's ratio", x, np.array(row["expected"]), _EXPECTED))
         u = np.array([math.nan if v is None else 2 * v for v in row["u"]])
-        label = f"measured, from {row['how']}, ± 2u"
-        series.append(Series(label, x, np.array(row["values"]), MEASURED_STYLE, u,
+        series.append(Series("measured ratio ± 2u", x, np.array(row["values"]), MEASURED_STYLE, u,
                              points=True, line=False))  # fmt: skip
     for source in fitted.engines(run):
         for number, seen in enumerate(source["shown"], start=1):
@@ -211,9 +211,11 @@ def _speed_caption(run: Run) -> str:
     hows = {row["how"] for row in fitted.record(run)["ratios"]}
     if "flight times" in hows:
         said += (
-            " A measured point is the ratio of two neighbouring flight times: drag makes it smaller"
-            " than the restitution, as the dotted line of the closed form shows."
+            " A measured point is the ratio of two neighbouring flight times; drag makes it smaller"
+            " than the restitution, by as much as the dotted line is below the full one."
         )
+    if "heights" in hows:
+        said += " A measured point is the root of the ratio of two neighbouring heights."
     return f"{said} An engine's points are what it showed in its motion."
 
 

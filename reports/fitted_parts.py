@@ -73,7 +73,7 @@ def correlation_figure(run: Run) -> Figure | None:
     """Correlations of the unknowns as a matrix."""
     known = fitted.record(run)["identifiability"]
     names = tuple(map(fitted.title, known["names"]))
-    narrow = tuple("\n".join(textwrap.wrap(name, 10)) for name in names)
+    narrow = tuple("\n".join(textwrap.wrap(name, 10, break_long_words=False)) for name in names)
     if len(names) < 2:
         return None
     values = np.array(

@@ -35,6 +35,8 @@ def engines(run: Run) -> Table:
         "u of the parameter: measurement, fit, and the engine's scatter over the phases of its"
         " step. u of the effective value: that scatter alone."
     )
+    other = fitted.other_form(run)
+    note += f" {other} So is the closed form in this table." if other else ""
     return Table("Restitution of each engine", columns, (Group("", tuple(rows)),), note)
 
 
@@ -109,8 +111,8 @@ def forms(run: Run) -> Table:
     )
     if choice["scatter"] > 1:
         note += (
-            f" χ² is divided by {choice['scatter']:.3g}, the scatter of the richest form, so that"
-            " uncertainties stated too small do not ask for more unknowns."
+            f" χ² is divided by {numbers.plain(choice['scatter'], 3)}, the scatter of the richest"
+            " form, so that uncertainties stated too small do not ask for more unknowns."
         )
     note += " With a law that depends on speed, the restitution is that at 4 m/s."
     return Table("Closed forms", columns, (Group("", tuple(rows)),), note)

@@ -158,6 +158,8 @@ def _frame(
         axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
         axes.xaxis.set_minor_formatter(NullFormatter())
+    elif panel.x_ticks is None:  # the same below the axes
+        axes.ticklabel_format(axis="x", useOffset=False, scilimits=_PLAIN)
     if y_range is not None:
         axes.set_ylim(*y_range)
     if panel.whole_x:

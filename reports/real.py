@@ -68,9 +68,10 @@ def with_unit(run: Run, probe: str) -> str:
     return label(run, probe) + runs.unit_words(unit(run, probe))
 
 
-def stretch(stream: str) -> str:
-    """The name of a stretch, empty where the log has only one."""
-    return "" if stream == ONLY else short(stream)
+def stretch(run: Run, stream: str) -> str:
+    """The name of a stretch, empty where only one was judged."""
+    several = len({case["stream"] for case in validation(run)["cases"]}) > 1
+    return short(stream) if several else ""
 
 
 def parameter(name: str) -> str:

@@ -35,7 +35,7 @@ def figure(run: Run) -> Figure | None:
         return None
     panels = tuple(
         Panel(
-            real.stretch(stream), "interval between events", "simulated − measured (s)",
+            real.stretch(run, stream), "interval between events", "simulated − measured (s)",
             tuple(_points([row for row in rows if row["stream"] == stream])), whole_x=True,
         )
         for stream in streams
@@ -82,7 +82,7 @@ def summary(run: Run) -> Table | None:
     for stream in _streams(rows):
         own = [row for row in rows if row["stream"] == stream]
         scale = scale_of(row["rmse_s"] for row in own)
-        where = real.stretch(stream)
+        where = real.stretch(run, stream)
         title = runs.measure_words(own[0]["series"]) + (f", {where}" if where else "")
         groups.append(Group(title + scale.unit("s"), tuple(_summary(row, scale) for row in own)))
     note = (
@@ -110,7 +110,7 @@ def intervals(run: Run) -> Table | None:
     )  # fmt: skip
     groups = []
     for row in rows:
-        where = real.stretch(row["stream"])
+        where = real.stretch(run, row["stream"])
         groups.append(
             Group(row["source"] + (f", {where}" if where else ""),
                   tuple(map(_interval, row["intervals"])))

@@ -112,7 +112,7 @@ def by_stretch(
 
 def _drawn(row: Mapping[str, Any]) -> dict[str, float]:
     """Shares that a bar can show: negative ones are nothing, and the others fill it."""
-    shares = {key: max(row["shares"][key], 0.0) for key, *_ in PARTS}
+    shares = {key: max(row["shares"][key] or 0.0, 0.0) for key, *_ in PARTS}
     whole = sum(shares.values()) or 1.0
     return {key: share / whole for key, share in shares.items()}
 
@@ -127,7 +127,8 @@ def _gap_caption(run: Run) -> str:
     if real.is_fitted(run):
         told.append(
             "Parameters: what fitting them took away. Model form: what is left and is neither noise"
-            " nor numerical error, so something is missing in the equations."
+            " nor numerical error; it may lie in the equations, in what drives them, or in"
+            " parameters that suit only what they were fitted to."
         )
     else:
         told.append(
@@ -143,7 +144,7 @@ def _worse(run: Run) -> Iterator[str]:
     worse = [row for row in rows if row["shares"]["removed"] < -0.005]
     if worse:
         places = dict.fromkeys(
-            row["source"] + (f" on {where}" if (where := real.stretch(row["stream"])) else "")
+            row["source"] + (f" on {where}" if (where := real.stretch(run, row["stream"])) else "")
             for row in worse
         )
         most = max(-row["shares"]["removed"] for row in worse)

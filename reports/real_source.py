@@ -36,8 +36,8 @@ def facts(run: Run) -> dict[str, str]:
         "read by": f"importer {file['importer']} of simcompare {file['version']},"
         f" mode {file['mode']}",
         "clocks": ": ".join(clocks),
-        "compared": compared,
     }
+    told |= {"compared": compared} if compared else {}
     told |= {"inputs": inputs} if inputs else {}
     return {printable(key): printable(value) for key, value in told.items()}
 
@@ -114,10 +114,13 @@ def _changes(before: Mapping[str, float], after: Mapping[str, float]) -> str:
     )
 
 
-def stretches(run: Run) -> Table:
-    """The stretches that were judged and how well each quantity was measured there."""
+def stretches(run: Run) -> Table | None:
+    """The stretches that were judged and how well each quantity was measured there.
+
+    ``None`` where only events were compared.
+    """
     columns = (
-        Column("Stretch", text=True), Column("Begins (s)"), Column("Lasts (s)"),
+        Column("Stretch", text=True, whole=True), Column("Begins (s)"), Column("Lasts (s)"),
         Column("Quantity", text=True), Column("Samples"), Column("Missing"),
         Column("Saturated"), Column("u of a sample"), Column("u from", text=True),
     )  # fmt: skip
@@ -126,16 +129,20 @@ def stretches(run: Run) -> Table:
         for probe, seen in case["probes"].items():
             rows.append(
                 (
-                    real.stretch(case["stream"]) or "the whole log",
+                    real.stretch(run, case["stream"]) or "the whole log",
                     numbers.plain(case["start_s"], 4),
-                    numbers.plain(case["duration_s"], 4),
+                    numbers.plain(case["duration_s"], 4) + (" (cut)" if case.get("short") else ""),
                     real.with_unit(run, probe),
                     *(str(seen[key]) for key in ("samples", "missing", "saturated")),
                     numbers.plain(seen["u"], 2),
                     seen["u_from"],
                 )
             )
-    return Table("Stretches", columns, (Group("", tuple(rows)),))
+    if not rows:
+        return None
+    note = "Cut: the log ends before the window that was asked for."
+    cut = any(case.get("short") for case in real.validation(run)["cases"])
+    return Table("Stretches", columns, (Group("", tuple(rows)),), note if cut else "")
 
 
 def conversions(run: Run) -> Table | None:
@@ -144,8 +151,9 @@ def conversions(run: Run) -> Table | None:
     if not found:
         return None
     columns = (
-        Column("Column", text=True), Column("Unit", text=True), Column("Channel", text=True),
-        Column("SI", text=True), Column("× factor"), Column("+ offset"), Column("Note", text=True),
+        Column("Column", text=True), Column("Unit", text=True, whole=True),
+        Column("Channel", text=True), Column("SI", text=True, whole=True),
+        Column("× factor"), Column("+ offset"), Column("Note", text=True),
     )  # fmt: skip
     rows = tuple(
         (
@@ -164,7 +172,7 @@ def events(run: Run) -> Table | None:
     rows = tuple(
         (
             row["name"],
-            real.stretch(row["stream"]),
+            real.stretch(run, row["stream"]),
             numbers.with_u(row["time_s"], row["u_s"], digits=7),
             numbers.plain(row["value"], 4),
         )

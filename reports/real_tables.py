@@ -11,6 +11,7 @@ from simcompare.reports import numbers, real, runs
 from simcompare.reports.real_parts import PARTS, part_words
 from simcompare.reports.tables import Column, Group, Scale, Table, of_engines, scale_of
 from simcompare.results import Run
+from simcompare.validation import phrases
 
 Record = Mapping[str, Any]
 
@@ -22,8 +23,8 @@ def _grouped(rows: Sequence[Record], second: str) -> Iterator[tuple[str, str, li
         yield stream, other, found
 
 
-def _title(stream: str, words: str) -> str:
-    where = real.stretch(stream)
+def _title(run: Run, stream: str, words: str) -> str:
+    where = real.stretch(run, stream)
     return f"{words}, {where}" if where else words
 
 
@@ -42,10 +43,11 @@ def waveforms(run: Run) -> Table:
         scale = scale_of(row["rmse"] for row in own)
         groups.append(
             Group(
-                _title(stream, real.label(run, probe)) + scale.unit(real.unit(run, probe)),
+                _title(run, stream, real.label(run, probe)) + scale.unit(real.unit(run, probe)),
                 tuple(_waveform(run, own, e, scale) for e in _sources(own)),
             )
         )
+    still = [phrases.is_constant(real.validation(run), row) for row in rows]
     columns = [Column("RMS error")]
     columns += [Column("before the fit")] if fitted else []
     columns += [Column("clock as recorded", spare=True)] if aligned else []
@@ -54,16 +56,32 @@ def waveforms(run: Run) -> Table:
         Column("Magnitude (%)", spare=True), Column("Phase (%)", spare=True),
         Column("Samples", spare=True),
     ]  # fmt: skip
-    note = (
-        "Error is simulated minus measured; the range is that of the measurement. Magnitude and"
-        " phase are those of Sprague and Geers: how much too large the simulation is, whatever its"
-        " timing, and how far it is out of step, whatever its size; 0 is right."
-    )
+    table = of_engines(columns, groups, _waveform_note(fitted=fitted, aligned=aligned, still=still))
+    return table.without(_OF_RANGE) if all(still) else table
+
+
+#: columns that have no meaning where the measurement does not vary
+_OF_RANGE = ("RMS ÷ range (%)", "Magnitude (%)", "Phase (%)")
+
+
+def _waveform_note(*, fitted: bool, aligned: bool, still: Sequence[bool]) -> str:
+    note = "Error is simulated minus measured."
+    if not all(still):
+        note += (
+            " The range is that of the measurement. Magnitude and phase are those of Sprague and"
+            " Geers: how much too large the simulation is, whatever its timing, and how far it is"
+            " out of step, whatever its size; 0 is right."
+        )
+    if any(still):
+        note += (
+            " Where a measured signal spans no more than its noise, shares of its range would say"
+            " nothing and are left out."
+        )
     if fitted:
         note += " All columns but “before the fit” are with the fitted parameters."
     if aligned:
         note += " All but “clock as recorded” are with aligned clocks."
-    return of_engines(columns, groups, note)
+    return note
 
 
 def _sources(rows: Sequence[Record]) -> list[str]:
@@ -90,9 +108,10 @@ def _waveform(run: Run, rows: Sequence[Record], engine: str, scale: Scale) -> tu
     if any(row["aligned"] for row in real.validation(run)["waveforms"] if row["judged"]):
         raw = one(last, aligned=False)
         cells.append(scale.text(None if raw is None else raw["rmse"]))
-    cells += [scale.text(main["bias"]), scale.text(main["max_abs"]), percent(main["nrmse"], 2)]
-    cells += [percent(main["magnitude"], 2), percent(main["phase"], 2), str(main["n"])]
-    return tuple(cells)
+    still = phrases.is_constant(real.validation(run), main)
+    shares = (None if still else main[key] for key in ("nrmse", "magnitude", "phase"))
+    cells += [scale.text(main["bias"]), scale.text(main["max_abs"])]
+    return (*cells, *(percent(share, 2) for share in shares), str(main["n"]))
 
 
 def gaps(run: Run) -> list[Table]:
@@ -117,7 +136,7 @@ def _gap_sizes(run: Run, rows: Sequence[Record]) -> Table:
         unit = scale.unit(real.unit(run, probe))
         groups.append(
             Group(
-                _title(stream, real.label(run, probe)) + unit,
+                _title(run, stream, real.label(run, probe)) + unit,
                 tuple(
                     (*_gap(row, scale, fitted=fitted), *_covered(row, wanted=covered))
                     for row in own
@@ -157,8 +176,10 @@ def _covered(row: Record, *, wanted: bool) -> tuple[str, ...]:
     return (percent(row.get("covered"), 0),) if wanted else ()
 
 
-def _small(value: float, scale: Scale) -> str:
-    """A part that may be too small for the scale of the whole."""
+def _small(value: float | None, scale: Scale) -> str:
+    """A part that may be too small for the scale of the whole, or unknown."""
+    if value is None:
+        return "–"
     text = scale.text(value)
     if value > 0 and float(text) == 0:
         return f"< {scale.text(10.0 ** (scale.power - scale.places))}"
@@ -171,10 +192,10 @@ def _gap_shares(run: Run, rows: Sequence[Record]) -> Table:
              "Too much noise")  # fmt: skip
     groups = [
         Group(
-            _title(stream, real.label(run, probe)),
+            _title(run, stream, real.label(run, probe)),
             tuple(
                 (row["source"], *(percent(row["shares"][key], 2) for key in keys),
-                 percent(sum(row["shares"][key] for key in keys), 2))
+                 percent(sum(row["shares"][key] or 0.0 for key in keys), 2))
                 for row in own
             ),
         )
@@ -197,7 +218,7 @@ def values(run: Run) -> Table | None:
     columns = [
         Column("Simulated ± u"), Column("Error"), Column("u numerical", spare=True),
         Column("u parameters", spare=True), Column("E_n"),
-        Column("In words", text=True),
+        Column("In words", text=True, whole=True),
     ]  # fmt: skip
     groups = []
     for stream, measure, own in _grouped(rows, "measure"):
@@ -206,7 +227,7 @@ def values(run: Run) -> Table | None:
         measured = numbers.with_u(own[0]["measured"], own[0]["u_data"] or None)
         power = _thousands(max(abs(v) for row in own for v in (row["error"], row["u_val"])))
         of_power = f" 10{numbers.raised(power)}{unit}" if power else unit
-        title = f"{_title(stream, runs.measure_words(measure))}: measured {measured}{unit}"
+        title = f"{_title(run, stream, runs.measure_words(measure))}: measured {measured}{unit}"
         title += f"; error and u in{of_power}" if of_power else ""
         scales = [_budget_scale(power, [row[key] for row in own]) for key in _BUDGET]
         groups.append(Group(title, tuple(_value(row, scales) for row in own)))
@@ -238,8 +259,7 @@ def _budget_scale(power: int, column: Sequence[float | None]) -> Scale:
 def _value(row: Record, scales: Sequence[Scale]) -> tuple[str, ...]:
     budget = [scale.text(row[key]) for key, scale in zip(_BUDGET, scales, strict=True)]
     budget[1:] = [
-        "–" if row[key] is None else _small(row[key], scale)
-        for key, scale in zip(_BUDGET[1:], scales[1:], strict=True)
+        _small(row[key], scale) for key, scale in zip(_BUDGET[1:], scales[1:], strict=True)
     ]
     return (
         row["source"],
@@ -256,20 +276,27 @@ def agreement(run: Run) -> Table | None:
     if not rows:
         return None
     columns = (Column("Quantity", text=True), Column("Engines"), Column("Birge ratio"),
-               Column("Expected"), Column("In words", text=True))  # fmt: skip
+               Column("Expected"), Column("In words", text=True, whole=True))  # fmt: skip
     cells = tuple(
         (
-            _title(row["stream"], runs.measure_words(row["measure"])),
+            _title(run, row["stream"], runs.measure_words(row["measure"])),
             str(len(row["engines"])),
             Scale(0, 2).text(row["ratio"]),
             f"{row['low']:.2f} … {row['high']:.2f}",
-            "they differ by no more than their step errors"
-            if row["consistent"]
-            else "they differ by more than their step errors explain",
+            "within their step errors" if row["consistent"] else "beyond their step errors",
         )
         for row in rows
     )
-    return Table("Do the engines agree with each other?", columns, (Group("", cells),))
+    title = "Do the engines agree with each other?"
+    return Table(title, columns, (Group("", cells),), _left_out(rows))
+
+
+def _left_out(rows: Sequence[Record]) -> str:
+    """Engines whose own step error is not known."""
+    names = dict.fromkeys(name for row in rows for name in row.get("left_out") or ())
+    if not names:
+        return ""
+    return f"Left out where no step error is known: {', '.join(names)}."
 
 
 def parameters(run: Run, *, chosen: bool = False) -> Table | None:
@@ -283,7 +310,7 @@ def parameters(run: Run, *, chosen: bool = False) -> Table | None:
     rows = [row for row in rows if not chosen or row["kind"] != "scenario"]
     if not rows:
         return None
-    columns = [Column("Parameter", text=True), Column("Unit", text=True),
+    columns = [Column("Parameter", text=True, whole=True), Column("Unit", text=True, whole=True),
                Column("Known before ± u")]  # fmt: skip
     columns += [Column("Fitted ± u")] if real.is_fitted(run) else []
     columns += [Column("From", text=True, spare=True)]
@@ -307,16 +334,29 @@ def single_fits(run: Run) -> Table | None:
     fit = real.validation(run)["fit"]
     if fit is None or not fit["single"]:
         return None
-    names = [
-        real.parameter(name) + runs.unit_words(units.symbol(units.unit_of(name)))
-        for name in fit["names"]
+    known = {row["name"]: row["u_fitted"] for row in real.validation(run)["parameters"]}
+    u = [known.get(name) for name in fit["names"]]
+    scales = [
+        _scale_beside(column, one)
+        for column, one in zip(zip(*fit["single"].values(), strict=True), u, strict=True)
     ]
-    scales = [scale_of(column, 4) for column in zip(*fit["single"].values(), strict=True)]
-    rows = tuple(
-        (real.short(stream), *(numbers.plain(value, 4) for value in found))
-        if any(scale.power for scale in scales)
-        else (real.short(stream), *(s.text(v) for s, v in zip(scales, found, strict=True)))
+    heads = [
+        real.parameter(name) + scale.unit(units.symbol(units.unit_of(name)))
+        for name, scale in zip(fit["names"], scales, strict=True)
+    ]
+    rows = [
+        (real.short(stream), *(s.text(v) for s, v in zip(scales, found, strict=True)))
         for stream, found in fit["single"].items()
-    )
-    columns = (Column("Stretch", text=True), *map(Column, names))
-    return Table("Each stretch fitted alone", columns, (Group("", rows),))
+    ]
+    rows.append(("u of all together", *(s.text(v) for s, v in zip(scales, u, strict=True))))
+    columns = (Column("Stretch", text=True, whole=True), *map(Column, heads))
+    return Table("Each stretch fitted alone", columns, (Group("", tuple(rows)),))
+
+
+def _scale_beside(values: Sequence[float], u: float | None) -> Scale:
+    """The scale on which values have two digits of the uncertainty beside them."""
+    wanted = scale_of(values, 4)
+    if not u:
+        return wanted
+    places = 1 - math.floor(math.log10(u)) + wanted.power
+    return Scale(wanted.power, min(max(places, 0), 9))

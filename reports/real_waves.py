@@ -61,7 +61,7 @@ def _overlay(run: Run, probe: str, case: int, name: str) -> Figure | None:
             )
         )  # fmt: skip
         panels[0] = replace(panels[0], weight=1.3)
-    where = real.stretch(name)
+    where = real.stretch(run, name)
     title = f"{real.label(run, probe)}: measured and simulated" + (f", {where}" if where else "")
     return Figure(f"overlay-{probe}-{case + 1}", title, _overlay_caption(run, case), tuple(panels))
 
@@ -205,7 +205,7 @@ def _residual_panel(run: Run, probe: str, case: int, name: str) -> Panel | None:
     bands = (Band(-2 * u, 2 * u, "noise of a sample ± 2u", 0.0),) if u else ()
     unit = runs.unit_words(real.unit(run, probe))
     return Panel(
-        real.stretch(name), TIME, f"simulated − measured{unit}",
+        real.stretch(run, name), TIME, f"simulated − measured{unit}",
         (*_explained(run, probe, case, u), *lines), bands, spans=_events(run, case),
         y_range=(-reach, reach),
     )  # fmt: skip

@@ -23,11 +23,13 @@ class Column(NamedTuple):
         head: what is in it, with its unit where all rows share one.
         text: whether it holds words, which begin at the left, and not numbers.
         spare: whether it is left out where there is little room.
+        whole: whether its words, such as a name or a unit, stay on one line.
     """
 
     head: str
     text: bool = False
     spare: bool = False
+    whole: bool = False
 
 
 class Group(NamedTuple):
@@ -63,7 +65,13 @@ class Table(NamedTuple):
 
     def narrow(self) -> Table:
         """The same without the columns that can be spared."""
-        keep = [i for i, column in enumerate(self.columns) if not column.spare]
+        return self._kept([i for i, column in enumerate(self.columns) if not column.spare])
+
+    def without(self, heads: Sequence[str]) -> Table:
+        """The same without the columns with these heads."""
+        return self._kept([i for i, column in enumerate(self.columns) if column.head not in heads])
+
+    def _kept(self, keep: Sequence[int]) -> Table:
         groups = tuple(
             Group(group.title, tuple(tuple(row[i] for i in keep) for row in group.rows))
             for group in self.groups
@@ -167,7 +175,7 @@ def _whole(table: Table, widths: Sequence[int]) -> int:
 def _squeezed(table: Table, width: int, least: int) -> list[int]:
     """Columns of words made narrower, the widest first, until all fit or none can give more."""
     found = _widths(table)
-    words = [i for i, column in enumerate(table.columns) if column.text]
+    words = [i for i, column in enumerate(table.columns) if column.text and not column.whole]
     while _whole(table, found) > width:
         widest = max(words, key=lambda i: found[i], default=None)
         if widest is None or found[widest] <= least:

@@ -1,12 +1,15 @@
 """A recording on disk: a folder with ``recording.json`` and one Parquet table for each stream.
 
 A table has a column ``time_s``, one for each channel, and beside it ``u:<channel>`` or
-``saturated:<channel>`` where these differ from sample to sample. What is missing is NULL.
+``saturated:<channel>`` where these differ from sample to sample; recording.json names them, as two
+of these names may be the same. What is missing is NULL.
 """
 
 from __future__ import annotations
 
 import json
+import math
+import re
 import shutil
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -31,6 +34,10 @@ from simcompare.trajectory import Array
 HEAD = "recording.json"
 #: version of what recording.json holds
 FORMAT = 1
+#: the clock in every table
+TIME = "time_s"
+#: names of the files that a stored recording is made of
+_OURS = re.compile(r"recording\.json|stream-\d{3,}\.parquet")
 _U, _SATURATED = "u:", "saturated:"
 #: version 2 stores bytes of equal weight together, which packs measured numbers better and faster
 #: than looking for repeated ones
@@ -43,29 +50,75 @@ def save(recording: Recording, folder: Path) -> Path:
     Raises:
         OutputError: it cannot be written, or the place holds something else.
     """
-    partial = folder.with_name(f".{folder.name}.partial")
-    if folder.exists() and not (folder / HEAD).is_file():
-        raise OutputError(f"{folder}: exists and is no recording; choose another -o")
     try:
-        shutil.rmtree(partial, ignore_errors=True)
-        partial.mkdir(parents=True)
-        streams = {}
-        for number, (name, stream) in enumerate(recording.streams.items(), start=1):
-            table = f"stream-{number:03}.parquet"
-            _write_table(partial / table, stream)
-            streams[name] = {"table": table, **_stream_head(stream)}
-        text = json.dumps(_head(recording, streams), indent=1, ensure_ascii=False, allow_nan=False)
-        (partial / HEAD).write_text(text + "\n", encoding="utf-8")
-        shutil.rmtree(folder, ignore_errors=True)
-        partial.rename(folder)
-    except OSError as error:
+        place = folder.resolve()
+        _check_place(folder, place)
+        partial = place.with_name(f".{place.name}.partial")
+        try:
+            shutil.rmtree(partial, ignore_errors=True)
+            partial.mkdir(parents=True)
+            _write(recording, partial)
+            _put(partial, place)
+        finally:
+            shutil.rmtree(partial, ignore_errors=True)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
         raise OutputError(
-            f"{folder}: the recording cannot be written ({error.strerror or error});"
+            f"{folder}: the recording cannot be written ({reason});"
             " free some space or choose another -o"
         ) from None
-    finally:
-        shutil.rmtree(partial, ignore_errors=True)
     return folder
+
+
+def _check_place(folder: Path, place: Path) -> None:
+    """Only a recording is replaced, and only where nothing else would be lost with it."""
+    if not place.exists():
+        return
+    if not is_recording(place) or not place.name:
+        raise OutputError(f"{folder}: exists and is no recording; choose another -o")
+    others = sorted(p.name for p in place.iterdir() if not _OURS.fullmatch(p.name))
+    if others:
+        shown = ", ".join(others[:5]) + (" …" if len(others) > 5 else "")
+        raise OutputError(
+            f"{folder}: holds other files beside the recording ({shown}), which would be lost with"
+            " it; move them or choose another -o"
+        )
+
+
+def _write(recording: Recording, folder: Path) -> None:
+    streams = {}
+    for number, (name, stream) in enumerate(recording.streams.items(), start=1):
+        table = f"stream-{number:03}.parquet"
+        names = _column_names(stream)
+        _write_table(folder / table, stream, names)
+        streams[name] = {"table": table, **_stream_head(stream, names)}
+    head = plain(_head(recording, streams))
+    text = json.dumps(head, indent=1, ensure_ascii=False, allow_nan=False)
+    (folder / HEAD).write_text(text + "\n", encoding="utf-8")
+
+
+def _put(made: Path, place: Path) -> None:
+    """Puts a new recording where perhaps an old one is, which is lost only afterwards."""
+    old = place.with_name(f".{place.name}.old")
+    if place.exists():
+        shutil.rmtree(old, ignore_errors=True)
+        place.rename(old)
+    try:
+        made.rename(place)
+    except OSError:
+        if old.exists():
+            old.rename(place)
+        raise
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def plain(value: Any) -> Any:  # noqa: ANN401  (whatever JSON may hold)
+    """The same without numbers that JSON does not have: they become null."""
+    if isinstance(value, Mapping):
+        return {key: plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def is_recording(path: Path) -> bool:
@@ -106,7 +159,30 @@ def _head(recording: Recording, streams: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _stream_head(stream: Stream) -> dict[str, Any]:
+def _column_names(stream: Stream) -> dict[str, dict[str, str]]:
+    """Columns of each channel in its table; no two are alike, whatever channels are called."""
+    taken = {TIME}
+    found: dict[str, dict[str, str]] = {}
+    for name, channel in stream.channels.items():
+        wanted = {"values": name}
+        if isinstance(channel.u, np.ndarray):
+            wanted["u"] = _U + name
+        if channel.saturated is not None:
+            wanted["saturated"] = _SATURATED + name
+        found[name] = {what: _free(text, taken) for what, text in wanted.items()}
+    return found
+
+
+def _free(wanted: str, taken: set[str]) -> str:
+    """A name that is not taken yet; tables do not tell small letters from large ones."""
+    name, number = wanted, 2
+    while name.lower() in taken:
+        name, number = f"{wanted} ({number})", number + 1
+    taken.add(name.lower())
+    return name
+
+
+def _stream_head(stream: Stream, names: Mapping[str, Mapping[str, str]]) -> dict[str, Any]:
     channels = {}
     for name, channel in stream.channels.items():
         u = None if isinstance(channel.u, np.ndarray) else channel.u
@@ -117,6 +193,7 @@ def _stream_head(stream: Stream) -> dict[str, Any]:
             "sensor": channel.sensor,
             "kind": channel.kind,
             "raw": channel.raw,
+            "columns": dict(names[name]),
         }
     return {
         "samples": len(stream.time_s),
@@ -126,16 +203,13 @@ def _stream_head(stream: Stream) -> dict[str, Any]:
     }
 
 
-def _write_table(path: Path, stream: Stream) -> None:
+def _write_table(path: Path, stream: Stream, names: Mapping[str, Mapping[str, str]]) -> None:
     import duckdb
 
-    columns: dict[str, Any] = {"time_s": np.asarray(stream.time_s)}
+    columns: dict[str, Any] = {TIME: np.asarray(stream.time_s)}
     for name, channel in stream.channels.items():
-        columns[name] = np.asarray(channel.values)
-        if isinstance(channel.u, np.ndarray):
-            columns[_U + name] = np.asarray(channel.u)
-        if channel.saturated is not None:
-            columns[_SATURATED + name] = channel.saturated
+        for what, column in names[name].items():
+            columns[column] = np.asarray(getattr(channel, what))
     # numbered in the query: names of channels may hold anything
     numbered = {f"c{i}": values for i, values in enumerate(columns.values())}
     chosen = ", ".join(
@@ -173,22 +247,40 @@ def _read_table(path: Path) -> dict[str, Any]:
 def _stream(head: Mapping[str, Any], columns: Mapping[str, Array]) -> Stream:
     channels = {}
     for name, about in head["channels"].items():
-        u = columns.get(_U + name, about["u"])
-        saturated: Any = columns.get(_SATURATED + name)
+        # the first recordings that were stored do not name their columns
+        names = about.get("columns") or {
+            "values": name,
+            "u": _U + name,
+            "saturated": _SATURATED + name,
+        }
+        u = columns.get(names.get("u", ""), about["u"])
+        saturated: Any = columns.get(names.get("saturated", ""))
         channels[name] = Channel(
-            columns[name], about["unit"], about["frame"], u, about["sensor"], about["kind"],
+            columns[names["values"]], about["unit"], about["frame"], u, about["sensor"], about["kind"],
             about["raw"], saturated,
         )  # fmt: skip
-    return Stream(columns["time_s"], channels, Clock(**head["clock"]), tuple(head["gaps"]))
+    return Stream(columns[TIME], channels, Clock(**head["clock"]), tuple(head["gaps"]))
 
 
 def _provenance(head: Mapping[str, Any]) -> Provenance:
     conversions = tuple(Conversion(**row) for row in head["conversions"])
     repairs = tuple(
-        Repair(**{**row, "rows": tuple((first, last) for first, last in row["rows"])})
+        Repair(
+            **{
+                **row,
+                "rows": tuple((first, last) for first, last in row["rows"]),
+                "before": _numbers(row["before"]),
+                "after": _numbers(row["after"]),
+            }
+        )
         for row in head["repairs"]
     )
     return Provenance(**{**head, "conversions": conversions, "repairs": repairs})
+
+
+def _numbers(row: Mapping[str, float | None]) -> dict[str, float]:
+    """Numbers of a repair; null stands for one that is not finite."""
+    return {name: math.nan if value is None else value for name, value in row.items()}
 
 
 def _events(rows: list[Mapping[str, Any]]) -> tuple[Event, ...]:

@@ -312,7 +312,9 @@ def _head_faults(head: _Head) -> dict[str, str]:
             faults[f"parameters.{name}"] = f"{name!r} cannot be the name of a parameter"
     for number, name in enumerate(head.fit.parameters if head.fit else ()):
         if name not in head.parameters:
-            faults[f"fit.parameters.{number}"] = str(UnknownName("parameter", name, head.parameters))
+            faults[f"fit.parameters.{number}"] = str(
+                UnknownName("parameter", name, head.parameters)
+            )
     for name, preset in head.presets.items():
         for parameter, sentence in out_of_bounds(preset.set, head.parameters).items():
             faults[f"presets.{name}.set.{parameter}"] = sentence

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import difflib
 import functools
 import math
 import re
@@ -65,6 +66,15 @@ _LOG_UNITS = {
 }  # fmt: skip
 #: what pint reads as something else than a log means by it
 _NO_UNITS = ("px", "pixel", "pixels", "dB", "dBm", "LSB")
+_WANTED = "a unit such as m, s, m/s^2, deg/s, V, or 1 for a plain number"
+#: units that are proposed for what is written nearly so
+_USUAL = (
+    "m", "mm", "cm", "km", "s", "ms", "us", "ns", "min", "h", "kg", "g_0", "mg_0", "m/s", "mm/s",
+    "km/h", "m/s^2", "mm/s^2", "rad", "mrad", "deg", "rad/s", "deg/s", "deg/s^2", "rad/s^2",
+    "turn/s", "turn/min", "N", "mN", "kN", "N*m", "N*mm", "N*cm", "mN*m", "Pa", "hPa", "kPa", "bar",
+    "mbar", "V", "mV", "A", "mA", "uA", "K", "degC", "Hz", "kHz", "MHz", "T", "mT", "uT", "W", "mW",
+    "kW", "J", "ohm", "percent",
+)  # fmt: skip
 _ANGLE = re.compile(r"\b(rad|deg|degree|degrees|radian|radians|turn|turns|revolution|rpm)\b")
 
 _SYMBOLS = {"**2": "²", "**3": "³", "*": "·", "ohm": "Ω"}
@@ -187,6 +197,15 @@ def _meaning(text: str) -> tuple[float, float, str] | str:
     target = "" if si_unit == "1" else si_unit
     zero, one = (float(_registry().Quantity(x, unit).to(target).magnitude) for x in (0.0, 1.0))
     return one - zero, zero, si_unit
+
+
+def not_a_unit(text: str) -> str:
+    """What to say of a unit that is none, with those that are written nearly so."""
+    if text.strip() == "?":
+        return "'?' is no unit; replace the ? by the unit, or by 1 for a plain number"
+    near = difflib.get_close_matches(text.strip(), _USUAL, n=2, cutoff=0.6)
+    hint = f"did you mean {' or '.join(near)}? E" if near else "e"
+    return f"{text!r} is not a unit; {hint}xpected {_WANTED}"
 
 
 def _si_unit(unit: Any, *, is_angle: bool, is_energy: bool) -> str | None:  # noqa: ANN401

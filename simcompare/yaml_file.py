@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+import re
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,9 @@ import yaml
 from pydantic import ValidationError
 
 from simcompare.errors import InputError
+
+#: parts that aliases may stand for, beside those that are written out
+_MOST_ALIASED = 100_000
 
 
 def read_yaml(path: Path) -> tuple[Any, dict[str, int], dict[str, str]]:
@@ -25,17 +29,61 @@ def read_yaml(path: Path) -> tuple[Any, dict[str, int], dict[str, str]]:
     lines: dict[str, int] = {}
     faults: dict[str, str] = {}
     try:
-        content = yaml.safe_load(text)
-        _collect_lines(yaml.compose(text, Loader=yaml.SafeLoader), "", lines, faults)
+        content = _content(path, text, lines, faults)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
-        raise InputError(str(path), [f"{place}not valid YAML: {error.problem}"]) from None
+        # a template has one where the user must write
+        open_ = mark is not None and re.search(r"[{,:]\s*\?", _line(text, mark.line))
+        cure = "; replace the ? by what it stands for" if open_ else ""
+        raise InputError(str(path), [f"{place}not valid YAML: {error.problem}{cure}"]) from None
     except (yaml.YAMLError, ValueError) as error:
         raise InputError(str(path), [f"not valid YAML: {error}"]) from None
     except RecursionError:
         raise InputError(str(path), ["is nested too deeply, or an alias holds itself"]) from None
     return content, lines, faults
+
+
+def _line(text: str, number: int) -> str:
+    """A line of a text, counted from 0; empty beyond its end."""
+    return next(iter(text.splitlines()[number : number + 1]), "")
+
+
+def _content(path: Path, text: str, lines: dict[str, int], faults: dict[str, str]) -> Any:  # noqa: ANN401
+    """What a YAML text holds; the lines of its places and its faults are added."""
+    loader = yaml.SafeLoader(text)
+    try:
+        node = loader.get_single_node()
+        if node is None:
+            return None
+        sizes: dict[int, int] = {}
+        # a few aliases of aliases stand for more parts than any computer can hold
+        if _size(node, sizes) > len(sizes) + _MOST_ALIASED:
+            raise InputError(
+                str(path),
+                [f"its aliases (*name) stand for more than {_MOST_ALIASED} parts; use fewer"],
+            )
+        _collect_lines(node, "", lines, faults)
+        return loader.construct_document(node)
+    finally:
+        loader.dispose()
+
+
+def _size(node: yaml.Node, sizes: dict[int, int]) -> int:
+    """Number of parts below a node, those behind aliases counted each time they are used."""
+    if id(node) in sizes:
+        if not sizes[id(node)]:
+            raise RecursionError  # it is a part of itself
+        return sizes[id(node)]
+    sizes[id(node)] = 0
+    parts: list[yaml.Node] = []
+    if isinstance(node, yaml.MappingNode):
+        parts = [part for pair in node.value for part in pair]
+    elif isinstance(node, yaml.SequenceNode):
+        parts = node.value
+    total = 1 + sum(_size(part, sizes) for part in parts)
+    sizes[id(node)] = total
+    return total
 
 
 def _collect_lines(
@@ -60,7 +108,8 @@ def faults_of(error: ValidationError) -> dict[str, str]:
     faults = {}
     for item in error.errors():
         place = ".".join(_place_of(item["loc"]))
-        message = _MESSAGES.get(item["type"]) or item["msg"].removeprefix("Value error, ")
+        message = _message(item["type"], item.get("ctx") or {}) or item["msg"]
+        message = message.removeprefix("Value error, ")
         found = item.get("input")
         shown = "" if isinstance(found, dict | list) else f", found {found!r}"
         faults[place] = f"{message}{shown}"
@@ -81,8 +130,35 @@ def _place_of(loc: tuple[int | str, ...]) -> list[str]:
 _MESSAGES = {
     "missing": "is missing",
     "extra_forbidden": "is not known here",
-    "model_type": "is one value; expected a mapping with its parts, such as {value: 1.0}",
+    "model_type": "is one value; expected a mapping with its parts, such as {{value: 1.0}}",
+    "mapping_type": "is one value; expected a mapping, such as {{name: value}}",
+    "dict_type": "is one value; expected a mapping, such as {{name: value}}",
+    "tuple_type": "expected a list, such as [1, 2]",
+    "list_type": "expected a list, such as [1, 2]",
+    "float_type": "expected a number",
+    "float_parsing": "expected a number",
+    "int_type": "expected a whole number",
+    "int_parsing": "expected a whole number",
+    "int_from_float": "expected a whole number",
+    "finite_number": "expected a finite number",
+    "bool_type": "expected true or false",
+    "bool_parsing": "expected true or false",
+    "string_type": "expected a text",
+    "string_too_short": "expected a text of at least {min_length} characters",
+    "string_pattern_mismatch": "is not written as it must be (pattern {pattern})",
+    "greater_than": "expected a number greater than {gt:g}",
+    "greater_than_equal": "expected a number of at least {ge:g}",
+    "less_than": "expected a number less than {lt:g}",
+    "less_than_equal": "expected a number of at most {le:g}",
+    "literal_error": "expected {expected}",
+    "too_short": "expected at least {min_length}, found {actual_length}",
+    "too_long": "expected at most {max_length}, found {actual_length}",
 }
+
+
+def _message(kind: str, about: Mapping[str, Any]) -> str:
+    """Plain words for a kind of fault, empty where there are none."""
+    return _MESSAGES.get(kind, "").format(**about)
 
 
 def describe(faults: Mapping[str, str], lines: Mapping[str, int]) -> list[str]:

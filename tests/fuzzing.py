@@ -29,7 +29,7 @@ import numpy as np
 
 from tests import valid_logs
 from tests.mutations import Mutation, mutated
-from tests.valid_logs import Log
+from tests.text_samples import Log
 
 #: what becomes of a mutation; the last ones are failures
 OUTCOMES = (

@@ -17,9 +17,10 @@ import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from tests.text_mutations import HUGE, Edit, text_edits
-from tests.valid_logs import Log
+from tests.text_samples import Log
 
 
 @dataclass(frozen=True)
@@ -142,7 +143,7 @@ def _splice(chance: random.Random, data: bytes, others: Sequence[Log]) -> bytes:
 def _huge(chance: random.Random, data: bytes) -> bytes:
     """A field that may be a length, as large as it can be."""
     size = chance.choice((2, 4, 4, 8, 8))
-    order = chance.choice(("little", "little", "big"))
+    order: Any = chance.choice(("little", "little", "big"))
     at = (
         _at(chance, data) // chance.choice((1, 4)) * 4
         if chance.random() < 0.5

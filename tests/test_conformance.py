@@ -80,7 +80,7 @@ def test_no_scenario_is_named_in_a_backend_and_no_engine_in_a_scenario():
         for name in SCENARIOS:
             assert f'"{name}"' not in text, f"{path} names the scenario {name}"
     for name, path in catalogue.files().items():
-        for file in (path, path.with_name("reference.py")):
+        for file in filter(Path.is_file, (path, path.with_name("reference.py"))):
             text = file.read_text(encoding="utf-8").lower()
             for engine in ENGINES:
                 assert engine not in text, f"{file} of {name} names {engine}"

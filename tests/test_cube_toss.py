@@ -95,7 +95,7 @@ def test_no_flight_has_more_energy_than_the_one_before(engine, restitution):
     flying = tosses.lowest_m(tosses.Toss("", found.time_s, place, turn), WIDTH) > 1e-3
     held = energy[flying]
     assert (held - np.minimum.accumulate(held)).max() < 1e-4 * energy[0]
-    assert held[0] - held[-1] > 0.01 * energy[0]
+    assert energy[-1] < 0.9 * energy[0]
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -157,10 +157,11 @@ def test_two_bodies_that_bounce_are_refused_by_the_engine_of_springs():
 # --- what is read off tosses -------------------------------------------------------------------
 
 
-def made(engine="dart", parts=14, **parameters):
+def made(engine="dart", samples=100, **parameters):
     """A toss that an engine made, at the samples of a camera."""
+    parts = 14
     step_s = 1 / 148 / parts
-    _, found = tossed(engine, step_s, duration_s=100 / 148, **parameters)
+    _, found = tossed(engine, step_s, duration_s=samples / 148, **parameters)
     rows = slice(0, None, parts)
     place, turn = found.signals["cube.position_m"][rows], found.signals["cube.orientation_wxyz"]
     return tosses.Toss("made", np.arange(len(place)) / 148, place, turn[rows])
@@ -238,7 +239,7 @@ def test_intervals_of_a_mean_cover_it():
 @pytest.mark.parametrize("scale", [0.95, 1.0, 1.03])
 def test_both_witnesses_find_the_scale_of_made_tosses(scale):
     found = [
-        made(start_rate_y_rad_s=rate, start_z_m=0.2).scaled(1 / scale)
+        made(samples=200, start_rate_y_rad_s=rate, start_z_m=0.2).scaled(1 / scale)
         for rate in (-4.0, -2.0, 0.5, 2.0, 4.0)
     ]
     for witness in tosses.witnesses(found, WIDTH, G):

@@ -170,7 +170,9 @@ def test_what_is_no_series_of_bounces_is_refused_in_words(times, message):
 
 
 def test_a_metronome_is_no_ball():
-    with pytest.raises(InputError, match="become shorter by a steady factor; found flights of 0.5"):
+    with pytest.raises(
+        InputError, match=r"become shorter by a steady factor; found flights of 0\.5"
+    ):
         from_times(np.arange(12) * 0.5, 1e-4)
 
 

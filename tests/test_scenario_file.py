@@ -297,5 +297,5 @@ def test_a_variant_of_nothing_or_of_itself_is_told(write):
 
 def test_a_fault_of_a_variant_is_told_with_its_own_line(write):
     write("toy.yaml", TOY)
-    with pytest.raises(InputError, match=r"line 9, bodies\.ball\.mass_kg: Input should be greater"):
+    with pytest.raises(InputError, match=r"line 9, bodies\.ball\.mass_kg: expected a number gr"):
         read(write("toy_high.yaml", VARIANT.replace("mass_kg: 5", "mass_kg: -5")))

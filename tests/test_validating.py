@@ -106,7 +106,7 @@ def test_a_wrong_length_is_seen_as_such(logs):
     expected = 2 * np.pi * np.sqrt(0.26 / 9.80665) - 2 * np.pi * np.sqrt(LENGTH_M / 9.80665)
     assert periods[0]["error"] == pytest.approx(expected, rel=0.02)
     assert abs(periods[0]["e_n"]) > 1
-    assert periods[0]["words"] == "differs by more than the uncertainties explain"
+    assert periods[0]["words"] == "beyond the uncertainties"
 
 
 def test_what_is_known_badly_is_in_the_uncertainty(logs):
@@ -180,3 +180,51 @@ def test_the_command_prints_json_and_writes_a_report(logs, call):
     text = report.read_text(encoding="utf-8")
     for title in ("What the gap is made of", "What is left", "The recording", "Parameters"):
         assert title in text
+
+
+def test_what_a_fit_makes_up_for_is_no_uncertainty_of_the_prediction(logs):
+    """A free swing tells damping over mass only: the mass adds nothing once damping is fitted."""
+    tree = yaml.safe_load((logs / plan(logs, 0.9, **FIT).rpartition("/")[2]).read_text())
+    tree["validate"][0]["parameters"]["mass_kg"] = {"value": 0.15, "u": 0.03, "source": "a guess"}
+    place = logs / "mass.yaml"
+    place.write_text(yaml.safe_dump(tree))
+    found = simcompare.validate(
+        "pendulum", recording=str(logs / "s0.csv"), mapping=str(place), engine="pymunk"
+    ).record["validation"]
+    (loss,) = [row for row in found["values"] if row["measure"] == "log_decrement"]
+    assert loss["budget"]["mass_kg"] < 0.05 * 0.2 * loss["simulated"]
+
+
+def test_a_channel_of_another_unit_is_refused(logs):
+    tree = yaml.safe_load((logs / plan(logs, 0.9).rpartition("/")[2]).read_text())
+    tree["channels"]["angle"]["unit"] = "mm"
+    place = logs / "unit.yaml"
+    place.write_text(yaml.safe_dump(tree))
+    with pytest.raises(InputError, match="probe angle_rad is in rad, but channel angle in m"):
+        simcompare.validate(
+            "pendulum", recording=str(logs / "s0.csv"), mapping=str(place), engine="pymunk"
+        )
+
+
+def test_another_log_is_calibrated_on_with_the_same_plan(logs):
+    fitted = {**FIT["calibrate"], "recording": str(logs / "s0.csv")}
+    tree = yaml.safe_load((logs / plan(logs, 0.9, calibrate=fitted).rpartition("/")[2]).read_text())
+    known = tree["validate"][0]["parameters"]
+    del known["start_angle_rad"], known["start_rate_rad_s"]
+    tree["validate"][0]["start"] = {
+        "start_angle_rad": {"channel": "angle", "over_s": 0.1},
+        "start_rate_rad_s": {"channel": "angle", "over_s": 0.1, "derivative": 1},
+    }
+    place = logs / "two.yaml"
+    place.write_text(yaml.safe_dump(tree))
+    found = simcompare.validate(
+        "pendulum", recording=str(logs / "s1.csv"), mapping=str(place), engine="pymunk"
+    ).record["validation"]
+    assert found["basis"] == "held out"
+    (length,) = [row for row in found["parameters"] if row["name"] == "length_m"]
+    assert abs(length["fitted"] - LENGTH_M) < 3 * length["u_fitted"]
+    assert length["u_fitted"] < 1e-3 * LENGTH_M
+    again = simcompare.validate(
+        "pendulum", recording=str(logs / "s0.csv"), mapping=str(place), engine="pymunk"
+    ).record["validation"]
+    assert again["basis"] == "same data"

@@ -12,8 +12,6 @@ from simcompare.validation.scores import (
     birge_ratio,
     e_n,
     gci,
-    leave_one_out,
-    robust,
     vv20,
     weighted_mean,
     zeta,
@@ -90,19 +88,6 @@ def test_values_that_disagree_are_inconsistent():
         birge_ratio([1.0], 0.1)
     with pytest.raises(InputError, match="uncertainty greater than zero"):
         birge_ratio([1.0, 2.0], [0.1, 0.0])
-
-
-def test_one_wild_value_of_four_does_not_move_the_robust_reference():
-    calm, wild = robust([9.9, 10.0, 10.1, 10.05]), robust([9.9, 10.0, 10.1, 1e6])
-    assert abs(wild.median - calm.median) < 0.06
-    assert wild.made < 0.2
-    assert robust([1.0, 2.0, 3.0, 4.0, 5.0]).made == pytest.approx(1.4826, abs=1e-4)
-
-
-def test_the_reference_of_a_value_is_made_without_it():
-    found = leave_one_out([1.0, 2.0, 6.0], 1.0)
-    assert [one.value for one in found] == pytest.approx([4.0, 3.5, 1.5])
-    assert found[0].u == pytest.approx(math.sqrt(0.5))
 
 
 def test_comparison_error_and_validation_uncertainty():

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from simcompare.errors import InputError
-from simcompare.validation.filtering import interpolated, low_pass, moving_average, near_events
+from simcompare.validation.filtering import interpolated, near_events
 from simcompare.validation.waveform import waveform
 
 NUMBERS = st.floats(-1e3, 1e3).map(lambda x: round(x, 3))
@@ -164,27 +164,3 @@ def test_missing_simulated_samples_are_bridged_only_up_to_the_given_gap():
 def test_times_that_do_not_increase_are_refused():
     with pytest.raises(InputError, match="does not come after"):
         interpolated([0.0, 1.0, 1.0], [0.0, 1.0, 2.0], [0.5])
-
-
-def test_a_moving_average_keeps_a_straight_line_and_its_ends_are_missing():
-    found = moving_average(np.arange(7.0), 3)
-    assert np.isnan(found[[0, 6]]).all()
-    assert found[1:6].tolist() == [1.0, 2.0, 3.0, 4.0, 5.0]
-    with pytest.raises(InputError, match="odd"):
-        moving_average(np.arange(7.0), 4)
-
-
-def test_a_low_pass_answers_a_sine_as_its_transfer_function_says():
-    t = np.arange(0, 4, 1e-3)
-    found = low_pass(t, np.sin(2 * np.pi * 5 * t), 5.0)
-    late = t > 2
-    # at the natural frequency a Butterworth filter halves the power and delays by a quarter
-    assert np.ptp(found[late]) / 2 == pytest.approx(math.sqrt(0.5), rel=1e-3)
-    assert np.corrcoef(found[late], -np.cos(2 * np.pi * 5 * t[late]))[0, 1] > 0.9999
-
-
-def test_a_low_pass_needs_even_times_and_whole_values():
-    with pytest.raises(InputError, match="not evenly spaced"):
-        low_pass([0.0, 1.0, 3.0], [0.0, 1.0, 2.0], 1.0)
-    with pytest.raises(InputError, match="value 2 is missing"):
-        low_pass([0.0, 1.0, 2.0], [0.0, np.nan, 2.0], 1.0)

@@ -180,10 +180,10 @@ def _uncertainty(
         stated = None if column.u is None else column.u * abs(made.factor)
     if stated is None or column.added_u is None:
         return stated  # what is unknown does not become known by being interpolated
-    whole = column.added_u
+    whole = intervals.room(len(column.values))
     for part in blocks(len(whole)):
         own = stated[part] if isinstance(stated, np.ndarray) else stated
-        whole[part] = np.hypot(whole[part] * made.factor, own)
+        whole[part] = np.hypot(column.added_u[part] * made.factor, own)
     return whole
 
 

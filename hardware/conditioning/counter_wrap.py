@@ -45,15 +45,15 @@ def _told(work: Work, column: RawColumn, wrap: float) -> None:
     """The mapping says where the counter begins again."""
     steep = []
     wraps = []
-    for after, step in _steps(column):
+    for after, step in steps(column):
         turned = step - wrap * np.round(step / wrap)
         steep.append(after[np.abs(turned) > _AMBIGUOUS * wrap])
         wraps.append(after[np.round(step / wrap) != 0])
     fast = np.concatenate(steep) if steep else np.empty(0, dtype=np.int64)
     if len(fast):
         work.fault(
-            f"moves by more than {_AMBIGUOUS:g} of the {wrap:g} counts after which it begins again"
-            f" ({intervals.shorten(fast, work)}), so it cannot be told how often it did; record"
+            f"moves by more than {_AMBIGUOUS:g} of the {_amount(column, wrap)} after which it begins"
+            f" again ({intervals.shorten(fast, work)}), so it cannot be told how often it did; record"
             " with shorter intervals, or correct wraps in the mapping file (counter_wrap)",
             sample=int(fast[0]),
             channel=column.name,
@@ -61,7 +61,7 @@ def _told(work: Work, column: RawColumn, wrap: float) -> None:
         return
     at = np.concatenate(wraps) if wraps else np.empty(0, dtype=np.int64)
     if len(at):
-        _unwrap(work, column, wrap, at)
+        unwrap(work, column, wrap, at)
 
 
 def _found(work: Work, column: RawColumn) -> None:
@@ -82,7 +82,7 @@ def _found(work: Work, column: RawColumn) -> None:
         turning = np.array([_turns(column, int(i), wrap) for i in at[:1000]])
         # near a place where it turns back, a counter goes either way: most of them must agree
         if turning.mean() >= 0.5 and not medium:
-            _unwrap(work, column, wrap, at)
+            unwrap(work, column, wrap, at)
         elif turning.any() and medium <= len(at):
             work.warn(
                 "counter_wrap", f"jumps by almost {wrap:g}, as a counter that begins again does,"
@@ -92,7 +92,7 @@ def _found(work: Work, column: RawColumn) -> None:
         return
 
 
-def _steps(column: RawColumn) -> Iterator[tuple[Indices, Array]]:
+def steps(column: RawColumn) -> Iterator[tuple[Indices, Array]]:
     """Steps between values that are there: index of the second, and the difference."""
     last: tuple[Indices, Array] | None = None
     for part in blocks(len(column.values)):
@@ -111,7 +111,7 @@ def _jumps(work: Work, column: RawColumn, wrap: float) -> tuple[Indices, int]:
     """Where the column jumps by almost its range, and how many steps lie in between."""
     found, medium = [np.empty(0, dtype=np.int64)], 0
     behind_gaps = np.array(work.gaps, dtype=np.int64) + 1
-    for after, step in _steps(column):
+    for after, step in steps(column):
         size = np.abs(step)
         found.append(after[size > (1 - _SMALL) * wrap])
         between = after[(size > _SMALL * wrap) & (size <= (1 - _SMALL) * wrap)]
@@ -166,7 +166,18 @@ def _turns(column: RawColumn, after: int, wrap: float) -> bool:
     return bool((way * gone > 0).any() and (way * gone >= 0).all() and way * turned >= 0)
 
 
-def _unwrap(work: Work, column: RawColumn, wrap: float, at: Indices) -> None:
+def unwrap(
+    work: Work, column: RawColumn, wrap: float, at: Indices, rule: str = "counter_wrap"
+) -> None:
+    """Adds up the turns of a column that begins again after ``wrap``, and records it.
+
+    Args:
+        work: the stream.
+        column: one of its columns.
+        wrap: after how much it begins again, in its own unit.
+        at: samples before which it does.
+        rule: under which it is recorded.
+    """
     low, high = intervals.extent(column.values)
     turns, last = 0.0, np.nan
     for part in blocks(len(column.values)):
@@ -182,7 +193,7 @@ def _unwrap(work: Work, column: RawColumn, wrap: float, at: Indices) -> None:
         turns, last = float(turned[-1]), float(values[-1])
     now_low, now_high = intervals.extent(column.values)
     work.repair(
-        "counter_wrap", f"begins again after {wrap:g} counts, {_times(len(at))}; the turns were"
+        rule, f"begins again after {_amount(column, wrap)}, {_times(len(at))}; the turns were"
         " added up", samples=at, channel=column.name, before={"min": low, "max": high},
         after={"min": now_low, "max": now_high},
     )  # fmt: skip
@@ -200,9 +211,14 @@ def _unsure(work: Work, column: RawColumn, wrap: float) -> None:
     if len(unsure):
         work.warn(
             "counter_wrap_in_gap", "is fast enough to begin again within a gap; from there on it"
-            f" may be off by whole multiples of {wrap:g} counts", samples=unsure + 1,
+            f" may be off by whole multiples of {_amount(column, wrap)}", samples=unsure + 1,
             channel=column.name,
         )  # fmt: skip
+
+
+def _amount(column: RawColumn, wrap: float) -> str:
+    """A range in the unit of the column: ``360 deg``, ``4096 counts``."""
+    return f"{wrap:.6g} {'counts' if column.unit in ('', '1') else column.unit}"
 
 
 def _times(count: int) -> str:

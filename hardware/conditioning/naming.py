@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 from simcompare import units
 from simcompare.errors import InputError
+from simcompare.hardware.conditioning.intervals import steps
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.logs.mapping import ChannelMap, Mapping
 from simcompare.hardware.logs.raw import RawColumn, RawStream
@@ -17,6 +18,8 @@ from simcompare.recording import Conversion
 _ACCELERATION = re.compile(
     r"acc|imu|specific.?force|(^|_)a[xyz]?($|_)|^g[xyz]?force", re.IGNORECASE
 )
+#: what the times of a stream are called
+CLOCK = "time_s"
 _NO_ACCELERATION = re.compile(r"gyr|mag|ang|rate|accura", re.IGNORECASE)
 
 
@@ -46,10 +49,17 @@ def _settle_time(work: Work, names: Sequence[str]) -> None:
             wanted = " or ".join(time.columns)
             work.fault(f"there is no one column {wanted} for the time; it has {', '.join(names)}")
     if stream.time is None and stream.increment_s is None:
+        likely = next((c.name for c in stream.columns if _increases(c)), "…")
+        hint = f"; {likely!r} increases from row to row and may be it" if likely != "…" else ""
         work.fault(
-            f"no column is a time (columns: {', '.join(names[:20])}); write a mapping file (--map)"
-            " with time: {column: …, unit: s} or time: {rate_Hz: …}"
+            f"no column is a time (columns: {', '.join(names[:20])}){hint}. Write a mapping file"
+            f" (--map) with time: {{column: {likely}, unit: s}} or time: {{rate_Hz: …}}"
         )
+
+
+def _increases(column: RawColumn) -> bool:
+    """Whether every value is larger than the one before."""
+    return len(column.values) > 2 and all((step > 0).all() for _, step in steps(column.values))
 
 
 def _settle_unit(work: Work, column: RawColumn) -> None:
@@ -87,6 +97,12 @@ def channels_of(work: Work, column: RawColumn) -> Sequence[tuple[ChannelMap | No
 def conversion(work: Work, column: RawColumn, wish: ChannelMap | None, name: str) -> Conversion:
     """How a column becomes SI; a fault, or an empty channel, where its unit is not known."""
     unit = unit_text(f"{column.name} {name}", wish.unit if wish else column.unit)
+    odd = _odd_unit(column.name) if not unit else ""
+    if odd and not work.mapping.channels:
+        work.fault(
+            f"has a unit that is not understood: {units.not_a_unit(odd)}", channel=column.name
+        )
+        return Conversion(column.name, odd, "", "", reason="has an unknown unit")
     if not unit and work.mapping.channels:
         return Conversion(column.name, "", "", "", reason="has no unit and is not in the mapping")
     if not unit:
@@ -103,10 +119,18 @@ def conversion(work: Work, column: RawColumn, wish: ChannelMap | None, name: str
     added = wish.offset if wish else 0.0
     suffix = units.suffix_for(si_unit)
     full = name if not suffix or name.endswith(suffix) else f"{name}{suffix}"
+    reason = "mapping" if wish else ""
+    if full == CLOCK:  # the times of the stream are called so
+        full, reason = f"recorded_{CLOCK}", f"{CLOCK} is the name of the clock"
     return Conversion(
-        column.name, unit, full, si_unit, sign * scale * factor, added * factor + offset,
-        "mapping" if wish else "",
-    )  # fmt: skip
+        column.name, unit, full, si_unit, sign * scale * factor, added * factor + offset, reason
+    )
+
+
+def _odd_unit(name: str) -> str:
+    """What stands in brackets at the end of a name, where a unit should."""
+    match = re.search(r"[\[(]\s*([A-Za-zµμΩ°%][^()\[\]]{0,11}?)\s*[\])]\s*$", name)
+    return match[1] if match and " " not in match[1] else ""
 
 
 def unit_faults(work: Work) -> list[str]:

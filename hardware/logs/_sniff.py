@@ -108,6 +108,13 @@ def sniff(source: _text.Source, keep: Collection[str] = ()) -> Layout:
     width = _width([cells[i] for i in rows])
     kinds = _kinds([cells[i] for i in rows if len(cells[i]) == width][-len(rows) // 2 - 1 :], width)
     first = next((i for i in rows if _fits(cells[i], kinds)), None)
+    if first is None and _is_header_alone(cells, width):
+        names = ", ".join(cells[rows[0]])[:80]
+        raise InputError(
+            source.label,
+            [f"line {rows[0] + 1}: has a header ({names}) and no rows; the log ends before its"
+             " first sample"],
+        )  # fmt: skip
     if first is None or not {"number", "list"} & set(kinds):
         raise InputError(
             source.label,
@@ -136,6 +143,17 @@ def sniff(source: _text.Source, keep: Collection[str] = ()) -> Layout:
         0 if header is None else header + 1,
         tuple(lines[: first if header is None else header]),
         styles,
+    )
+
+
+def _is_header_alone(cells: dict[int, list[str]], width: int) -> bool:
+    """Whether there are names, perhaps with units below them, and nothing else."""
+    texts = [cell.strip() for row in cells.values() for cell in row]
+    return (
+        1 <= len(cells) <= 2
+        and width > 1
+        and all(len(row) == width for row in cells.values())
+        and all(0 < len(text) <= 40 and kind_of(text) == "text" for text in texts)
     )
 
 

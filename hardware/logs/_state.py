@@ -82,6 +82,7 @@ class State:
     count: int = 0
     last_line: int = 0
     truncated: str = ""
+    no_end: int = 0
     examples: dict[int, str] = field(default_factory=dict)
 
     def fault(self, text: str) -> None:
@@ -128,6 +129,13 @@ class State:
                 severity, text = words[rule]
                 named = tuple((a, b) for a, b in lines.runs()[:MOST_ROWS].tolist())
                 found.append(Repair(rule, severity, text, rows=named, count=len(lines)))
+        if self.no_end:
+            text = (
+                f"line {self.no_end}, the last one, has no line end; if the file was cut there, its"
+                " last number is not whole"
+            )
+            rows = ((self.no_end, self.no_end),)
+            found.append(Repair("no_line_end", INFO, text, rows=rows, count=1))
         if self.midnights:
             text = "the time of day passes midnight; a day was added from there on"
             rows = ranges(self.midnights[:MOST_ROWS])

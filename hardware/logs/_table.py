@@ -33,6 +33,8 @@ _MISGROUPED = {
     )
     for mark in (",", ".")
 }
+#: rows that tell how many decimals the numbers of a column have, and how few tell nothing
+_COMPARED, _FEWEST = 100, 5
 _DAY_NS = 86_400 * 10**9
 
 
@@ -264,6 +266,12 @@ class _Reader:
                 state.truncated = f"line {at} ends in the middle ({have}); it was left out"
                 state.skip("cut", at)
                 continue
+            if not block.ended and self._is_short(at, cells[-1]):
+                text = f"{cells[-1].strip()!r} has fewer decimals than all above"
+                state.truncated = f"line {at} ends in the middle ({text}); it was left out"
+                state.skip("cut", at)
+                continue
+            state.no_end = 0 if block.ended else at
             if len(cells) != width:
                 state.fault(f"line {at}: has {len(cells)} cells, expected {width}")
                 continue
@@ -286,6 +294,20 @@ class _Reader:
             value = _text.number(cell, self.layout.decimal, self.layout.thousands)
             return value is None or not cell
         return kind == "list" and not cell.endswith(("]", ")"))
+
+    def _is_short(self, line: int, cell: str) -> bool:
+        """Whether a number has fewer decimals than those above, which all have as many."""
+        layout = self.layout
+        if layout.kinds[-1] != "number":
+            return False
+        first = layout.first_line - 1
+        above = self.source.head[first : min(line - 1, first + _COMPARED)]
+        cells = [split(text, layout.separator) for text in above if text.strip()]
+        usual = {
+            _decimals(row[-1], layout.decimal) for row in cells if len(row) == len(layout.kinds)
+        }
+        own = _decimals(cell, layout.decimal)
+        return len(cells) >= _FEWEST and len(usual) == 1 and own < usual.pop()
 
     def _row(self, line: int, cells: Sequence[str]) -> Array | None:
         """One row as (1, slots), or a fault for every cell that is no number."""
@@ -339,7 +361,12 @@ class _Reader:
             "date": f"a date as {layout.styles[k].words}" if k in layout.styles else "a date",
             "integer": "a whole number",
         }.get(kind, "a number" + (" with a decimal comma" if layout.decimal == "," else ""))
-        self.state.fault(f"line {line}, column {name!r}: {cell.strip()[:60]!r} is not {wanted}")
+        # a word in a column of numbers mostly says that nothing was measured
+        cure = "; if nothing was measured, leave the cell empty, or delete the line"
+        self.state.fault(
+            f"line {line}, column {name!r}: {cell.strip()[:60]!r} is not {wanted}"
+            f"{cure if kind == 'number' else ''}"
+        )
 
     # ---- the end ------------------------------------------------------------------------------
 
@@ -368,10 +395,17 @@ class _Reader:
             else:
                 columns.append(RawColumn(name, next(left), "s" if kind == "date" else unit))
         origins = {layout.names[k][0]: origin for k, origin in state.origins.items()}
-        return Table(columns, layout.first_line, state.rows(layout.first_line, len(arrays[0])), state.truncated,
-                     state.repairs(layout), ignored, origins)  # fmt: skip
+        rows = state.rows(layout.first_line, len(arrays[0]))
+        return Table(columns, layout.first_line, rows, state.truncated, state.repairs(layout),
+                     ignored, origins)  # fmt: skip
 
     def _example(self, k: int) -> str:
         line = self.source.head[min(self.layout.first_line, len(self.source.head)) - 1]
         cells = split(line, self.layout.separator)
         return f"holds text such as {cells[k].strip()[:40]!r}" if k < len(cells) else "holds text"
+
+
+def _decimals(cell: str, mark: str) -> int:
+    """Digits behind the decimal mark; an exponent counts as none."""
+    digits = cell.strip().partition(mark)[2]
+    return len(digits) if digits.isdigit() else 0

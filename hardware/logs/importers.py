@@ -19,12 +19,15 @@ from pathlib import Path
 from typing import Protocol, cast
 
 from simcompare.errors import EngineMissing, InputError, SimcompareError, UnknownName
+from simcompare.hardware.logs import foreign
 from simcompare.hardware.logs.mapping import Mapping
 from simcompare.hardware.logs.raw import Head, RawLog
 
 ENTRY_POINT_GROUP = "simcompare.importers"
 #: bytes by which a format is recognised
 HEAD_BYTES = 1 << 16
+#: from here on an importer is believed, whatever else the file looks like
+_CERTAIN = 50
 _FOLDER = Path(__file__).parent
 
 
@@ -106,6 +109,9 @@ def recognise(path: Path) -> str:
     certainty = {name: get(name).recognises(head) for name in targets()}
     best = max(certainty.values(), default=0)
     names = [name for name, value in certainty.items() if value == best]
+    other = foreign.kind_of(head)
+    if other and best < _CERTAIN:
+        raise InputError(str(path), [other])
     if best <= 0:
         known = ", ".join(targets())
         raise InputError(str(path), [f"is of no known format; name it with --as (known: {known})"])

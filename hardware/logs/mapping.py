@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping as MappingOf
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, ValidationError, model_validator
 
@@ -21,11 +21,29 @@ from simcompare.errors import InputError
 from simcompare.yaml_file import describe, faults_of, read_yaml
 
 
+#: what stands in a template where the user must write
+UNKNOWN = "?"
+
+
 class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
-class TimeMap(_Part):
+class _Column(_Part):
+    """A column and its unit, which a template leaves open where the log does not say."""
+
+    @model_validator(mode="after")
+    def _filled_in(self) -> Self:
+        left = [name for name in ("column", "unit") if getattr(self, name, None) == UNKNOWN]
+        if left:
+            raise ValueError(
+                f"{' and '.join(left)} is still ?; replace the ? ('1' is the unit of a plain number)"
+                " or delete the line"
+            )
+        return self
+
+
+class TimeMap(_Column):
     """Which column is the time, or the rate where there is none.
 
     Attributes:
@@ -50,7 +68,7 @@ class TimeMap(_Part):
         return (self.column,) if isinstance(self.column, str) else self.column or ()
 
 
-class ChannelMap(_Part):
+class ChannelMap(_Column):
     """How one column becomes a channel.
 
     Attributes:

@@ -6,10 +6,8 @@ import json
 
 from simcompare import units
 from simcompare.hardware.conditioning.naming import slug
+from simcompare.hardware.logs.mapping import UNKNOWN
 from simcompare.hardware.logs.raw import RawColumn, RawLog
-
-#: what stands where the user must write
-UNKNOWN = "?"
 
 
 def of_log(raw: RawLog, name: str, kind: str) -> str:
@@ -24,9 +22,7 @@ def of_log(raw: RawLog, name: str, kind: str) -> str:
         f"# How to read {name}: replace every {UNKNOWN}, delete what is not wanted.",
         f"format: {kind}",
     ]
-    clocks = [stream for stream in raw.streams if stream.time is None and not stream.increment_s]
-    if clocks:
-        lines.append(f"time: {{column: {UNKNOWN}, unit: {UNKNOWN}}}   # or {{rate_Hz: {UNKNOWN}}}")
+    lines += _time(raw)
     columns: dict[str, RawColumn] = {}
     for stream in raw.streams:
         for column in stream.columns:
@@ -39,6 +35,20 @@ def of_log(raw: RawLog, name: str, kind: str) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _time(raw: RawLog) -> list[str]:
+    """A line for the clock, where the log does not say all of it."""
+    if any(stream.time is None and not stream.increment_s for stream in raw.streams):
+        unknown = _quoted(UNKNOWN)
+        return [f"time: {{column: {unknown}, unit: {unknown}}}   # or {{rate_Hz: 100}}"]
+    clocks = [stream.column(stream.time) for stream in raw.streams if stream.time is not None]
+    unclear = [c for c in clocks if not c.unit and units.unit_of(c.name) != "s"]
+    if not unclear:
+        return []
+    names = list(dict.fromkeys(column.name for column in clocks))
+    shown = _quoted(names[0]) if len(names) == 1 else f"[{', '.join(map(_quoted, names))}]"
+    return [f"time: {{column: {shown}, unit: {_quoted(UNKNOWN)}}}"]
+
+
 def _line(column: RawColumn, taken: set[str]) -> str:
     stem = slug(column.name)
     unit = column.unit or (units.unit_of(column.name) if units.suffix_of(column.name) else UNKNOWN)
@@ -48,6 +58,9 @@ def _line(column: RawColumn, taken: set[str]) -> str:
     while name in taken:
         name, number = f"{stem}_{number}", number + 1
     taken.add(name)
-    # JSON strings are YAML strings, whatever a column is called
-    raw = json.dumps(column.name, ensure_ascii=False)
-    return f"{name}: {{column: {raw}, unit: {json.dumps(unit, ensure_ascii=False)}}}"
+    return f"{name}: {{column: {_quoted(column.name)}, unit: {_quoted(unit)}}}"
+
+
+def _quoted(text: str) -> str:
+    """A YAML string, whatever it holds: JSON strings are such."""
+    return json.dumps(text, ensure_ascii=False)

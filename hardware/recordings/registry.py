@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any
@@ -126,9 +126,16 @@ def cache_folder() -> Path:
 
 
 def place(name: str) -> Path | None:
-    """The folder in which all files of a data set are, ``None`` where they are not all here."""
+    """The folder in which all files of a data set are, ``None`` where they are not all here.
+
+    Raises:
+        InputError: the user's own folder does not exist.
+    """
+    own = local_folder()
+    if own is not None and not own.is_dir():
+        raise InputError(FOLDER_VARIABLE, [f"names {own}, which is no folder; correct or unset it"])
     wanted = get(name).files
-    for folder in (local_folder(), cache_folder()):
+    for folder in (own, cache_folder()):
         if folder is not None and all((folder / file.local).is_file() for file in wanted):
             return folder
     return None
@@ -172,6 +179,21 @@ def _check(path: Path, file: File) -> None:
         )
 
 
+def check_names(names: Sequence[str]) -> None:
+    """Refuses names that no data set has, all at once.
+
+    Raises:
+        InputError: no name at all, or names that are not known; lists those that are.
+    """
+    known = ", ".join(files())
+    unknown = [name for name in names if name not in files()]
+    if not names:
+        raise InputError("data", [f"name at least one public recording; known: {known}"])
+    if unknown:
+        shown = ", ".join(map(repr, unknown))
+        raise InputError("data", [f"no public recording is called {shown}; known: {known}"])
+
+
 def fetch(name: str) -> list[Path]:
     """Fetches what is missing of a data set into the user's cache.
 
@@ -201,7 +223,22 @@ def fetch(name: str) -> list[Path]:
             got = pooch.retrieve(url, f"sha256:{file.sha256}", target.name, target.parent)
         # pooch and requests raise many kinds; each means that the file is not here
         except Exception as error:  # noqa: BLE001
-            reason = str(error).splitlines()[0][:200]
-            raise OutputError(f"{name}: {url} cannot be fetched ({reason})") from None
+            raise OutputError(f"{name}: {_not_fetched(error, url, file, target)}") from None
         paths.append(Path(got))
     return paths
+
+
+def _not_fetched(error: Exception, url: str, file: File, target: Path) -> str:
+    """Why a file is not here, and how it can be had all the same."""
+    host = url.partition("://")[2].partition("/")[0]
+    by_hand = (
+        f"download {url} elsewhere and put it at {target}, or let {FOLDER_VARIABLE} name a folder"
+        f" that holds {file.local}"
+    )
+    answer = getattr(error, "response", None)  # of the server, where one was reached
+    if answer is not None:
+        return f"{host} cannot be fetched from: it answers {answer.status_code}; {by_hand}"
+    if isinstance(error, OSError):
+        return f"{host} cannot be reached (no network?); {by_hand}"
+    reason = str(error).splitlines()[0][:80] if str(error) else type(error).__name__
+    return f"{url} cannot be fetched ({reason} …); {by_hand}"

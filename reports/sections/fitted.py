@@ -62,17 +62,9 @@ class FitEngines(Section):
         """Parameters beside effective values, and native contact values."""
         tables = [fitted_tables.failed(run), fitted_tables.parameters(run),
                   fitted_tables.native(run)]  # fmt: skip
-        return _parts([fitted_figures.parameter_figure(run)], tables, _TWO_THINGS, _other_form(run))
-
-
-def _other_form(run: Run) -> str:
-    found = fitted.record(run)
-    if found.get("engine_form") is None:
-        return ""
-    return (
-        f"The data ask for: {found['closed_form']['text']}. Engines have no such contact; they were"
-        f" fitted with: {found['engine_model_text']}, and so is the closed form in this section"
-    )
+        other = fitted.other_form(run)
+        note = f"{other} So is the closed form in this section." if other else ""
+        return _parts([fitted_figures.parameter_figure(run)], tables, _TWO_THINGS, note)
 
 
 class FitForms(Section):

@@ -122,7 +122,7 @@ def _fit_words(run: Run) -> str:
     fit = real.validation(run)["fit"]
     if fit is None:
         return "Nothing was fitted."
-    streams = ", ".join(map(real.stretch, fit["streams"]))
+    streams = ", ".join(real.short(name) for name in fit["streams"] if name != real.ONLY)
     where = f"{fit['recording']}, {streams}" if streams else fit["recording"]
     return f"Fitted to {where}. Uncertainty of the fit from: {fit['how']}."
 

@@ -51,11 +51,12 @@ def list_(
 
 @data.command("fetch")
 def fetch(
-    names: list[str] = typer.Argument(help="Names of recordings.", autocompletion=_names),
+    names: list[str] = typer.Argument(None, help="Names of recordings.", autocompletion=_names),
 ) -> None:
     """Fetch recordings into the user's cache, checked by SHA-256."""
     from simcompare.hardware.recordings import registry
 
+    registry.check_names(names or [])
     for name in names:
         for path in registry.fetch(name):
             typer.echo(str(path))

@@ -81,7 +81,8 @@ def fit(
             progress=progress,
         )
     written = None
-    if report and result.folder is not None:
+    # the report shows impacts; a fit by waveform has none
+    if report and result.folder is not None and "choice" in result.record["fit"]:
         from simcompare.reports import builder
 
         written = builder.write_html([result], result.folder / "report.html")

@@ -44,7 +44,7 @@ def import_(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
     """Read a log of a real device; everything noticed or repaired is recorded."""
-    from simcompare import importing
+    from simcompare import importing, recording_store
     from simcompare.cli import console
 
     if template:
@@ -55,7 +55,7 @@ def import_(
         log, kind=kind, mapping=mapping, strict=strict, assume_units=assume_units, out=place
     )
     if as_json:
-        console.print_json({"recording": str(place), **as_plain(found)})
+        console.print_json(recording_store.plain({"recording": str(place), **as_plain(found)}))
         return
     _print(found)
     typer.echo(f"Stored in {place}")

@@ -310,10 +310,11 @@ def _result(name: str, problem: Problem, start: Fit, state: _State) -> EngineFit
         for unknown, s, value in zip(problem.names, spread, values, strict=True)
     }
     covariance = start.covariance + np.diag([u_num[unknown] ** 2 for unknown in problem.names])
-    moved = values - start.values
     intervals = tuple(
-        (low + shift, high + shift)
-        for (low, high), shift in zip(start.intervals, moved, strict=True)
+        _moved(ends, float(at), float(value), u_num[unknown])
+        for ends, at, value, unknown in zip(
+            start.intervals, start.values, values, problem.names, strict=True
+        )
     )
     fitted = replace(start, values=values, covariance=covariance, intervals=intervals, x=state.x)
     return EngineFit(
@@ -322,6 +323,14 @@ def _result(name: str, problem: Problem, start: Fit, state: _State) -> EngineFit
         tuple(_left(problem, state, drop) for drop in range(len(problem.drops))),
         state.last, state.runs,
     )  # fmt: skip
+
+
+def _moved(ends: tuple[float, float], at: float, value: float, u_num: float) -> tuple[float, float]:
+    """The closed form's interval about another value, wider by the engine's own scatter."""
+    if not (math.isfinite(at) and math.isfinite(value)):
+        return ends
+    extra = likelihood.COVERAGE * u_num
+    return value - math.hypot(at - ends[0], extra), value + math.hypot(ends[1] - at, extra)
 
 
 def _effective(state: _State) -> tuple[float, float]:

@@ -1,7 +1,10 @@
 """Small least-squares problems solved side by side: Levenberg and Marquardt with bounds.
 
 A bootstrap or a profile needs hundreds of fits of a few unknowns. Their models are evaluated for
-all of them, and for all differences, in one call on arrays.
+all of them, and for all differences, in one call on arrays. Each step follows the bend of the
+model as far as its second derivative along the step tells (geodesic acceleration: M. K. Transtrum
+and J. P. Sethna, arXiv:1201.5885), for unknowns that nearly make up for each other lie along a
+curved valley in which straight steps do not come far.
 """
 
 from __future__ import annotations
@@ -20,7 +23,8 @@ Residuals = Callable[[Array], Array]
 #: step of the central differences in sizes of an unknown
 STEP = 1e-5
 MOST_STEPS = 60
-UP,DOWN=10.,1/30
+#: what damping is multiplied by after a step that helps, and after one that does not
+_DOWN, _UP = 1 / 30, 3.0
 #: step at which the bend of the model along a step is probed
 _PROBE = 0.1
 #: part of a step that the correction for that bend may have
@@ -57,7 +61,7 @@ def solve(residuals: Residuals, start: Array, low: Array, high: Array, size: Arr
     """Minimises the sum of squared residuals of every problem.
 
     Args:
-        residuals: of all problems at once, also for several sets of unknowns each.
+        residuals: of all problems at once.
         start: first guesses (B, p).
         low: lower bounds (p,).
         high: upper bounds (p,).
@@ -77,18 +81,18 @@ def solve(residuals: Residuals, start: Array, low: Array, high: Array, size: Arr
         if done.all():
             break
         step = damped(slope)
-        bend = (residuals(np.clip(x + _PROBE * step * size, low, high)) - r) / _PROBE
-        bend = 2 / _PROBE * (bend - np.einsum("bnp,bp->bn", jacobian, step))
+        probed = (residuals(np.clip(x + _PROBE * step * size, low, high)) - r) / _PROBE
+        bend = 2 / _PROBE * (probed - np.einsum("bnp,bp->bn", jacobian, step))
         turn = damped(np.einsum("bnp,bn->bp", jacobian, bend)) / 2
-        length, turned = np.linalg.norm(step, axis=1), np.linalg.norm(turn, axis=1)
-        step = step + np.where(turned < _MOST_BENT * length, 1.0, 0.0)[:, None] * turn
+        gentle = np.linalg.norm(turn, axis=1) < _MOST_BENT * np.linalg.norm(step, axis=1)
+        step = np.where(gentle[:, None], step + turn, step)
         moved = np.where(done[:, None], x, np.clip(x + step * size, low, high))
         r_moved = residuals(moved)
         chi2_moved = np.nan_to_num(np.sum(r_moved**2, axis=-1), nan=np.inf)
         better = (chi2_moved < chi2) & ~done
         # no step of any length helps any more: rounding is reached
         done |= ~better & (damping > 1e9)
-        damping = np.where(better, np.maximum(damping * DOWN, 1e-14), damping * UP)
+        damping = np.where(better, np.maximum(damping * _DOWN, 1e-14), damping * _UP)
         if better.any():
             x = np.where(better[:, None], moved, x)
             r = np.where(better[:, None], r_moved, r)

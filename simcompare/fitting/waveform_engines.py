@@ -20,6 +20,7 @@ from simcompare.fitting.waveform_reference import Fitted
 from simcompare.fitting.waveform_setup import Setup
 from simcompare.jobs import FAILED, OK, Job, Outcome
 from simcompare.runner import TIME_LIMIT_S, Progress, run_jobs
+from simcompare.signals import Step
 from simcompare.trajectory import Array, Trajectory
 from simcompare.validation.cases import Case
 from simcompare.validation.estimate import Block, residuals_of, solve
@@ -201,14 +202,22 @@ def _defects(work: _Work, x: Array, runs: Runs, variant: str) -> list[Array]:
     for block in work.fitted.blocks:
         number = work.number(block)
         run = runs[number, variant]
-        ours = interpolated(run.time_s, run.signals[block.probe], block.time_s)
+        ours = interpolated(
+            run.time_s, run.signals[block.probe], block.time_s, events_s=_jumps(block.case, work)
+        )
         truth = work.model.at(block.case, block.probe, work.values(x, number), block.time_s)
         found.append(_filled(ours - truth))
     return found
 
 
+def _jumps(case: Case, work: _Work) -> list[float]:
+    """When an input jumps: there a simulation has one sample only, and no defect can be told."""
+    given = {**work.model.scenario(case).inputs, **case.inputs}
+    return [one.time_s for one in given.values() if isinstance(one, Step) and one.time_s > 0]
+
+
 def _filled(values: Array) -> Array:
-    """A measurement may end within the last step of a simulation: the defect is then the last."""
+    """The defect where it was not told, beside a jump and in the last step, from its neighbours."""
     known = np.isfinite(values)
     if known.all() or not known.any():
         return values

@@ -115,7 +115,7 @@ def _gather(
     sources = [run_record.of_source(one.engine, FITTED, one.outcomes) for one in found]
     best = fitted.estimate.as_dict()
     scene = model.scenario(setup.fitted[0], best, step_s)
-    scores = [score for one in found for score in _scores(setup, fitted, one)]
+    scores = [score for one in found for score in _scores(model, setup, fitted, one)]
     record = run_record.of_run(model.file, [scene], TRUTH, sources, scores)
     record["fit"] = waveform_records.of_fit(
         model, setup, fitted, found, predicted, given, scene.world.step_s
@@ -127,10 +127,10 @@ def _gather(
     return Run(record, tuple(scores), tuple(_stored(model, setup, fitted, found, step_s)))
 
 
-def _scores(setup: Setup, fitted: Fitted, one: EngineWaves) -> list[Score]:
+def _scores(model: Model, setup: Setup, fitted: Fitted, one: EngineWaves) -> list[Score]:
     if one.status != "ok":
         return []
-    rows = waveform_records.parameters(fitted, one.x, one.u_num)
+    rows = waveform_records.parameters(model, fitted, one.x, one.u_num)
     return [
         Score(one.engine, FITTED, name, "", None, rows[name]["value"], rows[name]["u"],
               units.unit_of(name), 1, None, None, INFO)

@@ -66,7 +66,7 @@ def of_fit(
         ],
         "told": list(setup.told),
         "held_out": [_case(case) for case in setup.held],
-        "closed_form": _closed(setup, fitted),
+        "closed_form": _closed(model, setup, fitted),
         "identifiability": known.to_dict(),
         "sources": sources,
         "holdout": dict(predicted),
@@ -109,10 +109,10 @@ def _advice(names: set[str]) -> str:
     )
 
 
-def _closed(setup: Setup, fitted: Fitted) -> dict[str, Any]:
+def _closed(model: Model, setup: Setup, fitted: Fitted) -> dict[str, Any]:
     own = fitted.estimate
     return {
-        "parameters": parameters(fitted, own.values, None),
+        "parameters": parameters(model, fitted, own.values, None),
         "names": list(own.names),
         "correlation": _correlation(fitted.covariance),
         "rms": own.rms,
@@ -131,30 +131,32 @@ def _closed(setup: Setup, fitted: Fitted) -> dict[str, Any]:
 
 
 def coverage_factor(fitted: Fitted) -> float:
-    """For 95 %: Student's t where the scatter of few streams is all that is known, else 1.96."""
+    """For 95 %: Student's t where few streams tell how much they scatter, else 1.96."""
     from scipy.stats import t
 
     streams = len(fitted.estimate.streams)
     return float(t.ppf(0.975, streams - 1)) if streams >= 3 else 1.96
 
 
-def parameters(fitted: Fitted, values: Array, u_num: Array | None) -> dict[str, Any]:
+def parameters(
+    model: Model, fitted: Fitted, values: Array, u_num: Array | None
+) -> dict[str, dict[str, Any]]:
     """Values with their uncertainty and its parts; ``u_num`` is that of an engine's step."""
     k, factor = len(fitted.estimate.names), coverage_factor(fitted)
-    covariance = np.diag(fitted.covariance)
     numerical = np.zeros(k) if u_num is None else u_num[:k]
-    u = np.sqrt(covariance + np.nan_to_num(numerical) ** 2)
-    return {
-        name: {
-            "value": float(values[i]), "u": float(u[i]),
-            "low": float(values[i] - factor * u[i]), "high": float(values[i] + factor * u[i]),
-            "interval95": [float(values[i] - factor * u[i]), float(values[i] + factor * u[i])],
+    u = np.sqrt(np.diag(fitted.covariance) + np.nan_to_num(numerical) ** 2)
+    found = {}
+    for i, name in enumerate(fitted.estimate.names):
+        bounds, value, half = model.file.parameters[name], float(values[i]), factor * float(u[i])
+        # what a parameter cannot be is in no interval of it
+        low, high = max(value - half, bounds.min), min(value + half, bounds.max)
+        found[name] = {
+            "value": value, "u": float(u[i]), "low": low, "high": high, "interval95": [low, high],
             "unit": units.unit_of(name), "u_data": float(fitted.estimate.u[i]),
             "u_known": float(fitted.u_known[i]),
             "u_num": float(numerical[i]) if np.isfinite(numerical[i]) else None,
-        }
-        for i, name in enumerate(fitted.estimate.names)
-    }  # fmt: skip
+        }  # fmt: skip
+    return found
 
 
 def _correlation(covariance: Array) -> list[list[float]]:
@@ -182,7 +184,7 @@ def _source(model: Model, setup: Setup, fitted: Fitted, one: EngineWaves) -> dic
     }  # fmt: skip
     return {
         **plain,
-        "parameters": parameters(fitted, one.x, one.u_num),
+        "parameters": parameters(model, fitted, one.x, one.u_num),
         "correlation": _correlation(fitted.covariance + numerical),
         "effective": {**effective, **_shown(model, setup, one)},
         "left": dict(zip(setup.every, one.left.tolist(), strict=True)),
@@ -264,7 +266,7 @@ def _sentences(found: Mapping[str, Any], fitted: Fitted) -> list[str]:
     for name, row in found["closed_form"]["parameters"].items():
         said.append(
             f"The {title(name)} is {number(row['value'], row['u'])}{_unit(name)}, with 95 % between"
-            f" {row['low']:.5g} and {row['high']:.5g} ({fitted.estimate.how})."
+            f" {row['low']:.6g} and {row['high']:.6g} ({fitted.estimate.how})."
         )
         if row["u_known"] > row["u_data"]:
             most = max(found["closed_form"]["known"].items(), key=lambda own: own[1][name])[0] \

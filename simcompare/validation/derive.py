@@ -22,8 +22,9 @@ from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, TypeAdapter, V
 
 from simcompare.errors import InputError
 from simcompare.recording import Channel, Conversion, Recording, Stream
-from simcompare.yaml_file import describe, faults_of
 from simcompare.trajectory import Array
+from simcompare.validation.noise import measured_noise
+from simcompare.yaml_file import describe, faults_of
 
 #: part of an interval in which a rate changes into the next, half of it on either side
 FLANK = 0.2
@@ -169,12 +170,10 @@ def _made(
                 f"cutoff_Hz {wish.cutoff_Hz:g} is not below half of {rate_Hz:.5g} samples a second"
             )
             raise InputError(where, [fault])
-        smooth = {
-            # what is left of the noise is not known; what is systematic stays
-            name: replace(c, values=low_pass(c.values, rate_Hz, wish.cutoff_Hz), saturated=None)
-            for name, c in channels.items()
-        }
-        return replace(stream, channels=smooth)
+        return replace(
+            stream,
+            channels={name: _smoothed(c, rate_Hz, wish.cutoff_Hz) for name, c in channels.items()},
+        )
     raw = ", ".join(wish.of)
     values = [channel.values for channel in channels.values()]
     if isinstance(wish, Magnitude):
@@ -183,15 +182,47 @@ def _made(
         _expect(channels, [unit] * len(channels), where)
         suffix = _suffix(unit)
         size = np.sqrt(sum(part**2 for part in values))
-        u = max((c.u for c in channels.values() if isinstance(c.u, float)), default=None)
-        return replace(stream, channels={f"magnitude{suffix}": Channel(size, unit, "", u, raw=raw)})
+        u = max((_largest_u(c) for c in channels.values()), default=0.0) or None
+        ends = [c.saturated for c in channels.values() if c.saturated is not None]
+        clipped = np.logical_or.reduce(ends) if ends else None
+        made = Channel(size, unit, "", u, raw=raw, saturated=clipped)
+        return replace(stream, channels={f"magnitude{suffix}": made})
     _expect(channels, ["1"] * 4, where)
     angles = yaw_pitch_roll(np.column_stack(values))
     names = ("yaw_rad", "pitch_rad", "roll_rad")
-    made = {
+    turns = {
         n: Channel(a, "rad", "", wish.u_rad, raw=raw) for n, a in zip(names, angles, strict=True)
     }
-    return replace(stream, channels=made)
+    return replace(stream, channels=turns)
+
+
+def _largest_u(channel: Channel) -> float:
+    if channel.u is None:
+        return 0.0
+    return float(np.max(channel.u))
+
+
+def _smoothed(channel: Channel, rate_Hz: float, cutoff_Hz: float) -> Channel:
+    """A channel with less noise, and what is left of that.
+
+    The noise is told before the filter, where it is seen from sample to sample; white noise is
+    made smaller by the root of the sum of squares of the filter's answer to a pulse. What a stated
+    uncertainty has beyond the noise is systematic and stays. Neighbours of samples at the sensor's
+    end, as far as the filter smears them, are at its end too.
+    """
+    before = measured_noise(channel.values).value
+    pulse = np.zeros(2 * int(4 * rate_Hz / cutoff_Hz) + 1)
+    pulse[len(pulse) // 2] = 1.0
+    gain = float(np.sqrt(np.sum(low_pass(pulse, rate_Hz, cutoff_Hz) ** 2)))
+    stated = _largest_u(channel)
+    u = float(np.hypot(before * gain, np.sqrt(max(0.0, stated**2 - before**2))))
+    clipped = channel.saturated
+    if clipped is not None:
+        width = 2 * round(rate_Hz / cutoff_Hz / 2) + 1
+        clipped = np.convolve(clipped, np.ones(width), mode="same") > 0.5
+    return replace(
+        channel, values=low_pass(channel.values, rate_Hz, cutoff_Hz), u=u or None, saturated=clipped
+    )
 
 
 def _suffix(unit: str) -> str:

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from simcompare import units
 
 Record = Mapping[str, Any]
+#: what the parameters rest on
+KNOWN, HELD_OUT, SAME = "known before", "held out", "same data"
 #: a share below this is nothing
 NOTHING = 5e-4
+#: what noise alone spans is less than so many times its expected range
+_NOISE_ALONE = 1.5
+#: outside of these sizes a number is written with a power of ten
+_PLAIN = (1e-3, 1e5)
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def label(found: Record, probe: str) -> str:
@@ -19,10 +27,26 @@ def label(found: Record, probe: str) -> str:
     return text[:1].lower() + text[1:] if text[1:2].islower() else text
 
 
-def who(row: Record) -> str:
-    """An engine, and the stretch where the log has several."""
-    where = "" if row["stream"] == "log" else f" on {row['stream']}"
-    return f"{row['source']}{where}"
+def stretches(found: Record) -> list[str]:
+    """The stretches that were judged."""
+    return list(dict.fromkeys(case["stream"] for case in found["cases"]))
+
+
+def where(found: Record, row: Record) -> str:
+    """The stretch of a row where there are several."""
+    return f" on {row['stream']}" if len(stretches(found)) > 1 else ""
+
+
+def engines_of(rows: Iterable[Record]) -> list[str]:
+    """The engines of some rows."""
+    return list(dict.fromkeys(row["source"] for row in rows))
+
+
+def whose(names: Sequence[str], every: Sequence[str]) -> str:
+    """Engines by name, or all of them."""
+    if len(every) > 1 and len(names) == len(every):
+        return f"all {len(every)} engines"
+    return listed(list(names))
 
 
 def spaced(name: str) -> str:
@@ -35,6 +59,11 @@ def parameter(name: str) -> str:
     return spaced(name.removesuffix(units.suffix_of(name)))
 
 
+def parameters(names: Sequence[str]) -> str:
+    """Parameters without their units, with commas and an "and"."""
+    return listed([parameter(name) for name in names])
+
+
 def listed(names: Sequence[str]) -> str:
     """Names with commas and an "and"."""
     if len(names) < 2:
@@ -42,11 +71,21 @@ def listed(names: Sequence[str]) -> str:
     return f"{', '.join(names[:-1])} and {names[-1]}"
 
 
+def first_up(text: str) -> str:
+    """The beginning of a sentence."""
+    return text[:1].upper() + text[1:]
+
+
 def places(recording: str, streams: Sequence[str]) -> str:
     """Streams of a recording; one that has only one is called by its own name."""
     if list(streams) == ["log"]:
         return recording
     return f"{', '.join(streams)} of {recording}"
+
+
+def counted(count: int, noun: str) -> str:
+    """A number of things."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def span(shares: Sequence[float]) -> str:
@@ -65,4 +104,35 @@ def percent(value: float) -> str:
 def sized(value: float, unit: str) -> str:
     """A number with its unit, in three digits."""
     shown = units.symbol(unit)
-    return f"{value:.3g}" + ("" if shown == "1" else f" {shown}")
+    return _digits(value) + ("" if shown == "1" else f" {shown}")
+
+
+def _digits(value: float) -> str:
+    if value == 0 or _PLAIN[0] <= abs(value) < _PLAIN[1]:
+        return f"{value:.3g}".replace("-", "−")
+    mantissa, _, power = f"{value:.2e}".partition("e")
+    return f"{mantissa}·10{str(int(power)).translate(_RAISED)}".replace("-", "−")
+
+
+def size_span(values: Sequence[float], unit: str) -> str:
+    """The least and the greatest of some sizes with their unit."""
+    low, high = sized(min(values), unit), sized(max(values), unit)
+    return low if low == high else f"{low} to {high}"
+
+
+def is_constant(found: Record, row: Record) -> bool:
+    """Whether a measured signal spans no more than its noise, so that its range has no meaning.
+
+    Args:
+        found: the record of the validation.
+        row: of its waveforms.
+    """
+    if row["nrmse"] is None:
+        return True
+    case = next((one for one in found["cases"] if one["stream"] == row["stream"]), {})
+    u = case.get("probes", {}).get(row["probe"], {}).get("u")
+    if not u or not row["nrmse"]:
+        return False
+    # the range of n normal deviates is about 2·√(2·ln n) standard deviations
+    expected = 2 * math.sqrt(2 * math.log(max(row["n"], 2))) * u
+    return bool(row["rmse"] / row["nrmse"] < _NOISE_ALONE * expected)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, Literal
 
 from pydantic import (
@@ -194,8 +195,37 @@ class Plan(_Part):
         return self
 
 
-def of_tree(tree: Any, where: str) -> Plan:  # noqa: ANN401
+@dataclass(frozen=True)
+class Entries:
+    """Entries of ``validate:``, unread, and where they stand.
+
+    Attributes:
+        tree: one entry or a list of them.
+        where: file that holds them.
+        lines: dotted place in that file -> line.
+    """
+
+    tree: Any
+    where: str
+    lines: Mapping[str, int]
+
+    def __bool__(self) -> bool:
+        return bool(self.tree)
+
+
+def of_tree(
+    tree: Any,  # noqa: ANN401
+    where: str,
+    lines: Mapping[str, int] | None = None,
+    place: str = "validate",
+) -> Plan:
     """The plan in one entry of ``validate:``.
+
+    Args:
+        tree: the entry.
+        where: file, or data set, that holds it.
+        lines: dotted place in that file -> line.
+        place: of the entry in it.
 
     Raises:
         InputError: all faults at once.
@@ -203,7 +233,8 @@ def of_tree(tree: Any, where: str) -> Plan:  # noqa: ANN401
     try:
         return Plan.model_validate(tree)
     except ValidationError as error:
-        raise InputError(f"{where}, validate", describe(faults_of(error), {})) from None
+        found = {f"{place}.{at}".rstrip("."): text for at, text in faults_of(error).items()}
+        raise InputError(where, describe(found, lines or {})) from None
 
 
 def choose(entries: Any, scenario: str, where: str) -> Plan:  # noqa: ANN401
@@ -212,11 +243,15 @@ def choose(entries: Any, scenario: str, where: str) -> Plan:  # noqa: ANN401
     Raises:
         InputError: there is none, or it has faults.
     """
-    found = entries if isinstance(entries, list | tuple) else [entries]
+    lines: Mapping[str, int] = {}
+    if isinstance(entries, Entries):
+        entries, where, lines = entries.tree, entries.where, entries.lines
+    single = not isinstance(entries, list | tuple)
+    found = [entries] if single else entries
     names = [e.get("scenario") for e in found if isinstance(e, Mapping)]
-    for entry in found:
+    for i, entry in enumerate(found):
         if isinstance(entry, Mapping) and entry.get("scenario") == scenario:
-            return of_tree(entry, where)
+            return of_tree(entry, where, lines, "validate" if single else f"validate.{i}")
     known = ", ".join(str(name) for name in names) or "none"
     raise InputError(
         where,

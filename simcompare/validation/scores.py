@@ -18,13 +18,10 @@ __all__ = [
     "Birge",
     "Gci",
     "Mean",
-    "Robust",
     "VV20",
     "birge_ratio",
     "e_n",
     "gci",
-    "leave_one_out",
-    "robust",
     "vv20",
     "weighted_mean",
     "zeta",
@@ -163,54 +160,6 @@ def birge_ratio(values: ArrayLike, u: ArrayLike) -> Birge:
     half = 1 / math.sqrt(2 * free)
     ratio = math.sqrt(chi2 / free)
     return Birge(len(x), mean.value, mean.u, ratio, 1 - half, 1 + half, chi2, limit, chi2 <= limit)
-
-
-@dataclass(frozen=True)
-class Robust:
-    """Middle and spread that a minority of wild values cannot move.
-
-    Attributes:
-        n: number of values.
-        median: their median.
-        made: scaled median absolute deviation, the standard deviation of normal values.
-        u: standard uncertainty of the median, 1.25·made/√n.
-    """
-
-    n: int
-    median: float
-    made: float
-    u: float
-
-
-def robust(values: ArrayLike) -> Robust:
-    """Median and MADe, for few values (ISO 13528:2022, C.2; u by 7.7.3).
-
-    Args:
-        values: the values (n,); NaN are left out.
-    """
-    x = np.asarray(values, dtype=float).ravel()
-    x = x[np.isfinite(x)]
-    if not len(x):
-        raise InputError("median", ["there is no value"])
-    median = float(np.median(x))
-    made = MAD_TO_SD * float(np.median(np.abs(x - median)))
-    return Robust(len(x), median, made, 1.25 * made / math.sqrt(len(x)))
-
-
-def leave_one_out(values: ArrayLike, u: ArrayLike) -> list[Mean]:
-    """For every value the weighted mean of all the others: a reference without itself.
-
-    A value must not be held against a mean that it is part of (ISO 13528:2022, 7.7.1 note); then
-    E_n would need the covariance of the two.
-
-    Args:
-        values: the values (n,), two or more.
-        u: their standard uncertainties (n,).
-    """
-    x, each = _values_and_u(values, u)
-    if len(x) < 2:
-        raise InputError("leave one out", ["one value alone leaves no reference; give two or more"])
-    return [weighted_mean(np.delete(x, k), np.delete(each, k)) for k in range(len(x))]
 
 
 def _values_and_u(values: ArrayLike, u: ArrayLike) -> tuple[Array, Array]:

@@ -10,6 +10,8 @@ from typing import Any
 from simcompare import importing, recording_store
 from simcompare.errors import UnknownName
 from simcompare.recording import Recording
+from simcompare.validation.plan import Entries
+from simcompare.yaml_file import read_yaml
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,7 @@ def find(name: str, *, mapping: str | Path | None = None, strict: bool = False) 
     given = None if mapping is None else mappings.read(Path(mapping))
     path = Path(name)
     if name in registry.files() and not recording_store.is_recording(path):
-        return _public(name, given, strict)
+        return _public(name, given, _entries(given, mapping), strict)
     if not _exists(path):
         raise UnknownName(
             "recording (public data set, stored recording, or log)", name, registry.files()
@@ -57,7 +59,14 @@ def find(name: str, *, mapping: str | Path | None = None, strict: bool = False) 
         found = recording_store.load(path)
     else:
         found = importing.read(path, wanted, strict=strict)
-    return Source(name, found, wanted.validate_ or [], {})
+    return Source(name, found, _entries(given, mapping) or [], {})
+
+
+def _entries(given: Any, mapping: str | Path | None) -> Entries | None:  # noqa: ANN401
+    """What a mapping file says under ``validate:``, with the lines of its parts."""
+    if given is None or mapping is None or not given.validate_:
+        return None
+    return Entries(given.validate_, str(mapping), read_yaml(Path(mapping))[1])
 
 
 def _exists(path: Path) -> bool:
@@ -67,7 +76,7 @@ def _exists(path: Path) -> bool:
         return False
 
 
-def _public(name: str, given: Any, strict: bool) -> Source:  # noqa: ANN401
+def _public(name: str, given: Any, entries: Entries | None, strict: bool) -> Source:  # noqa: ANN401
     from simcompare.hardware.logs import mapping as mappings
     from simcompare.hardware.recordings import registry
 
@@ -82,8 +91,7 @@ def _public(name: str, given: Any, strict: bool) -> Source:  # noqa: ANN401
         "source": f"github.com/{data_set.source.repository} at {data_set.source.commit}",
     }
     found = importing.read(paths[0], wanted, strict=strict, about=about)
-    plans = (given.validate_ if given is not None else None) or list(data_set.validation)
-    return Source(name, found, plans, about)
+    return Source(name, found, entries or list(data_set.validation), about)
 
 
 def digest(name: str) -> str:

@@ -1,0 +1,1 @@
+"""A block that slides on a plane until friction stops it."""

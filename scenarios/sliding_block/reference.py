@@ -1,0 +1,64 @@
+"""Closed form of a block that slides on a plane with Coulomb friction.
+
+Along the plane, downhill positive, a = g·(sin α - μ·cos α·sgn v). Where it stops it stays if
+tan α ≤ μ, and slides down with a = g·(sin α - μ·cos α) otherwise.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from simcompare.errors import InputError
+from simcompare.trajectory import Array
+
+
+def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array]:
+    """Motion of the block at the given times.
+
+    Args:
+        parameters: those of the scenario, SI.
+        time_s: times from the start (n,) [s].
+
+    Returns:
+        Position, velocity, orientation and rate of the block.
+
+    Raises:
+        InputError: the block tips over.
+    """
+    if parameters["friction"] * parameters["height_m"] > parameters["length_m"]:
+        fault = (
+            f"friction {parameters['friction']:g} times height_m {parameters['height_m']:g} is more"
+            f" than length_m {parameters['length_m']:g}, so the block tips over; make it flatter"
+        )
+        raise InputError("parameters of sliding_block", [fault])
+    moved, speed = motion(parameters, time_s)
+    zero = np.zeros(len(time_s))
+    height = np.full(len(time_s), parameters["height_m"] / 2)
+    upright = np.zeros((len(time_s), 4))
+    upright[:, 0] = 1.0
+    return {
+        "block.position_m": np.column_stack((parameters["start_position_m"] + moved, zero, height)),
+        "block.velocity_m_s": np.column_stack((speed, zero, zero)),
+        "block.orientation_wxyz": upright,
+        "block.rate_rad_s": np.zeros((len(time_s), 3)),
+    }
+
+
+def motion(parameters: Mapping[str, float], time_s: Array) -> tuple[Array, Array]:
+    """Way since the start [m] and speed [m/s] at the given times (n,)."""
+    angle, g = parameters["incline_rad"], parameters["gravity_m_s2"]
+    pull, brake = g * math.sin(angle), parameters["friction"] * g * math.cos(angle)
+    speed = parameters["start_speed_m_s"]
+    way = math.copysign(1.0, speed) if speed else 1.0
+    first = pull - way * brake
+    # a block that is pushed down a steep plane never stops
+    stops = -speed / first if speed * first < 0 else (math.inf if speed else 0.0)
+    before = np.minimum(time_s, stops)
+    after = np.maximum(time_s - stops, 0.0)
+    second = max(pull - brake, 0.0)
+    moved = speed * before + first * before**2 / 2 + second * after**2 / 2
+    faded = np.where(time_s < stops, speed + first * before, second * after)
+    return np.asarray(moved, dtype=float), np.asarray(faded, dtype=float)

@@ -1,0 +1,127 @@
+"""Which model the data ask for, and how estimates scatter in simulated and resampled repeats."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from simcompare.errors import InputError
+from simcompare.fitting import bootstrap, choose
+from simcompare.fitting.impacts import from_times
+from simcompare.fitting.likelihood import fit
+from tests.bounces import IN_AIR, TRUTH, filmed, heard, times_of
+
+E = 0.85
+
+
+# ---- choice -------------------------------------------------------------------------------------
+
+
+def test_the_choice_of_model_sees_the_drag_and_says_what_leaving_it_out_costs():
+    choice = choose.compare(heard(IN_AIR, count=8))
+    assert choice.best.model == "constant+drag"
+    simple = next(c for c in choice.candidates if c.model == "constant")
+    assert simple.delta > 1000
+    assert simple.weight < 1e-9
+    (said,) = [w for w in choice.words if "without drag is excluded" in w]
+    assert "% off" in said
+    assert " -3." in said
+
+
+def test_drag_in_a_video_is_seen_by_its_arcs():
+    choice = choose.compare(filmed(IN_AIR), ["constant", "constant+drag"])
+    assert choice.best.model == "constant+drag"
+    low, high = choice.best.intervals[0]
+    assert low <= E <= high
+
+
+def test_a_constant_restitution_is_chosen_where_there_is_nothing_else():
+    chosen = [choose.compare(heard(seed=s, count=8)) for s in range(10)]
+    assert sum(c.best.model == "constant" for c in chosen) >= 7
+    assert all(c.criterion == "AIC" for c in chosen)
+    assert all(sum(r.weight for r in c.candidates) == pytest.approx(1) for c in chosen)
+
+
+def test_velocity_dependence_is_told_from_drag_where_the_data_can():
+    values = {**TRUTH, "exponent": 0.05}
+    choice = choose.compare(heard(values, count=9))
+    assert choice.best.model == "power"
+    drag = next(c for c in choice.candidates if c.model == "constant+drag")
+    assert drag.delta > 10
+
+
+def test_a_hunt_crossley_contact_is_recognised():
+    choice = choose.compare(heard(count=8, model="hunt_crossley"))
+    assert choice.best.model == "hunt_crossley"
+
+
+def test_what_the_data_cannot_tell_is_said_with_what_would_help():
+    values = {**TRUTH, "terminal_speed_m_s": 25.0}
+    choice = choose.compare(heard(values, count=6, u_s=1e-3))
+    assert {c.model for c in (choice.candidates[0], *choice.rivals)} >= {"constant+drag", "power"}
+    assert any("cannot tell drag from velocity dependence: give the terminal speed" in w
+               for w in choice.words)  # fmt: skip
+    known = choose.compare(heard(values, count=6, u_s=1e-3), fixed={"terminal_speed_m_s": 25.0})
+    assert not any("give the terminal speed" in w for w in known.words)
+
+
+def test_the_numbers_of_the_choice_are_akaike_and_schwarz():
+    choice = choose.compare(heard(IN_AIR, count=9), ["constant", "constant+drag"])
+    for c in choice.candidates:
+        k, n = len(c.fit.names), 9
+        assert c.unknowns == pytest.approx(k)
+        assert c.aic == pytest.approx(c.chi2 + 2 * k)
+        assert c.aicc == pytest.approx(c.aic + 2 * k * (k + 1) / (n - k - 1))
+        assert c.bic == pytest.approx(c.chi2 + k * math.log(n))
+    assert choice.candidates[1].delta == pytest.approx(
+        choice.candidates[1].aic - choice.candidates[0].aic
+    )
+
+
+def test_unknown_noise_leaves_the_choice_to_the_corrected_criterion():
+    choice = choose.compare(from_times(heard(IN_AIR, count=10).times_s)[0])
+    assert choice.criterion == "AICc"
+    assert choice.best.model == "constant+drag"
+
+
+def test_a_model_with_too_many_unknowns_is_refused_and_the_others_stand():
+    choice = choose.compare(from_times(times_of(IN_AIR, 4), 1e-4)[0])
+    assert list(choice.refused) == ["power+drag"]
+    assert "4 measured numbers and 0 priors cannot give 5 unknowns" in choice.refused["power+drag"]
+    json.dumps(choice.to_dict(), allow_nan=False)
+
+
+# ---- bootstrap ----------------------------------------------------------------------------------
+
+
+def test_the_parametric_bootstrap_agrees_with_the_covariance():
+    found = fit(heard(IN_AIR), "constant+drag")
+    again = bootstrap.parametric(found, seed=1)
+    assert len(again.draws) == 200
+    assert again.failed == 0
+    assert again.u == pytest.approx(found.u, rel=0.2)
+    assert np.abs(again.bias / found.u).max() < 0.4
+
+
+def test_the_bootstrap_is_the_same_for_the_same_seed():
+    found = fit(heard())
+    one, two, other = (bootstrap.parametric(found, 20, seed=s) for s in (5, 5, 6))
+    assert one.draws.tolist() == two.draws.tolist()
+    assert one.draws.tolist() != other.draws.tolist()
+    json.dumps(one.to_dict(), allow_nan=False)
+
+
+def test_drops_that_differ_more_than_their_noise_show_in_the_case_bootstrap():
+    values = [{**TRUTH, "restitution": e} for e in (0.845, 0.848, 0.85, 0.852, 0.855)]
+    found = fit([heard(v, seed=k) for k, v in enumerate(values)])
+    again = bootstrap.over_drops(found, seed=2)
+    assert again.names == ("restitution",)
+    assert again.failed == 0
+    scatter = np.std([v["restitution"] for v in values], ddof=1) / math.sqrt(5)
+    assert again.u[0] == pytest.approx(scatter, rel=0.35)
+
+
+def test_resampling_two_drops_is_refused():
+    with pytest.raises(InputError, match="2 drops recorded; resampling needs three"):
+        bootstrap.over_drops(fit([heard(), heard(seed=1)]))

@@ -1,0 +1,435 @@
+"""Reports of parameters fitted to measured bounces."""
+
+import json
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from simcompare.fitting import fitting
+from simcompare.reports import (
+    builder,
+    fitted,
+    fitted_figures,
+    fitted_parts,
+    fitted_tables,
+    matplotlib_,
+    numbers,
+    plotly_,
+)
+from simcompare.reports.figures import Figure, Matrix, Panel
+from simcompare.reports.sections import FIT, of_run
+from tests.bounces import IN_AIR, TRUTH, filmed_samples, times_of
+from tests.validated import EVIL, cells
+
+ENGINES = "pymunk,dart"
+RATE = 48000
+
+
+def sound(path, values, count=8, seed=0):
+    """Clicks at the impact times, which scatter by 0.1 ms."""
+    import soundfile
+
+    generator = np.random.default_rng(seed)
+    times = times_of(values, count) + generator.normal(0, 1e-4, count)
+    wave = generator.normal(0, 0.002, int(RATE * (times[-1] + 1)))
+    n = np.arange(int(0.02 * RATE))
+    for k, time in enumerate(times):
+        start = int(time * RATE)
+        click = np.exp(-n / RATE / 0.003) * np.sin(2 * np.pi * 2500 * n / RATE + 1.2)
+        wave[start : start + len(n)] += 0.6 * 0.8**k * click
+    soundfile.write(path, wave, RATE, subtype="PCM_24")
+    return str(path)
+
+
+def fit(recordings, **more):
+    return fitting.fit("ball", recordings=recordings, engine=ENGINES, **more)
+
+
+@pytest.fixture(scope="module")
+def heard(tmp_path_factory):
+    """Two drops that are fitted and one that is held out, whose ball bounces better."""
+    folder = tmp_path_factory.mktemp("heard")
+    first = sound(folder / "first.wav", TRUTH, seed=1)
+    second = sound(folder / "second.wav", {**TRUTH, "drop_height_m": 0.7}, seed=2)
+    held = sound(folder / "held.wav", {**TRUTH, "restitution": 0.86}, seed=3)
+    return fit([first, second], hold_out=[held], model="constant")
+
+
+@pytest.fixture(scope="module")
+def in_air(tmp_path_factory):
+    """A drop with drag; all closed forms are compared."""
+    return fit([sound(tmp_path_factory.mktemp("air") / "air.wav", IN_AIR, count=10, seed=4)])
+
+
+@pytest.fixture(scope="module")
+def filmed(tmp_path_factory):
+    path = tmp_path_factory.mktemp("film") / "film.csv"
+    time, height = filmed_samples(seconds=2.5)
+    rows = "\n".join(f"{t:.5f},{y:.5f}" for t, y in zip(time, height, strict=True))
+    path.write_text(f"t (s),y (m)\n{rows}\n")
+    return fit([str(path)], model="constant")
+
+
+@pytest.fixture(scope="module")
+def falling(tmp_path_factory):
+    """A law that engines do not have."""
+    path = tmp_path_factory.mktemp("power") / "power.wav"
+    values = {**TRUTH, "exponent": 0.1}
+    return fit([sound(path, values, seed=5)], model="power")
+
+
+RUNS = ("heard", "in_air", "filmed", "falling")
+
+
+@pytest.fixture(params=RUNS)
+def any_run(request):
+    return request.getfixturevalue(request.param)
+
+
+def changed(run, **more):
+    """The same run with another record of its fit."""
+    return replace(run, record={**run.record, "fit": {**plain(run.record["fit"]), **more}})
+
+
+def plain(value):
+    return json.loads(json.dumps(value))
+
+
+def figures(run):
+    (block,) = builder.blocks_of([run])
+    return {figure.name: figure for figure in block.figures}
+
+
+def series(panel, label):
+    (found,) = [one for one in panel.series if one.label == label]
+    return found
+
+
+def without_scripts(html):
+    return re.sub(r"<script.*?</script>", "", html, flags=re.DOTALL)
+
+
+# structure
+
+
+def test_a_fit_has_sections_of_its_own(heard):
+    assert of_run(heard.record) is FIT
+    names = [section.name for section in FIT]
+    assert len(set(names)) == len(names)
+
+
+def test_every_section_is_in_the_html_which_fetches_nothing(any_run, tmp_path):
+    html = builder.write_html([any_run], tmp_path / "r.html").read_text(encoding="utf-8")
+    own = without_scripts(html)
+    for title in ("Answer", "Each engine", "Which closed form", "Bounce by bounce",
+                  "What the data can tell", "Drops that were not fitted", "With another residual",
+                  "What was measured", "How it was made"):  # fmt: skip
+        assert f"<h2>{title}</h2>" in own
+    for sentence in any_run.record["fit"]["sentences"]:
+        assert sentence.split("(")[0].strip() in own
+    assert not re.findall(r"(?:src|href)\s*=\s*[\"'](?!#|data:)", own)
+
+
+def test_every_figure_has_a_title_and_a_caption_and_is_drawn_by_both(any_run):
+    found = figures(any_run)
+    assert {"parameters", "speed", "correlation", "profiles", "others"} <= set(found)
+    for figure in found.values():
+        assert figure.title
+        assert figure.caption.endswith(".")
+        json.dumps(plotly_.as_dict(figure), allow_nan=False)
+        assert matplotlib_.rendered(figure, "svg").startswith(b"<?xml")
+
+
+@pytest.mark.parametrize("format", ["pdf", "md"])
+def test_other_formats_are_written(any_run, tmp_path, format):
+    write = {"pdf": builder.write_pdf, "md": builder.write_markdown}[format]
+    content = write([any_run], tmp_path / f"r.{format}").read_bytes()
+    assert content.startswith(b"%PDF" if format == "pdf" else b"# Bouncing ball")
+
+
+def test_hostile_names_stay_text(heard, tmp_path):
+    record = plain(heard.record["fit"])
+    for drop in (*record["measured"], *record["held_out"], *record["holdout"]["drops"],
+                 *record["other_estimates"]):  # fmt: skip
+        drop["source"] = EVIL
+    record["measured"][0]["notes"] = [EVIL]
+    record["measured"][0]["dropped"] = [
+        {"what": "impact", "number": 9, "time_s": 1.0, "reason": EVIL}
+    ]
+    evil = changed(heard, **record)
+    html = builder.write_html([evil], tmp_path / "r.html").read_text(encoding="utf-8")
+    assert "<script>alert" not in html
+    assert "&lt;script&gt;alert(1)" in html
+    builder.write_pdf([evil], tmp_path / "r.pdf")
+    for figure in figures(evil).values():
+        matplotlib_.rendered(figure, "png")
+    text = builder.write_markdown([evil], tmp_path / "r.md").read_text(encoding="utf-8")
+    assert "\x1b" not in text
+    assert "<script>" not in text.replace("\\<script\\>", "")
+
+
+# what is left
+
+
+def test_residuals_are_measured_less_simulated(heard):
+    (figure,) = fitted_figures.left_figures(heard)
+    assert [panel.title for panel in figure.panels] == ["drop 1: first.wav", "drop 2: second.wav"]
+    assert figure.panels[0].y_label == "measured − simulated (µs)"
+    record = heard.record["fit"]
+    for number, panel in enumerate(figure.panels):
+        for source in record["sources"]:
+            drawn = series(panel, source["name"]).y
+            assert drawn == pytest.approx(1e6 * np.array(source["left_s"][number]), abs=1e-3)
+        closed = series(panel, "closed form")
+        assert np.sqrt(np.mean(closed.y**2)) == pytest.approx(
+            1e6 * record["closed_form"]["rms"]["times"], rel=0.5
+        )
+        band = series(panel, "± 2u of the measurement")
+        assert band.u == pytest.approx(2e6 * np.array(record["measured"][number]["u_s"]))
+
+
+def test_scatter_beyond_what_is_stated_has_a_band_of_its_own(heard):
+    record = heard.record["fit"]
+    (figure,) = fitted_figures.left_figures(heard)
+    wide, stated = (series(figure.panels[0], label).u
+                    for label in ("± 2u, widened", "± 2u of the measurement"))  # fmt: skip
+    assert wide / stated == pytest.approx(math.sqrt(record["closed_form"]["s2"]))
+    calm = changed(heard, closed_form={**record["closed_form"], "s2": 1.0})
+    (figure,) = fitted_figures.left_figures(calm)
+    assert "± 2u, widened" not in figure.legend
+
+
+def test_a_video_shows_times_heights_and_samples(filmed):
+    found = figures(filmed)
+    assert {"left-times", "left-track"} <= set(found)
+    assert "drawn from the arcs" in found["left-times"].caption
+    assert "none is stated" in found["left-track"].caption
+    (panel,) = found["left-track"].panels
+    assert panel.y_label == "measured − simulated (mm)"
+    closed = series(panel, "closed form").y
+    assert np.sqrt(np.mean(closed**2)) == pytest.approx(
+        1e3 * filmed.record["fit"]["closed_form"]["rms"]["track"], rel=1e-6
+    )
+    assert np.std(series(panel, "pymunk").y) == pytest.approx(3.0, rel=0.3)
+
+
+def test_engines_without_the_law_are_told_to_be_without_it(falling, in_air):
+    (figure,) = fitted_figures.left_figures(falling)
+    assert "Engines have no such contact" in figure.caption
+    form = falling.record["fit"]["engine_form"]
+    rows = cells(fitted_tables.engines(falling))
+    assert rows[0][1] == fitted.value_words(form["parameters"]["restitution"])
+    assert fitted.other_form(in_air) == ""
+    (figure,) = fitted_figures.left_figures(in_air)
+    assert "Engines have no such contact" not in figure.caption
+
+
+# parameters and effective values
+
+
+def test_the_table_of_engines_is_the_record(heard):
+    closed, *rows = cells(fitted_tables.engines(heard))
+    record = heard.record["fit"]
+    own = record["closed_form"]["parameters"]["restitution"]
+    assert closed[:2] == ("closed form", numbers.with_u(own["value"], own["u"]))
+    for row, source in zip(rows, record["sources"], strict=True):
+        given, effective = source["parameters"]["restitution"], source["effective"]["restitution"]
+        low, high = (float(end) for end in row[2].split(" to "))
+        assert row[0] == source["name"]
+        assert row[1] == numbers.with_u(given["value"], given["u"])
+        assert (low, high) == pytest.approx(given["interval95"], abs=0.02 * (high - low))
+        assert row[3] == numbers.with_u(effective["value"], effective["u"])
+        assert row[4] == str(source["simulations"])
+
+
+def test_an_engines_interval_holds_its_own_scatter(any_run):
+    for source in any_run.record["fit"]["sources"]:
+        row = source["parameters"]["restitution"]
+        low, high = row["interval95"]
+        assert high - low >= 2 * 1.95 * row["u_num"]
+        assert low < row["value"] < high
+
+
+def test_parameter_and_effective_value_are_drawn_apart(heard):
+    figure = fitted_figures.parameter_figure(heard)
+    panel = figure.panels[0]
+    assert panel.y_ticks == ("closed form", "dart", "pymunk")
+    parameter, effective = series(panel, "parameter"), series(panel, "effective value ± 2u")
+    assert effective.style.hollow
+    assert not parameter.style.hollow
+    for i, source in enumerate(heard.record["fit"]["sources"]):
+        assert parameter.x[i + 1] == source["parameters"]["restitution"]["value"]
+        assert effective.x[i] == source["effective"]["restitution"]["value"]
+    own = heard.record["fit"]["closed_form"]["parameters"]["restitution"]
+    assert (panel.spans[0].low, panel.spans[0].high) == (own["low"], own["high"])
+
+
+def test_an_open_interval_is_told_as_open():
+    row = {"value": 9.0, "u": None, "low": 7.0, "high": None}
+    assert fitted.interval_words(row) == "above 7"
+    assert fitted.interval_words({**row, "low": None}) == "open"
+    assert fitted.interval_words({**row, "low": None, "high": 3.0}) == "below 3"
+    infinite = {"value": None, "u": None}
+    assert fitted.value_words(infinite, "terminal_speed_m_s") == "no drag seen"
+
+
+def test_an_engine_that_failed_is_told_with_its_reason(heard, tmp_path):
+    record = plain(heard.record["fit"])
+    record["sources"][0] |= {"status": "failed", "reason": "it fell through", "parameters": {},
+                             "effective": {}}  # fmt: skip
+    record["sources"][0].pop("left")
+    broken = changed(heard, sources=record["sources"])
+    html = builder.write_html([broken], tmp_path / "r.html").read_text(encoding="utf-8")
+    assert "it fell through" in html
+    assert "Could not be fitted: dart" in html
+    assert "dart" not in fitted_figures.left_figures(broken)[0].legend
+
+
+# closed forms, speed, identifiability
+
+
+def test_bars_of_closed_forms_end_but_keep_their_numbers(in_air):
+    rows = in_air.record["fit"]["choice"]["candidates"]
+    figure = fitted_parts.forms_figure(in_air)
+    (bars,) = figure.panels[0].bars
+    assert max(row["delta"] for row in rows) > 30 == bars.heights.max()
+    assert bars.texts[-1] == numbers.plain(rows[-1]["delta"], 2)
+    assert len(cells(fitted_tables.forms(in_air))) == len(rows)
+
+
+def test_one_closed_form_has_no_bars(heard):
+    assert fitted_parts.forms_figure(heard) is None
+
+
+def test_drag_shows_in_ratios_but_not_in_the_restitution(in_air):
+    (panel,) = fitted_figures.speed_figure(in_air).panels
+    law, ratio = series(panel, "closed form ± 2u"), series(panel, "closed form's ratio")
+    measured = series(panel, "measured ratio ± 2u")
+    assert (ratio.y < law.y[0] - 0.001).all()
+    assert measured.y == pytest.approx(ratio.y, abs=0.005)
+    assert measured.x == pytest.approx(ratio.x)
+    assert np.all(np.diff(measured.x) < 0)  # every bounce is slower than the one before
+    for source in in_air.record["fit"]["sources"]:
+        assert series(panel, source["name"]).y == pytest.approx(law.y[0], abs=0.002)
+
+
+def test_the_matrix_holds_the_correlations(heard):
+    (panel,) = fitted_parts.correlation_figure(heard).panels
+    known = heard.record["fit"]["identifiability"]
+    assert panel.matrix.values == pytest.approx(np.array(known["correlation"]))
+    assert panel.y_ticks[1] == "drop height of drop 1"
+
+
+def test_a_profile_crosses_its_level_at_the_ends_of_the_interval(in_air):
+    figure = fitted_parts.profile_figures(in_air)[0]
+    record = in_air.record["fit"]
+    for panel, row in zip(figure.panels, record["profiles"], strict=False):
+        curve = series(panel, "profile")
+        best = record["closed_form"]["parameters"][row["name"]]
+        low = np.interp(best["value"] - 1.96 * best["u"], curve.x, curve.y)
+        assert low == pytest.approx(3.84, rel=0.15)
+        assert curve.y.min() == pytest.approx(0, abs=0.01)
+
+
+# hold-out, other residuals, what was measured
+
+
+def test_a_held_out_drop_is_shown_with_its_e_n(heard):
+    figure = fitted_parts.holdout_figure(heard)
+    drop = heard.record["fit"]["holdout"]["drops"][0]
+    own = series(figure.panels[0], "of the held-out drop ± 2u")
+    assert own.x[0] == drop["restitution"] == pytest.approx(0.86, abs=1e-3)
+    assert own.u[0] == 2 * drop["u_restitution"]
+    shown = series(figure.panels[1], "closed form").x[0]
+    assert shown == min(abs(drop["e_n"]), 10.0) > 1
+    rows = cells(fitted_tables.holdout(heard))
+    assert [row[0] for row in rows] == ["closed form", "dart", "pymunk"]
+    assert rows[0][3] == numbers.plain(abs(drop["e_n"]), 3)
+
+
+def test_without_a_held_out_drop_nothing_was_validated(in_air, tmp_path):
+    assert fitted_parts.holdout_figure(in_air) is None
+    html = builder.write_html([in_air], tmp_path / "r.html").read_text(encoding="utf-8")
+    assert "nothing was validated" in html
+
+
+def test_another_residual_moves_the_restitution(in_air):
+    figure = fitted_parts.others_figure(in_air)
+    (panel,) = figure.panels
+    rows = in_air.record["fit"]["other_estimates"]
+    assert panel.series[0].x.tolist() == [row["value"] for row in rows]
+    table = cells(fitted_tables.others(in_air))
+    assert table[0][3] == "no"  # the mean ratio does not know drag
+    low, high = fitted.interval(in_air.record["fit"]["closed_form"]["parameters"]["restitution"])
+    for row, cell in zip(rows, table, strict=True):
+        assert cell[3] == ("yes" if low <= row["value"] <= high else "no")
+
+
+def test_what_was_measured_and_where_it_holds_are_told(heard):
+    rows = cells(fitted_tables.measured(heard))
+    assert [row[2] for row in rows] == ["fitted", "fitted", "held out"]
+    low, high = heard.record["fit"]["valid"]["speed_m_s"]
+    told = fitted_tables.valid(heard)["valid for impacts at"]
+    assert told == f"{numbers.plain(low, 3)} to {numbers.plain(high, 3)} m/s"
+
+
+def test_what_was_left_out_is_told_with_its_reason(heard):
+    assert fitted_tables.left_out(heard) is None
+    measured = plain(heard.record["fit"]["measured"])
+    measured[0] |= {"missed": [4], "dropped": [
+        {"what": "impact", "number": 6, "time_s": 1.25, "reason": "a click of the switch"}
+    ]}  # fmt: skip
+    rows = cells(fitted_tables.left_out(changed(heard, measured=measured)))
+    assert rows[0] == ("first.wav", "impact 6", "1.25", "a click of the switch")
+    assert rows[1][1] == "impact 4"
+
+
+def test_priors_and_fixed_values_are_told(heard):
+    assert fitted_tables.known(heard) is None
+    closed = {
+        **heard.record["fit"]["closed_form"], "fixed": {"terminal_speed_m_s": 9.0},
+        "priors": {"drop_height_m": {"value": 1.0, "u": 0.002}}, "pulls": {"drop_height_m": -2.5},
+    }  # fmt: skip
+    fixed, prior = cells(fitted_tables.known(changed(heard, closed_form=closed)))
+    assert fixed[:3] == ("terminal speed (m/s)", "fixed", "9")
+    assert prior == ("drop height (m)", "prior", "1.0000 ± 0.0020", "−2.5")
+
+
+# matrices
+
+
+def matrix_figure(values):
+    names = ("a", "$b$")
+    panel = Panel("", "", "", (), x_ticks=names, y_ticks=names, matrix=Matrix(np.array(values)))
+    return Figure("m", "M", "C.", (panel,))
+
+
+def test_a_matrix_has_its_numbers_in_the_cells():
+    found = plotly_.as_dict(matrix_figure([[1.0, -0.5], [math.nan, 1.0]]))
+    (trace,) = found["data"]
+    assert trace["type"] == "heatmap"
+    assert trace["text"] == [["1.00", "−0.50"], ["–", "1.00"]]
+    assert trace["z"] == [[1.0, -0.5], [None, 1.0]]
+    assert (trace["zmin"], trace["zmax"]) == (-1, 1)
+    # the first row is at the top
+    assert found["layout"]["yaxis"]["range"] == [1.5, -0.5]
+
+
+def test_a_matrix_is_drawn_on_paper_with_its_numbers():
+    (axes,) = matplotlib_.canvas(matrix_figure([[1.0, -0.5], [0.25, 1.0]])).axes
+    assert [text.get_text() for text in axes.texts] == ["1.00", "−0.50", "0.25", "1.00"]
+    assert axes.get_ylim() == (1.5, -0.5)
+    assert len(axes.images) == 1
+
+
+def test_numbers_below_the_axes_are_written_whole():
+    figure = fitted_parts._profile_panel(
+        {"name": "restitution", "values": [0.79998, 0.80002], "chi2": [4.0, 4.0]},
+        {"value": 0.8, "u": 1e-5},
+    )
+    page = matplotlib_.canvas(Figure("p", "P", "C.", (figure,)))
+    page.canvas.draw()
+    assert page.axes[0].xaxis.get_offset_text().get_text() == ""
