@@ -280,7 +280,7 @@ def left_out(run: Run) -> Table | None:
         source = printable(str(drop["source"]))
         rows += [
             (source, f"{one['what']} {one['number']}", numbers.plain(one["time_s"], 6),
-             one["reason"]) for one in drop["dropped"]
+             printable(one["reason"])) for one in drop["dropped"]
         ]  # fmt: skip
         rows += [
             (source, f"impact {n}", "–", "missed: a flight there lasts too long for one")

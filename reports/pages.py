@@ -20,6 +20,8 @@ _SIZE, _LINE = (11.69, 8.27), 0.026
 _LEFT, _TOP, _BOTTOM = 0.06, 0.93, 0.06
 #: letters of 10 points on a line across the page, and of 9 points on the whole page
 _WRAP, _CELL_WRAP = 150, 190
+#: a figure needs at least so much of the first page
+_ROOM = 0.55
 #: a heading is not left alone at the foot of a page
 _GROUP = 6 * _LINE
 _INK, _SOFT = "#1b1b1b", "#555555"
@@ -50,7 +52,7 @@ class Line(NamedTuple):
 def of(block: Block) -> Iterator[Canvas]:
     """Pages of one run."""
     figures = block.figures
-    yield _first(block, figures[0] if figures else None)
+    yield from _first(block, figures[0] if figures else None)
     for figure in figures[1:]:
         yield _with_figure(figure)
     for name, heading in (("measurement", "Against measurement"), ("scores", "Scores")):
@@ -63,15 +65,19 @@ def of(block: Block) -> Iterator[Canvas]:
     yield from _table_pages("How it was made", _setup_lines(block.contexts["setup"]))
 
 
-def _first(block: Block, figure: Figure | None) -> Canvas:
+def _first(block: Block, figure: Figure | None) -> Iterator[Canvas]:
+    """The answer, and below it a figure; on a page of its own where the answer is long."""
     page = _blank()
     y = _write(page, _TOP, str(block.record["title"]), size=20, weight="bold")
     y = _write(page, y - 0.01, str(block.record["question"]), size=12, colour=_SOFT)
     for sentence in block.contexts["answer"]["answer"]:
         y = _write(page, y - 0.008, sentence, size=12)
-    if figure is not None:
+    crowded = y < _ROOM
+    if figure is not None and not crowded:
         _place(page, figure, y - 0.02)
-    return page
+    yield page
+    if figure is not None and crowded:
+        yield _with_figure(figure)
 
 
 def _with_figure(figure: Figure) -> Canvas:

@@ -233,9 +233,10 @@ def values(run: Run) -> Table | None:
         groups.append(Group(title, tuple(_value(row, scales) for row in own)))
     note = (
         "Standard uncertainties: numerical from runs with two and four times the step (grid"
-        " convergence index), parameters from what is known of each, data from the noise of the"
-        " samples (the ± of what was measured). E_n is the error over their root sum of squares"
-        " times 2 (ASME V&V 20-2009; ISO 13528:2022, 9.7)."
+        " convergence index) and not below the deviation from the reference, parameters from what"
+        " is known of each and of the inputs, data from that of the samples (the ± of what was"
+        " measured). E_n is the error over their root sum of squares times 2 (ASME V&V 20-2009;"
+        " ISO 13528:2022, 9.7)."
     )
     return of_engines(columns, groups, note)
 

@@ -86,12 +86,18 @@ def _check_place(folder: Path, place: Path) -> None:
 
 
 def _write(recording: Recording, folder: Path) -> None:
+    import duckdb
+
     streams = {}
-    for number, (name, stream) in enumerate(recording.streams.items(), start=1):
-        table = f"stream-{number:03}.parquet"
-        names = _column_names(stream)
-        _write_table(folder / table, stream, names)
-        streams[name] = {"table": table, **_stream_head(stream, names)}
+    # one for all: a log may have thousands of streams
+    with duckdb.connect() as connection:
+        # each thread holds a group of rows of every column: one keeps a long log small
+        connection.execute("set threads=1")
+        for number, (name, stream) in enumerate(recording.streams.items(), start=1):
+            table = f"stream-{number:03}.parquet"
+            names = _column_names(stream)
+            _write_table(connection, folder / table, stream, names)
+            streams[name] = {"table": table, **_stream_head(stream, names)}
     head = plain(_head(recording, streams))
     text = json.dumps(head, indent=1, ensure_ascii=False, allow_nan=False)
     (folder / HEAD).write_text(text + "\n", encoding="utf-8")
@@ -203,7 +209,12 @@ def _stream_head(stream: Stream, names: Mapping[str, Mapping[str, str]]) -> dict
     }
 
 
-def _write_table(path: Path, stream: Stream, names: Mapping[str, Mapping[str, str]]) -> None:
+def _write_table(
+    connection: Any,  # noqa: ANN401  (duckdb has few types)
+    path: Path,
+    stream: Stream,
+    names: Mapping[str, Mapping[str, str]],
+) -> None:
     import duckdb
 
     columns: dict[str, Any] = {TIME: np.asarray(stream.time_s)}
@@ -218,13 +229,9 @@ def _write_table(path: Path, stream: Stream, names: Mapping[str, Mapping[str, st
         for i, (name, values) in enumerate(columns.items())
     )
     try:
-        with duckdb.connect() as connection:
-            # each thread holds a group of rows of every column: one keeps a long log small
-            connection.execute("set threads=1")
-            connection.register("samples", numbered)
-            connection.execute(
-                f"copy (select {chosen} from samples) to '{_quoted(path)}' ({_PARQUET})"
-            )
+        connection.register("samples", numbered)
+        connection.execute(f"copy (select {chosen} from samples) to '{_quoted(path)}' ({_PARQUET})")
+        connection.unregister("samples")
     except duckdb.Error as error:
         message = str(error).splitlines()[0].partition(": {")[0]
         raise OSError(f"writing {path.name}: {message}") from None
@@ -256,8 +263,8 @@ def _stream(head: Mapping[str, Any], columns: Mapping[str, Array]) -> Stream:
         u = columns.get(names.get("u", ""), about["u"])
         saturated: Any = columns.get(names.get("saturated", ""))
         channels[name] = Channel(
-            columns[names["values"]], about["unit"], about["frame"], u, about["sensor"], about["kind"],
-            about["raw"], saturated,
+            columns[names["values"]], about["unit"], about["frame"], u, about["sensor"],
+            about["kind"], about["raw"], saturated,
         )  # fmt: skip
     return Stream(columns[TIME], channels, Clock(**head["clock"]), tuple(head["gaps"]))
 

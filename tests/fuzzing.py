@@ -75,6 +75,13 @@ class Result:
     peak_mb: float = 0.0
     size: int = 0
 
+    @property
+    def failed(self) -> bool:
+        """Whether it is a fault of the program: what a library did not foresee is told in words."""
+        frames = [line for line in self.text.splitlines() if line.startswith('  File "')]
+        ours = bool(frames) and "/simcompare/hardware/" in frames[-1]
+        return self.outcome in FAILURES or (self.outcome == "unforeseen" and ours)
+
     def __str__(self) -> str:
         what = ", ".join(self.kinds)
         return (

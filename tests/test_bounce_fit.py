@@ -363,9 +363,9 @@ def test_a_fit_takes_less_than_fifty_milliseconds():
     for model in ("constant", "constant+drag"):
         best = math.inf
         for _ in range(10):
-            begin = time.perf_counter()
+            begin = time.process_time()
             fit(drop, model)
-            best = min(best, time.perf_counter() - begin)
+            best = min(best, time.process_time() - begin)
         assert best < 0.05, model
 
 

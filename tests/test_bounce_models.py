@@ -179,7 +179,7 @@ def test_one_evaluation_takes_a_millisecond_at_most():
     for name in ("constant", "power+drag", "hunt_crossley+drag"):
         best = math.inf
         for _ in range(30):
-            begin = time.perf_counter()
+            begin = time.process_time()
             bounces(MODELS[name], values, 7)
-            best = min(best, time.perf_counter() - begin)
+            best = min(best, time.process_time() - begin)
         assert best < 1e-3, name

@@ -433,3 +433,27 @@ def test_real_clocks_are_judged_as_a_person_would():
         arm = pd.read_csv(folder / f"double_pendulum/{name}.csv").iloc[:, :3].to_numpy()
         recording = conditioned(corruption.of_columns(arm[:, 0], a=arm[:, 1], b=arm[:, 2]))
         assert corruption.defects_in(recording) == []
+
+
+@pytest.mark.parametrize("count", [40, 500])
+def test_one_stamp_twice_and_one_sample_lost_are_no_coarse_clock(count):
+    time = np.arange(count) / 100
+    time[20:] -= 0.01  # sample 20 has the stamp of the one before
+    time[30:] += 0.01  # and here one is lost
+    with pytest.raises(InputError, match=rf"line {row(20)}.* one row has the stamp of the row befo"):
+        conditioned(corruption.of_columns(time, x=np.sin(np.arange(count))))
+
+
+def test_a_log_that_ends_early_names_one_and_the_same_row():
+    stream = clean(100)
+    stream.truncated = f"line {row(100)} ends in the middle; it was left out"
+    (told,) = found(conditioned(stream), "truncated")
+    assert f"after line {row(99)}: line {row(100)}" in told.text
+    assert told.rows == ((row(99), row(99)),)
+
+
+def test_a_column_that_increases_is_proposed_as_the_time():
+    stream = clean(100)
+    stream.columns[0].name, stream.time = "ticker", None
+    with pytest.raises(InputError, match=r"'ticker' increases .*column: ticker, unit: s"):
+        conditioned(stream)

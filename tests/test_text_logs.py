@@ -256,11 +256,14 @@ def test_an_echo_of_ros_takes_header_stamps_units_and_covariances(read):
 
 # ---- bad input --------------------------------------------------------------------------------
 
+#: what is advised, once, where a word stands in a column of numbers
+WORD = "; where nothing was measured, leave the cell empty, or delete the line"
+
 
 def test_every_bad_cell_and_row_is_named_with_line_and_column(faults):
     text = "t,x,y\n0,1,2\n1,abc,3\n2,1\n3,4,5\n4,5,6,7\n5,1,--\n6,1,1\n7,1,1\n8,1,1\n9,1,1\n"
     assert faults(text) == (
-        "line 3, column 'x': 'abc' is not a number",
+        "line 3, column 'x': 'abc' is not a number" + WORD,
         "line 4: has 2 cells, expected 3",
         "line 6: has 4 cells, expected 3",
         "line 7, column 'y': '--' is not a number",
@@ -269,7 +272,7 @@ def test_every_bad_cell_and_row_is_named_with_line_and_column(faults):
 
 def test_a_bad_first_row_is_no_header(faults):
     assert faults("t,x,y\n0,abc,1\n1,2,3\n2,3,4\n3,4,5\n") == (
-        "line 2, column 'x': 'abc' is not a number",
+        "line 2, column 'x': 'abc' is not a number" + WORD,
     )
 
 
@@ -277,7 +280,7 @@ def test_after_twenty_faults_the_rest_is_counted(faults):
     text = "t,x\n" + "0,1\n" * 60 + "1,bad\n" * 50
     found = faults(text)
     assert len(found) == 21
-    assert found[0] == "line 62, column 'x': 'bad' is not a number"
+    assert found[0] == "line 62, column 'x': 'bad' is not a number" + WORD
     assert found[-1] == "and 30 more such faults"
 
 
@@ -320,7 +323,7 @@ def test_a_comma_that_separates_and_decides_is_refused(faults):
 
 @pytest.mark.parametrize(
     ("text", "words"),
-    [("", "is empty"), (" \n \n", "is empty"), ("t,x\n", "holds no rows of numbers"),
+    [("", "is empty"), (" \n \n", "is empty"), ("t,x\n", "has a header (t, x) and no rows"),
      ("a b c\nd e f\n", "holds no rows of numbers"), (b"\x00\x01\x02" * 100, "binary data"),
      ("t,x,y\n0,1\n1,2\n", "the header (line 1) has 3 cells but the rows below have 2")],
 )  # fmt: skip
@@ -341,7 +344,7 @@ def test_blocks_join_without_a_seam_and_a_fault_in_one_keeps_its_line(log, monke
     assert found.rows is None
     rows[2000] = "250,oops"
     assert faults("t,x\n" + "\n".join(rows) + "\n") == (
-        "line 2002, column 'x': 'oops' is not a number",
+        "line 2002, column 'x': 'oops' is not a number" + WORD,
     )
 
 
@@ -406,3 +409,20 @@ def test_every_table_of_the_recordings_is_recognised_and_read():
         stream = importers.read(path, importers.recognise(path), mapping.NOTHING).streams[0]
         lines = path.read_bytes().count(b"\n")
         assert lines - len(stream) in (0, 1), path
+
+
+@pytest.mark.parametrize("name", ["time_s", "t_s", "timestamp_s", "Time_s", "elapsed_time_s"])
+def test_a_time_with_its_unit_in_the_name_is_the_time(read, name):
+    stream = read(f"{name},x_m\n0,1\n1,2\n2,3\n").streams[0]
+    assert (stream.time, stream.column(name).unit) == (name, "s")
+
+
+def test_a_last_number_with_fewer_decimals_and_no_line_end_is_cut(read):
+    rows = "".join(f"{i / 10:.1f},{i / 8:.4f}\n" for i in range(20))
+    stream = read(f"t,x\n{rows}2.0,2.5").streams[0]
+    assert len(stream) == 20
+    assert "line 22 ends in the middle ('2.5' has fewer decimals" in stream.truncated
+    whole = read(f"t,x\n{rows}2.0,2.5000")
+    assert (len(whole.streams[0]), whole.streams[0].truncated) == (21, "")
+    assert rules(whole)["no_line_end"].rows == ((22, 22),)
+    assert "no_line_end" not in rules(read(f"t,x\n{rows}2.0,2.5000\n"))

@@ -41,7 +41,7 @@ def _mat() -> list[Log]:
         ("mat/cells", {"t_run": cells[0], "x_run": cells[1]}, False),
     ):
         buffer = io.BytesIO()
-        scipy.io.savemat(buffer, tree, do_compression=packed)
+        scipy.io.savemat(buffer, tree, do_compression=packed)  # type: ignore[arg-type]
         names = {"mat/struct": ("log.x", "log.y"), "mat/cells": ("x_run",)}.get(name, ("x", "y"))
         time = {"mat/struct": "log.t", "mat/cells": "t_run"}.get(name, "t")
         mapping = {**_channels(*names), "time": {"column": time, "unit": "s"}}

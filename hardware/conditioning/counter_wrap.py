@@ -52,9 +52,10 @@ def _told(work: Work, column: RawColumn, wrap: float) -> None:
     fast = np.concatenate(steep) if steep else np.empty(0, dtype=np.int64)
     if len(fast):
         work.fault(
-            f"moves by more than {_AMBIGUOUS:g} of the {_amount(column, wrap)} after which it begins"
-            f" again ({intervals.shorten(fast, work)}), so it cannot be told how often it did; record"
-            " with shorter intervals, or correct wraps in the mapping file (counter_wrap)",
+            f"moves by more than {_AMBIGUOUS:g} of the {_amount(column, wrap)} after which it"
+            f" begins again ({intervals.shorten(fast, work)}), so it cannot be told how often it"
+            " did; record with shorter intervals, or correct wraps in the mapping file"
+            " (counter_wrap)",
             sample=int(fast[0]),
             channel=column.name,
         )

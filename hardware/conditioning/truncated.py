@@ -11,7 +11,8 @@ def check(work: Work) -> None:
     if missing:
         work.warn(
             "truncated",
-            f"the log ends early, after {work.place(len(work.stream) - 1)}: {missing}; what was read before is whole."
+            f"the log ends early, after {work.place(len(work.stream) - 1)}: {missing}; what was"
+            " read before is whole."
             " Copy the file from the device again if you can",
             samples=[len(work.stream) - 1],
             after={"samples": float(len(work.stream))},

@@ -109,10 +109,10 @@ def sniff(source: _text.Source, keep: Collection[str] = ()) -> Layout:
     kinds = _kinds([cells[i] for i in rows if len(cells[i]) == width][-len(rows) // 2 - 1 :], width)
     first = next((i for i in rows if _fits(cells[i], kinds)), None)
     if first is None and _is_header_alone(cells, width):
-        names = ", ".join(cells[rows[0]])[:80]
+        shown = ", ".join(cells[rows[0]])[:80]
         raise InputError(
             source.label,
-            [f"line {rows[0] + 1}: has a header ({names}) and no rows; the log ends before its"
+            [f"line {rows[0] + 1}: has a header ({shown}) and no rows; the log ends before its"
              " first sample"],
         )  # fmt: skip
     if first is None or not {"number", "list"} & set(kinds):
@@ -148,11 +148,12 @@ def sniff(source: _text.Source, keep: Collection[str] = ()) -> Layout:
 
 def _is_header_alone(cells: dict[int, list[str]], width: int) -> bool:
     """Whether there are names, perhaps with units below them, and nothing else."""
-    texts = [cell.strip() for row in cells.values() for cell in row]
+    table = list(cells.values())
+    texts = [cell.strip() for row in table for cell in row]
     return (
-        1 <= len(cells) <= 2
-        and width > 1
-        and all(len(row) == width for row in cells.values())
+        width > 1
+        and (len(table) == 1 or (len(table) == 2 and _is_units_row(table[1], table[0])))
+        and all(len(row) == width for row in table)
         and all(0 < len(text) <= 40 and kind_of(text) == "text" for text in texts)
     )
 

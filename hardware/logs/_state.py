@@ -134,8 +134,9 @@ class State:
                 f"line {self.no_end}, the last one, has no line end; if the file was cut there, its"
                 " last number is not whole"
             )
-            rows = ((self.no_end, self.no_end),)
-            found.append(Repair("no_line_end", INFO, text, rows=rows, count=1))
+            found.append(
+                Repair("no_line_end", INFO, text, rows=((self.no_end, self.no_end),), count=1)
+            )
         if self.midnights:
             text = "the time of day passes midnight; a day was added from there on"
             rows = ranges(self.midnights[:MOST_ROWS])

@@ -361,12 +361,11 @@ class _Reader:
             "date": f"a date as {layout.styles[k].words}" if k in layout.styles else "a date",
             "integer": "a whole number",
         }.get(kind, "a number" + (" with a decimal comma" if layout.decimal == "," else ""))
-        # a word in a column of numbers mostly says that nothing was measured
-        cure = "; if nothing was measured, leave the cell empty, or delete the line"
-        self.state.fault(
-            f"line {line}, column {name!r}: {cell.strip()[:60]!r} is not {wanted}"
-            f"{cure if kind == 'number' else ''}"
-        )
+        text = f"line {line}, column {name!r}: {cell.strip()[:60]!r} is not {wanted}"
+        is_word = kind == "number" and not re.search(r"\d", cell)
+        if is_word and not self.state.count:  # mostly it says just that; told once
+            text += "; where nothing was measured, leave the cell empty, or delete the line"
+        self.state.fault(text)
 
     # ---- the end ------------------------------------------------------------------------------
 

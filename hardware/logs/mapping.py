@@ -20,7 +20,6 @@ from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, ValidationErro
 from simcompare.errors import InputError
 from simcompare.yaml_file import describe, faults_of, read_yaml
 
-
 #: what stands in a template where the user must write
 UNKNOWN = "?"
 
@@ -37,7 +36,7 @@ class _Column(_Part):
         left = [name for name in ("column", "unit") if getattr(self, name, None) == UNKNOWN]
         if left:
             raise ValueError(
-                f"{' and '.join(left)} is still ?; replace the ? ('1' is the unit of a plain number)"
+                f"{' and '.join(left)} is still ?; replace the ? (the unit of a plain number is 1)"
                 " or delete the line"
             )
         return self

@@ -82,6 +82,6 @@ FIT: tuple[Section, ...] = (
 
 def of_run(record: Mapping[str, Any]) -> tuple[Section, ...]:
     """The sections that suit a run."""
-    if record.get("fit"):
+    if "closed_form" in (record.get("fit") or {}):  # other fits are no bounces
         return FIT
     return VALIDATION if record.get("validation") else SECTIONS

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from simcompare import catalogue, engines, experiment, run_record, units
 from simcompare.compare import INFO, Score
@@ -18,14 +19,18 @@ from simcompare.fitting import (
     records,
     waveform_fit,
 )
+from simcompare.fitting.arcs import rejoined
 from simcompare.fitting.engine_fit import EngineFit
-from simcompare.fitting.impacts import Impacts, from_recording, from_table
+from simcompare.fitting.impacts import CLOCKED, Impacts, from_recording, from_table, from_times
 from simcompare.fitting.likelihood import Fit
 from simcompare.fitting.problem import SPEED, Prior
 from simcompare.results import Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Progress
 from simcompare.scenario_file import ScenarioFile
 from simcompare.validation.model import model_of
+
+if TYPE_CHECKING:
+    from simcompare.hardware.logs.bounce_table import BounceTable
 
 #: mode under which fitted engines are recorded
 FITTED = "fitted"
@@ -107,7 +112,7 @@ def fit(
         drops, _candidates(model, asked), extra=asked.extra, fixed=asked.fixed, priors=asked.priors
     )
     whole = model_of(file)
-    start = _for_engines(choice.best, drops, asked)
+    start = _for_engines(choice.best, _joined(choice.best, drops, asked), asked)
     step_s = None if step is None else units.to_si(step, "s", "--step")
     found = engine_fit.fit_engines(
         whole, start.problem, start, chosen, given, step_s=step_s, time_limit_s=time_limit_s,
@@ -162,8 +167,6 @@ def _known_drag(given: Mapping[str, float]) -> dict[str, float]:
     """The terminal speed that the scenario's own drag makes, where it has some."""
     if not given.get("drag_coefficient"):
         return {}
-    import math
-
     area = math.pi * given["radius_m"] ** 2
     force = 0.5 * given["air_density_kg_m3"] * given["drag_coefficient"] * area
     return {SPEED: math.sqrt(given["mass_kg"] * given["gravity_m_s2"] / force)}
@@ -194,13 +197,44 @@ def drops_of(name: str | Path, mapping: str | Path | None, u_s: float | None) ->
     from simcompare.hardware.logs import bounce_table
     from simcompare.validation import sources
 
-    if str(name) in bounce_table.facts():
-        return [from_table(bounce_table.read(bounce_table.facts()[str(name)], _TABLE))]
+    path = bounce_table.facts().get(str(name), Path(name))
+    if _is_table(path):
+        return _of_table(bounce_table.read(path, _TABLE))
     source = sources.find(str(name), mapping=mapping)
     return list(from_recording(source.recording, u_s=u_s))
 
 
+def _is_table(path: Path) -> bool:
+    """Whether a file is a table of bounces: its first heading is "bounce"."""
+    try:
+        with path.open("rb") as file:
+            lines = file.read(4096).decode("utf-8-sig", errors="replace").splitlines()
+    except OSError:
+        return False
+    heads = [line for line in lines if line.strip() and not line.startswith("#")]
+    return bool(heads) and heads[0].replace(";", ",").replace("\t", ",").split(",")[0] == "bounce"
+
+
+def _of_table(table: BounceTable) -> list[Impacts]:
+    """Impact times where the table has them, else rebound heights."""
+    times = [quantity for quantity in table.quantities if quantity.name == "impact_time"]
+    if not times:
+        return [from_table(table)]
+    u = [float("nan") if quantity.u is None else quantity.u for quantity in times]
+    values = [quantity.value for quantity in times]
+    return list(from_times(values, u, kind=CLOCKED, source=table.path.name))
+
+
 _TABLE = {"restitution": "1", "rebound_height": "m", "impact_time": "s", "impact_speed": "m/s"}
+
+
+def _joined(best: Fit, drops: Sequence[Impacts], asked: _Asked) -> list[Impacts]:
+    """Impacts of videos where arcs with the drag that was found meet, and not parabolas."""
+    speed = best.as_dict().get(SPEED, asked.fixed.get(SPEED, math.inf))
+    if not math.isfinite(speed):
+        return list(drops)
+    gravity = float(asked.fixed.get("gravity_m_s2", bounce_models.GRAVITY))
+    return [drop if drop.track is None else rejoined(drop, speed, gravity) for drop in drops]
 
 
 def _for_engines(best: Fit, drops: Sequence[Impacts], asked: _Asked) -> Fit:

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from simcompare.validation import phrases, telling_gap, telling_values
+from simcompare.validation.cases import DURATION
 from simcompare.validation.phrases import KNOWN, SAME
 
 Record = Mapping[str, Any]
@@ -15,8 +16,12 @@ Record = Mapping[str, Any]
 _ONE = 0.99
 #: a fit that leaves more than so many times the noise lacks something
 _FAR = 3.0
+#: a share of the gap by which a fit made it larger that is worth a word
+_WORSE = 0.005
 #: a parameter with this share of a budget dominates it
 _MOST = 0.5
+#: more parameters than these are counted and not named
+_NAMED = 5
 
 
 def sentences(found: Record) -> Iterator[str]:
@@ -31,31 +36,43 @@ def sentences(found: Record) -> Iterator[str]:
 
 
 def _names(found: Record, kind: str) -> list[str]:
-    return [row["name"] for row in found["parameters"] if row.get("kind") == kind]
+    return [
+        row["name"]
+        for row in found["parameters"]
+        if row.get("kind", "known") == kind and row["name"] != DURATION
+    ]
 
 
 def _known(found: Record) -> str:
-    read = [*_read_off(found)]
-    given = _names(found, "given")
-    told = list(read)
+    told = list(_read_off(found))
+    given, known, own = (_names(found, kind) for kind in ("given", "known", "scenario"))
     if given:
-        were = "was" if len(given) == 1 else "were"
-        told.append(f"The {phrases.parameters(given)} {were} given by the user.")
-    if not told:
+        told.append(f"{_were(given)} given by the user.")
+    if known and not told and not own:
         return "All parameters were known before the measurement was looked at."
-    rest = "All other parameters were known before the measurement was looked at."
-    return " ".join([*told, rest])
+    if known:
+        told.append(f"{_were(known)} known before the measurement was looked at.")
+    if own:
+        others = f"The other {phrases.counted(len(own), 'parameter')}" if told else "All parameters"
+        is_one = len(own) == 1 and told
+        told.append(
+            f"{others} {'is' if is_one else 'are'} the scenario's own, with no uncertainty."
+        )
+    return " ".join(told)
+
+
+def _were(names: Sequence[str]) -> str:
+    """Parameters as the beginning of a sentence; many are only counted."""
+    if len(names) > _NAMED:
+        return f"{len(names)} parameters were"
+    return f"The {phrases.parameters(names)} {'was' if len(names) == 1 else 'were'}"
 
 
 def _read_off(found: Record) -> Iterator[str]:
     names = _names(found, "read off")
     if names:
         of_each = "each stretch of it" if len(found["cases"]) > 1 else "it"
-        were = "was" if len(names) == 1 else "were"
-        yield (
-            f"The {phrases.parameters(names)} {were} read off the recording that is judged, at the"
-            f" start of {of_each}."
-        )
+        yield (f"{_were(names)} read off the recording that is judged, at the start of {of_each}.")
 
 
 def _fitted(found: Record) -> str:
@@ -84,10 +101,16 @@ def _alike(found: Record) -> Iterator[str]:
     pairs = _same_pairs(found["fit"])
     if pairs:
         named = "; ".join(
-            f"{phrases.parameter(a)} and {phrases.parameter(b)} ({r:+.3f})".replace("-", "−")
+            f"{phrases.parameter(a)} and {phrases.parameter(b)} ({_near_one(r)})"
             for a, b, r in pairs
         )  # fmt: skip
         yield f"The fit cannot tell apart (correlation): {named}."
+
+
+def _near_one(value: float) -> str:
+    # what is below 1 must not be rounded to it
+    digits = next((n for n in (3, 4, 5) if abs(value) < 1 - 0.5 / 10**n), 6)
+    return f"{value:+.{digits}f}".replace("-", "−")
 
 
 def _same_pairs(fit: Record | None) -> list[tuple[str, str, float]]:
@@ -140,7 +163,10 @@ def _also(found: Record) -> str:
     name = _leading(found)
     if not name or telling_values.dominant(rows)[0] != "u_input":
         return ""
-    return f" Of the parameters, the {phrases.parameter(name)} is the one to measure better."
+    return (
+        f" Most of the values' uncertainty comes from the {phrases.parameter(name)}: measure it"
+        " better."
+    )
 
 
 def _leading(found: Record) -> str:
@@ -170,18 +196,17 @@ def _about_parameters(found: Record) -> str:
             " tell wrong parameters from a wrong model."
         )
     pairs = _same_pairs(found["fit"])
-    if pairs and _leaves_much(found):
-        first, second, _ = pairs[0]
-        return (
-            f"a recording that tells the {phrases.parameter(first)} and the"
-            f" {phrases.parameter(second)} apart, such as motions of other sizes: the fit leaves"
-            f" {_left_over(found):.2g} times the noise of a sample, and cannot say why."
-        )
-    return ""
-
-
-def _leaves_much(found: Record) -> bool:
-    return _left_over(found) > _FAR
+    left = _left_over(found)
+    worse = any(row["shares"]["removed"] < -_WORSE for row in found["gaps"])
+    if not pairs or (left <= _FAR and not worse):
+        return ""
+    first, second, _ = pairs[0]
+    why = f" The fit leaves {left:.2g} times the noise of a sample." if left > _FAR else ""
+    return (
+        f"fit a recording that tells {phrases.parameter(first)} and {phrases.parameter(second)}"
+        " apart, such as one with motions of many sizes; as it is, wrong parameters and a wrong"
+        f" model look alike.{why}"
+    )
 
 
 def _left_over(found: Record) -> float:

@@ -18,6 +18,8 @@ _PARTS = {
 _MOST, _SMALL = 0.5, 0.2
 #: engines this close together, beside how far they are from reality, agree far better
 _CLOSE = 0.1
+#: and these are the same but for rounding
+_SAME = 1e-9
 #: more quantities than these are told in one sentence
 _MANY = 2
 #: samples that a band with k = 2 holds where nothing else is wrong
@@ -58,7 +60,7 @@ def _sizes(found: Record, by_probe: Mapping[str, Sequence[Record]]) -> str:
     ).replace(" of the measured range", "")
     still = [any(phrases.is_constant(found, row) for row in main) for main in mains.values()]
     if all(still):
-        how = "root mean square; what was measured does not vary"
+        how = "root mean square; what was measured varies no more than its noise"
     else:
         how = "root mean square, in shares of the measured range"
         how += " where it varies" if any(still) else ""
@@ -144,6 +146,9 @@ def _spread(found: Record, waveforms: Sequence[Record]) -> Iterator[str]:
         if own and max(own) > 0:
             ratios.append(one["rms"] * len(own) / sum(own))
     if not ratios:
+        return
+    if max(ratios) < _SAME:
+        yield "The engines give the same numbers."
         return
     told = f"The engines' spread about their own mean is {phrases.span(ratios)} of that"
     if max(ratios) < _CLOSE:

@@ -199,9 +199,9 @@ def dominant(rows: Sequence[Record]) -> tuple[str, float]:
     Args:
         rows: single values that are judged.
     """
-    shares = {
-        key: sum((row[key] / row["u_val"]) ** 2 for row in rows) / len(rows) for key in _SOURCES
-    }
+    known = [row for row in rows if row["u_val"] > 0]
+    shares = {key: sum((row[key] / row["u_val"]) ** 2 for row in known) for key in _SOURCES}
+    shares = {key: share / max(len(known), 1) for key, share in shares.items()}
     return max(shares.items(), key=lambda item: item[1])
 
 
@@ -234,8 +234,8 @@ def leading_parameter(rows: Sequence[Record]) -> tuple[str, float]:
 
 def _steps(found: Record, rows: Sequence[Record]) -> Iterator[str]:
     """The value in which the engines' own error weighs most."""
-    worst = max(rows, key=lambda row: row["u_num"] / row["u_val"])
-    if worst["u_num"] < _WORTH * worst["u_val"]:
+    worst = max(rows, key=lambda row: row["u_num"] / (row["u_val"] or 1.0))
+    if worst["u_num"] <= _WORTH * worst["u_val"]:
         return
     u_num, u_val = (phrases.sized(worst[key], worst.get("unit", "1")) for key in ("u_num", "u_val"))
     yield (

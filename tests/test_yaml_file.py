@@ -1,0 +1,63 @@
+"""YAML of users: no file hangs the program, and faults are told in plain words."""
+
+import time
+
+import pytest
+
+from simcompare import yaml_file
+from simcompare.errors import InputError
+from simcompare.hardware.logs import mapping as mappings
+
+
+def bomb(first, line):
+    return "\n".join([f"a0: &a0 {first}"] + [line.format(k, k - 1) for k in range(1, 10)]) + "\n"
+
+
+LISTS = bomb("[x]", "a{0}: &a{0} [" + ", ".join(["*a{1}"] * 10) + "]")
+MERGES = bomb("{x: 1}", "a{0}: &a{0} {{<<: [" + ", ".join(["*a{1}"] * 10) + "]}}")
+
+
+@pytest.mark.parametrize("text", [LISTS, MERGES])
+def test_aliases_of_aliases_are_refused_at_once(write, text):
+    start = time.monotonic()
+    with pytest.raises(InputError, match="its aliases .* stand for more than"):
+        yaml_file.read_yaml(write("bomb.yaml", text))
+    assert time.monotonic() - start < 2
+
+
+def test_an_alias_that_holds_itself_is_refused(write):
+    with pytest.raises(InputError, match="an alias holds itself"):
+        yaml_file.read_yaml(write("ring.yaml", "a: &a [1, *a]\n"))
+
+
+def test_a_mapping_may_be_merged_and_used_again(write):
+    text = "base: &x {unit: deg, u: 0.1}\na: {<<: *x, u: 0.2}\nb: *x\n"
+    tree, lines, faults = yaml_file.read_yaml(write("merged.yaml", text))
+    assert tree["a"] == {"unit": "deg", "u": 0.2}
+    assert tree["b"] == tree["base"] == {"unit": "deg", "u": 0.1}
+    assert (lines["a.u"], lines["b"], faults) == (2, 3, {})
+
+
+def test_a_long_file_without_aliases_is_read(write):
+    rows = "".join(f"- [{i}, {i + 1}]\n" for i in range(3000))
+    tree, _, _ = yaml_file.read_yaml(write("long.yaml", rows))
+    assert len(tree) == 3000
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("a: {column: x, unit: m, u: wide}", "channels.a.u: expected a number, found 'wide'"),
+        ("a: {column: x, unit: m, u: -1}", "channels.a.u: expected a number greater than 0"),
+        ("a: {column: x, unit: 3}", "channels.a.unit: expected a text, found 3"),
+        ("a: {column: x, unit: m, sign: 2}", "channels.a.sign: expected -1 or 1, found 2"),
+        ("a: {column: x, unit: m, sentinels: 5}", "expected a list"),
+    ],
+)
+def test_faults_are_told_in_plain_words(write, line, words):
+    with pytest.raises(InputError) as error:
+        mappings.read(write("map.yaml", f"channels:\n  {line}\n"))
+    text = str(error.value)
+    assert f"line 2, {words}" in text or words in text
+    assert "Input should" not in text
+    assert "valid" not in text
