@@ -240,7 +240,7 @@ def _joined(best: Fit, drops: Sequence[Impacts], asked: _Asked) -> list[Impacts]
 def _for_engines(best: Fit, drops: Sequence[Impacts], asked: _Asked) -> Fit:
     """The fit with the contact that engines have: a restitution that does not depend on speed."""
     model = bounce_models.model_of(best.model)
-    if model.law == "constant":
+    if model.law == "constant" and all(drop.track is None for drop in drops):
         return best
     name = "constant+drag" if model.drag or SPEED in asked.fixed else "constant"
     priors = {n: prior for n, prior in asked.priors.items() if n != "exponent"}
