@@ -173,14 +173,18 @@ def _whole(table: Table, widths: Sequence[int]) -> int:
 
 
 def _squeezed(table: Table, width: int, least: int) -> list[int]:
-    """Columns of words made narrower, the widest first, until all fit or none can give more."""
+    """Columns of words made narrower, the widest first, until all fit or none can give more.
+
+    Those that should stay on one line give only when no others can.
+    """
     found = _widths(table)
-    words = [i for i, column in enumerate(table.columns) if column.text and not column.whole]
-    while _whole(table, found) > width:
-        widest = max(words, key=lambda i: found[i], default=None)
-        if widest is None or found[widest] <= least:
-            break
-        found[widest] -= 1
+    for is_whole in (False, True):
+        words = [i for i, c in enumerate(table.columns) if c.text and c.whole == is_whole]
+        while _whole(table, found) > width:
+            widest = max(words, key=lambda i: found[i], default=None)
+            if widest is None or found[widest] <= least:
+                break
+            found[widest] -= 1
     return found
 
 

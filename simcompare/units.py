@@ -178,22 +178,22 @@ def _meaning(text: str) -> tuple[float, float, str] | str:
     given = re.sub(r"Nm\b", "N*m", given.replace("·", "*").replace("^", "**").replace("°", "deg"))
     if given in ("1", ""):
         return 1.0, 0.0, "1"
-    wanted = "a unit such as m, s, m/s^2, deg/s, V, or 1 for a plain number"
     if given in _NO_UNITS:
-        return f"{text!r} has no place here; expected {wanted}"
+        return f"{text!r} has no place here; expected {_WANTED}"
     if len(given) > 40 or not (_UNIT.match(given) or re.fullmatch(r"1 ?/ ?[A-Za-z]+", given)):
-        return f"{text!r} is not a unit; expected {wanted}"
+        return not_a_unit(text)
     try:
         unit = _registry().Unit(given)
     except Exception:  # noqa: BLE001  (pint raises many kinds for what it cannot read)
         if len(given) > 3 and given != given.lower():  # Newtons, VOLTS, Second
-            return _meaning(given.lower())
-        return f"{text!r} is not a unit; expected {wanted}"
+            found = _meaning(given.lower())
+            return not_a_unit(text) if isinstance(found, str) else found
+        return not_a_unit(text)
     si_unit = _si_unit(
         unit, is_angle=bool(_ANGLE.search(given)), is_energy=given.endswith(("J", "h"))
     )
     if si_unit is None:
-        return f"{text!r} has no place here; expected {wanted}"
+        return f"{text!r} has no place here; expected {_WANTED}"
     target = "" if si_unit == "1" else si_unit
     zero, one = (float(_registry().Quantity(x, unit).to(target).magnitude) for x in (0.0, 1.0))
     return one - zero, zero, si_unit

@@ -182,9 +182,9 @@ class _Child(contextlib.AbstractContextManager):
                 self._stop()  # its memory stays as large as it was
             return result
         if answer is None:
-            process.send_signal(signal.SIGUSR1)  # where it hangs
+            process.send_signal(signal.SIGUSR1)  # it says where it hangs
             time.sleep(0.5)
-        process.kill()
+            process.kill()
         code = process.wait()
         self.errors.seek(max(self.errors.tell() - 3000, 0))
         text = self.errors.read().decode(errors="replace")
@@ -212,7 +212,7 @@ def _serve(folder: Path) -> None:
     out.write("ready\n")
     out.flush()
     for line in sys.stdin:
-        name, seed = line.split()
+        name, seed = line.rsplit(maxsplit=1)
         out.write(json.dumps(judge.one(name, int(seed)), ensure_ascii=True) + "\n")
         out.flush()
 

@@ -440,7 +440,7 @@ def test_one_stamp_twice_and_one_sample_lost_are_no_coarse_clock(count):
     time = np.arange(count) / 100
     time[20:] -= 0.01  # sample 20 has the stamp of the one before
     time[30:] += 0.01  # and here one is lost
-    with pytest.raises(InputError, match=rf"line {row(20)}.* one row has the stamp of the row befo"):
+    with pytest.raises(InputError, match=rf"line {row(20)}.* one row has the stamp of the row"):
         conditioned(corruption.of_columns(time, x=np.sin(np.arange(count))))
 
 

@@ -471,3 +471,28 @@ def test_the_load_of_a_real_servo_is_signed_and_its_angles_are_left_alone():
     assert corruption.defects_in(recording) == ["signed_number"]
     load = recording.streams["log"].channels["load_V"].values
     assert (load.min(), load.max()) == (-328, 335)
+
+
+@pytest.mark.parametrize("stated", [None, 0.01])
+def test_what_was_interpolated_is_less_sure_wherever_the_uncertainty_comes_from(stated):
+    stream = clean()
+    values(stream, "sine")[500] = np.nan
+    mapping = {"channels": {"sine": {"column": "sine", "unit": "mV", "u": 10.0, "sign": -1}}}
+    stream.column("sine").u = None if stated is None else stated * 1000
+    stream.column("sine").unit = "mV"
+    channel = conditioned(
+        stream, mapping=of_tree(mapping if stated is None else {}, "map")
+    ).streams["log"].channels["sine_V"]
+    (told,) = found(conditioned(_with_hole("sine", 500)), "interpolated")
+    assert channel.u[499] == pytest.approx(0.01)
+    assert channel.u[500] == pytest.approx(np.hypot(0.01, told.after["u"] / 1000))
+
+
+def _with_hole(name, sample):
+    stream = clean()
+    values(stream, name)[sample] = np.nan
+    return stream
+
+
+def test_an_uncertainty_that_is_not_known_stays_so():
+    assert conditioned(_with_hole("sine", 500)).streams["log"].channels["sine_V"].u is None

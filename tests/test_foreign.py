@@ -7,6 +7,7 @@ import pytest
 
 from simcompare.errors import InputError
 from simcompare.hardware.logs import importers
+from simcompare.hardware.logs.mapping import NOTHING
 
 
 def zipped(*names):
@@ -34,13 +35,13 @@ def zipped(*names):
 def test_a_file_that_is_no_log_is_called_what_it_is(write, content, words):
     path = write("strange", content)
     with pytest.raises(InputError, match=words):
-        importers.read(path, importers.recognise(path), None)
+        importers.read(path, importers.recognise(path), NOTHING)
 
 
 def test_a_folder_is_told_apart_from_a_bag_and_from_a_recording(tmp_path):
     (tmp_path / "logs").mkdir()
     (tmp_path / "logs" / "a.csv").write_text("t,x\n0,1\n1,2\n")
-    with pytest.raises(InputError, match=r"is a folder without a bag's metadata\.yaml; give a file"):
+    with pytest.raises(InputError, match=r"a folder without a bag's metadata\.yaml; give a file"):
         importers.recognise(tmp_path / "logs")
     (tmp_path / "x.rec").mkdir()
     (tmp_path / "x.rec" / "recording.json").write_text("{}")

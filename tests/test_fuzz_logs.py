@@ -6,12 +6,10 @@ A small number of seeded mutations; ``python -m tests.benchmarks.fuzz_logs`` run
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 import numpy as np
 import pytest
-
-for needed in ("rosbags", "lz4.frame", "nptdms", "h5py", "soundfile"):
-    pytest.importorskip(needed)
 
 from simcompare import importing
 from simcompare.hardware.logs import importers, mapping
@@ -20,9 +18,12 @@ from tests import fuzzing, valid_logs
 from tests.mutations import Mutation, mutated
 from tests.text_samples import Log
 
+for needed in ("rosbags", "lz4.frame", "nptdms", "h5py", "soundfile"):
+    pytest.importorskip(needed)
+
 COUNT = int(os.environ.get("SIMCOMPARE_FUZZ", "1200"))
 pytestmark = pytest.mark.skipif(
-    not os.path.exists("/proc/self/clear_refs"), reason="memory is measured as Linux tells it"
+    not Path("/proc/self/clear_refs").exists(), reason="memory is measured as Linux tells it"
 )
 
 

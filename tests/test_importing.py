@@ -107,3 +107,55 @@ def test_a_column_that_the_log_does_not_have_is_told_with_those_it_has(write):
     mapping = write("map.yaml", "channels:\n  angle: {column: winkel, unit: deg}\n")
     with pytest.raises(InputError, match=r"winkel.*angle.*speed"):
         simcompare.import_log(write("a.csv", GOOD), mapping=mapping)
+
+
+def test_a_template_asks_for_the_unit_of_a_time_that_has_none(call, write):
+    log = write("raw.csv", GOOD.replace("t (ms)", "t"))
+    _, out, _ = call("import", log, "--template")
+    assert yaml.safe_load(out)["time"] == {"column": "t", "unit": "?"}
+    code, _, err = call("import", log, "--map", write("map.yaml", out))
+    assert code == 2
+    assert "time: unit is still ?; replace the ?" in err
+    _, out, _ = call("import", write("good.csv", GOOD), "--template")
+    assert "time" not in yaml.safe_load(out)
+
+
+def test_a_template_for_a_log_without_a_time_is_yaml_and_its_gaps_are_told(call, write):
+    log = write("raw.csv", GOOD.replace("t (ms)", "n").replace(" (deg)", ""))
+    _, out, _ = call("import", log, "--template")
+    assert yaml.safe_load(out)["time"] == {"column": "?", "unit": "?"}
+    code, _, err = call("import", log, "--map", write("map.yaml", out))
+    assert code == 2
+    assert "time: column and unit is still ?" in err
+    assert "channels.angle: unit is still ?" in err
+
+
+def test_a_bare_question_mark_is_told_as_what_it_is(call, write):
+    mapping = write("map.yaml", "time: {column: ?, unit: ?}\n")
+    code, _, err = call("import", write("a.csv", GOOD), "--map", mapping)
+    assert code == 2
+    assert "replace the ?" in err
+
+
+def test_a_column_that_becomes_time_s_does_not_take_the_place_of_the_clock(write, tmp_path):
+    rows = "".join(f"{i * 5},{100 - i / 10:.1f}\n" for i in range(50))
+    mapping = write("map.yaml", "channels:\n  time: {column: left, unit: s}\n")
+    log = write("a.csv", f"t (ms),left (s)\n{rows}")
+    simcompare.import_log(log, mapping=mapping, out=tmp_path / "a.rec")
+    (stream,) = recording_store.load(tmp_path / "a.rec").streams.values()
+    assert stream.time_s[-1] == pytest.approx(0.245)
+    assert stream.channels["recorded_time_s"].values[-1] == pytest.approx(95.1)
+
+
+def test_a_unit_that_is_not_understood_is_told_with_one_that_is(write):
+    log = write("a.csv", GOOD.replace("speed (rpm)", "torque [Nmm]"))
+    with pytest.raises(InputError, match=r"has a unit that is not understood.*did you mean N\*mm"):
+        simcompare.import_log(log)
+
+
+@pytest.mark.parametrize("place", [".", "/"])
+def test_a_place_that_cannot_be_a_recording_is_one_clear_sentence(call, write, place):
+    code, _, err = call("import", write("a.csv", GOOD), "-o", place)
+    assert code == 2
+    assert "choose another -o" in err
+    assert "Traceback" not in err

@@ -1,5 +1,6 @@
 """What is installed: every folder that ships is listed, and a wheel holds all that they hold."""
 
+import importlib.util
 import shutil
 import subprocess
 import sys
@@ -89,3 +90,12 @@ def test_every_engine_has_an_extra_of_its_name():
 @pytest.mark.parametrize("name", ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE"])
 def test_the_papers_are_there(name):
     assert (ROOT / name).stat().st_size > 200
+
+
+READERS = ("h5py", "rosbags", "nptdms", "soundfile", "pooch", "pymatreader")
+
+
+@pytest.mark.parametrize("module", READERS)
+def test_the_readers_of_the_extra_test_are_installed(module):
+    """Tests of formats are skipped without them; so that this is seen, one test fails."""
+    assert importlib.util.find_spec(module), f"{module} is missing; pip install -e '.[test]'"

@@ -95,6 +95,37 @@ def test_a_recording_is_fetched_once_and_checked(a_set, server, monkeypatch):
     assert registry.fetch("mine") == [found]
 
 
+def test_without_a_network_it_is_said_what_to_do(a_set, monkeypatch, tmp_path):
+    pytest.importorskip("pooch", reason="pooch fetches recordings; it is in simcompare[hardware]")
+    # a port that nobody listens to
+    monkeypatch.setattr(registry.DataSet, "url", lambda self, file: "http://127.0.0.1:9/log.csv")
+    with pytest.raises(OutputError) as error:
+        registry.fetch("mine")
+    text = str(error.value)
+    target = tmp_path / "cache" / "simcompare" / "recordings" / "mine" / "log.csv"
+    assert "127.0.0.1:9 cannot be reached (no network?)" in text
+    assert f"put it at {target}" in text
+    assert registry.FOLDER_VARIABLE in text
+    assert "Pool" not in text
+    target.parent.mkdir(parents=True, exist_ok=True)
+    target.write_bytes(a_set)
+    assert registry.fetch("mine") == [target]
+
+
+def test_a_folder_of_the_users_that_is_none_is_told(a_set, tmp_path, monkeypatch):
+    monkeypatch.setenv(registry.FOLDER_VARIABLE, str(tmp_path / "nowhere"))
+    with pytest.raises(InputError, match=r"SIMCOMPARE_DATA: names .*nowhere, which is no folder"):
+        registry.locate("mine")
+
+
+def test_names_that_are_missing_or_unknown_are_told_with_those_there_are(a_set, call):
+    for words, told in (((), "at least one"), (("mine", "yours", "his"), "'yours', 'his'")):
+        code, _, err = call("data", "fetch", *words)
+        assert code == 2
+        assert told in err
+        assert "known: mine" in err
+
+
 def test_the_address_names_repository_commit_and_file(a_set):
     found = registry.get("mine")
     assert found.url(found.files[0]) == (

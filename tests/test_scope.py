@@ -129,8 +129,9 @@ BAD = {
     "increment 0": (RIGOL.replace("2.0e-07", "0"),
                     "line 2: '-1.2e-04, 0' is no start and increment; expected two numbers,"
                     " such as -0.1,1e-6, the second above 0"),
-    "a word": (SIGLENT.replace("0.20", "ERR"), "line 10, column 'CH1': 'ERR' is not a number; where nothing was"
-               " measured, leave the cell empty, or delete the line"),
+    "a word": (SIGLENT.replace("0.20", "ERR"),
+               "line 10, column 'CH1': 'ERR' is not a number; where nothing was measured,"
+               " leave the cell empty, or delete the line"),
     "a short row": (KEYSIGHT.replace(",300E-03", ""), "line 5: has 1 cells, expected 2"),
     "no samples": ("x-axis,1\nsecond,Volt\n", "line 3: no samples follow the header"),
 }  # fmt: skip

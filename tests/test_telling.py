@@ -3,63 +3,7 @@
 import pytest
 
 from simcompare.validation import telling
-
-FITTED = ("length_m", "damping_N_m_s_rad")
-
-
-def waveform(parameters="known before", source="north", stream="log", rmse=0.02, **more):
-    return {
-        "source": source, "stream": stream, "probe": "angle_rad", "unit": "rad", "judged": True,
-        "parameters": parameters, "aligned": False, "rmse": rmse, "max_abs": 2 * rmse,
-        "nrmse": rmse, **more,
-    }  # fmt: skip
-
-
-def gap(removed=0.0, model_form=0.9, source="north", stream="log", covered=None, **more):
-    total = 0.04
-    noise = 1 - removed - model_form
-    return {
-        "source": source, "stream": stream, "probe": "angle_rad", "total": total,
-        "remaining": total * (1 - removed) ** 0.5, "model_form": total * model_form**0.5,
-        "noise": total * max(noise, 0.0) ** 0.5, "numerical": 0.0, "covered": covered,
-        "shares": {"removed": removed, "model_form": model_form, "noise": noise, "numerical": 0.0},
-        **more,
-    }  # fmt: skip
-
-
-def value(e_n=0.5, stream="log", **more):
-    return {
-        "source": "north", "stream": stream, "measure": "mean_period", "e_n": e_n,
-        "within_noise": None if e_n is None else abs(e_n) <= 1, "u_val": 1.0, "u_num": 0.1,
-        "u_input": 0.9, "u_data": 0.4, **more,
-    }  # fmt: skip
-
-
-def fit(streams=("id.0",), at_bound=()):
-    return {"recording": "swings", "streams": list(streams), "at_bound": list(at_bound)}
-
-
-def record(**more):
-    rows = [{"name": name, "fitted": 1.0 if more.get("fit") else None} for name in FITTED]
-    return {
-        "recording": "swings", "basis": telling.KNOWN, "fit": None, "parameters": rows,
-        "compare": {"angle_rad": {"label": "Angle from hanging"}},
-        "cases": [{"stream": "log"}], "waveforms": [waveform()], "gaps": [gap()],
-        "values": [value()], "timings": [], "provenance": {"repairs": []}, **more,
-    }  # fmt: skip
-
-
-def held_out(**more):
-    return record(
-        basis=telling.HELD_OUT, fit=fit(), cases=[{"stream": "vad.0"}],
-        waveforms=[waveform(stream="vad.0", rmse=0.04),
-                   waveform("fitted", stream="vad.0", rmse=0.01)],
-        gaps=[gap(0.75, 0.2, stream="vad.0")], **more,
-    )  # fmt: skip
-
-
-def text(found):
-    return "\n".join(telling.sentences(found))
+from tests.told import fit, gap, held_out, record, stretches, text, value, waveform
 
 
 def test_parameters_that_were_known_before():
@@ -69,8 +13,10 @@ def test_parameters_that_were_known_before():
         "Of the gap of the angle from hanging, 90 % of the mean square is neither noise nor"
         " numerical error. Nothing was fitted, so it may come from the parameters as well as from"
         " the form of the model.",
-        "The one single value agrees within the noise level (|E_n| ≤ 1, k = 2); that shows no"
-        " fault, and proves no model. 81 % of the squared uncertainty comes from the parameters.",
+        "The one single value (1 quantity on 1 stretch) agrees within the noise level (|E_n| ≤ 1,"
+        " k = 2); that shows no fault, and proves no model. 81 % of the squared uncertainty comes"
+        " from the parameters. Numerical error weighs most in the mean period of north: u = 0.1 s"
+        " of 1 s.",
         "All parameters were known before the measurement was looked at.",
         "Next: fit the parameters to one part of the recordings and judge another (calibrate:), to"
         " tell wrong parameters from a wrong model.",
@@ -80,12 +26,14 @@ def test_parameters_that_were_known_before():
 def test_parameters_that_were_fitted_elsewhere():
     assert telling.sentences(held_out()) == [
         "With fitted parameters, the simulated angle from hanging is 1 % of the measured range off"
-        " (root mean square); before the fit it was 4 % of the measured range. The largest: north"
-        " on vad.0, 0.01 rad, and 0.02 rad at one instant.",
-        "What the gap of the angle from hanging is made of, in shares of its mean square:"
+        " (root mean square); before the fit it was 4 % of the measured range. The largest: north,"
+        " 0.01 rad, and 0.02 rad at one instant.",
+        "Before the fit, the gap of the angle from hanging was made of (shares of its mean square):"
         " parameters 75 %; model form 20 %; noise of the measurement 5 %.",
-        "The one single value agrees within the noise level (|E_n| ≤ 1, k = 2); that shows no"
-        " fault, and proves no model. 81 % of the squared uncertainty comes from the parameters.",
+        "The one single value (1 quantity on 1 stretch) agrees within the noise level (|E_n| ≤ 1,"
+        " k = 2); that shows no fault, and proves no model. 81 % of the squared uncertainty comes"
+        " from the parameters. Numerical error weighs most in the mean period of north: u = 0.1 s"
+        " of 1 s.",
         "Length and damping were fitted to id.0 of swings and held against vad.0 of swings, which"
         " the fit had not seen: what is said here is a prediction. It holds for motions like"
         " these, not beyond.",
@@ -114,46 +62,9 @@ def test_no_engine_ran():
     assert telling.sentences(found) == ["No engine ran, so nothing can be said."]
 
 
-def test_a_value_without_uncertainty_is_not_judged():
-    found = record(values=[value(None)])
-    assert (
-        "No single value can be judged, because a part of its uncertainty is not known."
-        in telling.sentences(found)
-    )
-    assert telling.verdict(value(None), telling.KNOWN).startswith("cannot be judged")
-
-
-def test_a_recording_that_shows_no_single_value():
-    assert "No single value of the scenario can be read off this recording." in (
-        telling.sentences(record(values=[]))
-    )
-
-
-@pytest.mark.parametrize(
-    ("e_n", "basis", "words"),
-    [
-        (0.9, telling.KNOWN, "within the noise level"),
-        (-0.9, telling.HELD_OUT, "within the noise level"),
-        (0.9, telling.SAME, "within the noise level, but fitted to the same data"),
-        (1.1, telling.SAME, "differs by more than the uncertainties explain"),
-        (-1.1, telling.KNOWN, "differs by more than the uncertainties explain"),
-    ],
-)
-def test_the_words_for_a_value(e_n, basis, words):
-    assert telling.verdict(value(e_n), basis) == words
-
-
 @pytest.mark.parametrize("make", [record, held_out])
 def test_nothing_is_ever_called_validated(make):
     assert "validated" not in text(make())
-
-
-def test_the_furthest_value_is_named():
-    found = record(values=[value(0.2), value(-4.44, stream="vad-1", measure="log_decrement")])
-    assert (
-        "Of 2 single values 1 agrees within the noise level (|E_n| ≤ 1, k = 2); the furthest is the"
-        " log decrement of north on vad-1, E_n = −4.4." in text(found)
-    )
 
 
 def test_parameters_that_do_not_carry_over():
@@ -165,25 +76,51 @@ def test_parameters_that_do_not_carry_over():
         "The fitted parameters made the gap larger, by up to 6 %, so they do not carry over"
         in text(found)
     )
-    assert "Model form is what no choice of these parameters takes away" in text(found)
+    assert "Model form is what parameters fitted elsewhere leave" in text(found)
 
 
 def test_uncertain_parameters_take_the_blame_from_the_model():
     blamed = record(fit=fit(), basis=telling.HELD_OUT, gaps=[gap(0.1, 0.8, covered=0.5)],
                     waveforms=[waveform(), waveform("fitted")])  # fmt: skip
     assert "covers 50 % of the samples; the others differ by more than that" in text(blamed)
-    assert "something is missing in the equations" in text(blamed)
+    assert "it may lie in the equations" in text(blamed)
     assert "Next: a better model" in text(blamed)
     spared = {**blamed, "gaps": [gap(0.1, 0.8, covered=1.0)]}
     assert "it may explain the gap without any fault of the model" in text(spared)
-    assert "something is missing" not in text(spared)
-    assert "Next: know the parameters better" in text(spared)
+    assert "it may lie in the equations" not in text(spared)
+    assert "Next: measure the parameters better" in text(spared)
+
+
+def test_a_better_model_is_not_asked_for_where_a_start_that_was_read_off_dominates():
+    rows = [{"name": "start_rad", "kind": "read off", "fitted": None}]
+    found = held_out(values=[value(budget={"start_rad": 0.9})])
+    assert "Next: a better model" in text(found)
+    found["parameters"] = found["parameters"] + rows
+    assert "Next: measure the start better, apart from this recording" in text(found)
+    assert "better model" not in text(found)
+
+
+@pytest.mark.parametrize(
+    ("r", "rms", "advice"),
+    [
+        (-0.9999, 0.05, "fit a recording that tells length and damping apart"),
+        (-0.9999, 0.002, "a better model"),
+        (0.98, 0.05, "a better model"),
+    ],
+)
+def test_a_better_model_is_not_asked_for_where_parameters_cannot_be_told_apart(r, rms, advice):
+    cases = [{"stream": "vad.0", "probes": {"angle_rad": {"u": 0.001}}}]
+    found = held_out() | {"fit": fit(rms=rms, correlation=[[1.0, r], [r, 1.0]]), "cases": cases}
+    found["waveforms"] = [row | {"n": 100} for row in found["waveforms"]]
+    assert f"Next: {advice}" in text(found)
+    told = "The fit cannot tell apart (correlation): length and damping (−0.9999)."
+    assert (told in text(found)) == (r < 0)
 
 
 @pytest.mark.parametrize(
     ("numerical", "words"),
     [
-        (0.002, "is at most 5 % of that: they agree far better with each other than with reality."),
+        (0.002, "is at most 5 % of that."),
         (0.02, "is up to 50 % of that: a shorter step comes first."),
     ],
 )
@@ -191,7 +128,23 @@ def test_the_engines_own_error_is_told_beside_the_gap(numerical, words):
     rows = [gap(0.0, 0.9, name, numerical=numerical) for name in ("north", "south")]
     found = record(gaps=rows, waveforms=[waveform(), waveform(source="south")])
     assert f"The numerical error of each engine {words}" in text(found)
-    assert "each other" not in text({**found, "gaps": rows[:1]})
+    assert "Its numerical error" in text({**found, "gaps": rows[:1]})
+    assert "numerical error of" not in text(record(gaps=[gap(numerical=None)]))
+
+
+def test_the_engines_agreement_is_told_from_their_spread_alone():
+    rows = [waveform(), waveform(source="south")]
+    found = record(waveforms=rows)
+    assert "each other" not in text(found)
+    spread = {"stream": "log", "probe": "angle_rad", "rms": 0.001, "engines": ["north", "south"]}
+    assert (
+        "The engines' spread about their own mean is 5 % of that: they agree far better with each"
+        " other than with reality." in text(found | {"spread": [spread]})
+    )
+    wide = text(found | {"spread": [spread | {"rms": 0.01}]})
+    assert "about their own mean is 50 % of that." in wide
+    assert "each other" not in wide
+    assert "same numbers" in text(found | {"spread": [spread | {"rms": 0.0}]})
 
 
 @pytest.mark.parametrize(
@@ -241,16 +194,56 @@ def test_defects_of_the_log_are_told():
     assert "harmless" not in found
 
 
-def test_events_alone_are_an_answer():
-    timing = {
-        "source": "north", "stream": "log", "series": "impact_times", "matched": 5, "missed": 1,
-        "extra": 0, "rmse_s": 0.002,
-        "intervals": [{"e_n": 0.5}, {"e_n": 3.0}, {"e_n": None}],
-    }  # fmt: skip
-    found = text(record(waveforms=[], gaps=[], values=[], timings=[timing]))
+def test_an_ambiguous_alignment_is_told_first():
+    found = record(alignments=[{"ambiguous": True}])
+    assert telling.sentences(found)[0].startswith("The clocks are not aligned with certainty:")
+    assert "with certainty" not in text(record(alignments=[{"ambiguous": False}]))
+    assert "with certainty" not in text(record(alignments=[None]))
+    two = record(cases=stretches("a", "b"), alignments=[None, {"ambiguous": True}])
+    assert "with certainty (b):" in text(two)
+
+
+def test_a_window_that_was_cut_is_told():
+    short = {"stream": "b", "short": True, "duration_s": 4.25}
+    assert "The log ends before the window that was asked for: only 4.25 s are judged." in (
+        text(record(cases=[short]))
+    )
+    assert "only 4.25 s of b are judged" in text(record(cases=[*stretches("a"), short]))
+    assert "asked for" not in text(record())
+
+
+def test_what_was_read_off_the_recording_is_not_called_known():
+    rows = [("start_rad", "read off"), ("length_m", "known"), ("mass_kg", "scenario"),
+            ("duration_s", "scenario"), ("damping_N_m_s_rad", "given")]  # fmt: skip
+    found = record(parameters=[{"name": n, "kind": k, "fitted": None} for n, k in rows])
     assert (
-        "Impact times: simulated and measured are at most 0.002 s apart (root mean square, north);"
-        " 1 has no partner. Of 2 intervals 1 agrees within the noise level" in found
+        "The start was read off the recording that is judged, at the start of it. The damping was"
+        " given by the user. The length was known before the measurement was looked at. One"
+        " more parameter is the scenario's own, with no uncertainty." in text(found)
+    )
+    assert "All parameters" not in text(found)
+
+
+def test_a_fit_chosen_with_the_judged_pieces_in_sight_is_no_prediction():
+    found = held_out()
+    found["fit"] = fit(chosen_knowing=True)
+    assert "chosen knowing the judged ones, so this is weaker than a prediction" in text(found)
+    assert "is a prediction" not in text(found)
+
+
+def test_a_signal_of_nothing_but_noise_has_no_share_of_its_range():
+    cases = [{"stream": "log", "probes": {"angle_rad": {"u": 0.01}}}]
+    still = waveform(rmse=0.02, nrmse=0.3, n=500)
+    assert "is 0.02 rad off" in text(record(waveforms=[still], cases=cases))
+    moving = waveform(rmse=0.02, nrmse=0.02, n=500)
+    assert "is 2 % of the measured range off" in text(record(waveforms=[moving], cases=cases))
+
+
+def test_engines_that_are_equally_far_off_are_told_as_all():
+    rows = [waveform(), waveform(source="south"), waveform(source="west")]
+    assert "The largest: all 3 engines, 0.02 rad" in text(record(waveforms=rows))
+    assert "The largest: south, 0.03 rad" in (
+        text(record(waveforms=[*rows, waveform(source="south", rmse=0.03)]))
     )
 
 
@@ -263,18 +256,13 @@ def test_many_quantities_are_told_in_one_sentence():
     )
     told = telling.sentences(found)
     assert told[0] == (
-        "With the parameters known before, the simulated signals are off by these shares of the"
-        " measured range (root mean square): rate a 1 %; rate b 2 %; rate c 3 %."
+        "With the parameters known before, the simulated signals are off by (root mean square, in"
+        " shares of the measured range): rate a 1 %; rate b 2 %; rate c 3 %."
     )
     assert told[1].startswith(
         "Of the mean square of each gap this is neither noise nor numerical error: rate a 10 %;"
         " rate b 20 %; rate c 30 %. Nothing was fitted"
     )
-
-
-def test_a_value_just_outside_does_not_look_like_one_just_inside():
-    assert "None of 2 single values agrees" in text(record(values=[value(-1.04), value(1.02)]))
-    assert "E_n = −1.04" in text(record(values=[value(-1.04), value(1.02)]))
 
 
 def test_a_vanishing_numerical_error_is_told_shortly():

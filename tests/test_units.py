@@ -142,3 +142,17 @@ def test_a_whole_name_is_preferred_to_a_name_without_its_suffix():
 )
 def test_units_are_read_as_people_write_them(text, unit, value):
     assert units.to_si(text, unit, "--set") == pytest.approx(value)
+
+
+@pytest.mark.parametrize(
+    ("text", "near"), [("Nmm", "N*mm"), ("turns/mn", "turn/min"), ("dgr/s", "deg/s")]
+)
+def test_a_unit_that_is_nearly_one_is_told_with_it(text, near):
+    with pytest.raises(InputError) as error:
+        units.si_of(text, "here")
+    assert f"did you mean {near}" in str(error.value)
+
+
+def test_a_question_mark_is_no_unit_but_is_to_be_replaced():
+    with pytest.raises(InputError, match=r"replace the \?"):
+        units.si_of("?", "here")

@@ -90,7 +90,12 @@ def test_single_stretches_scatter_about_the_fit(fitted):
     (series,) = figure.panels[1].series
     assert sorted(series.x) == pytest.approx([-3, -3, 1, 1])
     table = real_tables.single_fits(changed(fitted, fit=fit))
-    assert [row[0] for row in cells(table)] == ["a", "b"]
+    (_, *first), (_, *second), (_, *u) = cells(table)
+    assert [row[0] for row in cells(table)] == ["a", "b", "u of all together"]
+    # numbers have two digits of the uncertainty below them
+    for column in zip(first, second, u, strict=True):
+        assert len({len(text.partition(".")[2]) for text in column}) == 1
+        assert len(column[-1].replace(".", "").lstrip("0")) == 2
 
 
 def test_of_many_stretches_the_best_and_the_worst_are_drawn(fitted):

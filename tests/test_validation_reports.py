@@ -1,5 +1,6 @@
 """Reports of simulations held against a recording."""
 
+import json
 import re
 import shutil
 import subprocess
@@ -192,7 +193,73 @@ def test_a_power_of_ten_stands_with_the_unit():
     assert scale_of([2.0]).unit("1") == ""
 
 
+def test_a_signal_of_nothing_but_noise_has_no_shares_of_its_range(fitted):
+    heads = [column.head for column in real_tables.waveforms(fitted).columns]
+    assert {"RMS ÷ range (%)", "Magnitude (%)", "Phase (%)"} <= set(heads)
+    cases = json.loads(json.dumps(fitted.record["validation"]["cases"]))
+    cases[0]["probes"]["angle_rad"]["u"] = 1.0
+    table = real_tables.waveforms(changed(fitted, cases=cases))
+    assert not any("%" in column.head for column in table.columns)
+    assert "nothing but" not in table.note
+    assert "no more than its noise" in table.note
+    assert all(len(row) == len(table.columns) for row in cells(table))
+
+
+def test_an_unknown_numerical_error_is_a_dash(fitted):
+    rows = json.loads(json.dumps(fitted.record["validation"]["gaps"]))
+    for row in rows:
+        row["numerical"] = row["shares"]["numerical"] = None
+    run = changed(fitted, gaps=rows)
+    sizes, shares = real_tables.gaps(run)
+    at = [column.head for column in sizes.columns].index("Numerical")
+    assert {row[at] for row in cells(sizes)} == {"–"}
+    assert {row[4] for row in cells(shares)} == {"–"}
+    assert figures(run)["gap"]
+
+
+def test_names_and_units_stay_on_one_line(fitted, tmp_path):
+    html = html_of(fitted, tmp_path)
+    assert '<td class="words whole">N·m·s/rad</td>' in html
+    assert "Known before\u00a0±\u00a0u" in html
+    table = Table("", (Column("a", text=True, whole=True), Column("b", text=True)),
+                  (Group("", (("torque constant of it", "words that may be broken"),)),))  # fmt: skip
+    assert "torque constant of it" in "\n".join(lines(table, 40))
+
+
+def test_engines_without_a_step_error_are_told_to_be_left_out(fitted):
+    rows = json.loads(json.dumps(fitted.record["validation"]["agreement"]))
+    assert real_tables.agreement(fitted).note == ""
+    rows[0]["left_out"] = ["dart"]
+    note = real_tables.agreement(changed(fitted, agreement=rows)).note
+    assert note == "Left out where no step error is known: dart."
+
+
 # the recording
+
+
+def test_a_stretch_that_was_cut_is_marked(fitted):
+    cases = json.loads(json.dumps(fitted.record["validation"]["cases"]))
+    whole = real_source.stretches(fitted)
+    cases[0]["short"] = True
+    cut = real_source.stretches(changed(fitted, cases=cases))
+    assert cells(cut)[0][2] == f"{cells(whole)[0][2]} (cut)"
+    assert not whole.note
+    assert cut.note.startswith("Cut: the log ends before")
+
+
+def test_where_only_events_were_compared_no_table_is_empty(fitted):
+    cases = json.loads(json.dumps(fitted.record["validation"]["cases"]))
+    cases[0]["probes"] = {}
+    bare = changed(fitted, cases=cases, compare={})
+    assert real_source.stretches(bare) is None
+    assert "compared" not in real_source.facts(bare)
+    assert "compared" in real_source.facts(fitted)
+
+
+def test_a_stretch_is_named_only_where_there_are_several(fitted):
+    one, two = (real_tables.waveforms(streams(fitted, n)) for n in (1, 2))
+    assert [group.title for group in one.groups] == ["Angle from hanging (rad)"]
+    assert two.groups[0].title == "Angle from hanging, part 0 (rad)"
 
 
 def test_repairs_are_told_with_their_rows(fitted):

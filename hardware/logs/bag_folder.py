@@ -25,6 +25,8 @@ from simcompare.hardware.logs.bag_files import (
 
 _LANGUAGES = {"ros2msg": "msg", "ros2idl": "idl"}
 _BLOCK = 1 << 20
+#: bytes of a description: parsing YAML is slow
+_LONGEST = 1 << 22
 
 
 def messages(path: Path, state: State) -> Iterator[Message]:
@@ -58,11 +60,15 @@ def _metadata(path: Path) -> Mapping[str, Any]:
     file = path / "metadata.yaml"
     if not file.is_file():
         return {}
+    if file.stat().st_size > _LONGEST:
+        raise InputError(str(file), [f"has more than {_LONGEST} bytes: no description of a bag"])
     try:
         tree = yaml.safe_load(file.read_text("utf-8"))
         head = tree["rosbag2_bagfile_information"]
         if not isinstance(head, dict) or not isinstance(head["relative_file_paths"], list):
             raise TypeError("relative_file_paths is no list")
+        if not all(isinstance(name, str) for name in head["relative_file_paths"]):
+            raise TypeError("relative_file_paths holds something else than names")
         if int(head["version"]) > 9:
             raise ValueError(f"version {head['version']} is newer than 9")
     except (OSError, yaml.YAMLError, KeyError, TypeError, ValueError) as error:
@@ -78,7 +84,8 @@ def _files(path: Path, head: Mapping[str, Any], state: State) -> list[Path]:
             raise InputError(str(path), ["holds neither metadata.yaml nor .db3 or .mcap files"])
         state.truncated = "there is no metadata.yaml: the bag was not closed"
         return sorted(found, key=_natural)
-    state.about["ros_distro"] = str(head.get("ros_distro") or "")
+    distribution = head.get("ros_distro")
+    state.about["ros_distro"] = distribution if isinstance(distribution, str) else ""
     # only names: a description must not lead out of its folder
     wanted = [path / PurePosixPath(str(name)).name for name in head["relative_file_paths"]]
     missing = [file.name for file in wanted if not file.is_file()]

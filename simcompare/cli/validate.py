@@ -88,7 +88,7 @@ def validate(
 
 
 def _print(result: Run, written: Path | None) -> None:
-    from simcompare.reports import real_tables
+    from simcompare.reports import real_events, real_tables
 
     found = result.record["validation"]
     for key in ("title", "citation"):
@@ -97,6 +97,7 @@ def _print(result: Run, written: Path | None) -> None:
     _show(real_tables.parameters(result, chosen=True))
     if found["waveforms"]:
         _show(real_tables.waveforms(result))
+    _show(real_events.summary(result))
     _show(real_tables.values(result))
     for source in result.record["sources"]:
         if source["status"] != "ok":

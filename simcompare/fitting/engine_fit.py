@@ -375,12 +375,12 @@ def as_dict(found: EngineFit) -> dict[str, Any]:
         **plain,
         "parameters": {
             name: {"value": row["value"], "u": row["u"], "interval95": [row["low"], row["high"]],
-                   "unit": units_of[name], "u_num": found.u_num[name]}
+                   "unit": units_of[name], "u_num": _finite(found.u_num[name])}
             for name, row in told.items()
         },
         "correlation": found.fit.to_dict()["correlation"],
-        "effective": {"restitution": {"value": found.effective[0], "u": found.effective[1],
-                                      "unit": "1"}},
+        "effective": {"restitution": {"value": found.effective[0], "u": whole_u(found),
+                                      "u_phase": found.effective[1], "unit": "1"}},
         "native": [vars(row) for row in found.native],
         "left_s": [list(row) for row in found.left_s],
         "shown": [
@@ -389,6 +389,19 @@ def as_dict(found: EngineFit) -> dict[str, Any]:
             for seen in found.shown
         ],
     }  # fmt: skip
+
+
+def whole_u(found: EngineFit) -> float:
+    """Standard uncertainty of the effective restitution: of the fit, and of the engine's phase."""
+    assert found.fit is not None
+    assert found.effective is not None
+    if "restitution" not in found.fit.names:
+        return found.effective[1]
+    return math.hypot(found.effective[1], float(found.fit.u[found.fit.names.index("restitution")]))
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
 
 
 def _unit(name: str) -> str:

@@ -119,7 +119,17 @@ def fit(
         progress=progress,
     )  # fmt: skip
     predicted = holding_out.predict(choice.best, found, held, asked.fixed)
-    told = _Told(scenario, file, tuple(map(str, recordings)), tuple(map(str, hold_out)), step_s)
+    command = ["simcompare", "fit", scenario, "--engine", engine, "--model", model]
+    for option, values in (
+        ("--recording", recordings), ("--hold-out", hold_out), ("--preset", [preset]),
+        ("--unknown", [",".join(unknowns)]), ("--map", [mapping]), ("--step", [step]),
+        ("--u-time", [u_time_s and f"{u_time_s!r}s"]),
+        ("--fix", [f"{name}={value}" for name, value in (fixed or {}).items()]),
+        ("--prior", [f"{name}={value!r}:{u!r}" for name, (value, u) in (priors or {}).items()]),
+        ("--set", [f"{name}={value}" for name, value in (set or {}).items()]),
+    ):  # fmt: skip
+        command += [word for value in values if value for word in (option, str(value))]
+    told = _Told(scenario, file, tuple(map(str, recordings)), tuple(command), step_s)
     return _saved(_gather(told, choice, start, found, predicted, (drops, held), given), out)
 
 
@@ -148,7 +158,7 @@ class _Told:
     scenario: str
     file: ScenarioFile
     recordings: tuple[str, ...]
-    hold_out: tuple[str, ...]
+    command: tuple[str, ...]
     step_s: float | None
 
 
@@ -272,7 +282,7 @@ def _gather(
     record.update(
         engines_asked=",".join(one.engine for one in found), scenario_asked=told.scenario,
         against=None, against_asked=None, preset=None, interrupted=False, kind="fit",
-        recording_asked=list(told.recordings),
+        recording_asked=list(told.recordings), command=list(told.command),
     )  # fmt: skip
     stored = [
         Stored(one.engine, FITTED, drop, run)
@@ -282,14 +292,19 @@ def _gather(
     return Run(record, tuple(scores), tuple(stored))
 
 
+def _finite(value: float) -> float | None:
+    """A number for a file; what has no bound, such as a terminal speed without drag, is none."""
+    return float(value) if math.isfinite(value) else None
+
+
 def _scores(one: EngineFit) -> list[Score]:
     if one.fit is None or one.effective is None:
         return []
     rows = [
-        Score(one.engine, FITTED, name, "", None, float(value), float(u), units.unit_of(name),
+        Score(one.engine, FITTED, name, "", None, _finite(value), _finite(u), units.unit_of(name),
               1, None, None, INFO)
         for name, value, u in zip(one.fit.names, one.fit.values, one.fit.u, strict=True)
     ]  # fmt: skip
-    value, u = one.effective
+    value, u = one.effective[0], engine_fit.whole_u(one)
     return [*rows, Score(one.engine, FITTED, "effective_restitution", "", None, value, u, "1",
                          1, None, None, INFO)]  # fmt: skip

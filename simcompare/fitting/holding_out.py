@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from simcompare.fitting.engine_fit import EngineFit
+from simcompare.fitting.engine_fit import EngineFit, whole_u
 from simcompare.fitting.impacts import Impacts
 from simcompare.fitting.likelihood import Fit, fit
 from simcompare.fitting.problem import SPEED, base
@@ -82,7 +82,7 @@ def _closed(best: Fit, drop: Impacts, fixed: Mapping[str, float]) -> dict[str, A
         "u_restitution": u,
         "fitted": known,
         "u_fitted": u_known,
-        "e_n": e_n(value, known, 2 * u, 2 * u_known),
+        "e_n": e_n(known, value, 2 * u_known, 2 * u),
         "unknowns": own,
         "speeds_m_s": list(again.speeds_m_s),
     }
@@ -92,9 +92,7 @@ def _engine(one: EngineFit, row: Mapping[str, Any]) -> dict[str, Any]:
     """The engine shows its effective restitution at every drop; that is held against this one's."""
     assert one.effective is not None
     assert one.fit is not None
-    value, u = one.effective
-    k = one.fit.names.index("restitution")
-    whole = math.hypot(u, float(one.fit.u[k]))
+    value, whole = one.effective[0], whole_u(one)
     return {
         "restitution": value,
         "u": whole,

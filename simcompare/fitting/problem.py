@@ -268,6 +268,8 @@ def usual(drops: Sequence[Impacts], model: Model) -> list[str]:
     names = list(model.own)
     if all(len(drop.times_s) or drop.track for drop in drops):
         names += ["drop_height_m", "release_time_s"]
+    elif any(len(drop.heights_m) for drop in drops):
+        names.append("drop_height_m")
     if any(drop.track for drop in drops):
         names.append("floor_m")
     return names

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -89,7 +90,8 @@ def _sentences(found: Mapping[str, Any], choice: Choice) -> list[str]:
         k = best.names.index("restitution")
         low, high = best.intervals[k]
         said.append(
-            f"The restitution is {e:.5f}, with 95 % between {low:.5f} and {high:.5f}"
+            f"The restitution is {_digits(e, high - low)}, with 95 % between"
+            f" {_digits(low, high - low)} and {_digits(high, high - low)}"
             f" ({bounce_models.model_of(best.model).text};"
             f" impacts at {best.speeds_m_s[0]:.2f} to {best.speeds_m_s[1]:.2f} m/s)."
         )
@@ -104,6 +106,12 @@ def _sentences(found: Mapping[str, Any], choice: Choice) -> list[str]:
     said += [_sentence(text) for text in best.warnings]
     said.append(found["holdout"]["text"])
     return said
+
+
+def _digits(value: float, width: float) -> str:
+    """A number to a hundredth of an interval, at least four decimals."""
+    places = 4 if not 0 < width < math.inf else max(4, 2 - math.floor(math.log10(width)))
+    return f"{value:.{min(places, 9)}f}"
 
 
 def _sentence(text: str) -> str:

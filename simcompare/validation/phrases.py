@@ -83,11 +83,6 @@ def places(recording: str, streams: Sequence[str]) -> str:
     return f"{', '.join(streams)} of {recording}"
 
 
-def counted(count: int, noun: str) -> str:
-    """A number of things."""
-    return f"{count} {noun}{'' if count == 1 else 's'}"
-
-
 def span(shares: Sequence[float]) -> str:
     """The least and the greatest share in per cent."""
     low, high = percent(min(shares)), percent(max(shares))

@@ -53,11 +53,11 @@ def _known(found: Record) -> str:
     if known:
         told.append(f"{_were(known)} known before the measurement was looked at.")
     if own:
-        others = f"The other {phrases.counted(len(own), 'parameter')}" if told else "All parameters"
-        is_one = len(own) == 1 and told
-        told.append(
-            f"{others} {'is' if is_one else 'are'} the scenario's own, with no uncertainty."
-        )
+        others = "All parameters are"
+        if told:
+            one = len(own) == 1
+            others = "One more parameter is" if one else f"The other {len(own)} parameters are"
+        told.append(f"{others} the scenario's own, with no uncertainty.")
     return " ".join(told)
 
 

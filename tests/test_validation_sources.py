@@ -1,0 +1,27 @@
+"""Plans of validations keep the file and the lines that they stand in."""
+
+import pytest
+
+from simcompare.errors import InputError
+from simcompare.validation import plan as plans
+from simcompare.validation import sources
+
+
+def test_a_fault_of_a_plan_is_told_with_its_file_and_line(write):
+    rows = "".join(f"{i / 100:.2f},{i % 7}\n" for i in range(50))
+    log = write("run1.csv", f"t (s),angle (deg)\n{rows}")
+    mapping = write(
+        "map.yaml",
+        "validate:\n  - scenario: pendulum\n    parameters:\n"
+        "      length_m: {value: long, u: 0.01, source: ruler}\n"
+        "    compare: {angle_rad: {channel: angle}}\n",
+    )
+    source = sources.find(str(log), mapping=mapping)
+    with pytest.raises(InputError) as error:
+        plans.choose(source.plans, "pendulum", source.name)
+    assert error.value.where == str(mapping)
+    assert error.value.faults == (
+        "line 4, validate.0.parameters.length_m.value: expected a number, found 'long'",
+    )
+    with pytest.raises(InputError, match=r"map\.yaml: is not prepared for the scenario ball"):
+        plans.choose(source.plans, "ball", source.name)
