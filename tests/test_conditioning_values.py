@@ -480,9 +480,11 @@ def test_what_was_interpolated_is_less_sure_wherever_the_uncertainty_comes_from(
     mapping = {"channels": {"sine": {"column": "sine", "unit": "mV", "u": 10.0, "sign": -1}}}
     stream.column("sine").u = None if stated is None else stated * 1000
     stream.column("sine").unit = "mV"
-    channel = conditioned(
-        stream, mapping=of_tree(mapping if stated is None else {}, "map")
-    ).streams["log"].channels["sine_V"]
+    channel = (
+        conditioned(stream, mapping=of_tree(mapping if stated is None else {}, "map"))
+        .streams["log"]
+        .channels["sine_V"]
+    )
     (told,) = found(conditioned(_with_hole("sine", 500)), "interpolated")
     assert channel.u[499] == pytest.approx(0.01)
     assert channel.u[500] == pytest.approx(np.hypot(0.01, told.after["u"] / 1000))

@@ -193,12 +193,14 @@ def _print_holdout(held: list[dict[str, Any]]) -> None:
 def _print_choice(found: dict[str, Any]) -> None:
     from simcompare.cli import console
 
-    made = console.table("closed form", "unknowns", "χ²", "AICc", "BIC", "weight", "restitution")
+    criterion = found["choice"]["criterion"]
+    made = console.table("closed form", "unknowns", "χ²", criterion, "BIC", "weight", "restitution")
     for row in found["choice"]["candidates"]:
         e = row["parameters"].get("restitution", {"value": None, "u": None})
-        aicc = "–" if row["aicc"] is None else f"{row['aicc']:.1f}"
+        value = row[criterion.lower()]
+        told = "–" if value is None else f"{value:.1f}"
         made.add_row(
-            row["text"], f"{row['unknowns']:.1f}", f"{row['chi2']:.1f}", aicc, f"{row['bic']:.1f}",
+            row["text"], f"{row['unknowns']:.1f}", f"{row['chi2']:.1f}", told, f"{row['bic']:.1f}",
             f"{row['weight']:.2f}", console.number(e["value"], e["u"]),
         )  # fmt: skip
     console.show_table(made)

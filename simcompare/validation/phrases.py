@@ -115,6 +115,15 @@ def size_span(values: Sequence[float], unit: str) -> str:
     return low if low == high else f"{low} to {high}"
 
 
+def noise_of(found: Record, stream: str, probe: str) -> float | None:
+    """Standard uncertainty of a sample; ``None`` where it is not known."""
+    for case in found["cases"]:
+        if case["stream"] == stream:
+            u: float | None = case.get("probes", {}).get(probe, {}).get("u")
+            return u
+    return None
+
+
 def is_constant(found: Record, row: Record) -> bool:
     """Whether a measured signal spans no more than its noise, so that its range has no meaning.
 
@@ -124,8 +133,7 @@ def is_constant(found: Record, row: Record) -> bool:
     """
     if row["nrmse"] is None:
         return True
-    case = next((one for one in found["cases"] if one["stream"] == row["stream"]), {})
-    u = case.get("probes", {}).get(row["probe"], {}).get("u")
+    u = noise_of(found, row["stream"], row["probe"])
     if not u or not row["nrmse"]:
         return False
     # the range of n normal deviates is about 2·√(2·ln n) standard deviations

@@ -213,7 +213,9 @@ def _left_over(found: Record) -> float:
     """What the fit leaves on its own data over the noise of a sample; 0 where unknown."""
     rms = found["fit"].get("rms")
     probe = next((name for name, one in found["compare"].items() if one.get("judged", True)), None)
-    u = [case.get("probes", {}).get(probe, {}).get("u") for case in found["cases"]]
+    if probe is None:
+        return 0.0
+    u = [phrases.noise_of(found, case["stream"], probe) for case in found["cases"]]
     known = [one for one in u if one]
     return rms / (math.fsum(known) / len(known)) if rms and known else 0.0
 

@@ -45,8 +45,8 @@ def _when(found: Record) -> Iterator[str]:
 
 
 def _is_lost(row: Record) -> bool:
-    both: int = row["matched"]
-    return 2 * both < both + max(row["missed"], row["extra"])
+    lost: int = max(row["missed"], row["extra"])
+    return lost > int(row["matched"])
 
 
 def _pairs(found: Record, rows: Sequence[Record]) -> str:
