@@ -200,11 +200,11 @@ def _meaning(text: str) -> tuple[float, float, str] | str:
 
 
 def not_a_unit(text: str) -> str:
-    """What to say of a unit that is none, with those that are written nearly so."""
+    """What to say of a unit that is none, with the one that is written nearly so."""
     if text.strip() == "?":
         return "'?' is no unit; replace the ? by the unit, or by 1 for a plain number"
-    near = difflib.get_close_matches(text.strip(), _USUAL, n=2, cutoff=0.6)
-    hint = f"did you mean {' or '.join(near)}? E" if near else "e"
+    near = difflib.get_close_matches(text.strip(), _USUAL, n=1, cutoff=0.6)
+    hint = f"did you mean {near[0]}? E" if near else "e"
     return f"{text!r} is not a unit; {hint}xpected {_WANTED}"
 
 

@@ -22,9 +22,9 @@ from simcompare.trajectory import Array
 #: bytes by which encoding and layout are found
 HEAD_BYTES = 1 << 16
 #: bytes that are parsed together
-BLOCK_BYTES = 8 << 20
+BLOCK_BYTES = 4 << 20
 #: lines that are parsed together
-MOST_LINES = 1 << 18
+MOST_LINES = 1 << 17
 #: a line longer than this belongs to no table
 LONGEST_LINE = 16 << 20
 

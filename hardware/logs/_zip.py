@@ -14,7 +14,7 @@ except ModuleNotFoundError:  # a Python that was built without it cannot unpack 
 #: a member that is cut, damaged, encrypted, of an unknown method, or placed outside the file
 ERRORS = (
     zipfile.BadZipFile, zlib.error, LZMAError, struct.error, EOFError, OSError, RuntimeError,
-    NotImplementedError,
+    NotImplementedError, UnicodeDecodeError,
 )  # fmt: skip
 
 #: a member may become so much larger, or at least this large, where it is unpacked as a whole

@@ -170,6 +170,8 @@ def _refusal(shape: tuple[int, ...], dtype: np.dtype[Any]) -> str:
     full = [n for n in shape if n > 1]
     if len(full) > 2:
         return f"has {len(full)} dimensions {shape}; store it as (samples, components)"
+    if len(full) == 2 and min(full) > arrays.MOST_COLUMNS:
+        return f"has {min(full)} components; at most {arrays.MOST_COLUMNS}"
     return ""
 
 

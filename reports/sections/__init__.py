@@ -36,6 +36,7 @@ from simcompare.reports.sections.real import (
 from simcompare.reports.sections.scores import Scores
 from simcompare.reports.sections.setup import Setup
 from simcompare.reports.sections.signals import Signals
+from simcompare.reports.sections.waves import WavesAnswer, WavesEngines, WavesHeldOut, WavesKnown
 
 #: in the order in which a reader wants them
 SECTIONS: tuple[Section, ...] = (
@@ -78,10 +79,22 @@ FIT: tuple[Section, ...] = (
     Limits(),
     Setup(),
 )
+#: the same for parameters fitted to signals over time
+WAVES: tuple[Section, ...] = (
+    WavesAnswer(),
+    WavesEngines(),
+    WavesHeldOut(),
+    WavesKnown(),
+    Given(),
+    Limits(),
+    Setup(),
+)
 
 
 def of_run(record: Mapping[str, Any]) -> tuple[Section, ...]:
     """The sections that suit a run."""
-    if "closed_form" in (record.get("fit") or {}):  # other fits are no bounces
+    if "choice" in (record.get("fit") or {}):  # other fits are no bounces
         return FIT
+    if (record.get("fit") or {}).get("by") == "waveform":
+        return WAVES
     return VALIDATION if record.get("validation") else SECTIONS

@@ -81,8 +81,7 @@ def fit(
             progress=progress,
         )
     written = None
-    # the report shows impacts; a fit by waveform has none
-    if report and result.folder is not None and "choice" in result.record["fit"]:
+    if report and result.folder is not None:
         from simcompare.reports import builder
 
         written = builder.write_html([result], result.folder / "report.html")

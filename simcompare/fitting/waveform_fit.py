@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -72,8 +73,24 @@ def fit_waveform(
         model, setup, fitted, chosen, step_s=step_s, time_limit_s=time_limit_s, progress=progress
     )
     predicted = waveform_holdout.predict(model, setup, fitted, found, step_s)
-    asked = (engine, *map(str, recordings))
+    words = ["simcompare", "fit", file.name]
+    words += [word for name in recordings for word in ("--recording", str(name))]
+    words += [word for name in hold_out for word in ("--hold-out", str(name))]
+    words += ["--engine", engine] + (["--unknown", ",".join(unknowns)] if unknowns else [])
+    words += [w for name, value in (given or {}).items() for w in ("--set", f"{name}={value}")]
+    words += ["--map", str(mapping)] if mapping is not None else []
+    words += ["--step", str(step)] if step is not None else []
+    asked = _Asked(engine, tuple(map(str, recordings)), words)
     return _gather(model, setup, fitted, found, predicted, given or {}, step_s, asked)
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What the user asked for: engines, recordings, and the words to ask for it again."""
+
+    engine: str
+    recordings: tuple[str, ...]
+    command: Sequence[str]
 
 
 def given_of(
@@ -110,7 +127,7 @@ def _gather(
     predicted: Mapping[str, Any],
     given: Mapping[str, float],
     step_s: float | None,
-    asked: Sequence[str],
+    asked: _Asked,
 ) -> Run:
     sources = [run_record.of_source(one.engine, FITTED, one.outcomes) for one in found]
     best = fitted.estimate.as_dict()
@@ -121,8 +138,9 @@ def _gather(
         model, setup, fitted, found, predicted, given, scene.world.step_s
     )
     record.update(
-        engines_asked=asked[0], scenario_asked=model.file.name, against=None, against_asked=None,
-        preset=None, interrupted=False, kind="fit", recording_asked=list(asked[1:]),
+        engines_asked=asked.engine, scenario_asked=model.file.name, against=None,
+        against_asked=None, preset=None, interrupted=False, kind="fit",
+        recording_asked=list(asked.recordings), command=list(asked.command),
     )  # fmt: skip
     return Run(record, tuple(scores), tuple(_stored(model, setup, fitted, found, step_s)))
 

@@ -1,0 +1,75 @@
+"""Sections of a fit to signals over time: the answer, the engines, what the data can tell."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from simcompare.reports import fitted, fitted_parts, fitted_tables, waves
+from simcompare.reports.sections.base import Section
+from simcompare.reports.tables import printable
+from simcompare.results import Run
+
+
+def _parts(figures: list[Any], tables: list[Any], *notes: str) -> dict[str, Any]:
+    """Figures, tables and remarks, as far as there are any."""
+    return {
+        "figures": [figure for figure in figures if figure is not None],
+        "grids": [table for table in tables if table is not None],
+        "notes": [_sentence(note) for note in notes if note],
+    }
+
+
+def _sentence(text: str) -> str:
+    line = printable(text)
+    return line[:1].upper() + line[1:] + ("" if line.endswith(".") else ".")
+
+
+class WavesAnswer(Section):
+    """What was found, in words, and what is left of the measured signals."""
+
+    name, title, template = "answer", "Answer", "real_answer.html"
+
+    def context(self, run: Run) -> dict[str, Any]:
+        """Sentences of the record and residuals."""
+        found = fitted.record(run)
+        said = [printable(text) for text in (*found["told"], *found["sentences"])]
+        return {
+            "question": run.record["question"],
+            "answer": said,
+            **_parts(waves.residual_figures(run), []),
+        }
+
+
+class WavesEngines(Section):
+    """What each engine must be given, and what it then shows."""
+
+    name, title, template = "engines", "Each engine", "real_part.html"
+
+    def context(self, run: Run) -> dict[str, Any]:
+        """Parameters, and effective values."""
+        tables = [fitted_tables.failed(run), fitted_tables.parameters(run)._replace(folded=False),
+                  waves.effective(run)]  # fmt: skip
+        return _parts([], tables)
+
+
+class WavesHeldOut(Section):
+    """Whether the fit predicts stretches that it has not seen."""
+
+    name, title, template = "holdout", "Stretches that were not fitted", "real_part.html"
+
+    def context(self, run: Run) -> dict[str, Any]:
+        """Held-out values, or that there are none."""
+        return _parts([], [waves.holdout(run)], fitted.record(run)["holdout"]["text"])
+
+
+class WavesKnown(Section):
+    """What the data can tell and what they cannot."""
+
+    name, title, template = "identifiability", "What the data can tell", "real_part.html"
+
+    def context(self, run: Run) -> dict[str, Any]:
+        """Correlations and singular values."""
+        facts = "; ".join(f"{name}: {words}" for name, words in waves.valid(run).items())
+        return _parts([fitted_parts.correlation_figure(run)], [fitted_tables.directions(run)],
+                      *fitted.record(run)["identifiability"]["words"],
+                      f"the fit holds for what it was made with: {facts}")  # fmt: skip
