@@ -126,6 +126,10 @@ def read(path: Path) -> FitFile:
     """
     try:
         tree = json.loads(path.read_text(encoding="utf-8"))
+        if tree.get("by") == "waveform":
+            raise InputError(
+                str(path), ["is a fit of signals over time; give its parameters with --set"]
+            )
         engines = {
             row["name"]: {name: float(p["value"]) for name, p in row["parameters"].items()
                           if p["value"] is not None}

@@ -148,7 +148,7 @@ def _fit(
         if faults:
             raise InputError(f"{other.name}, validate", faults)
     cases = cases_of(model.file, own, other.recording, wanted.streams, given, wanted.most_s)
-    probe = next(name for name, compared in own.compare.items() if compared.judged)
+    probe = tuple(name for name, compared in own.compare.items() if compared.judged)
     fitted = {*names, *wanted.nuisance}
     known = {n: one.u for n, one in own.parameters.items() if one.u > 0 and n not in fitted}
     known = {n: u for n, u in known.items() if n not in given}
