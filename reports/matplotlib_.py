@@ -114,8 +114,8 @@ def draw(page: Any, figure: Figure) -> None:  # noqa: ANN401  (a Figure or a Sub
             _matrix(axes, panel.matrix)
         for bars, handle in _stacked(axes, panel):
             handles.setdefault(bars.label, handle)
-        for series in panel.series:
-            handle = _series(axes, series, lying=panel.y_ticks is not None)
+        for rank, series in enumerate(panel.series):
+            handle = _series(axes, series, rank, lying=panel.y_ticks is not None)
             if series is legend[series.label]:
                 handles[series.label] = handle
         _frame(axes, panel, figure.y_range(panel), labelled=i == 0 or not figure.share_y)
@@ -239,9 +239,11 @@ def _label(axes: Axes, bars: Bars, drawn: Any) -> None:  # noqa: ANN401
             text.set_bbox({"facecolor": bars.colour, "edgecolor": "none", "pad": 1.0})
 
 
-def _series(axes: Axes, series: Series, *, lying: bool) -> Any:  # noqa: ANN401  (for the legend)
+def _series(axes: Axes, series: Series, rank: int, *, lying: bool) -> Any:  # noqa: ANN401  (a handle for the legend)
     style = series.style
     look: dict[str, Any] = {
+        # errorbar() lifts its points by 0.1: farther apart, the later lies above
+        "zorder": 2 + rank / 4,
         "color": style.colour,
         "linestyle": _DASHES[style.dash] if series.line else "none",
         "linewidth": style.width * _SCALE,

@@ -257,3 +257,26 @@ def test_a_recorder_that_was_switched_off_makes_no_promise(tmp_path):
 def test_only_sound_is_recognised(tmp_path):
     (tmp_path / "a.avi").write_bytes(b"RIFF\x10\0\0\0AVI LIST")
     assert audio_.recognises(importers.head_of(tmp_path / "a.avi")) == 0
+
+
+def test_a_rate_that_no_sound_has_is_refused_before_its_windows_are_made(tmp_path):
+    path = tmp_path / "b.wav"
+    soundfile.write(path, np.zeros(100), RATE)
+    data = bytearray(path.read_bytes())
+    data[24:28] = struct.pack("<I", 10**9)
+    path.write_bytes(data)
+    with pytest.raises(InputError, match=r"1e\+09 samples in a second; .* 2000 Hz to 2 MHz"):
+        read(path)
+
+
+def test_many_channels_are_read_in_small_pieces(tmp_path, monkeypatch):
+    path = tmp_path / "b.wav"
+    soundfile.write(path, np.zeros((3000, 64)), RATE)
+    asked = []
+    read_ = soundfile.SoundFile.read
+    monkeypatch.setattr(
+        soundfile.SoundFile, "read",
+        lambda self, frames, **more: asked.append(frames) or read_(self, frames, **more),
+    )  # fmt: skip
+    assert len(read(path).streams[0].columns) == 64
+    assert max(asked) * 64 <= audio_._BLOCKS[0]

@@ -180,3 +180,17 @@ def test_segments_longer_than_a_block_are_read_whole(save, monkeypatch):
     stream = read(save(lvm(rows, samples="2000\t2000"))).streams[0]
     assert np.array_equal(stream.column("acc").values, np.arange(2000.0))
     assert stream.truncated == ""
+
+
+def test_samples_beyond_the_promised_number_are_kept_and_said(save):
+    found = read(save(lvm(ROWS + "\t0.8\t1.8\n")))
+    assert found.streams[0].column("acc").values.tolist() == [1.5, 1.6, 1.7, 1.8]
+    (told,) = [r for r in found.repairs if r.rule == "more_samples"]
+    assert (told.severity, "promises 3 samples, and 4 are there" in told.text) == ("warning", True)
+
+
+def test_a_start_that_is_missing_is_zero_and_a_step_without_end_is_none(save):
+    found = read(save(GOOD.replace("X0\t2.5E-1\t2.5E-1", "X0")))
+    assert found.streams[0].start_s == 0.0
+    found = read(save(GOOD.replace("Delta_X\t1.0E-2\t1.0E-2", "Delta_X\tinf\tinf")))
+    assert found.streams[0].increment_s is None

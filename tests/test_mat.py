@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import struct
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +13,7 @@ import scipy.io
 
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning.condition import condition
-from simcompare.hardware.logs import importers
+from simcompare.hardware.logs import importers, mat_check
 from simcompare.hardware.logs.mapping import NOTHING, of_tree
 from simcompare.recording import Provenance
 
@@ -268,3 +270,78 @@ def test_the_real_odometry_has_its_tables(real):
     log = load(real / "odometry_plaza/Plaza1_.mat")
     assert {s.name: len(s) for s in log.streams} == {"DRp+GT": 9658, "DR": 9657, "TD": 3529}
     assert "TL" in log.about
+
+
+# ---- what would end the program, or claim all memory, in the library that reads it --------------
+
+
+@pytest.fixture
+def plain(tmp_path):
+    """A file of version 5 that is not compressed, with bytes of it replaced."""
+
+    def write(old=b"", new=b"", *, packed=False, tree=None):
+        path = tmp_path / "log.mat"
+        scipy.io.savemat(path, tree or {"t": TIMES, "x": TIMES * 2}, do_compression=packed)
+        data = path.read_bytes()
+        assert old in data
+        path.write_bytes(data.replace(old, new, 1))
+        return path
+
+    return write
+
+
+def tag(kind, size):
+    return struct.pack("<II", kind, size)
+
+
+DAMAGE = {
+    "a type that is none": (tag(9, 800), tag(200, 800), "800 bytes of the type 200"),
+    "more numbers than its size": (
+        tag(5, 8) + tag(1, 100), tag(5, 8) + tag(1, 99), "holds 100 numbers; its size says 99"
+    ),
+    "a size beyond all memory": (
+        tag(5, 8) + tag(1, 100), tag(5, 8) + tag(2**31 - 1, 2**31 - 1), "its size says 4611686014"
+    ),
+    "a negative size": (tag(5, 8) + tag(1, 100), tag(5, 8) + tag(2**32 - 1, 100), "has the size"),
+    "a part longer than the whole": (tag(9, 800), tag(9, 80_000), "is longer than itself"),
+    "another element": (tag(14, 856), tag(7, 856), "type 7; expected 14 or 15"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", DAMAGE)
+def test_a_damaged_element_is_refused_before_it_is_read(plain, name):
+    old, new, fault = DAMAGE[name]
+    said = faults(plain(old, new))
+    assert fault in said
+    assert "byte 128: the variable that begins there" in said
+
+
+def test_what_scipy_writes_is_taken_for_whole(plain):
+    cells_ = cells(TIMES, "text", np.zeros((2, 0)), {"a": 1.0, "b": cells(np.arange(3))})
+    tree = {"t": TIMES, "c": cells_, "z": TIMES + 1j, "e": np.empty((0, 0)), "s": "µ", "n": {}}
+    for packed in (False, True):
+        path = plain(packed=packed, tree=tree)
+        mat_check.check(path)
+        assert len(load(path).streams) >= 1
+
+
+def test_a_variable_that_unpacks_to_a_flood_is_refused(plain, monkeypatch):
+    monkeypatch.setattr(mat_check, "LEAST_LIMIT", 1 << 20)
+    path = plain(packed=True, tree={"t": np.zeros(1 << 18)})
+    assert "unpacks to more than 1 MB, which is not plausible" in faults(path)
+
+
+def test_what_follows_a_packed_variable_in_its_element_is_refused(plain):
+    path = plain(packed=True)
+    data = path.read_bytes()
+    size = struct.unpack_from("<I", data, 132)[0]
+    body = zlib.compress(zlib.decompress(data[136 : 136 + size]) + b"\0" * 1000)
+    path.write_bytes(data[:128] + tag(15, len(body)) + body + data[136 + size :])
+    assert "byte 128" in faults(path)
+    assert "followed by more" in faults(path)
+
+
+def test_two_variables_of_one_name_are_refused(plain):
+    path = plain(tree={"tt": TIMES, "xx": TIMES * 2})
+    path.write_bytes(path.read_bytes().replace(b"xx", b"tt"))
+    assert "has the name b'tt', as another one has" in faults(path)

@@ -349,3 +349,46 @@ def test_a_real_tensor_is_the_toss_in_units_of_half_its_width(real, number):
     scale = np.r_[np.full(3, 0.0524), np.ones(4), np.full(3, 0.0524), np.ones(3)]
     assert table[:, :13] * scale == pytest.approx(state, rel=1e-6, abs=1e-6)
     assert not table[:, 13:].any()
+
+
+# --- what a header may claim
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "fault"),
+    [
+        (b"(50,)", b"(-50,)", "has the shape (-50,)"),
+        (b"(50,)", b"(1152921504606846976, 1152921504606846976)", "has 1152921504606846976 comp"),
+        (b"(50,)", b"(1152921504606846976, 7)", "ends after 7 of 1152921504606846976 samples"),
+        (b"'<f8'", b"'<f8", "has no whole header"),
+        (b"(50,)", b"(" * 150, "has no whole header"),
+    ],
+)
+def test_a_header_that_claims_the_impossible_is_refused(npy, old, new, fault):
+    path = npy(np.arange(50.0))
+    data = path.read_bytes()
+    header = data[10:128].replace(old, new).rstrip() + b"\n"
+    path.write_bytes(data[:8] + struct.pack("<H", len(header)) + header + data[128:])
+    try:
+        said = faults(path)
+    except pytest.fail.Exception:
+        said = load(path).streams[0].truncated  # what is whole is kept
+    assert fault in said
+
+
+def test_a_damaged_member_of_any_packing_is_refused(tmp_path):
+    for how in (zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA):
+        path = tmp_path / "log.npz"
+        with zipfile.ZipFile(path, "w", how) as archive, archive.open("x.npy", "w") as file:
+            np.save(file, np.random.default_rng(0).random(5000))
+        data = bytearray(path.read_bytes())
+        data[60:200] = b"\xff" * 140
+        path.write_bytes(bytes(data))
+        assert "is a damaged archive of arrays" in faults(path)
+
+
+def test_a_pickle_that_unpacks_to_a_flood_is_refused(tmp_path):
+    path = tmp_path / "log.pt"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("log/data.pkl", b"\x80\x02" + b"N" * (20 << 20))
+    assert "data.pkl unpacks to 20971522 bytes, which is not plausible" in faults(path)

@@ -177,3 +177,21 @@ def test_a_cut_last_line_is_said_for_its_stream(zipped):
     path = zipped({"A.csv": HEAD + ROWS + "1.5E0,2.0", "meta/device.csv": DEVICE})
     stream = read(path).streams[0]
     assert (len(stream), stream.truncated[:26]) == (3, "line 5 ends in the middle ")
+
+
+@pytest.mark.parametrize("how", [zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+def test_a_damaged_member_of_any_packing_is_refused(tmp_path, how):
+    path = tmp_path / "pendulum.zip"
+    with zipfile.ZipFile(path, "w", how) as archive:
+        archive.writestr("A.csv", HEAD + ROWS * 2000)
+        archive.writestr("meta/device.csv", DEVICE)
+    data = bytearray(path.read_bytes())
+    data[60:200] = b"\xff" * 140
+    path.write_bytes(bytes(data))
+    with pytest.raises(InputError, match="cannot be unpacked"):
+        importers.read(path, "phyphox", mapping.NOTHING)
+
+
+def test_a_table_without_a_line_end_in_its_head_is_no_trace(zipped):
+    path = zipped({"A.csv": HEAD + ROWS, "meta/device.csv": DEVICE, "meta/time.csv": "x" * 70_000})
+    assert len(read(path).streams[0]) == 3

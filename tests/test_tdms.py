@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import struct
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -177,3 +180,29 @@ def test_a_file_cut_or_changed_anywhere_gives_a_typed_error_or_numbers(write):
         except InputError:
             continue
         assert all(len(c.values) == len(s) for s in log.streams for c in s.columns)
+
+
+def test_what_the_library_notices_is_recorded_and_not_printed(write, capfd):
+    path = write([wave("u", np.arange(50.0)), wave("i", np.arange(50.0), "A")])
+    path.with_suffix(".tdms_index").unlink(missing_ok=True)
+    data = path.read_bytes()
+    number = struct.pack("<IIQ", 10, 1, 50)  # type, dimension, number of values
+    assert number in data
+    path.write_bytes(data.replace(number, struct.pack("<IIQ", 10, 1, 70), 1))
+    (told,) = [r for r in load(path).repairs if r.rule == "damaged_record"]
+    assert (told.severity, "not a multiple of the chunk size" in told.text) == ("warning", True)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_text_that_claims_four_gigabytes_is_no_request_for_memory(write):
+    path = write([wave("u", np.arange(50.0), Note="warm")])
+    path.with_suffix(".tdms_index").unlink(missing_ok=True)
+    data = path.read_bytes()
+    text = struct.pack("<I", 4) + b"warm"
+    assert text in data
+    path.write_bytes(data.replace(text, struct.pack("<I", 2**32 - 1) + b"warm", 1))
+    tracemalloc.start()
+    faults(path)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 100 * len(data)

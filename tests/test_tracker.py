@@ -102,3 +102,8 @@ def test_another_table_is_no_export_of_tracker(write_log):
     with pytest.raises(InputError, match=r"line 2: 'u,v' is no header of Tracker"):
         importers.read(path, "tracker", mapping.NOTHING)
     assert importers.recognise(path) == "csv"
+
+
+def test_a_text_without_a_line_end_is_no_trace(write_log):
+    with pytest.raises(InputError, match="is no header of Tracker"):
+        importers.read(write_log("mass A " * 20_000), "tracker", mapping.NOTHING)
