@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -332,7 +333,7 @@ def test_two_columns_that_become_one_channel_are_refused():
 def test_a_column_without_a_unit_is_refused_and_not_dropped():
     stream = clean()
     stream.columns[2].unit = ""
-    with pytest.raises(InputError, match="1 column has no unit.*'slope'.*--template"):
+    with pytest.raises(InputError, match=r"1 column has no unit.*'slope'.*--template"):
         conditioned(stream)
 
 
@@ -498,3 +499,16 @@ def _with_hole(name, sample):
 
 def test_an_uncertainty_that_is_not_known_stays_so():
     assert conditioned(_with_hole("sine", 500)).streams["log"].channels["sine_V"].u is None
+
+
+def test_a_missing_value_of_any_bit_pattern_does_not_hide_a_mark():
+    stream = clean(500)
+    values = stream.columns[1].values
+    values[7:9] = -999.0
+    # signalling; as the last of them, it is the extreme that NumPy finds
+    values[-1:] = np.array([0x7FF0_0000_0000_0001], np.uint64).view(float)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        made = conditioned(stream)
+    (told,) = found(made, "sentinel")
+    assert told.count == 2

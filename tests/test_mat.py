@@ -303,8 +303,8 @@ DAMAGE = {
         tag(5, 8) + tag(1, 100), tag(5, 8) + tag(2**31 - 1, 2**31 - 1), "its size says 4611686014"
     ),
     "a negative size": (tag(5, 8) + tag(1, 100), tag(5, 8) + tag(2**32 - 1, 100), "has the size"),
-    "a part longer than the whole": (tag(9, 800), tag(9, 80_000), "is longer than itself"),
-    "another element": (tag(14, 856), tag(7, 856), "type 7; expected 14 or 15"),
+    "a part longer than the whole": (tag(5, 8), tag(5, 96_000), "type 5 with 96000 bytes"),
+    "another element": (tag(14, 848), tag(7, 848), "of the type 7; expected 14 or 15"),
 }  # fmt: skip
 
 

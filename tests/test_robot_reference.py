@@ -60,7 +60,7 @@ def truth_of(name, **changes):
     file = load(name)
     scenario = file.resolve(changes)
     reference, times = catalogue.reference_of(file.path), sample_times(scenario)
-    return scenario, Trajectory("closed form", times, reference(scenario.parameters, times))
+    return scenario, Trajectory("closed form", times, reference(scenario.parameters, times, {}))
 
 
 # --- straight ahead -------------------------------------------------------------------------------

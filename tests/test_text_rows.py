@@ -53,8 +53,8 @@ def test_marks_of_thousands_are_not_taken_out_where_they_are_none(read):
 
 
 def test_a_line_of_a_megabyte_is_no_row(read):
-    text = "t,x\n" + "".join(f"{i},1\n" for i in range(1500)) + "0," * (1 << 19) + "\n"
-    assert "line 1502: has 1048576 bytes, which is no row of a table" in faults(read, text)
+    text = "t,x\n" + "".join(f"{i},1\n" for i in range(1500)) + "0," * (1 << 20) + "\n"
+    assert "line 1502: has 2097152 bytes, which is no row of a table" in faults(read, text)
 
 
 def test_a_text_is_given_in_pieces_of_not_too_many_lines(monkeypatch):

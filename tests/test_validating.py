@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 import yaml
+
 import simcompare
 from simcompare import catalogue
 from simcompare.errors import InputError, UnknownName

@@ -28,6 +28,7 @@ _LEVELS = 3
 def check(work: Work) -> None:
     """Finds infinite numbers and sentinels, and leaves out rows that hold nothing."""
     for column in work.stream.columns:
+        _quiet(column)
         _infinite(work, column)
     _drop_empty(work)
     for column in work.data:
@@ -37,6 +38,15 @@ def check(work: Work) -> None:
                 _clear(work, column, mark, "the mapping says that it means: nothing measured")
         elif column.name != work.stream.counter:
             _guess(work, column)
+
+
+def _quiet(column: RawColumn) -> None:
+    """Damaged files may hold signalling NaN, with which NumPy finds wrong extremes."""
+    for part in blocks(len(column.values)):
+        block = column.values[part]
+        missing = np.isnan(block)
+        if missing.any():
+            block[missing] = np.nan
 
 
 def _drop_empty(work: Work) -> None:

@@ -15,6 +15,7 @@ import numpy as np
 
 from simcompare import units
 from simcompare.errors import InputError
+from simcompare.hardware.logs import _zip
 from simcompare.hardware.logs.mapping import Mapping
 from simcompare.recording import INFO, Repair
 from simcompare.trajectory import Array
@@ -131,8 +132,9 @@ def opened(label: str, open_: Callable[[], IO[bytes]]) -> Source:
     try:
         with open_() as file:
             start = file.read(HEAD_BYTES + 1)
-    except OSError as error:
-        raise InputError(label, [f"cannot be read: {error.strerror or error}"]) from None
+    except _zip.ERRORS as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(label, [f"cannot be read: {reason}"]) from None
     return _source(label, open_, start)
 
 

@@ -75,8 +75,14 @@ class _Bounded(io.BufferedReader):
         self._size = path.stat().st_size
 
     def read(self, size: int | None = -1, /) -> bytes:
-        """The next bytes."""
+        """The next bytes.
+
+        Raises:
+            ValueError: a text is longer than the rest of the file.
+        """
         left = max(self._size - self.tell(), 0)
+        if size is not None and size > max(left, _LEAD_IN):
+            raise ValueError(f"a text of {size} bytes at byte {self.tell()}; {left} are left")
         return super().read(left if size is None or size < 0 else min(size, left))
 
 
