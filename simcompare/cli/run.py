@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -100,6 +101,17 @@ def _print(result: Run, written: Path | None) -> None:
             f"Means over {record['repeats']} repeats; in brackets their standard deviation in the"
             " last digits. Default rows are shown, not judged."
         )
+    _print_remarks(record)
+    if result.interrupted:
+        typer.echo("Interrupted: what had finished is kept.", err=True)
+    if result.folder is not None:
+        typer.echo(f"Stored in {result.folder}")
+    if written is not None:
+        typer.echo(f"Report: {written}")
+
+
+def _print_remarks(record: Mapping[str, Any]) -> None:
+    """What did not run, what was held against, and what lies outside of a fit's range."""
     for source in record["sources"]:
         if source["status"] != "ok":  # not in a cell: a command to copy must not be folded
             typer.echo(f"{source['name']}, {source['contact']}: {source['reason']}")
@@ -107,12 +119,6 @@ def _print(result: Run, written: Path | None) -> None:
         _print_against(record["against"])
     for sentence in record.get("cautions", ()):
         typer.echo(f"Caution: {sentence}")
-    if result.interrupted:
-        typer.echo("Interrupted: what had finished is kept.", err=True)
-    if result.folder is not None:
-        typer.echo(f"Stored in {result.folder}")
-    if written is not None:
-        typer.echo(f"Report: {written}")
 
 
 def _row(result: Run, source: dict[str, Any], judged: list[str]) -> list[str]:
