@@ -6,6 +6,7 @@ gives height against time, whose arcs meet at the impacts; a table gives rebound
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
@@ -136,7 +137,15 @@ class Impacts:
 
     def told(self) -> list[str]:
         """What was left out and what was missed, one sentence each."""
-        said = [str(one) for one in self.dropped]
+        said = []
+        for (what, reason), own in _grouped(self.dropped):
+            first, last = own[0], own[-1]
+            said.append(
+                str(first)
+                if len(own) == 1
+                else f"{len(own)} {what}s from {first.time_s:.4f} to {last.time_s:.4f} s were left"
+                f" out: {reason}"
+            )
         if self.missed:
             word = "impact" if len(self.missed) == 1 else "impacts"
             numbers = ", ".join(str(n) for n in self.missed)
@@ -355,6 +364,12 @@ def _check(times: Array, u: Array, source: str) -> None:
         )
     if faults:
         raise InputError(source or "impacts", faults)
+
+
+def _grouped(dropped: Sequence[Dropped]) -> list[tuple[tuple[str, str], list[Dropped]]]:
+    """Neighbours that were left out for the same reason, together."""
+    groups = itertools.groupby(dropped, lambda one: (one.what, one.reason))
+    return [(key, list(own)) for key, own in groups]
 
 
 def _count(number: int) -> str:
