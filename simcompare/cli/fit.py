@@ -96,7 +96,7 @@ def _priors(texts: list[str]) -> dict[str, tuple[float, float]]:
     """Reads ``drop_height=1m:2mm``."""
     from simcompare import units
     from simcompare.cli import console
-    from simcompare.errors import InputError
+    from simcompare.errors import InputError, UnknownName
     from simcompare.fitting.bounce_models import DEFAULTS
 
     found = {}
@@ -107,7 +107,9 @@ def _priors(texts: list[str]) -> dict[str, tuple[float, float]]:
                 "--prior",
                 [f"{given}={text} has no uncertainty; expected {given}=VALUE:U"],
             )
-        name = units.find_name(given, DEFAULTS) or given
+        name = units.find_name(given, DEFAULTS)
+        if name is None:
+            raise UnknownName("unknown of a bounce", given, DEFAULTS)
         unit = units.unit_of(name)
         found[name] = (
             units.to_si(value, unit, f"--prior {given}"), units.to_si(u, unit, f"--prior {given}")

@@ -130,14 +130,11 @@ def read(path: Path) -> FitFile:
             raise InputError(
                 str(path), ["is a fit of signals over time; give its parameters with --set"]
             )
+        known = tree["run_with"]
         engines = {
-            row["name"]: {name: float(p["value"]) for name, p in row["parameters"].items()
-                          if p["value"] is not None}
-            for row in tree["sources"]
-            if row["parameters"]
-        }  # fmt: skip
-        closed = tree["closed_form"]
-        values = {n: float(p["value"]) for n, p in closed["parameters"].items() if p["value"]}
+            name: {n: float(v) for n, v in own.items()} for name, own in known["engines"].items()
+        }
+        values = {n: float(v) for n, v in known["closed"].items()}
         low, high = tree["valid"]["speed_m_s"]
         return FitFile(
             path, str(tree["scenario"]), {n: float(v) for n, v in tree["given"].items()},

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +21,7 @@ from simcompare.fitting import (
 )
 from simcompare.fitting.arcs import rejoined
 from simcompare.fitting.engine_fit import EngineFit
+from simcompare.fitting.identifiability import BLIND, identifiability
 from simcompare.fitting.impacts import CLOCKED, Impacts, from_recording, from_table, from_times
 from simcompare.fitting.likelihood import Fit
 from simcompare.fitting.problem import SPEED, Prior
@@ -106,11 +107,15 @@ def fit(
         fixed={**_known_drag(given), **_numbers(fixed or {})},
         priors={name: Prior(value, u) for name, (value, u) in (priors or {}).items()},
     )
+    _check_request(recordings, hold_out, u_time_s, file.read_settings(set or {}))
     drops = [drop for name in recordings for drop in drops_of(name, mapping, u_time_s)]
     held = [drop for name in hold_out for drop in drops_of(name, mapping, u_time_s)]
     choice = choose.compare(
         drops, _candidates(model, asked), extra=asked.extra, fixed=asked.fixed, priors=asked.priors
     )
+    known = identifiability(choice.best)
+    if asked.extra and not known.condition < BLIND:
+        raise InputError("--unknown", [*known.words, "leave it out, or --fix what it mixes with"])
     whole = model_of(file)
     start = _for_engines(choice.best, _joined(choice.best, drops, asked), asked)
     step_s = None if step is None else units.to_si(step, "s", "--step")
@@ -118,7 +123,7 @@ def fit(
         whole, start.problem, start, chosen, given, step_s=step_s, time_limit_s=time_limit_s,
         progress=progress,
     )  # fmt: skip
-    predicted = holding_out.predict(choice.best, found, held, asked.fixed)
+    predicted = holding_out.predict(choice.best, start, found, held, asked.fixed)
     command = ["simcompare", "fit", scenario, "--engine", engine, "--model", model]
     for option, values in (
         ("--recording", recordings), ("--hold-out", hold_out), ("--preset", [preset]),
@@ -133,7 +138,45 @@ def fit(
     return _saved(_gather(told, choice, start, found, predicted, (drops, held), given), out)
 
 
+def _check_request(
+    recordings: Sequence[str | Path],
+    hold_out: Sequence[str | Path],
+    u_time_s: float | None,
+    settings: Mapping[str, float],
+) -> None:
+    """Raises ``InputError`` for what would count data twice, or would be ignored."""
+    if u_time_s is not None and not u_time_s > 0:
+        raise InputError("--u-time", [f"{u_time_s:g} s is not an uncertainty; it must exceed 0"])
+    places = [str(Path(name).resolve()) for name in (*recordings, *hold_out)]
+    twice = {str(n) for n, p in zip((*recordings, *hold_out), places, strict=True)
+             if places.count(p) > 1}  # fmt: skip
+    if twice:
+        raise InputError(
+            "--recording, --hold-out",
+            [
+                f"{name} is given twice; what was seen predicts nothing new"
+                for name in sorted(twice)
+            ],
+        )
+    sought = [name for name in ("restitution", "drop_height_m", "gravity_m_s2") if name in settings]
+    if sought:
+        raise InputError(
+            "--set",
+            [f"{name} belongs to the bounce; give it with --fix or --prior" for name in sought],
+        )
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401
+    """The same with what is not finite, such as a terminal speed without drag, as ``None``."""
+    if isinstance(value, dict):
+        return {key: _plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
 def _saved(done: Run, out: str | Path | None) -> Run:
+    done = replace(done, record=_plain(dict(done.record)))
     if out is None:
         return done
     from simcompare import store
@@ -185,7 +228,9 @@ def _known_drag(given: Mapping[str, float]) -> dict[str, float]:
 def _numbers(fixed: Mapping[str, str | float]) -> dict[str, float]:
     found = {}
     for text, value in fixed.items():
-        name = units.find_name(text, bounce_models.DEFAULTS) or text
+        name = units.find_name(text, bounce_models.DEFAULTS)
+        if name is None:
+            raise UnknownName("parameter of a bounce", text, bounce_models.DEFAULTS)
         found[name] = units.to_si(value, units.unit_of(name), f"--fix {text}")
     return found
 

@@ -18,6 +18,7 @@ _OWN = ("drop_height_m", "release_time_s", "floor_m")
 
 def predict(
     best: Fit,
+    start: Fit,
     engines: Sequence[EngineFit],
     held: Sequence[Impacts],
     fixed: Mapping[str, float],
@@ -30,6 +31,7 @@ def predict(
 
     Args:
         best: the closed form that was fitted.
+        start: the closed form with the contact that engines have.
         engines: the engines that were fitted.
         held: drops that were not fitted.
         fixed: what was not sought.
@@ -45,8 +47,9 @@ def predict(
     for one in engines:
         if one.fit is None:
             continue
-        for row in rows:
-            row.setdefault("engines", {})[one.engine] = _engine(one, row)
+        for row, drop in zip(rows, held, strict=True):
+            own = row if start is best else _closed(start, drop, fixed)
+            row.setdefault("engines", {})[one.engine] = _engine(one, own)
     judged = [row["e_n"] for row in rows if row["e_n"] is not None]
     good = sum(abs(value) <= 1 for value in judged)
     text = (
@@ -67,6 +70,11 @@ def _closed(best: Fit, drop: Impacts, fixed: Mapping[str, float]) -> dict[str, A
     alone = [n for n in ("drop_height_m", "release_time_s") if n not in fixed]
     alone += ["floor_m"] if drop.track is not None else []
     predicted = fit(drop, best.model, unknowns=alone, fixed=usual, profiles=False)
+    if "restitution" not in best.names:  # it was not sought: nothing but the prediction is judged
+        return {"rms": dict(predicted.rms), "chi2": predicted.chi2, "count": predicted.count,
+                "drop_height_m": predicted.as_dict().get("drop_height_m"), "restitution": None,
+                "u_restitution": None, "fitted": None, "u_fitted": None, "e_n": None,
+                "unknowns": own, "speeds_m_s": list(predicted.speeds_m_s)}  # fmt: skip
     # what this drop says of the restitution by itself, everything else as fitted
     single = {n: v for n, v in usual.items() if n != "restitution"}
     again = fit(drop, best.model, unknowns=["restitution", *alone], fixed=single, profiles=False)
@@ -93,6 +101,8 @@ def _engine(one: EngineFit, row: Mapping[str, Any]) -> dict[str, Any]:
     assert one.effective is not None
     assert one.fit is not None
     value, whole = one.effective[0], whole_u(one)
+    if row["restitution"] is None:
+        return {"restitution": value, "u": whole, "e_n": None}
     return {
         "restitution": value,
         "u": whole,

@@ -198,11 +198,12 @@ def summary(
         for name, low, high in zip(whole.names, x - half, x + half, strict=True)
     )
     left = whole.residuals(x, priors=False)
+    effective = float(np.clip(np.trace(own @ covariance @ own.T), 0.0, len(values)))
     return Fit(
         model=whole.model.name, names=whole.names, values=values,
         covariance=covariance * np.outer(scale, scale), intervals=intervals,
         how=("normal",) * len(values), chi2=float(left @ left), dof=dof, s2=s2, count=rows,
-        effective=float(np.trace(own @ covariance @ own.T)), rms=_rms(whole, x),
+        effective=effective, rms=_rms(whole, x),
         speeds_m_s=_speeds(whole, x), pulls={},
         at_bound=tuple(n for n, h in zip(whole.names, held, strict=True) if h), warnings=(),
         problem=scaled, x=x, sought_covariance=covariance,

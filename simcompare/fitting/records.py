@@ -9,7 +9,7 @@ from typing import Any
 from simcompare.fitting import bounce_models, other_estimates, pictures
 from simcompare.fitting.bootstrap import parametric
 from simcompare.fitting.choose import Choice
-from simcompare.fitting.engine_fit import EngineFit, as_dict
+from simcompare.fitting.engine_fit import EngineFit, as_dict, scenario_values
 from simcompare.fitting.identifiability import identifiability
 from simcompare.fitting.impacts import Impacts
 from simcompare.fitting.likelihood import Fit
@@ -71,6 +71,12 @@ def of_fit(
         "engine_model": start.model,
         "engine_model_text": bounce_models.model_of(start.model).text,
         "sources": sources,
+        "run_with": {
+            "closed": _scene_values(start, given),
+            "engines": {
+                one.engine: _scene_values(one.fit, given) for one in engines if one.fit is not None
+            },
+        },
         "holdout": dict(predicted),
         "other_estimates": other_estimates.of_drops(drops[0], choice.best),
         "valid": {
@@ -80,6 +86,12 @@ def of_fit(
     }
     found["sentences"] = _sentences(found, choice)
     return found
+
+
+def _scene_values(fit: Fit, given: Mapping[str, float]) -> dict[str, float]:
+    """Parameters of the scenario that a fit says, drag and fixed values included."""
+    values = scenario_values(fit.problem, fit.x, 0, given)
+    return {name: value for name, value in values.items() if name != "drop_height_m"}
 
 
 def _sentences(found: Mapping[str, Any], choice: Choice) -> list[str]:
@@ -94,6 +106,12 @@ def _sentences(found: Mapping[str, Any], choice: Choice) -> list[str]:
             f" {_digits(low, high - low)} and {_digits(high, high - low)}"
             f" ({bounce_models.model_of(best.model).text};"
             f" impacts at {best.speeds_m_s[0]:.2f} to {best.speeds_m_s[1]:.2f} m/s)."
+        )
+    form = found["engine_form"]
+    if form is not None:
+        said.append(
+            f"Engines have no such law; they were fitted with {form['text']}, which leaves"
+            f" χ² = {form['chi2']:.3g} for {form['count']} numbers."
         )
     shown = [s["effective"]["restitution"]["value"] for s in found["sources"] if s["effective"]]
     if len(shown) > 1:
