@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from simcompare.fitting.engine_fit import EngineFit, whole_u
 from simcompare.fitting.impacts import Impacts
 from simcompare.fitting.likelihood import Fit, fit
@@ -77,10 +79,12 @@ def _closed(best: Fit, drop: Impacts, fixed: Mapping[str, float]) -> dict[str, A
                 "unknowns": own, "speeds_m_s": list(predicted.speeds_m_s)}  # fmt: skip
     # what this drop says of the restitution by itself, everything else as fitted
     single = {n: v for n, v in usual.items() if n != "restitution"}
-    again = fit(drop, best.model, unknowns=["restitution", *alone], fixed=single, profiles=False)
+    asked = ["restitution", *alone]
+    again = fit(drop, best.model, unknowns=asked, fixed=single, profiles=False)
     value, u = again.as_dict()["restitution"], float(again.u[again.names.index("restitution")])
     k = best.names.index("restitution")
     known, u_known = float(best.values[k]), float(best.u[k])
+    u_both = math.hypot(u, _u_of_kept(best, drop, asked, single, value))
     return {
         "rms": dict(predicted.rms),
         "chi2": predicted.chi2,
@@ -90,10 +94,34 @@ def _closed(best: Fit, drop: Impacts, fixed: Mapping[str, float]) -> dict[str, A
         "u_restitution": u,
         "fitted": known,
         "u_fitted": u_known,
-        "e_n": e_n(known, value, 2 * u_known, 2 * u),
+        "u_difference": u_both,
+        "e_n": e_n(known, value, 2 * u_both, 0.0),
         "unknowns": own,
         "speeds_m_s": list(again.speeds_m_s),
     }
+
+
+def _u_of_kept(
+    best: Fit, drop: Impacts, asked: list[str], single: Mapping[str, float], value: float
+) -> float:
+    """What all that was fitted before contributes to e_held - e_fitted, with its covariance.
+
+    The fitted restitution enters with -1; every other unknown that was kept, such as an exponent or
+    a terminal speed, by how far the restitution of the held-out drop follows it.
+    """
+    slopes = np.zeros(len(best.names))
+    for k, name in enumerate(best.names):
+        if base(name) in _OWN or not math.isfinite(best.values[k]) or not best.u[k] > 0:
+            continue
+        if name == "restitution":
+            slopes[k] = -1.0
+            continue
+        step = 0.1 * float(best.u[k])
+        moved = {**single, base(name): float(best.values[k]) + step}
+        again = fit(drop, best.model, unknowns=asked, fixed=moved, profiles=False)
+        slopes[k] = (again.as_dict()["restitution"] - value) / step
+    covariance = np.where(np.isfinite(best.covariance), best.covariance, 0.0)
+    return math.sqrt(max(0.0, float(slopes @ covariance @ slopes)))
 
 
 def _engine(one: EngineFit, row: Mapping[str, Any]) -> dict[str, Any]:
@@ -101,10 +129,12 @@ def _engine(one: EngineFit, row: Mapping[str, Any]) -> dict[str, Any]:
     assert one.effective is not None
     assert one.fit is not None
     value, whole = one.effective[0], whole_u(one)
+    own = math.hypot(one.effective[1], one.u_num.get("restitution", 0.0))
     if row["restitution"] is None:
         return {"restitution": value, "u": whole, "e_n": None}
     return {
         "restitution": value,
         "u": whole,
-        "e_n": e_n(value, row["restitution"], 2 * whole, 2 * row["u_restitution"]),
+        # the engine was fitted to the same data: beside the closed form's only its own part counts
+        "e_n": e_n(value, row["restitution"], 2 * own, 2 * row["u_difference"]),
     }
