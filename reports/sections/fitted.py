@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from simcompare.reports import fitted, fitted_figures, fitted_parts, fitted_tables
-from simcompare.reports.figures import Figure
 from simcompare.reports.sections.base import Section
-from simcompare.reports.tables import Table, printable
+from simcompare.reports.sections.parts import parts_of
+from simcompare.reports.tables import printable
 from simcompare.results import Run
 
 _TWO_THINGS = (
@@ -15,24 +15,6 @@ _TWO_THINGS = (
     " then shows. Only the second compares engines. The first is the number to type in, and holds"
     " for this engine and this step alone."
 )
-
-
-def _parts(
-    figures: list[Figure] | list[Figure | None],
-    tables: list[Table] | list[Table | None],
-    *notes: str,
-) -> dict[str, Any]:
-    """Figures, tables and remarks, as far as there are any."""
-    return {
-        "figures": [figure for figure in figures if figure is not None],
-        "grids": [table for table in tables if table is not None],
-        "notes": [_sentence(note) for note in notes if note],
-    }
-
-
-def _sentence(text: str) -> str:
-    line = printable(text)
-    return line[:1].upper() + line[1:] + ("" if line.endswith(".") else ".")
 
 
 class FitAnswer(Section):
@@ -49,7 +31,7 @@ class FitAnswer(Section):
         return {
             "question": run.record["question"],
             "answer": said,
-            **_parts(fitted_figures.left_figures(run), [fitted_tables.engines(run)]),
+            **parts_of(fitted_figures.left_figures(run), [fitted_tables.engines(run)]),
         }
 
 
@@ -64,7 +46,7 @@ class FitEngines(Section):
                   fitted_tables.native(run)]  # fmt: skip
         other = fitted.other_form(run)
         note = f"{other} So is the closed form in this section." if other else ""
-        return _parts([fitted_figures.parameter_figure(run)], tables, _TWO_THINGS, note)
+        return parts_of([fitted_figures.parameter_figure(run)], tables, _TWO_THINGS, note)
 
 
 class FitForms(Section):
@@ -75,7 +57,7 @@ class FitForms(Section):
     def context(self, run: Run) -> dict[str, Any]:
         """Criteria of every candidate."""
         tables = [fitted_tables.forms(run), fitted_tables.refused(run)]
-        return _parts([fitted_parts.forms_figure(run)], tables,
+        return parts_of([fitted_parts.forms_figure(run)], tables,
                       *fitted.record(run)["choice"]["words"])  # fmt: skip
 
 
@@ -86,7 +68,7 @@ class FitSpeed(Section):
 
     def context(self, run: Run) -> dict[str, Any]:
         """Every bounce of every source."""
-        return _parts([fitted_figures.speed_figure(run)], [])
+        return parts_of([fitted_figures.speed_figure(run)], [])
 
 
 class FitKnown(Section):
@@ -98,7 +80,7 @@ class FitKnown(Section):
         """Correlations, singular values, profiles."""
         figures = [fitted_parts.correlation_figure(run), *fitted_parts.profile_figures(run)]
         tables = [fitted_tables.bootstrap(run), fitted_tables.directions(run)]
-        return _parts(figures, tables, *fitted.record(run)["identifiability"]["words"])
+        return parts_of(figures, tables, *fitted.record(run)["identifiability"]["words"])
 
 
 class FitHeldOut(Section):
@@ -108,7 +90,7 @@ class FitHeldOut(Section):
 
     def context(self, run: Run) -> dict[str, Any]:
         """Held-out drops, or that there are none."""
-        return _parts([fitted_parts.holdout_figure(run)], [fitted_tables.holdout(run)],
+        return parts_of([fitted_parts.holdout_figure(run)], [fitted_tables.holdout(run)],
                       fitted.record(run)["holdout"]["text"])  # fmt: skip
 
 
@@ -120,7 +102,7 @@ class FitOthers(Section):
     def context(self, run: Run) -> dict[str, Any] | None:
         """Other estimates; ``None`` where there are none."""
         table = fitted_tables.others(run)
-        return None if table is None else _parts([fitted_parts.others_figure(run)], [table])
+        return None if table is None else parts_of([fitted_parts.others_figure(run)], [table])
 
 
 class FitMeasured(Section):
@@ -134,4 +116,4 @@ class FitMeasured(Section):
                   fitted_tables.known(run)]  # fmt: skip
         drops = (*fitted.record(run)["measured"], *fitted.record(run)["held_out"])
         notes = [f"{drop['source']}: {note}" for drop in drops for note in drop["notes"]]
-        return {"facts": fitted_tables.valid(run), **_parts([], tables, *notes)}
+        return {"facts": fitted_tables.valid(run), **parts_of([], tables, *notes)}

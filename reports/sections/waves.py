@@ -6,22 +6,9 @@ from typing import Any
 
 from simcompare.reports import fitted, fitted_parts, fitted_tables, waves
 from simcompare.reports.sections.base import Section
+from simcompare.reports.sections.parts import parts_of
 from simcompare.reports.tables import printable
 from simcompare.results import Run
-
-
-def _parts(figures: list[Any], tables: list[Any], *notes: str) -> dict[str, Any]:
-    """Figures, tables and remarks, as far as there are any."""
-    return {
-        "figures": [figure for figure in figures if figure is not None],
-        "grids": [table for table in tables if table is not None],
-        "notes": [_sentence(note) for note in notes if note],
-    }
-
-
-def _sentence(text: str) -> str:
-    line = printable(text)
-    return line[:1].upper() + line[1:] + ("" if line.endswith(".") else ".")
 
 
 class WavesAnswer(Section):
@@ -36,7 +23,7 @@ class WavesAnswer(Section):
         return {
             "question": run.record["question"],
             "answer": said,
-            **_parts(waves.residual_figures(run), []),
+            **parts_of(waves.residual_figures(run), []),
         }
 
 
@@ -49,7 +36,7 @@ class WavesEngines(Section):
         """Parameters, and effective values."""
         tables = [fitted_tables.failed(run), fitted_tables.parameters(run)._replace(folded=False),
                   waves.effective(run)]  # fmt: skip
-        return _parts([], tables)
+        return parts_of([], tables)
 
 
 class WavesHeldOut(Section):
@@ -59,7 +46,7 @@ class WavesHeldOut(Section):
 
     def context(self, run: Run) -> dict[str, Any]:
         """Held-out values, or that there are none."""
-        return _parts([], [waves.holdout(run)], fitted.record(run)["holdout"]["text"])
+        return parts_of([], [waves.holdout(run)], fitted.record(run)["holdout"]["text"])
 
 
 class WavesKnown(Section):
@@ -70,6 +57,6 @@ class WavesKnown(Section):
     def context(self, run: Run) -> dict[str, Any]:
         """Correlations and singular values."""
         facts = "; ".join(f"{name}: {words}" for name, words in waves.valid(run).items())
-        return _parts([fitted_parts.correlation_figure(run)], [fitted_tables.directions(run)],
+        return parts_of([fitted_parts.correlation_figure(run)], [fitted_tables.directions(run)],
                       *fitted.record(run)["identifiability"]["words"],
                       f"the fit holds for what it was made with: {facts}")  # fmt: skip

@@ -21,6 +21,7 @@ from simcompare.fitting import (
 )
 from simcompare.fitting.arcs import rejoined
 from simcompare.fitting.engine_fit import EngineFit
+from simcompare.fitting.fit_file import FITTED
 from simcompare.fitting.identifiability import BLIND, identifiability
 from simcompare.fitting.impacts import CLOCKED, Impacts, from_recording, from_table, from_times
 from simcompare.fitting.likelihood import Fit
@@ -32,9 +33,6 @@ from simcompare.validation.model import model_of
 
 if TYPE_CHECKING:
     from simcompare.hardware.logs.bounce_table import BounceTable
-
-#: mode under which fitted engines are recorded
-FITTED = "fitted"
 
 
 def fit(

@@ -11,6 +11,7 @@ from simcompare import engines, run_record, units
 from simcompare.compare import INFO, Score
 from simcompare.errors import InputError, UnknownName
 from simcompare.fitting import waveform_holdout, waveform_records
+from simcompare.fitting.fit_file import FITTED
 from simcompare.fitting.waveform_engines import EngineWaves, fit_engines
 from simcompare.fitting.waveform_reference import Fitted, fit_reference
 from simcompare.fitting.waveform_setup import Setup, prepare
@@ -22,7 +23,7 @@ from simcompare.validation.model import Model, model_of
 from simcompare.validation.simulated import BEST, of_probes
 
 #: mode under which fitted engines are recorded, and what measured signals are stored under
-FITTED, MEASURED = "fitted", "measured"
+MEASURED = "measured"
 
 
 def fit_waveform(

@@ -12,6 +12,7 @@ from simcompare.trajectory import Array
 from simcompare.validation.cases import Case
 from simcompare.validation.judging import noise
 from simcompare.validation.model import Model
+from simcompare.validation.noise import autocovariance
 
 #: samples of one stream that a fit looks at; more would not tell more
 MOST_SAMPLES = 1500
@@ -381,9 +382,7 @@ def correlation_length(residuals: Array) -> float:
     1 + 2·Σρ_k up to the first lag at which ρ is below 0 (initial positive sequence).
     """
     centred = residuals - residuals.mean()
-    size = len(centred)
-    spectrum = np.abs(np.fft.rfft(centred, 2 * size)) ** 2
-    correlation = np.fft.irfft(spectrum)[: size // 2]
+    correlation = autocovariance(np.asarray(centred))[: len(centred) // 2]
     if correlation[0] <= 0:
         return 1.0
     rho = correlation / correlation[0]

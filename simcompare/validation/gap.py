@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from simcompare.errors import InputError
 from simcompare.trajectory import Array
-from simcompare.validation.noise import Noise, measured_noise, noise_of
+from simcompare.validation.noise import Noise, autocovariance, measured_noise, noise_of
 
 __all__ = ["Gap", "Noise", "block_length", "measured_noise", "noise_of", "split"]
 
@@ -197,7 +197,7 @@ def block_length(values: ArrayLike) -> int:
     x = np.asarray(x - x.mean())
     n = len(x)
     most = max(1, n // 10)
-    covariance = _autocovariance(x)
+    covariance = autocovariance(x)
     if covariance[0] <= 0:
         return 1
     # the lag after which a run of autocorrelations is no longer told from zero
@@ -216,12 +216,6 @@ def block_length(values: ArrayLike) -> int:
         return min(most, max(1, last))
     best = (2 * bend**2 / (4 / 3 * spectrum**2)) ** (1 / 3) * n ** (1 / 3)
     return int(min(most, max(1, math.ceil(best))))
-
-
-def _autocovariance(x: Array) -> Array:
-    size = 1 << (2 * len(x) - 1).bit_length()
-    power = np.abs(np.fft.rfft(x, size)) ** 2
-    return np.asarray(np.fft.irfft(power, size)[: len(x)] / len(x))
 
 
 def _interval(

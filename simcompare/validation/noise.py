@@ -73,3 +73,14 @@ def _quantisation(y: Array) -> float:
         return 0.0
     step = float(np.median(np.diff(distinct)))
     return step / math.sqrt(12)
+
+
+def autocovariance(values: Array) -> Array:
+    """Mean products of a record with itself, shifted by 0, 1, 2, … samples (n,).
+
+    Args:
+        values: the record, its mean taken off (n,).
+    """
+    size = 1 << (2 * len(values) - 1).bit_length()  # so that its end does not meet its start
+    power = np.abs(np.fft.rfft(values, size)) ** 2
+    return np.asarray(np.fft.irfft(power, size)[: len(values)] / len(values))

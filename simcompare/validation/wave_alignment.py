@@ -18,7 +18,7 @@ from simcompare.validation.clock_line import (
     from_centre,
 )
 from simcompare.validation.correlation import GAP, Peak, Wave, peaks, wave_of
-from simcompare.validation.noise import noise_of
+from simcompare.validation.noise import autocovariance, noise_of
 
 #: greatest number of samples that least squares look at; longer signals are thinned or averaged
 _MOST_SAMPLES = 60_000
@@ -405,7 +405,5 @@ def sandwich(J: Array, residuals: Array, variance: float, least: float) -> Array
 
 
 def _autocorrelation(values: Array) -> Array:
-    size = 1 << (2 * len(values) - 1).bit_length()
-    power = np.abs(np.fft.rfft(values, size)) ** 2
-    found = np.fft.irfft(power, size)[: len(values)]
+    found = autocovariance(values)
     return np.asarray(found / found[0]) if found[0] > 0 else np.zeros(len(values))
