@@ -58,7 +58,7 @@ def test_a_held_out_drop_from_another_height_is_predicted(found):
     assert abs(row["e_n"]) <= 1
     for source in found.record["fit"]["sources"]:
         if source["status"] == "ok":
-            assert abs(source["holdout"][0]["e_n"]) <= 1.5
+            assert abs(source["holdout"][0]["e_n"]) <= 1
 
 
 def test_without_a_held_out_drop_nothing_was_validated(tmp_path):
