@@ -9,7 +9,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import hypothesis
 import pytest
+
+# no test depends on the clock, also not on a busy machine
+hypothesis.settings.register_profile("simcompare", deadline=None)
+hypothesis.settings.load_profile("simcompare")
 
 #: a backend over the plain protocol, as somebody else's package would hold it; exact free fall
 ENGINE = """
@@ -153,7 +158,7 @@ def call(monkeypatch, capsys, tmp_path):
 def command(tmp_path):
     """Runs the command line in a process of its own."""
 
-    def run(*words: object, timeout: float = 50, **more: Any) -> subprocess.CompletedProcess[str]:
+    def run(*words: object, timeout: float = 300, **more: Any) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
             [sys.executable, "-m", "simcompare", *map(str, words)],
             cwd=tmp_path,

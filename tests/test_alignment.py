@@ -118,14 +118,14 @@ def cheapest(reference, log, tolerance):
 
 
 @given(TIMES.map(lambda t: t[:5]), TIMES.map(lambda t: t[:5]), st.sampled_from([1.0, 3.0, 10.0]))
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_no_matching_is_better(reference, log, tolerance):
     found = match(reference, log, tolerance)
     assert cost_of(found) == pytest.approx(cheapest(reference, log, tolerance))
 
 
 @given(TIMES, TIMES, st.sampled_from([0.5, 2.0, 7.0]), st.floats(-1e3, 1e3).map(round))
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_matching_is_symmetric_monotone_and_blind_to_a_common_shift(reference, log, tolerance, by):
     found = match(reference, log, tolerance)
     back, moved = match(log, reference, tolerance), match(reference + by, log + by, tolerance)
@@ -249,7 +249,7 @@ def test_events_that_cannot_be_matched_are_refused():
 
 
 @given(st.floats(-1e4, 1e4), st.floats(-100, 100))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_a_shift_of_the_log_shifts_the_offset_and_nothing_else(by, skew_ppm):
     log, _, _ = drawn(bounces(), 4)
     was = by_events(bounces(), log, 1e-4)
@@ -466,7 +466,7 @@ def test_events_come_first_and_waveforms_where_there_are_none():
 
 
 @given(st.floats(-1e3, 1e3), st.floats(0.1, 100))
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 def test_shift_of_the_log_and_unit_of_both_do_not_matter(by, scale):
     t, y = on_reference(10.0)
     t_log, y_log, _, _ = logged(chirp, 3, span_s=10.0, early_s=1.0)

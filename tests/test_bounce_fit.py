@@ -2,7 +2,6 @@
 
 import json
 import math
-import time
 
 import numpy as np
 import pytest
@@ -355,18 +354,7 @@ def test_the_effective_restitution_carries_its_uncertainty_over_the_speeds():
         assert 0 < u < 1e-3
 
 
-# ---- speed and output ---------------------------------------------------------------------------
-
-
-def test_a_fit_takes_less_than_fifty_milliseconds():
-    drop = heard(IN_AIR)
-    for model in ("constant", "constant+drag"):
-        best = math.inf
-        for _ in range(10):
-            begin = time.process_time()
-            fit(drop, model)
-            best = min(best, time.process_time() - begin)
-        assert best < 0.05, model
+# ---- output ---------------------------------------------------------------------------
 
 
 def test_a_fit_becomes_plain_values():

@@ -1,8 +1,5 @@
 """Closed forms of bounces against the ball's reference and independent integrations."""
 
-import math
-import time
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -172,14 +169,3 @@ def test_no_law_lets_a_slow_ball_gain_energy():
 def test_an_unknown_model_names_those_that_exist():
     with pytest.raises(UnknownName, match=r"did you mean.*power"):
         bounce_models.model_of("powr")
-
-
-def test_one_evaluation_takes_a_millisecond_at_most():
-    values = {"restitution": 0.85, "drag_k": 0.0134, "exponent": 0.02}
-    for name in ("constant", "power+drag", "hunt_crossley+drag"):
-        best = math.inf
-        for _ in range(30):
-            begin = time.process_time()
-            bounces(MODELS[name], values, 7)
-            best = min(best, time.process_time() - begin)
-        assert best < 1e-3, name

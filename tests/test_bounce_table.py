@@ -219,7 +219,6 @@ EDITS = st.lists(
 
 @settings(
     max_examples=400,
-    deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
@@ -244,7 +243,6 @@ def test_any_damage_is_read_or_told_and_never_a_crash(tmp_path, edits):
 
 @settings(
     max_examples=100,
-    deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )

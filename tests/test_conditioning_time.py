@@ -377,7 +377,7 @@ def _late(count, chance):
 CLOCKS = (_even, _jittery, _variable, _drifting, _late)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(
     st.sampled_from(CLOCKS), st.integers(2, 3000), st.integers(0, 10**6),
     st.sampled_from([0.0, 12.5, 1.7e9]),
@@ -393,7 +393,7 @@ def test_good_clocks_are_never_called_defective(clock, count, seed, start):
     assert np.array_equal(stream.channels["x_V"].values, x)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(50, 1900), st.integers(1, 60), st.integers(0, 10**6))
 def test_a_gap_anywhere_is_found_in_its_row(at, length, seed):
     stream = corruption.without(clean(2100, seed=seed), np.arange(at, at + length))
@@ -403,7 +403,7 @@ def test_a_gap_anywhere_is_found_in_its_row(at, length, seed):
     assert found(recording, "time_gap")[0].after["missing"] == length
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(50, 1900), st.floats(0.15, 1000.0), st.booleans(), st.integers(0, 10**6))
 def test_a_change_of_the_clock_anywhere_is_found_in_its_row(at, by, ahead, seed):
     stream = clean(2000, seed=seed)

@@ -418,7 +418,7 @@ SIGNALS = (
 )  # fmt: skip
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=400)
 @given(st.sampled_from(SIGNALS), st.integers(2, 3000), st.integers(0, 10**6))
 def test_good_values_are_never_called_defective(signal, count, seed):
     x = signal(count, np.random.default_rng(seed))
@@ -427,7 +427,7 @@ def test_good_values_are_never_called_defective(signal, count, seed):
     assert np.array_equal(recording.streams["log"].channels["x_V"].values, x)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(
     st.sampled_from([-999.0, -9999.0, 9999.0, 1e30]), st.lists(st.integers(0, 999), min_size=1,
     max_size=40, unique=True), st.integers(0, 10**6),
@@ -443,7 +443,7 @@ def test_sentinels_anywhere_become_missing_and_are_named(mark, samples, seed):
     assert np.array_equal(made[good], values(stream, "slope")[good])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.sampled_from([8, 16, 32]), st.integers(0, 10**6), st.booleans())
 def test_counters_that_wrap_are_unwrapped_to_the_bit(bits, seed, signed):
     chance = np.random.default_rng(seed)

@@ -21,7 +21,7 @@ def run(path):
         cwd=tempfile.gettempdir(),
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
         check=False,
     )
 

@@ -18,7 +18,10 @@ from simcompare.exporters import FORMATS, twin
 from tests.export_scenes import SCENES, arm, cart, moving, scene, sensed, two_free
 from tests.test_cli import loaded_by
 
-PACKAGES = "Gazebo's checker is missing; cure: sudo apt-get install ignition-tools libsdformat-dev"
+PACKAGES = (
+    "Gazebo's checker is missing; cure: sudo apt-get install ignition-tools libsdformat-dev"
+    " (where Debian or Ubuntu has them)"
+)
 
 
 @pytest.fixture(scope="session")
@@ -35,7 +38,7 @@ def ign():
 def run_ign(program, *words):
     done = subprocess.run(
         [program, "sdf", *map(str, words)],
-        capture_output=True, text=True, timeout=30, check=False, stdin=subprocess.DEVNULL,
+        capture_output=True, text=True, timeout=300, check=False, stdin=subprocess.DEVNULL,
     )  # fmt: skip
     # Debian builds the tool without an optional library and it says so in every run
     err = [line for line in done.stderr.splitlines() if "ignition-tools-backward" not in line]
@@ -423,7 +426,7 @@ def test_the_text_is_utf_8_in_every_locale(tmp_path):
     plain = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONIOENCODING": "latin-1"}
     done = subprocess.run(
         [sys.executable, "-m", "simcompare", "export", "ball"],
-        capture_output=True, cwd=tmp_path, check=True, env={**os.environ, **plain}, timeout=50,
+        capture_output=True, cwd=tmp_path, check=True, env={**os.environ, **plain}, timeout=3000,
     )  # fmt: skip
     assert done.stdout.decode("utf-8") == simcompare.export("ball")
     assert "m/s²" in done.stdout.decode("utf-8")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from simcompare import units
@@ -44,13 +44,11 @@ def test_a_plain_number_is_in_the_units_of_the_name(value, unit):
     assert units.to_si(value, unit, "here") == value
 
 
-@settings(deadline=None)  # the first look at a unit costs pint some milliseconds
 @given(value=finite, unit=st.sampled_from(UNITS))
 def test_the_unit_that_messages_show_is_understood(value, unit):
     assert units.to_si(f"{value!r} {units.symbol(unit)}", unit, "here") == pytest.approx(value)
 
 
-@settings(deadline=None)
 @given(value=finite, prefix=st.sampled_from([("k", 1e3), ("c", 1e-2), ("m", 1e-3), ("µ", 1e-6)]))
 def test_a_prefix_scales(value, prefix):
     letter, factor = prefix

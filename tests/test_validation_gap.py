@@ -44,7 +44,7 @@ def test_the_parts_of_a_known_gap_are_found():
 
 
 @given(TRIPLES, st.floats(0, 100), st.floats(0, 100))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_the_parts_sum_exactly_to_the_total(signals, u_data, u_num):
     measured, nominal, best = signals
     found = split(measured, nominal, best, u_data, u_num, draws=20)
@@ -58,7 +58,7 @@ def test_the_parts_sum_exactly_to_the_total(signals, u_data, u_num):
 
 
 @given(st.floats(-1e3, 1e3), st.floats(0.01, 100))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_origin_and_unit_of_the_signal_do_not_matter(shift, scale):
     signals = made(2, 400)
     was = split(*signals, 0.02, 0.01, draws=50)

@@ -80,7 +80,7 @@ def test_what_cannot_be_compared_is_refused(measured, simulated, u, says):
 
 
 @given(PAIRS, st.floats(-100, 100), st.floats(0.1, 10))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_shift_and_scale_of_both_change_only_what_has_a_unit(pair, shift, scale):
     m, c = pair
     was, moved = waveform(m, c), waveform(scale * m + shift, scale * c + shift)
@@ -92,7 +92,7 @@ def test_shift_and_scale_of_both_change_only_what_has_a_unit(pair, shift, scale)
 
 
 @given(PAIRS, st.randoms(use_true_random=False))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_the_order_of_the_samples_does_not_matter(pair, chance):
     m, c = pair
     order = list(range(len(m)))
@@ -103,7 +103,7 @@ def test_the_order_of_the_samples_does_not_matter(pair, chance):
 
 
 @given(PAIRS)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_exchanging_the_two_changes_the_sign_of_the_bias_and_nothing_of_the_size(pair):
     one, other = waveform(*pair), waveform(*pair[::-1])
     assert other.bias == pytest.approx(-one.bias, abs=1e-12)
