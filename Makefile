@@ -1,58 +1,67 @@
-# The two commands of the README. VENV and PYTHON may be set from outside.
+# The two commands of the README. VENV, PYTHON and ENGINES may be set from outside.
 VENV ?= .venv
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
+# engines to install and run: all, or names with commas
+ENGINES ?= all
 BIN := $(VENV)/bin
+comma := ,
+# one stamp for every choice of engines
+INSTALLED := $(VENV)/.installed-$(subst $(comma),-,$(ENGINES))
 
 .PHONY: run test bench lint clean
 
 # sets up and runs the main job
-run: $(VENV)/.engines
-	$(BIN)/simcompare run ball --engine all
+run: $(INSTALLED)
+	$(BIN)/simcompare run ball --engine $(ENGINES)
 
 # sets up and passes the tests
-test: $(VENV)/.test
+test: $(INSTALLED)-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/python -m pytest -n 2
 
 # cost beside each engine's own bare loop, as ratios; never part of the tests
-bench: $(VENV)/.test
+bench: $(INSTALLED)-test
 	$(BIN)/python -m pytest tests/benchmarks --benchmark-enable --benchmark-only -p no:xdist -q
 	$(BIN)/python tests/benchmarks/commands.py
 
-$(VENV)/.engines: pyproject.toml $(VENV)/bin/pip
-	$(BIN)/pip install --quiet --editable '.[all]'
+$(INSTALLED): pyproject.toml tools/install.py $(BIN)/pip
 	@$(libraries)
-	touch $@
+	@$(BIN)/python tools/install.py $(ENGINES) $(if $(filter all,$(ENGINES)),hardware)
+	@touch $@
 
-$(VENV)/.test: pyproject.toml $(VENV)/bin/pip
-	$(BIN)/pip install --quiet --editable '.[test]'
+$(INSTALLED)-test: pyproject.toml tools/install.py $(BIN)/pip
 	@$(libraries)
 	@$(checker)
-	touch $@
+	@$(BIN)/python tools/install.py $(ENGINES) hardware test
+	@touch $@
 
-# Debian and Ubuntu keep venv in a package of its own
-$(VENV)/bin/pip:
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
-	  { echo "simcompare needs Python 3.11 or newer; $(PYTHON) is older. Set PYTHON=..."; exit 1; }
-	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || \
-	  { package=$$($(PYTHON) -c 'import sys; print("python3.%d-venv" % sys.version_info[1])'); $(install); }
-	$(PYTHON) -m venv $(VENV)
+# Debian and Ubuntu keep venv in a package of its own; Ubuntu 22.04 keeps a newer Python beside its own
+$(BIN)/pip:
+	@python="$(PYTHON)"; \
+	if ! "$$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then \
+	  package='python3.11 python3.11-venv'; $(install); python=python3.11; \
+	  command -v python3.11 >/dev/null || \
+	    { echo "simcompare needs Python 3.11 or newer; cure: install one and run make PYTHON=..."; exit 1; }; \
+	fi; \
+	"$$python" -c 'import ensurepip' 2>/dev/null || \
+	  { package=$$("$$python" -c 'import sys; print("python3.%d-venv" % sys.version_info[1])'); $(install); }; \
+	echo "$$("$$python" --version), environment in $(VENV)"; "$$python" -m venv $(VENV)
 
 # dartpy's wheel needs libGL, which a machine without a screen may lack
-libraries = $(PYTHON) -c 'import ctypes; ctypes.CDLL("libGL.so.1")' 2>/dev/null || \
+libraries = $(BIN)/python -c 'import ctypes; ctypes.CDLL("libGL.so.1")' 2>/dev/null || \
   ! command -v apt-get >/dev/null || { package=libgl1; $(install); }
 
-# Gazebo's checker of SDF, for the tests
+# Gazebo's checker of SDF, for the tests; newer Debian has none, and its tests skip
 checker = ign sdf -d >/dev/null 2>&1 || gz sdf -d >/dev/null 2>&1 || \
-  ! command -v apt-get >/dev/null || { package='ignition-tools libsdformat-dev'; $(install); }
+  ! apt-cache show ignition-tools >/dev/null 2>&1 || { package='ignition-tools libsdformat-dev'; $(install); }
 
 # installs $$package where that is allowed, else says what to do
 install = if [ "$$(id -u)" = 0 ]; then as=; else as="sudo -n"; fi; \
   echo "installing the Debian package $$package"; \
   { $$as apt-get update -qq && $$as env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $$package; } \
-  >/dev/null 2>&1 || echo "not allowed; cure: sudo apt-get install $$package"
+  >/dev/null 2>&1 || echo "not possible here; cure: sudo apt-get install $$package"
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

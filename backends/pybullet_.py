@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 import weakref
 from types import ModuleType
 from typing import Any
@@ -295,13 +296,17 @@ def _forget(bullet: ModuleType, client: int, saved: dict[int, int], state: int) 
         bullet.removeState(kept, client)
 
 
+_COMPILER = f"sudo apt-get install g++ python3.{sys.version_info[1]}-dev && "
+
+
 class PybulletBackend(EngineBackend):
     """Bullet 3 through the package ``pybullet``."""
 
     name = "pybullet"
     module = "pybullet"
     distribution = "pybullet"
-    install = "pip install 'simcompare[pybullet]'"
+    # it has wheels for Python 3.11 and older only; elsewhere pip builds it, for about ten minutes
+    install = f"{'' if sys.version_info < (3, 12) else _COMPILER}pip install 'simcompare[pybullet]'"
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     known_limits = (
         KnownLimit(

@@ -17,7 +17,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from simcompare.drives import laws_of
-from simcompare.errors import EngineBroken, EngineMissing, Unsupported
+from simcompare.errors import EngineBroken, EngineMissing, Unsupported, to_paste
 from simcompare.scenario import Body, Scenario
 
 if TYPE_CHECKING:
@@ -169,7 +169,7 @@ class EngineBackend(ABC):
                 raise EngineMissing(self.name, self.module, self.install) from None
             raise EngineBroken(f"{self.name} cannot be imported: {error}") from error
         except Exception as error:
-            cures = [cure for library, cure in self.libraries if library in str(error)]
+            cures = [to_paste(cure) for library, cure in self.libraries if library in str(error)]
             raise EngineBroken(
                 f"{self.name} cannot be imported: {type(error).__name__}: {error}"
                 + "".join(f"; cure: {cure}" for cure in cures)

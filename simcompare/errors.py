@@ -7,6 +7,9 @@ with which the command line ends (2: usage or file, 3: an engine is missing or b
 from __future__ import annotations
 
 import difflib
+import os
+import shlex
+import sys
 from collections.abc import Iterable, Sequence
 
 
@@ -79,7 +82,17 @@ class EngineMissing(BackendError):
 
     def __init__(self, engine: str, module: str, install: str) -> None:
         self.engine, self.module, self.install = engine, module, install
-        super().__init__(f"{engine} is not installed (no module {module!r}); cure: {install}")
+        super().__init__(
+            f"{engine} is not installed (no module {module!r}); cure: {to_paste(install)}"
+        )
+
+
+def to_paste(command: str) -> str:
+    """A command that installs something, as it works here: this Python's pip, root without sudo."""
+    python = min(os.path.relpath(sys.executable), sys.executable, key=len)
+    if hasattr(os, "geteuid") and os.geteuid() == 0:
+        command = command.replace("sudo ", "")
+    return command.replace("pip install", f"{shlex.quote(python)} -m pip install")
 
 
 class EngineBroken(BackendError):
