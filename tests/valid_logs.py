@@ -12,6 +12,7 @@ import wave
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -40,8 +41,8 @@ def _mat() -> list[Log]:
         ("mat/struct", {"log": plain, "note": "bench", "mass": 0.5}, True),
         ("mat/cells", {"t_run": cells[0], "x_run": cells[1]}, False),
     ):
-        buffer = io.BytesIO()
-        scipy.io.savemat(buffer, tree, do_compression=packed)  # type: ignore[arg-type]
+        buffer: Any = io.BytesIO()  # its type is known to newer stubs only
+        scipy.io.savemat(buffer, tree, do_compression=packed)
         names = {"mat/struct": ("log.x", "log.y"), "mat/cells": ("x_run",)}.get(name, ("x", "y"))
         time = {"mat/struct": "log.t", "mat/cells": "t_run"}.get(name, "t")
         mapping = {**_channels(*names), "time": {"column": time, "unit": "s"}}

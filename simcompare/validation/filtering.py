@@ -82,7 +82,7 @@ def _check(t: Array, y: Array, slope: Array | None) -> None:
         raise InputError("interpolation", bad)
 
 
-def _rates(t: Array, y: Array, arc: Array) -> Array:
+def _rates(t: Array, y: Array, arc: NDArray[np.integer]) -> Array:
     """Rates of change from parabolas through three samples, one-sided at the ends of an arc."""
     secant, step = np.diff(y) / np.diff(t), np.diff(t)
     same = arc[1:] == arc[:-1]

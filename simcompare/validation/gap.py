@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from simcompare.errors import InputError
 from simcompare.trajectory import Array
@@ -174,7 +174,7 @@ def split(
     )
 
 
-def _noise(measured: Array, u_data: ArrayLike | None, whole: Array) -> Noise:
+def _noise(measured: Array, u_data: ArrayLike | None, whole: NDArray[np.bool_]) -> Noise:
     if u_data is None:
         return measured_noise(measured)
     each = np.broadcast_to(np.asarray(u_data, dtype=float), measured.shape)[whole]
