@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from simcompare.backend import MAPPED, Backend, Feature, Settings, needs
+from simcompare.backend import ASSISTED, Backend, Feature, Settings, needs
 from simcompare.errors import SimcompareError, Unsupported
 from simcompare.scenario import ACTUATOR_SIGNALS, MOVABLE, SENSOR_SIGNALS, Joint, Scenario
 from simcompare.simulation import sample_times
@@ -71,7 +71,7 @@ def finite_and_rigid(backend: Backend, scenario: Scenario, settings: Settings) -
 def repeats_bit_for_bit(backend: Backend, scenario: Scenario, settings: Settings) -> None:
     """The same run gives the same bits, also after a different run in the same process."""
     first = backend.simulate(scenario, settings)
-    other = "default" if settings.contact == MAPPED else MAPPED
+    other = "default" if settings.contact == ASSISTED else ASSISTED
     backend.simulate(_shorter(scenario), replace(settings, contact=other))
     again = backend.simulate(scenario, settings)
     for name, values in first.signals.items():
@@ -206,7 +206,9 @@ def flies_freely(backend: Backend, scenario: Scenario, settings: Settings) -> No
         wanted = np.array(body.position_m) + np.array(body.velocity_m_s) * t + gravity * t**2 / 2
         got = trajectory.signals[f"{name}.position_m"]
         # linear damping of an engine's defaults may slow it by a few per cent of its path
-        damped = 0.0 if settings.contact == MAPPED else 0.05 * float(np.abs(wanted - got[0]).max())
+        damped = (
+            0.0 if settings.contact == ASSISTED else 0.05 * float(np.abs(wanted - got[0]).max())
+        )
         assert np.abs(got - wanted).max() <= slack * t[-1] + damped + 1e-9, f"{name} flies wrongly"
 
 

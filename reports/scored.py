@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from simcompare.backend import SHOWN_MODES
+from simcompare.backend import SHOWN_LEVELS
 from simcompare.compare import Score
 from simcompare.reports import runs
 from simcompare.reports.figures import (
@@ -79,7 +79,7 @@ def events_figure(run: Run, measure: str) -> Figure:
         "Bars are one standard deviation over the repeats to either side; "
         "engines stand side by side so that their bars can be told apart."
     )
-    hollow = [runs.mode_words(mode) for mode in modes if mode in SHOWN_MODES]
+    hollow = [runs.mode_words(mode) for mode in modes if mode in SHOWN_LEVELS]
     if hollow and len(modes) > 1:
         caption += f" On the left, hollow points are the engines {' or '.join(hollow)}."
     title = f"{words[0].upper()}{words[1:]}, event by event"
@@ -87,7 +87,7 @@ def events_figure(run: Run, measure: str) -> Figure:
 
 
 def contrast_figure(run: Run) -> Figure | None:
-    """Deviations in tolerances, by default beside mapped; ``None`` where nothing has a truth."""
+    """Deviations in tolerances, by default beside assisted; ``None`` where nothing has a truth."""
     measures = runs.judged(run)
     if not measures:
         return None
@@ -162,7 +162,9 @@ def _event_series(
                 true = column(known, "truth")
                 scale = 100 / np.abs(true) if relative else 1.0
                 y, u = (y - true) * scale, u * scale
-            style = replace(style_of(name), hollow=mode in SHOWN_MODES and len(runs.modes(run)) > 1)
+            style = replace(
+                style_of(name), hollow=mode in SHOWN_LEVELS and len(runs.modes(run)) > 1
+            )
             x = column(known, "index") + spread(i, len(names))
             bars = u if np.isfinite(u).any() else None
             series.append(Series(name, x, y, style, bars, points=True, line=len(known) > 1))

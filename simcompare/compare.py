@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from simcompare import measures
-from simcompare.backend import SHOWN_MODES
+from simcompare.backend import SHOWN_LEVELS
 from simcompare.measures import Measured
 from simcompare.scenario import Measure, Scenario, Tolerance
 from simcompare.trajectory import Trajectory
@@ -30,7 +30,7 @@ class Score:
 
     Attributes:
         source: name of the source.
-        contact: its contact mode.
+        contact: its contact level.
         measure: what was measured.
         probe: at which probe of the scenario.
         index: number of the event, first is 1; ``None`` for values of the whole run.
@@ -74,7 +74,7 @@ def scores_of(repeats: Sequence[Repeat]) -> list[Score]:
     """Scores of one source from its repeats, the nominal repeat being the middle one.
 
     Args:
-        repeats: repeats of one engine in one contact mode, in order of the dithered parameter.
+        repeats: repeats of one engine in one contact level, in order of the dithered parameter.
     """
     found: list[Score] = []
     nominal = repeats[len(repeats) // 2]
@@ -180,7 +180,7 @@ def _score(
     source, contact = nominal.trajectory.source, nominal.trajectory.contact
     width, verdict = None, INFO
     # what an engine does as it comes is shown, not judged
-    if tolerance is not None and truth is not None and contact not in SHOWN_MODES:
+    if tolerance is not None and truth is not None and contact not in SHOWN_LEVELS:
         width = tolerance.width(truth)
         within = value is not None and math.isfinite(value) and abs(value - truth) <= width
         verdict = PASS if within else FAIL

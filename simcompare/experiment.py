@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from simcompare import catalogue, engines, measures, run_record, units
 from simcompare.against import Match, matches
-from simcompare.backend import CONTACT_MODES, DEFAULT, MAPPED, Settings
+from simcompare.backend import ASSISTED, CONTACT_LEVELS, DEFAULT, Settings
 from simcompare.compare import Repeat, Score, scores_of
 from simcompare.drives import input_values
 from simcompare.errors import InputError, OutputError, SimcompareError, UnknownName
@@ -34,7 +34,7 @@ def run(
     scenario: str = "ball",
     *,
     engine: str = "all",
-    contact: str | Sequence[str] = (DEFAULT, MAPPED),
+    contact: str | Sequence[str] = (DEFAULT, ASSISTED),
     set: Mapping[str, str | float] | None = None,
     preset: str | None = None,
     step: str | float | None = None,
@@ -49,8 +49,8 @@ def run(
     Args:
         scenario: name, folder or file.
         engine: ``"all"`` or names with commas.
-        contact: contact modes, a list or a text with commas; also the fit.json of a fit, with which
-            each engine runs with its own fitted parameters.
+        contact: contact levels, a list or a text with commas; also the fit.json of a fit, with
+            which each engine runs with its own fitted parameters.
         set: parameters that differ from the file; text may carry a unit ("30cm").
         preset: named set of parameters, applied first.
         step: time between samples, "1ms" or in seconds.
@@ -202,20 +202,20 @@ def _check_step(scenario: Scenario, step_s: float) -> None:
 
 
 def _modes(contact: str | Sequence[str]) -> tuple[list[str], FitFile | None]:
-    """Contact modes, and the fit where one of them is a file."""
+    """Contact levels, and the fit where one of them is a file."""
     from simcompare.fitting import fit_file
 
     asked = [part.strip() for part in contact.split(",")] if isinstance(contact, str) else contact
     modes, fit = [], None
     for mode in asked:
-        path = None if mode in CONTACT_MODES else fit_file.find(mode)
+        path = None if mode in CONTACT_LEVELS else fit_file.find(mode)
         if path is not None:
             fit = fit_file.read(path)
             modes.append(fit_file.FITTED)
-        elif mode in CONTACT_MODES:
+        elif mode in CONTACT_LEVELS:
             modes.append(mode)
         else:
-            raise UnknownName("contact mode or fit", mode, CONTACT_MODES)
+            raise UnknownName("contact level or fit", mode, CONTACT_LEVELS)
     return list(dict.fromkeys(modes)), fit
 
 
@@ -227,13 +227,13 @@ def _jobs(
     fit: FitFile | None,
 ) -> list[Job]:
     """One job for each repeat; a fitted engine is given its own parameters."""
-    if fit is None or mode in CONTACT_MODES:
+    if fit is None or mode in CONTACT_LEVELS:
         return [Job(engine, scene, Settings(mode), i) for i, scene in enumerate(scenarios)]
     found = []
     for i, scene in enumerate(scenarios):
         for name, value in (fit.of_engine(engine, file) or {}).items():
             scene = file.vary(scene, name, value)
-        found.append(Job(engine, scene, Settings(MAPPED), i, mode))
+        found.append(Job(engine, scene, Settings(ASSISTED), i, mode))
     return found
 
 

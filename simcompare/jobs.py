@@ -22,7 +22,7 @@ class Job:
     Attributes:
         engine: name of the engine.
         scenario: the scene with numbers.
-        settings: contact mode and seed.
+        settings: contact level and seed.
         repeat: index of the dithered repeat.
         label: mode under which the result is shown, where it is not that of the settings.
     """
@@ -35,7 +35,7 @@ class Job:
 
     @property
     def mode(self) -> str:
-        """Contact mode under which the result is shown."""
+        """Contact level under which the result is shown."""
         return self.label or self.settings.contact
 
 

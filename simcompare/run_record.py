@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def of_source(engine: str, mode: str, outcomes: Sequence[Outcome]) -> dict[str, Any]:
-    """What run.json says of one engine in one contact mode."""
+    """What run.json says of one engine in one contact level."""
     bad = [outcome for outcome in outcomes if outcome.status != OK]
     done = [outcome.trajectory for outcome in outcomes if outcome.trajectory is not None]
     nominal = done[len(done) // 2] if done else None

@@ -6,7 +6,7 @@ import time
 from abc import abstractmethod
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from simcompare.audit import AuditRow
 from simcompare.drives import Drive, checked_inputs, input_values
 from simcompare.errors import InputError, Unsupported
 from simcompare.free_motion import FreeMotion
+from simcompare.helps import CENTRED_EFFORTS, HALF_STEP_START, HELPS, LANDING
 from simcompare.kinematics import add_children
 from simcompare.landing import ContactSteps, Landing, approaches, starts_in_flight
 from simcompare.pairs import touching_pairs
@@ -22,6 +23,9 @@ from simcompare.sensing import complete
 from simcompare.shapes import Vector
 from simcompare.state import BodyState, State, compare_start, half_a_step_back
 from simcompare.trajectory import BODY_SIGNALS, Array, Trajectory
+
+if TYPE_CHECKING:
+    from simcompare.backend import Settings
 
 #: what a controller reads: every signal now, a number or a tuple of its components
 Readings = Mapping[str, float | tuple[float, ...]]
@@ -37,10 +41,12 @@ class Simulation(FreeMotion):
     Args:
         scenario: the scene.
         audit: what the backend set and read back.
-        steps: how the engine is stepped through an impact; ``None`` takes the step as it is.
-        exact: whether the engine takes semi-implicit steps and is to be given efforts on joints at
-            the instant of the positions, and the start half a step earlier, to second order; else
-            rates are taken as they are stored, as a plain loop would.
+        settings: which of our helps are taken; without them all is as in a plain loop.
+        steps: how the engine is stepped through an impact where impacts are landed on.
+
+    Attributes:
+        helps: the helps that act in this scene.
+        velocity_offset_s: stored velocities belong to the sample's time plus this [s].
     """
 
     #: 1 where the engine advances positions before velocities, so that the forces of a step act
@@ -53,11 +59,15 @@ class Simulation(FreeMotion):
         self,
         scenario: Scenario,
         audit: Sequence[AuditRow],
-        steps: ContactSteps | None,
-        *,
-        exact: bool = False,
+        settings: Settings,
+        steps: ContactSteps,
     ) -> None:
         super().__init__(scenario)
+        self.settings = settings
+        self.helps: set[str] = set()
+        self.velocity_offset_s = 0.0
+        self.tuning: tuple[Mapping[str, Any], ...] = ()
+        self.lacks: dict[str, str] = {}
         self.audit = tuple(audit)
         self.notes: tuple[str, ...] = ()
         self.wall_s = {}
@@ -69,18 +79,20 @@ class Simulation(FreeMotion):
             if sensor.type in ("force", "contact_force")
         }
         self._force_columns = sum(SENSOR_SIGNALS[s.type][1] for s in self._force_sensors.values())
-        drive = Drive(scenario, world.engine_step_s, self.LEAD, exact)
+        centred = settings.takes(CENTRED_EFFORTS)
+        drive = Drive(scenario, world.engine_step_s, self.LEAD, centred)
         self._drive = drive if drive.names else None
+        if centred and (drive.names or self._dragged):
+            self.helps.add(CENTRED_EFFORTS)
         self.substeps = world.substeps
         self._count = 0
         self._landing: Landing | None = None
         self._whole_step_s = world.engine_step_s
         self._recent: deque[tuple[float, Sequence[float], dict[str, float]]] = deque(maxlen=_RECENT)
-        if steps is not None:
+        if settings.takes(LANDING):
             self._prepare_landing(steps)
-        if exact and not self.LEAD and (not touching_pairs(scenario) or starts_in_flight(scenario)):
-            # velocities at the start belong to a step of length zero, see _stagger_start
-            self._engine_step_s, self._stagger = 0.0, -0.5
+        if settings.takes(HALF_STEP_START):
+            self._prepare_start(steps.stagger)
 
     @property
     def is_plain(self) -> bool:
@@ -103,14 +115,24 @@ class Simulation(FreeMotion):
             raise Unsupported("forces are not recorded while impacts are landed on")
         if self.substeps > 1:
             raise Unsupported("where impacts are landed on, recorded steps are not divided further")
+        self.helps.add(LANDING)
         self._landing = Landing(pairs, self.scenario.world.step_s, steps)
         self._stagger = steps.stagger
-        # the scenario's initial velocities are not staggered: they belong to a step of length zero
-        self._engine_step_s = 0.0
         self.notes += (
             f"a recorded step with an impact in it is divided into {self._landing.parts} parts"
             f" of {self._landing.part_s:.3g} s; flights take whole steps",
         )
+
+    def _prepare_start(self, stagger: float) -> None:
+        """Has the velocities moved from the start to where steps store them.
+
+        The scenario's initial velocities are not staggered: they belong to a step of length zero.
+        """
+        flies = not touching_pairs(self.scenario) or starts_in_flight(self.scenario)
+        if self._landing is not None or (flies and not self.LEAD):
+            self._engine_step_s, self._stagger = 0.0, stagger
+            self.helps.add(HALF_STEP_START)
+            self.velocity_offset_s = stagger * self._whole_step_s
 
     # --- hooks of an engine -------------------------------------------------------------------
 
@@ -332,6 +354,10 @@ class Simulation(FreeMotion):
             wall_s={**self.wall_s, **stepped},
             audit=self.audit,
             notes=self.notes,
+            helps=tuple(name for name in HELPS if name in self.helps),
+            velocity_offset_s=self.velocity_offset_s,
+            tuning=self.tuning,
+            lacks=self.lacks,
         )
 
     def _record_all(self, count: int) -> list[list[Sequence[float]] | Array]:

@@ -51,7 +51,7 @@ def test_another_packages_engine_is_found_by_its_entry_point(add_engine):
 
 def test_a_toy_engine_runs_a_toy_scenario_without_touching_the_project(add_engine, fall, command):
     add_engine("toy")
-    done = command("run", fall, "--engine", "toy", "--contact", "mapped", "--json", "--no-report")
+    done = command("run", fall, "--engine", "toy", "--contact", "assisted", "--json", "--no-report")
     assert done.returncode == 0, done.stderr
     record = json.loads(done.stdout)
     (source,) = record["sources"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from simcompare.backend import SHOWN_MODES
+from simcompare.backend import SHOWN_LEVELS
 from simcompare.reports import numbers, runs
 from simcompare.reports.sections.base import Section
 from simcompare.results import Run
@@ -73,7 +73,7 @@ def _block(source: Mapping[str, Any]) -> dict[str, Any]:
         "mode": runs.mode_words(source["contact"]),
         "status": source["status"],
         "reason": source["reason"],
-        "mapping": source["mapping"] if source["contact"] not in SHOWN_MODES else "",
+        "mapping": source["mapping"] if source["contact"] not in SHOWN_LEVELS else "",
         "notes": source["notes"],
         "noise": source["noise"],
         "rows": rows,

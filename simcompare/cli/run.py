@@ -25,10 +25,10 @@ def run(
         "all", help="'all' or names with commas.", autocompletion=complete.engines
     ),
     contact: str = typer.Option(
-        "default,mapped",
+        "default,assisted",
         help="'default': the engine as it comes; 'coefficients': with the scenario's restitution"
-        " and friction; 'mapped': all of the scenario's physics translated.",
-        autocompletion=complete.contact_modes,
+        " and friction; 'assisted': all of the scenario's physics translated.",
+        autocompletion=complete.contact_levels,
     ),
     settings: list[str] = typer.Option(
         [], "--set", metavar="P=V", help="Change a parameter, such as drop_height=30cm."

@@ -19,7 +19,7 @@ import numpy as np
 
 from simcompare import measures
 from simcompare.audit import AuditRow
-from simcompare.backend import MAPPED, Settings
+from simcompare.backend import ASSISTED, Settings
 from simcompare.errors import InputError, SimcompareError
 from simcompare.fitting import bounce_models, likelihood
 from simcompare.fitting.bounce_models import Bounces
@@ -128,7 +128,7 @@ def fit_engines(
         for name in engines:
             if state[name].outcome_bad is None:
                 for drop, scene in _scenes(model, problem, state[name].x, given, step_s):
-                    jobs.append(Job(name, scene, Settings(MAPPED), len(plan)))
+                    jobs.append(Job(name, scene, Settings(ASSISTED), len(plan)))
                     plan.append((name, drop, scene))
         outcomes = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
         for name in engines:
@@ -367,7 +367,7 @@ def _contact_rows(run: Trajectory) -> tuple[AuditRow, ...]:
 def as_dict(found: EngineFit) -> dict[str, Any]:
     """Plain values for JSON."""
     plain: dict[str, Any] = {
-        "name": found.engine, "version": found.version, "contact": MAPPED, "status": found.status,
+        "name": found.engine, "version": found.version, "contact": ASSISTED, "status": found.status,
         "reason": found.reason, "simulations": found.simulations, "wall_s": found.wall_s,
     }  # fmt: skip
     if found.fit is None or found.effective is None:

@@ -12,7 +12,7 @@ from simcompare.errors import InputError
 from simcompare.scenario import Scenario
 from simcompare.scenario_file import ScenarioFile
 
-#: contact mode of engines with parameters from a fit
+#: contact level of engines with parameters from a fit
 FITTED = "fitted"
 FILE = "fit.json"
 #: unknowns of a fit that belong to one drop, and not to the ball and the floor

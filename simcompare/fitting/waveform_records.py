@@ -168,7 +168,7 @@ def _correlation(covariance: Array) -> list[list[float]]:
 
 def _source(model: Model, setup: Setup, fitted: Fitted, one: EngineWaves) -> dict[str, Any]:
     plain: dict[str, Any] = {
-        "name": one.engine, "version": one.version, "contact": "mapped", "status": one.status,
+        "name": one.engine, "version": one.version, "contact": "assisted", "status": one.status,
         "reason": one.reason, "simulations": one.simulations, "wall_s": one.wall_s,
     }  # fmt: skip
     if one.status != "ok":

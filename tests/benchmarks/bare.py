@@ -14,11 +14,11 @@ RADIUS, MASS, INERTIA, G, E = 0.02, 0.0027, 7.2e-7, 9.80665, 0.8
 class Mujoco:
     """A compiled model; bouncing needs ten steps within each recorded one."""
 
-    def __init__(self, drop, step_s, mapped):
+    def __init__(self, drop, step_s, assisted):
         import mujoco
 
-        self.mujoco, self.substeps = mujoco, 10 if mapped else 1
-        contact = 'solref="-100000000 -1487" solimp=".99 .99 .001"' if mapped else ""
+        self.mujoco, self.substeps = mujoco, 10 if assisted else 1
+        contact = 'solref="-100000000 -1487" solimp=".99 .99 .001"' if assisted else ""
         self.model = mujoco.MjModel.from_xml_string(
             f"""<mujoco><option timestep="{step_s / self.substeps}" gravity="0 0 {-G}"/>
             <worldbody>
@@ -42,7 +42,7 @@ class Mujoco:
 class Pybullet:
     """A client in DIRECT mode."""
 
-    def __init__(self, drop, step_s, mapped):
+    def __init__(self, drop, step_s, assisted):
         import pybullet
 
         self.p, self.client = pybullet, pybullet.connect(pybullet.DIRECT)
@@ -52,7 +52,7 @@ class Pybullet:
         plane = p.createMultiBody(0, p.createCollisionShape(p.GEOM_PLANE, **at), **at)
         shape = p.createCollisionShape(p.GEOM_SPHERE, radius=RADIUS, **at)
         self.ball = p.createMultiBody(MASS, shape, -1, [0, 0, RADIUS + drop], **at)
-        if mapped:
+        if assisted:
             p.setPhysicsEngineParameter(erp=0, contactERP=0, restitutionVelocityThreshold=0, **at)
             p.changeDynamics(plane, -1, restitution=1, contactProcessingThreshold=0, **at)
             p.changeDynamics(
@@ -78,7 +78,7 @@ class Pybullet:
 class Pymunk:
     """A space with one segment and one circle."""
 
-    def __init__(self, drop, step_s, mapped):
+    def __init__(self, drop, step_s, assisted):
         import pymunk
 
         self.space, self.step_s = pymunk.Space(), step_s
@@ -87,7 +87,7 @@ class Pymunk:
         self.ball = pymunk.Body(MASS, INERTIA)
         self.ball.position = (0, RADIUS + drop)
         circle = pymunk.Circle(self.ball, RADIUS)
-        if mapped:
+        if assisted:
             self.space.collision_slop = 1e-4
             floor.elasticity, circle.elasticity = 1, E
         self.space.add(self.ball, floor, circle)
@@ -103,7 +103,7 @@ class Pymunk:
 class Dart:
     """A world with two skeletons."""
 
-    def __init__(self, drop, step_s, mapped):
+    def __init__(self, drop, step_s, assisted):
         import dartpy as dart
 
         self.world = dart.simulation.World()
@@ -120,7 +120,7 @@ class Dart:
         for shape, e in ((solid, E), (ground, 1.0)):
             shape.createCollisionAspect()
             aspect = shape.createDynamicsAspect()
-            if mapped:
+            if assisted:
                 aspect.setRestitutionCoeff(e)
         self.world.addSkeleton(self.ball)
         self.world.addSkeleton(floor)
@@ -144,9 +144,9 @@ ENGINES = {"mujoco": Mujoco, "pybullet": Pybullet, "pymunk": Pymunk, "dart": Dar
 
 def main():
     for engine in ENGINES.values():
-        for mapped in (False, True):
+        for assisted in (False, True):
             for i in range(9):
-                engine(1.0 + (i - 4) / 9 * 0.0044, 0.001, mapped).record(4155)
+                engine(1.0 + (i - 4) / 9 * 0.0044, 0.001, assisted).record(4155)
 
 
 if __name__ == "__main__":
