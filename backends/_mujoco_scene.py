@@ -147,8 +147,8 @@ def solref(scenario: Scenario, contact: Contact, settings: Settings) -> tuple[fl
         # critically damped, MuJoCo's own form for no bounce; it takes no less than two steps
         return (max(DEAD_CONTACT_S, 2 * scenario.world.engine_step_s), 1.0)
     if not settings.takes(LANDING):
-        stiffness, damping = settings.numbers_of(contact)
-        return (-stiffness, -damping)
+        first, second = settings.numbers_of(contact)
+        return (first, second)
     zeta, (omega, phase) = damping_ratio(contact.restitution), spring(scenario, contact)
     lag = 1 + zeta * phase
     return (-(omega**2) / lag, -2 * zeta * omega / lag)

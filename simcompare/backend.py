@@ -12,9 +12,10 @@ import importlib
 import importlib.metadata
 import time
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import ModuleType
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from simcompare import landing
 from simcompare.drives import laws_of
@@ -100,7 +101,7 @@ class PairNumbers:
 
     Attributes:
         pair: names of the two bodies.
-        values: one coefficient; or stiffness [1/s²] and damping [1/s], both per unit of mass.
+        values: one coefficient; or the two numbers of a spring and damper, as they are typed in.
     """
 
     pair: tuple[str, str]
@@ -235,7 +236,13 @@ class EngineBackend(ABC):
         started = time.perf_counter()
         engine = self.load()
         loaded = time.perf_counter()
+        tuning: tuple[Mapping[str, Any], ...] = ()
+        if settings.gives_all and not settings.takes(LANDING):
+            from simcompare.tuning import tuned
+
+            settings, tuning = tuned(self, engine, scenario, settings)
         simulation = self.build(engine, scenario, settings)
+        simulation.tuning = tuning
         simulation.read_back_start(self.name)
         simulation.wall_s = {
             "import": loaded - started,

@@ -15,6 +15,7 @@ import numpy as np
 
 from simcompare.drops import Bounces, Drops, even_phases
 from simcompare.errors import Unsupported
+from simcompare.trajectory import Array
 
 #: phases of the step in the search, and as many others between them in the check
 PHASES = 25
@@ -95,6 +96,7 @@ class Counted:
         self._drops, self.count = drops, 0
 
     def __call__(self, numbers: tuple[float, ...], speed_m_s: float, phases: Array) -> Bounces:
+        """Drops, and counts them."""
         self.count += len(phases)
         return self._drops(numbers, speed_m_s, phases)
 

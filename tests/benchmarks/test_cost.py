@@ -3,7 +3,8 @@
 ``ball, default`` and ``robot, assisted``: the same plain steps, so the ratio is the cost of the
 tool alone (limit 1.1, and 1.0 for MuJoCo, whose steps go through its native rollout).
 ``ball, assisted``: ours lands on every impact, the bare loop does not, so the ratio is the price
-of a bounce that is right. The robot is recorded without its force sensors, which the bare loop does not read either.
+of a bounce that is right. The robot is recorded without its force sensors, which the bare loop
+does not read either.
 
 Every round times the bare loop and then ours, so that both see the machine in the same mood.
 """
