@@ -168,7 +168,8 @@ def solve(
         CannotCalibrate: there is none; says why.
     """
     low, high = bounds
-    x, last, best = start, None, (math.inf, start, None)
+    best: tuple[float, float, Bounces | None] = (math.inf, start, None)
+    x, last = start, None
     gap = math.nan
     for _ in range(_ATTEMPTS):
         found = bounce(x)
