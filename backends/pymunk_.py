@@ -26,7 +26,7 @@ from simcompare.free_motion import has_drag
 from simcompare.helps import CENTRED_EFFORTS, HALF_STEP_START, LANDING, REACTIONS, RECOIL
 from simcompare.landing import ContactSteps
 from simcompare.pairs import refuse_offsets
-from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario
+from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario, Sensor
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
 from simcompare.state import BodyState, State
@@ -316,6 +316,12 @@ class PymunkSimulation(RecoilingSimulation):
                 first = [next(values) for _ in range(size)]
                 found[f"{name}.{part}"][0] = first if size > 1 else first[0]
         return found
+
+    def reason_lacking(self, sensor: Sensor) -> str:
+        if sensor.type == "force" and not self.settings.takes(REACTIONS):
+            return "pymunk tells the magnitude of a joint's impulse and not its direction"
+        self.helps |= {REACTIONS} if sensor.type == "force" else set()
+        return ""
 
     def forces(self) -> list[float]:
         return self._reader.read(self._scene, self._step_s)

@@ -54,7 +54,7 @@ def curves_figures(run: Run, axis: str) -> list[Figure]:
     if hollow and len(runs.modes(run)) > 1:
         caption += (
             f"Hollow points are the engines {' or '.join(hollow)},"
-            " full ones with the physics assisted."
+            " full ones with all of the physics given."
         )
     return _figures(f"curves-{axis}", f"over {_words(run, axis)}", caption.strip(), panels)
 

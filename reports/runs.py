@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from simcompare.backend import ASSISTED, COEFFICIENTS, DEFAULT, SHOWN_LEVELS
+from simcompare.backend import ASSISTED, COEFFICIENTS, DEFAULT, SHOWN_LEVELS, TUNED
 from simcompare.compare import PASS, Score
 from simcompare.errors import UnknownName
 from simcompare.jobs import OK
@@ -18,7 +18,8 @@ from simcompare.trajectory import Array, Trajectory
 _MODES = {
     DEFAULT: ("as each engine behaves by default", "by default"),
     COEFFICIENTS: ("with the scenario's coefficients", "with coefficients"),
-    ASSISTED: ("scenario's physics assisted", "assisted"),
+    TUNED: ("everything typed in, plain loop", "tuned"),
+    ASSISTED: ("with our helps", "assisted"),
     "fitted": ("with parameters fitted to a measurement", "fitted"),
 }
 

@@ -147,6 +147,10 @@ class Settings:
         """Whether one of our helps is taken."""
         return self.contact == ASSISTED and (self.helps is None or help_name in self.helps)
 
+    def helps_with(self, help_name: str) -> frozenset[str] | None:
+        """The helps of these settings, and one more."""
+        return None if self.helps is None else self.helps | {help_name}
+
     def numbers_of(self, contact: Contact) -> tuple[float, ...]:
         """The engine's numbers for a pair; the scenario's coefficient where there are none."""
         for known in self.numbers:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from simcompare import catalogue, engines, measures, run_record, units
 from simcompare.against import Match, matches
-from simcompare.backend import ASSISTED, CONTACT_LEVELS, DEFAULT, Settings
+from simcompare.backend import ASSISTED, CONTACT_LEVELS, DEFAULT, OLD_LEVELS, TUNED, Settings
 from simcompare.compare import Repeat, Score, scores_of
 from simcompare.drives import input_values
+from simcompare.drop_plan import DropPlan, drop_plans
 from simcompare.errors import InputError, OutputError, SimcompareError, UnknownName
-from simcompare.jobs import FAILED, OK, Job, Outcome
+from simcompare.helps import ALL, HELPS, NONE, chosen, known
+from simcompare.jobs import FAILED, OK, UNSUPPORTED, Job, Outcome, does_not_act
 from simcompare.results import TRUTH, Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Interrupted, Progress, run_jobs
 from simcompare.scenario import MOST_SAMPLES, Scenario
@@ -34,7 +37,9 @@ def run(
     scenario: str = "ball",
     *,
     engine: str = "all",
-    contact: str | Sequence[str] = (DEFAULT, ASSISTED),
+    contact: str | Sequence[str] = (DEFAULT, TUNED, ASSISTED),
+    assist: str | Sequence[str] = ALL,
+    judge: str | Sequence[str] = ASSISTED,
     set: Mapping[str, str | float] | None = None,
     preset: str | None = None,
     step: str | float | None = None,
@@ -51,6 +56,9 @@ def run(
         engine: ``"all"`` or names with commas.
         contact: contact levels, a list or a text with commas; also the fit.json of a fit, with
             which each engine runs with its own fitted parameters.
+        assist: our helps in "assisted": "all", "none" or names (see ``simcompare.helps``).
+        judge: levels in which a tolerance that is missed is a failure of the run; "assisted", and a
+            fit, always are.
         set: parameters that differ from the file; text may carry a unit ("30cm").
         preset: named set of parameters, applied first.
         step: time between samples, "1ms" or in seconds.
@@ -68,6 +76,8 @@ def run(
     """
     chosen = engines.select(engine)
     modes, fit = _modes(contact)
+    helps = chosen_helps(assist, engine)
+    judged = _judged(judge)
     file = catalogue.load(scenario)
     table = _table(file, against)
     values = {**({} if fit is None else fit.base(file)), **file.read_settings(set or {})}
@@ -84,8 +94,13 @@ def run(
     truths = truths_of(file.path, scenarios)
     if out is not None:
         check_writable(Path(out))
+    nominal = scenarios[len(scenarios) // 2]
+    drops = drop_plans(nominal)
     jobs = [
-        job for name in chosen for mode in modes for job in _jobs(file, name, mode, scenarios, fit)
+        job
+        for name in chosen
+        for mode in modes
+        for job in _jobs(file, name, mode, scenarios, (fit, helps, drops))
     ]
     interrupted = False
     try:
@@ -98,7 +113,9 @@ def run(
         scenario_asked=scenario,
         against_asked=None if against is None else str(against),
         fit_asked=None if fit is None else str(fit.path),
-        cautions=[] if fit is None else fit.cautions(scenarios[len(scenarios) // 2]),
+        cautions=[] if fit is None else fit.cautions(nominal),
+        assist=None if helps is None else known(helps) or NONE,
+        judge=judged,
         preset=preset,
         interrupted=interrupted,
     )
@@ -207,7 +224,7 @@ def _modes(contact: str | Sequence[str]) -> tuple[list[str], FitFile | None]:
 
     asked = [part.strip() for part in contact.split(",")] if isinstance(contact, str) else contact
     modes, fit = [], None
-    for mode in asked:
+    for mode in (OLD_LEVELS.get(level, level) for level in asked):
         path = None if mode in CONTACT_LEVELS else fit_file.find(mode)
         if path is not None:
             fit = fit_file.read(path)
@@ -219,16 +236,58 @@ def _modes(contact: str | Sequence[str]) -> tuple[list[str], FitFile | None]:
     return list(dict.fromkeys(modes)), fit
 
 
+def chosen_helps(assist: str | Sequence[str], engine: str) -> frozenset[str] | None:
+    """The helps that were asked for; ``None``: all that an engine takes.
+
+    Raises:
+        InputError: an engine that was named takes one of them not; says which it takes.
+    """
+    helps = chosen(assist)
+    if helps == frozenset(HELPS):
+        return None
+    faults = []
+    for name in [] if engine == "all" else engines.select(engine):
+        takes: frozenset[str] = getattr(engines.get(name), "helps", frozenset())
+        if helps - takes:
+            faults.append(
+                f"{name} takes no {known(helps - takes)}; it takes {known(takes) or 'none'}"
+            )
+    if faults:
+        raise InputError("--assist", faults)
+    return helps
+
+
+def _judged(judge: str | Sequence[str]) -> list[str]:
+    """Levels whose failures count."""
+    asked = [part.strip() for part in judge.split(",")] if isinstance(judge, str) else list(judge)
+    for level in asked:
+        if level not in (TUNED, ASSISTED):
+            raise UnknownName("level that is judged", level, (TUNED, ASSISTED))
+    return sorted({*asked, ASSISTED, "fitted"})
+
+
 def _jobs(
     file: ScenarioFile,
     engine: str,
     mode: str,
     scenarios: Sequence[Scenario],
-    fit: FitFile | None,
+    given: tuple[FitFile | None, frozenset[str] | None, tuple[DropPlan, ...]],
 ) -> list[Job]:
-    """One job for each repeat; a fitted engine is given its own parameters."""
+    """One job for each repeat; a fitted engine is given its own parameters.
+
+    Assisted, the nominal repeat is run once more without each of the helps that act in it.
+    """
+    fit, helps, drops = given
     if fit is None or mode in CONTACT_LEVELS:
-        return [Job(engine, scene, Settings(mode), i) for i, scene in enumerate(scenarios)]
+        settings = Settings(mode, helps=helps, drops=drops)
+        jobs = [Job(engine, scene, settings, i) for i, scene in enumerate(scenarios)]
+        if mode == ASSISTED:
+            middle = len(scenarios) // 2
+            for name in HELPS if helps is None else helps:
+                others = (frozenset(HELPS) if helps is None else helps) - {name}
+                less = Settings(mode, helps=others, drops=drops)
+                jobs.append(Job(engine, scenarios[middle], less, middle, without=name))
+        return jobs
     found = []
     for i, scene in enumerate(scenarios):
         for name, value in (fit.of_engine(engine, file) or {}).items():
@@ -274,7 +333,8 @@ def _gather(
     sources = []
     by_source: dict[tuple[str, str], list[Outcome]] = {}
     for outcome in outcomes:
-        by_source.setdefault((outcome.job.engine, outcome.job.mode), []).append(outcome)
+        if not outcome.job.without:
+            by_source.setdefault((outcome.job.engine, outcome.job.mode), []).append(outcome)
     for (engine, mode), own in by_source.items():
         good = [outcome for outcome in own if outcome.status == OK]
         record = run_record.of_source(engine, mode, own)
@@ -298,8 +358,42 @@ def _gather(
         found = matches(table, scores, _measured_units(scenarios[0]))
     truth = TRUTH if any(truths) else None
     record = run_record.of_run(file, scenarios, truth, sources, scores)
+    record["without"] = _without(scenarios, truths, outcomes)
     record["against"] = run_record.of_measurement(file, table, found) if table is not None else None
     return _Gathered(record, scores, trajectories)
+
+
+def _without(
+    scenarios: Sequence[Scenario], truths: Sequence[Trajectory | None], outcomes: Sequence[Outcome]
+) -> list[dict[str, Any]]:
+    """What the nominal repeat shows with each help, and without it, all others kept."""
+    nominal: dict[tuple[str, str], dict[str, Score]] = {}
+    middle = len(scenarios) // 2
+    for outcome in outcomes:
+        if outcome.job.mode == ASSISTED and outcome.job.repeat == middle:
+            key = (outcome.job.engine, outcome.job.without)
+            if outcome.trajectory is not None:
+                repeat = Repeat(scenarios[middle], outcome.trajectory, truths[middle])
+                with contextlib.suppress(SimcompareError):
+                    scores = [s for s in scores_of([repeat]) if s.index is None]
+                    nominal[key] = {score.measure: score for score in scores}
+    found = []
+    for outcome in outcomes:
+        engine, name = outcome.job.engine, outcome.job.without
+        if not name or (engine, "") not in nominal:
+            continue
+        if outcome.status == UNSUPPORTED and outcome.reason == does_not_act(name):
+            continue
+        left_out = nominal.get((engine, name), {})
+        found.append({
+            "source": engine, "help": name, "status": outcome.status, "reason": outcome.reason,
+            "measures": [
+                {"measure": measure, "unit": score.unit, "truth": score.truth,
+                 "with": score.value, "without": getattr(left_out.get(measure), "value", None)}
+                for measure, score in nominal[engine, ""].items()
+            ],
+        })  # fmt: skip
+    return found
 
 
 def truths_of(path: Path, scenarios: Sequence[Scenario]) -> list[Trajectory | None]:

@@ -18,7 +18,7 @@ from simcompare.helps import CENTRED_EFFORTS, HALF_STEP_START, HELPS, LANDING
 from simcompare.kinematics import add_children
 from simcompare.landing import ContactSteps, Landing, approaches, starts_in_flight
 from simcompare.pairs import touching_pairs
-from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario
+from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario, Sensor
 from simcompare.sensing import complete
 from simcompare.shapes import Vector
 from simcompare.state import BodyState, State, compare_start, half_a_step_back
@@ -73,11 +73,14 @@ class Simulation(FreeMotion):
         self.wall_s = {}
         world = scenario.world
         self._joints = scenario.movable_joints()
-        self._force_sensors = {
-            name: sensor
-            for name, sensor in scenario.sensors.items()
-            if sensor.type in ("force", "contact_force")
-        }
+        self._force_sensors = {}
+        for name, sensor in scenario.sensors.items():
+            if sensor.type in ("force", "contact_force"):
+                reason = self.reason_lacking(sensor)
+                if reason:
+                    self.lacks[f"{name}.{SENSOR_SIGNALS[sensor.type][0]}"] = reason
+                else:
+                    self._force_sensors[name] = sensor
         self._force_columns = sum(SENSOR_SIGNALS[s.type][1] for s in self._force_sensors.values())
         centred = settings.takes(CENTRED_EFFORTS)
         drive = Drive(scenario, world.engine_step_s, self.LEAD, centred)
@@ -162,6 +165,11 @@ class Simulation(FreeMotion):
     def origin_of(self, body: str) -> Vector:
         """World position of any moving body [m], as the engine itself has it."""
         return self.stored_motion(body)[0]
+
+    def reason_lacking(self, sensor: Sensor) -> str:
+        """Why an engine does not give what a force sensor reads, empty where it does."""
+        del sensor
+        return ""
 
     def forces(self) -> Sequence[float]:
         """Readings of all force sensors in the last engine step, in the order of the scenario."""
@@ -353,7 +361,7 @@ class Simulation(FreeMotion):
             version=version,
             wall_s={**self.wall_s, **stepped},
             audit=self.audit,
-            notes=self.notes,
+            notes=(*self.notes, *(f"{name}: {why}" for name, why in self.lacks.items())),
             helps=tuple(name for name in HELPS if name in self.helps),
             velocity_offset_s=self.velocity_offset_s,
             tuning=self.tuning,
