@@ -48,6 +48,17 @@ def state_of(row: Mapping[str, Any]) -> str:
     return LEFT if given is None else TRANSLATED
 
 
+def _velocity(offset_s: float | None) -> str:
+    """To which instant stored velocities belong, where it is not that of the sample."""
+    if not offset_s:
+        return ""
+    when = "after" if offset_s > 0 else "before"
+    return (
+        f"Velocities and rates are as the engine stores them: they belong to"
+        f" {numbers.plain(1e3 * abs(offset_s), 3)} ms {when} the time of their sample."
+    )
+
+
 def _block(source: Mapping[str, Any]) -> dict[str, Any]:
     rows = []
     for row in source["audit"]:
@@ -74,6 +85,7 @@ def _block(source: Mapping[str, Any]) -> dict[str, Any]:
         "status": source["status"],
         "reason": source["reason"],
         "mapping": source["mapping"] if source["contact"] not in SHOWN_LEVELS else "",
+        "velocity": _velocity(source.get("velocity_offset_s")),
         "notes": source["notes"],
         "noise": source["noise"],
         "rows": rows,
