@@ -113,7 +113,7 @@ def run(
         scenario_asked=scenario,
         against_asked=None if against is None else str(against),
         fit_asked=None if fit is None else str(fit.path),
-        cautions=[] if fit is None else fit.cautions(nominal),
+        cautions=[] if fit is None else fit.cautions(nominal, file),
         assist=None if helps is None else known(helps) or NONE,
         judge=judged,
         preset=preset,
@@ -289,10 +289,11 @@ def _jobs(
                 jobs.append(Job(engine, scenarios[middle], less, middle, without=name))
         return jobs
     found = []
+    fitted = fit.settings(engine, scenarios[len(scenarios) // 2])
     for i, scene in enumerate(scenarios):
         for name, value in (fit.of_engine(engine, file) or {}).items():
             scene = file.vary(scene, name, value)
-        found.append(Job(engine, scene, Settings(ASSISTED), i, mode))
+        found.append(Job(engine, scene, fitted, i, mode))
     return found
 
 
