@@ -77,7 +77,7 @@ def run(
     chosen = engines.select(engine)
     modes, fit = _modes(contact)
     helps = chosen_helps(assist, engine)
-    judged = _judged(judge)
+    judged = _judged(judge, fit)
     file = catalogue.load(scenario)
     table = _table(file, against)
     values = {**({} if fit is None else fit.base(file)), **file.read_settings(set or {})}
@@ -257,13 +257,14 @@ def chosen_helps(assist: str | Sequence[str], engine: str) -> frozenset[str] | N
     return helps
 
 
-def _judged(judge: str | Sequence[str]) -> list[str]:
-    """Levels whose failures count."""
+def _judged(judge: str | Sequence[str], fit: FitFile | None) -> list[str]:
+    """Levels whose failures count; those of a fit for a plain loop where "tuned" does."""
     asked = [part.strip() for part in judge.split(",")] if isinstance(judge, str) else list(judge)
     for level in asked:
         if level not in (TUNED, ASSISTED):
             raise UnknownName("level that is judged", level, (TUNED, ASSISTED))
-    return sorted({*asked, ASSISTED, "fitted"})
+    plain = fit is not None and fit.contact == TUNED and TUNED not in asked
+    return sorted({*asked, ASSISTED, *(() if plain else ("fitted",))})
 
 
 def _jobs(
