@@ -236,7 +236,7 @@ class EngineBackend(ABC):
         """Refuses what the engine cannot do, builds the scene and reads every value back."""
         refuse(self, scenario, settings)
         if settings.takes(LANDING):
-            landing.refuse(scenario)
+            landing.refuse(self.name, scenario)
         started = time.perf_counter()
         engine = self.load()
         loaded = time.perf_counter()

@@ -85,7 +85,8 @@ class Simulation(FreeMotion):
         centred = settings.takes(CENTRED_EFFORTS)
         drive = Drive(scenario, world.engine_step_s, self.LEAD, centred)
         self._drive = drive if drive.names else None
-        if centred and (drive.names or self._dragged):
+        # what only follows the inputs is the same at either instant, unless a step acts at its end
+        if centred and (drive.follows or (self.LEAD and (drive.names or self._dragged))):
             self.helps.add(CENTRED_EFFORTS)
         self.substeps = world.substeps
         self._count = 0

@@ -22,7 +22,7 @@ import platformdirs
 
 from simcompare import calibration, drops
 from simcompare.backend import SPRING, TUNED, PairNumbers, Settings
-from simcompare.calibration import Calibration
+from simcompare.calibration import Calibration, CannotCalibrate
 from simcompare.drop_plan import DropPlan, drop_plans
 from simcompare.drops import Bounces
 from simcompare.errors import SimulationDiverged
@@ -60,7 +60,11 @@ def tuned(
         open_pairs = [pair for pair in plan.pairs if frozenset(pair) not in known]
         if not open_pairs:
             continue
-        found = _cached(backend, engine, plan)
+        try:
+            found = _cached(backend, engine, plan)
+        except CannotCalibrate as error:
+            sentence = f"{backend.name}: {error}"
+            raise CannotCalibrate(sentence, error.longest_step_s) from None
         numbers += [PairNumbers(pair, found.numbers) for pair in open_pairs]
         records.append(record(plan, found))
     return replace(settings, numbers=tuple(numbers)), tuple(records)
@@ -87,6 +91,9 @@ def _finite(values: Mapping[str, float]) -> dict[str, float | None]:
 
 def calibrate(backend: EngineBackend, engine: ModuleType, plan: DropPlan) -> Calibration:
     """Finds numbers for a plan by dropping a sphere in the engine."""
+    if plan.restitution > calibration.LARGEST and backend.bounces_by != SPRING:
+        # what hardly loses anything is typed in as it stands, and what comes of it is shown
+        return Calibration(plan.restitution, (plan.restitution,))
     e, gravity = plan.restitution, max(plan.gravity_m_s2, LEAST_GRAVITY_M_S2)
     part = min(max(e, LATER_PART[0]), LATER_PART[1])
     speeds = [plan.speed_m_s * part**k for k in range(3)]
