@@ -228,4 +228,4 @@ def _code(backend: EngineBackend) -> str:
     return digest.hexdigest()
 
 
-_OURS = ("tuning", "calibration", "spring_calibration", "stepped_dashpot", "drops", "simulation")
+_OURS = ("tuning", "calibration", "spring_calibration", "stepped_dashpot", "drops")
