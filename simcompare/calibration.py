@@ -15,6 +15,7 @@ import numpy as np
 
 from simcompare.drops import Bounces, Drops, even_phases
 from simcompare.errors import Unsupported
+from simcompare.trajectory import Array
 
 #: phases of the step in the search, and as many others between them in the check
 PHASES = 25
@@ -95,6 +96,7 @@ class Counted:
         self._drops, self.count = drops, 0
 
     def __call__(self, numbers: tuple[float, ...], speed_m_s: float, phases: Array) -> Bounces:
+        """The engine's own drops."""
         self.count += len(phases)
         return self._drops(numbers, speed_m_s, phases)
 
@@ -166,8 +168,9 @@ def solve(
         CannotCalibrate: there is none; says why.
     """
     low, high = bounds
-    x, last, best = start, None, (math.inf, start, None)
-    gap = math.nan
+    x = start
+    last: tuple[float, float] | None = None
+    best: tuple[float, float, Bounces | None] = (math.inf, start, None)
     for _ in range(_ATTEMPTS):
         found = bounce(x)
         # a drop without a bounce returns nothing, which keeps the mean monotone

@@ -67,7 +67,7 @@ class Drops(Protocol):
 
 
 def even_phases(count: int, offset: float = 0.5) -> Array:
-    """Phases (count,) spread evenly over a step; ``offset`` shifts them in parts of their spacing."""
+    """Phases (count,) spread evenly over a step, the first at ``offset`` parts of their spacing."""
     return (np.arange(count) + offset) / count
 
 
@@ -107,7 +107,6 @@ def read_drop(
     forced = surplus > FREE_PART * fall_m + ROUNDING * float(np.abs(height_m).max())
     acted = np.flatnonzero(forced)
     nothing = (math.nan, depth_m, math.nan, math.nan)
-    # the first parabola needs two samples to give a speed
     if len(acted) == 0:
         return nothing
     ends = [*acted[1:].tolist(), len(forced)]
@@ -133,9 +132,7 @@ def read_drops(heights_m: Sequence[Array], step_s: float, gravity_m_s2: float) -
     return Bounces(*rows.T)
 
 
-def _flight(
-    height_m: Array, index: int, step_s: float, gravity_m_s2: float
-) -> tuple[float, float]:
+def _flight(height_m: Array, index: int, step_s: float, gravity_m_s2: float) -> tuple[float, float]:
     """Height and time of the apex of the parabola through free samples that begin at ``index``."""
     time_s = (np.arange(len(height_m)) - (len(height_m) - 1) / 2) * step_s
     straight = height_m + gravity_m_s2 * time_s**2 / 2

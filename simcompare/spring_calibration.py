@@ -35,8 +35,10 @@ LARGEST_PHASE = 0.8
 LEAST = 0.1
 #: the search keeps this part of both limits, since other phases give a little more
 _MARGIN = 0.95
-#: least and largest factor from one √k to the next, and that at which the search ends
-_CLIMB, _LEAP, _CLOSE = 1.05, 2.0, 1.01
+#: √k·dt up to which the scatter grows evenly; where it is less, the search may leap
+_SMOOTH_PHASE = 0.22
+#: factor from one √k to the next where it may leap and where not, and where the search ends
+_LEAP, _CLIMB, _CLOSE = 1.5, 1.04, 1.01
 #: how much shorter steps are looked at, at most
 _SHORTEST = 50
 
@@ -116,12 +118,10 @@ class _Search:
         if not self.is_steady(spring):
             return None
         assert spring is not None
-        limit = LARGEST_PHASE / self.step_s
+        limit, smooth = LARGEST_PHASE / self.step_s, _SMOOTH_PHASE / self.step_s
         high = limit
         while True:
-            # far below the limit the scatter grows no faster than √k
-            room = math.sqrt(SCATTER * self.e / max(spring.bounces.scatter, 1e-9))
-            omega = spring.omega * min(max(room, _CLIMB), _LEAP)
+            omega = max(_CLIMB * spring.omega, min(_LEAP * spring.omega, smooth))
             if omega >= limit:
                 break
             stiffer = self.spring(omega, spring.part)

@@ -185,6 +185,11 @@ COEFFICIENT_ENGINES = {"dart": DartDrops, "pymunk": PymunkDrops, "pybullet": Pyb
 
 def bounce_by_bounce(heights, step_s, count):
     """Restitution of the first impacts of a long drop, each read between two apexes."""
-    tops = [0, *(1 + i for i in range(len(heights) - 2) if heights[i] <= heights[i + 1] > heights[i + 2] and heights[i + 1] > 0)]
-    tops = [t for t in tops if t == 0 or heights[t] > 0][: count + 1]
-    return [read_drop(heights[a : b + 1], step_s, G)[0] for a, b in itertools.pairwise(tops)]
+    tops, low = [0], False
+    for i in range(1, len(heights) - 1):
+        low = low or heights[i] <= 0
+        if low and heights[i - 1] <= heights[i] > heights[i + 1] and heights[i] > 0:
+            tops.append(i)
+            low = False
+    pieces = itertools.pairwise(tops[: count + 1])
+    return [read_drop(heights[a : b + 1], step_s, G)[0] for a, b in pieces]
