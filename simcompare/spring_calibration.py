@@ -178,7 +178,7 @@ def calibrate_spring(
         return verified(counted, e, spring.numbers, speeds_m_s, step_s)
     longest_s = _longest_step(search, gravity_m_s2, drops_at)
     possible = (
-        "no shorter step has one either"
+        "none was found at shorter steps either"
         if math.isnan(longest_s)
         else f"the longest step that has one is {longest_s * 1e3:.3g} ms"
     )
@@ -224,8 +224,8 @@ def _longest_step(
     for _ in range(5):
         middle = math.sqrt(low * high)
         low, high = (middle, high) if is_possible(middle) else (low, middle)
-    for part in (1.0, 0.97, 0.94, 0.9, 0.8):
-        step_s = _two_digits_down(low * part)
+    for attempt in range(20):
+        step_s = _two_digits_down(low * 0.95**attempt)
         if drops_at is None:
             return step_s
         if _in_engine(search.on(drops_at(step_s), step_s), gravity_m_s2) is not None:
