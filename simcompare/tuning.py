@@ -27,7 +27,7 @@ from simcompare.drop_plan import DropPlan, drop_plans
 from simcompare.drops import Bounces
 from simcompare.errors import SimulationDiverged
 from simcompare.scenario import Scenario
-from simcompare.spring_calibration import calibrate_spring
+from simcompare.spring_calibration import DEPTH, calibrate_spring
 from simcompare.state import BodyState, State
 from simcompare.trajectory import Array
 
@@ -102,9 +102,19 @@ def calibrate(backend: EngineBackend, engine: ModuleType, plan: DropPlan) -> Cal
             EngineDrops(backend, engine, plan), e, speeds, plan.step_s, plan.size_m, gravity,
             lambda step_s: EngineDrops(backend, engine, replace(plan, step_s=step_s)),
         )  # fmt: skip
-    return calibration.calibrate_coefficient(
+    found = calibration.calibrate_coefficient(
         EngineDrops(backend, engine, plan), e, speeds, plan.step_s, gravity
     )
+    depth_m = found.at[0].penetration_m if found.at else 0.0
+    if depth_m > DEPTH * plan.size_m:
+        longest_ms = 1e3 * plan.step_s * DEPTH * plan.size_m / depth_m
+        raise CannotCalibrate(
+            f"in a step of {1e3 * plan.step_s:.3g} ms a body at {plan.speed_m_s:.3g} m/s goes"
+            f" {1e3 * depth_m:.3g} mm deep, more than half its size of {1e3 * plan.size_m:.3g} mm;"
+            f" the longest step is {0.98 * longest_ms:.2g} ms",
+            longest_ms / 1e3,
+        )
+    return found
 
 
 class EngineDrops:
