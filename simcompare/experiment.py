@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from simcompare import catalogue, engines, measures, run_record, units
+from simcompare import ablation, catalogue, engines, measures, run_record, units
 from simcompare.against import Match, matches
 from simcompare.backend import ASSISTED, CONTACT_LEVELS, DEFAULT, OLD_LEVELS, TUNED, Settings
 from simcompare.compare import Repeat, Score, scores_of
@@ -16,7 +15,7 @@ from simcompare.drives import input_values
 from simcompare.drop_plan import DropPlan, drop_plans
 from simcompare.errors import InputError, OutputError, SimcompareError, UnknownName
 from simcompare.helps import ALL, HELPS, NONE, chosen, known
-from simcompare.jobs import FAILED, OK, UNSUPPORTED, Job, Outcome, does_not_act
+from simcompare.jobs import FAILED, OK, Job, Outcome
 from simcompare.results import TRUTH, Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Interrupted, Progress, run_jobs
 from simcompare.scenario import MOST_SAMPLES, Scenario
@@ -283,11 +282,7 @@ def _jobs(
         settings = Settings(mode, helps=helps, drops=drops)
         jobs = [Job(engine, scene, settings, i) for i, scene in enumerate(scenarios)]
         if mode == ASSISTED:
-            middle = len(scenarios) // 2
-            for name in HELPS if helps is None else helps:
-                others = (frozenset(HELPS) if helps is None else helps) - {name}
-                less = Settings(mode, helps=others, drops=drops)
-                jobs.append(Job(engine, scenarios[middle], less, middle, without=name))
+            jobs += ablation.jobs_of(engine, scenarios, settings)
         return jobs
     found = []
     fitted = fit.settings(engine, scenarios[len(scenarios) // 2])
@@ -360,42 +355,9 @@ def _gather(
         found = matches(table, scores, _measured_units(scenarios[0]))
     truth = TRUTH if any(truths) else None
     record = run_record.of_run(file, scenarios, truth, sources, scores)
-    record["without"] = _without(scenarios, truths, outcomes)
+    record["without"] = ablation.results_of(scenarios, truths, outcomes)
     record["against"] = run_record.of_measurement(file, table, found) if table is not None else None
     return _Gathered(record, scores, trajectories)
-
-
-def _without(
-    scenarios: Sequence[Scenario], truths: Sequence[Trajectory | None], outcomes: Sequence[Outcome]
-) -> list[dict[str, Any]]:
-    """What the nominal repeat shows with each help, and without it, all others kept."""
-    nominal: dict[tuple[str, str], dict[str, Score]] = {}
-    middle = len(scenarios) // 2
-    for outcome in outcomes:
-        if outcome.job.mode == ASSISTED and outcome.job.repeat == middle:
-            key = (outcome.job.engine, outcome.job.without)
-            if outcome.trajectory is not None:
-                repeat = Repeat(scenarios[middle], outcome.trajectory, truths[middle])
-                with contextlib.suppress(SimcompareError):
-                    scores = [s for s in scores_of([repeat]) if s.index is None]
-                    nominal[key] = {score.measure: score for score in scores}
-    found = []
-    for outcome in outcomes:
-        engine, name = outcome.job.engine, outcome.job.without
-        if not name or (engine, "") not in nominal:
-            continue
-        if outcome.status == UNSUPPORTED and outcome.reason == does_not_act(name):
-            continue
-        left_out = nominal.get((engine, name), {})
-        found.append({
-            "source": engine, "help": name, "status": outcome.status, "reason": outcome.reason,
-            "measures": [
-                {"measure": measure, "unit": score.unit, "truth": score.truth,
-                 "with": score.value, "without": getattr(left_out.get(measure), "value", None)}
-                for measure, score in nominal[engine, ""].items()
-            ],
-        })  # fmt: skip
-    return found
 
 
 def truths_of(path: Path, scenarios: Sequence[Scenario]) -> list[Trajectory | None]:
