@@ -46,7 +46,7 @@ def sound(path, values, count=8, seed=0):
 
 
 def fit(recordings, **more):
-    return fitting.fit("ball", recordings=recordings, engine=ENGINES, **more)
+    return fitting.fit("ball", recordings=recordings, engine=ENGINES, assist="all", **more)
 
 
 @pytest.fixture(scope="module")

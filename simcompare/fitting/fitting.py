@@ -32,7 +32,8 @@ from simcompare.fitting.likelihood import Fit
 from simcompare.fitting.measured import drops_of
 from simcompare.fitting.problem import SPEED, Prior
 from simcompare.fitting.roles import Roles, roles_of
-from simcompare.fitting.tuned_fit import Wanted, tune_engines, wanted_of
+from simcompare.fitting.tune_engines import tune_engines
+from simcompare.fitting.wanted import Wanted, wanted_of
 from simcompare.helps import ALL, NONE, known
 from simcompare.results import Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Progress

@@ -255,7 +255,7 @@ def _tuned(one: TunedFit, place: int, closed: Prediction) -> dict[str, Any]:
     value, phases = float(seen.restitution[0]), math.sqrt(one.phases)
     # the mean over the phases, and over those in which the numbers were sought
     own = math.sqrt(2) * float(seen.u_restitution[0]) / phases
-    score = None
+    score = held = u_held = None
     if closed.again is not None:
         speed = closed.again.speeds_m_s[1]
         held, u_held = closed.again.restitution_at(speed)
@@ -279,6 +279,8 @@ def _tuned(one: TunedFit, place: int, closed: Prediction) -> dict[str, Any]:
     return {
         "restitution": value,
         "u": math.hypot(own, one.restitution[1]),
+        "held": held,
+        "u_held": u_held,
         "e_n": score,
         "heights": heights,
         "late_s": seen.late_s.tolist(),

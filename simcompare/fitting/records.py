@@ -15,7 +15,8 @@ from simcompare.fitting.identifiability import identifiability
 from simcompare.fitting.impacts import Impacts
 from simcompare.fitting.likelihood import Fit
 from simcompare.fitting.roles import Roles
-from simcompare.fitting.tuned_fit import TunedFit, Wanted
+from simcompare.fitting.tuned_fit import TunedFit
+from simcompare.fitting.wanted import Wanted
 from simcompare.scenario import Scenario
 
 #: version of what fit.json holds
