@@ -63,7 +63,8 @@ def impacts(run: Run) -> Table | None:
     for source in fitted.engines(run):
         rows = tuple(
             (_of(run, row), numbers.plain(row["speed_m_s"], 3),
-             numbers.plain(row["closed_form"], 6), numbers.with_u(row["restitution"], row["u_phase"]),
+             numbers.plain(row["closed_form"], 6),
+             numbers.with_u(row["restitution"], row["u_phase"]),
              numbers.plain(row["scatter"], 2), numbers.plain(100 * row["deviation"], 2),
              numbers.with_u(1e3 * row["late_s"], 1e3 * row["scatter_s"]))
             for row in source["impacts"]

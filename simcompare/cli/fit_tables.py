@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,29 +20,47 @@ def show(result: Run, written: Path | None) -> None:
     found = result.record["fit"]
     for sentence in found["told"]:
         typer.echo(sentence)
-    said = found["sentences"]
-    if found.get("contact") == TUNED:
-        if any(source.get("numbers") for source in found["sources"]):
-            typer.echo(said[0])
-            said = said[1:]
-        _print_tuned(found)
-        _print_choice(found)
-    elif "choice" in found:
-        _print_choice(found)
-        _print_engines(found)
-    else:
-        _print_waves(found)
+    said = _print_tables(found)
     for source in found["sources"]:
         if source["status"] != "ok":
-            typer.echo(f"{source['name']}: {source['reason']}")
+            name, reason = source["name"], source["reason"] or source["status"]
+            typer.echo(f"{name}: {reason.removeprefix(f'{name}: ')}")
     typer.echo("")
     for sentence in said:
         typer.echo(sentence)
     if result.folder is not None:
-        reuse = f"; reuse it with --contact {result.folder}/fit.json" if "choice" in found else ""
-        typer.echo(f"Stored in {result.folder}{reuse}")
+        _print_places(result, result.folder)
     if written is not None:
         typer.echo(f"Report: {written}")
+
+
+def _print_tables(found: dict[str, Any]) -> list[str]:
+    """Prints the tables of a kind of fit; returns the sentences that are still to be told."""
+    said: list[str] = found["sentences"]
+    if "choice" not in found:
+        _print_waves(found)
+        return said
+    if found["contact"] != TUNED:
+        _print_choice(found)
+        _print_engines(found)
+        return said
+    if any(source.get("numbers") for source in found["sources"]):
+        typer.echo(said[0])
+        said = said[1:]
+    _print_tuned(found)
+    _print_choice(found)
+    return said
+
+
+def _print_places(result: Run, folder: Path) -> None:
+    """Where the fit is stored, and how it is used."""
+    found, place = result.record["fit"], folder / "fit.json"
+    reuse = f"; reuse it with --contact {place}" if "choice" in found else ""
+    typer.echo(f"Stored in {folder}{reuse}")
+    if found["contact"] == TUNED:
+        asked = shlex.quote(str(result.record["scenario_asked"]))
+        values = f"simcompare export {asked} --fit {place} --contact-values"
+        typer.echo(f"All settings to type in: {values}")
 
 
 def _print_waves(found: dict[str, Any]) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 
 from simcompare.backend import ASSISTED, TUNED, PairNumbers, Settings
 from simcompare.drop_plan import drop_plans
-from simcompare.errors import InputError
+from simcompare.errors import InputError, UnknownName
 from simcompare.helps import ALL, HELPS, chosen
 from simcompare.scenario import Scenario
 from simcompare.scenario_file import ScenarioFile
@@ -174,7 +174,8 @@ def contact_values(path: Path) -> str:
     ]
     for source in tree["sources"]:
         if source.get("status") != "ok":
-            lines.append(f"# {source['name']}: {source.get('reason') or source.get('status')}")
+            name, why = source["name"], source.get("reason") or source.get("status") or "failed"
+            lines.append(f"# {name}: {str(why).removeprefix(f'{name}: ')}")
         lines += [_line(source, row) for row in source.get("native", ()) if _held(row) is not None]
     return "\n".join(lines) + "\n"
 
@@ -225,16 +226,13 @@ def read(path: Path) -> FitFile:
         contact, assist = tree.get("contact", ASSISTED), str(tree.get("assist", ALL))
         if contact not in (TUNED, ASSISTED):
             raise ValueError(f"contact: {contact!r}; expected {TUNED} or {ASSISTED}")
-        if contact == ASSISTED:
-            chosen(assist)
+        chosen(assist)
         return FitFile(
             path, str(tree["scenario"]), {n: float(v) for n, v in tree["given"].items()},
             values, engines, _numbers(known.get("numbers", {})), contact, assist,
             (float(low), float(high)), step_s, float(tree["valid"].get("engine_step_s", step_s)),
         )  # fmt: skip
-    except InputError:
-        raise
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, UnknownName) as error:
         raise InputError(
             str(path),
             [f"is no fit ({type(error).__name__}: {error}); expected a fit.json of simcompare fit"],

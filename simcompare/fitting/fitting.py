@@ -118,8 +118,9 @@ def fit(
         priors={name: Prior(value, u) for name, (value, u) in (priors or {}).items()},
     )
     check_request(recordings, hold_out, u_time_s, roles, file.read_settings(set or {}))
-    drops = [drop for name in recordings for drop in drops_of(name, mapping, u_time_s)]
-    held = [drop for name in hold_out for drop in drops_of(name, mapping, u_time_s)]
+    how_read = (mapping, u_time_s, asked.fixed.get("gravity_m_s2", bounce_models.GRAVITY))
+    drops = [drop for name in recordings for drop in drops_of(name, *how_read)]
+    held = [drop for name in hold_out for drop in drops_of(name, *how_read)]
     choice = choose.compare(
         drops, candidates(model, asked), extra=asked.extra, fixed=asked.fixed, priors=asked.priors
     )

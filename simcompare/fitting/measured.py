@@ -13,7 +13,9 @@ if TYPE_CHECKING:
 _TABLE = {"restitution": "1", "rebound_height": "m", "impact_time": "s", "impact_speed": "m/s"}
 
 
-def drops_of(name: str | Path, mapping: str | Path | None, u_s: float | None) -> list[Impacts]:
+def drops_of(
+    name: str | Path, mapping: str | Path | None, u_s: float | None, gravity_m_s2: float
+) -> list[Impacts]:
     """Every drop in a recording, a log, or a table of bounces.
 
     Raises:
@@ -26,7 +28,7 @@ def drops_of(name: str | Path, mapping: str | Path | None, u_s: float | None) ->
     if _is_table(path):
         return _of_table(bounce_table.read(path, _TABLE))
     source = sources.find(str(name), mapping=mapping)
-    return list(from_recording(source.recording, u_s=u_s))
+    return list(from_recording(source.recording, u_s=u_s, gravity_m_s2=gravity_m_s2))
 
 
 def _is_table(path: Path) -> bool:
