@@ -1,9 +1,8 @@
 """Recording through simcompare and through a careful loop written by hand.
 
 ``ball, default``, ``ball, tuned`` and ``robot, assisted``: the same plain steps, so the ratio is
-the cost of the tool alone (limit 1.05 for ``tuned``, and 0.95 for MuJoCo, whose steps go through its
-native rollout).
-``ball, assisted``: ours lands on every impact, the bare loop does not, so the ratio is the price
+the cost of the tool alone (limit 1.05 for ``tuned``, and 0.95 for MuJoCo, whose steps go through
+its native rollout). ``ball, assisted``: ours lands on every impact, the bare loop does not, so the ratio is the price
 of a bounce that is right. The robot is recorded without its force sensors, which the bare loop
 does not read either.
 
