@@ -2,9 +2,9 @@
 
 ``ball, default``, ``ball, tuned`` and ``robot, assisted``: the same plain steps, so the ratio is
 the cost of the tool alone (limit 1.05 for ``tuned``, and 0.95 for MuJoCo, whose steps go through
-its native rollout). ``ball, assisted``: ours lands on every impact, the bare loop does not, so the ratio is the price
-of a bounce that is right. The robot is recorded without its force sensors, which the bare loop
-does not read either.
+its native rollout). ``ball, assisted``: ours lands on every impact, the bare loop does not, so the
+ratio is the price of a bounce that is right. The robot is recorded without its force sensors,
+which the bare loop does not read either.
 
 Every round times the bare loop and then ours, so that both see the machine in the same mood.
 """
