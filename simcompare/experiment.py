@@ -60,7 +60,7 @@ def run(
             fit, always are.
         set: parameters that differ from the file; text may carry a unit ("30cm").
         preset: named set of parameters, applied first.
-        step: time between samples, "1ms" or in seconds.
+        step: the engine's step, "1ms" or in seconds; samples may be coarser.
         seeds: number of dithered repeats; the scenario's own where ``None``.
         against: table of measured bounces: a file or the name of a published one.
         out: folder in which the run's own folder is made; nothing is stored where ``None``.
@@ -82,9 +82,12 @@ def run(
     values = {**({} if fit is None else fit.base(file)), **file.read_settings(set or {})}
     if table is not None:
         values, preset = with_conditions(file, table, values, preset)
-    step_s = None if step is None else units.to_si(step, "s", "--step")
-    if step_s is not None:
-        _check_step(file.resolve(values, preset=preset), step_s)
+    step_s = None
+    if step is not None:
+        own = file.resolve(values, preset=preset)
+        # the engine's step; samples are as much coarser as the scenario says
+        step_s = units.to_si(step, "s", "--step") * own.world.substeps
+        _check_step(own, step_s)
     if seeds is not None and seeds < 1:
         raise InputError("--seeds", [f"{seeds} is not a number of repeats; expected 1 or more"])
     if seeds is not None and file.resolve(values, preset=preset).dither is None:
@@ -205,14 +208,14 @@ def check_writable(folder: Path) -> None:
 def _check_step(scenario: Scenario, step_s: float) -> None:
     if step_s <= 0:
         raise InputError("--step", [f"{step_s:g} s is not a time above 0"])
-    duration = scenario.world.duration_s
+    duration, parts = scenario.world.duration_s, scenario.world.substeps
     shortest, longest = duration / MOST_SAMPLES, duration / LEAST_SAMPLES
     if not shortest <= step_s <= longest:
         raise InputError(
             "--step",
             [
-                f"{step_s:g} s gives {duration / step_s:.3g} samples in {duration:.3g} s;"
-                f" use {shortest:.2g} s to {longest:.2g} s"
+                f"{step_s / parts:g} s gives {duration / step_s:.3g} samples in {duration:.3g} s;"
+                f" use {shortest / parts:.2g} s to {longest / parts:.2g} s"
             ],
         )
 
