@@ -237,8 +237,9 @@ def test_a_damaged_contact_is_refused(found, tmp_path):
     [
         (["--assist", "magic"], "no help is called 'magic'"),
         (["--assist", "all,none"], "stands alone"),
-        (["--step", "0"], "expected more than 0 s"),
-        (["--step", "3s"], "expected more than 0 s"),
+        (["--step", "0"], "0 s is no step here"),
+        (["--step", "1ns"], "is no step here"),
+        (["--step", "3s"], "is no step here"),
     ],
 )
 def test_bad_requests_are_one_clear_sentence(call, tmp_path, words, message):

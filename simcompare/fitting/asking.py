@@ -11,6 +11,7 @@ from simcompare.errors import InputError, UnknownName
 from simcompare.fitting import bounce_models
 from simcompare.fitting.problem import SPEED, Prior
 from simcompare.fitting.roles import Roles
+from simcompare.scenario import MOST_SAMPLES
 from simcompare.scenario_file import ScenarioFile
 
 
@@ -94,18 +95,21 @@ def candidates(model: str, asked: Asked) -> list[str]:
 
 
 def step_of(file: ScenarioFile, step: str | float | None) -> float | None:
-    """The step that was asked for [s].
+    """Time between samples for the engine's step that was asked for [s].
 
     Raises:
-        InputError: it is no time above 0.
+        InputError: it is no step in which something can be seen.
     """
     if step is None:
         return None
-    step_s = units.to_si(step, "s", "--step")
-    longest_s = file.resolve().world.duration_s / experiment.LEAST_SAMPLES
-    if not 0 < step_s <= longest_s:
+    world, step_s = file.resolve().world, units.to_si(step, "s", "--step")
+    shortest_s, longest_s = (
+        world.duration_s / samples / world.substeps
+        for samples in (MOST_SAMPLES, experiment.LEAST_SAMPLES)
+    )
+    if not shortest_s <= step_s <= longest_s:
         raise InputError(
             "--step",
-            [f"{step_s:g} s is no step; expected more than 0 s, at most {longest_s:.2g} s"],
+            [f"{step_s:g} s is no step here; expected {shortest_s:.2g} s to {longest_s:.2g} s"],
         )
-    return step_s
+    return step_s * world.substeps

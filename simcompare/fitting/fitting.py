@@ -77,7 +77,7 @@ def fit(
         set: parameters of the scenario, such as the ball's mass.
         preset: named set of parameters, applied first.
         mapping: mapping file for the logs.
-        step: time between samples, which engines are tuned for; the scenario's own where ``None``.
+        step: the engine's step, which engines are tuned for; the scenario's own where ``None``.
         assist: our helps with which engines are run: "none", for which bounces are fitted if
             nothing is said, "all", or names (see ``simcompare.helps``); by waveform always "all".
         out: folder in which the run's own folder is made; nothing is stored where ``None``.
