@@ -22,6 +22,7 @@ from simcompare.backends._recoil import Motion, RecoilingSimulation
 from simcompare.landing import ContactSteps
 from simcompare.rotations import quaternions_of, rotation_vector_of
 from simcompare.scenario import MOVABLE, Scenario
+from simcompare.scripts.contract import EngineScript
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
 from simcompare.state import BodyState
@@ -341,6 +342,12 @@ class DartBackend(EngineBackend):
         mapped = settings.contact == MAPPED
         scene = build_scene(engine, scenario, mapped, settings.gives_coefficients)
         return DartSimulation(scene, scenario, audit_scene(scene, scenario, mapped), mapped)
+
+    def script(self) -> EngineScript:
+        """What writes scenes of this engine as standalone scripts."""
+        from simcompare.backends._dart_script import SCRIPT
+
+        return SCRIPT
 
 
 BACKEND = DartBackend()

@@ -39,6 +39,7 @@ from simcompare.landing import ContactSteps, approaches, finely_stepped
 from simcompare.pairs import touching_pairs
 from simcompare.rotations import rotate
 from simcompare.scenario import MOVABLE, Body, Contact, Scenario
+from simcompare.scripts.contract import EngineScript
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
 from simcompare.state import BodyState, State
@@ -256,6 +257,12 @@ class MujocoBackend(EngineBackend):
         model = engine.MjModel.from_xml_string(mjcf(scenario, mapped, told))
         audit = _audit(engine, model, scenario, settings)
         return MujocoSimulation(engine, scenario, model, audit, mapped)
+
+    def script(self) -> EngineScript:
+        """What writes scenes of this engine as standalone scripts."""
+        from simcompare.backends._mujoco_script import SCRIPT
+
+        return SCRIPT
 
 
 BACKEND = MujocoBackend()

@@ -75,7 +75,7 @@ def run(
         values, preset = with_conditions(file, table, values, preset)
     step_s = None if step is None else units.to_si(step, "s", "--step")
     if step_s is not None:
-        _check_step(file.resolve(values, preset=preset), step_s)
+        check_step(file.resolve(values, preset=preset), step_s)
     if seeds is not None and seeds < 1:
         raise InputError("--seeds", [f"{seeds} is not a number of repeats; expected 1 or more"])
     if seeds is not None and file.resolve(values, preset=preset).dither is None:
@@ -186,7 +186,8 @@ def check_writable(folder: Path) -> None:
         ) from None
 
 
-def _check_step(scenario: Scenario, step_s: float) -> None:
+def check_step(scenario: Scenario, step_s: float) -> None:
+    """Refuses a time between samples that makes no sense in a scenario."""
     if step_s <= 0:
         raise InputError("--step", [f"{step_s:g} s is not a time above 0"])
     duration = scenario.world.duration_s

@@ -1,0 +1,353 @@
+"""Source text of what was watched while a scene was built: statements with good names."""
+
+from __future__ import annotations
+
+import keyword
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from simcompare.errors import Unsupported
+from simcompare.scripts.trace import Assign, Attribute, Call, Event, Expression, Result, Root
+
+#: longest line that is written
+WIDTH = 100
+
+
+@dataclass(frozen=True)
+class Varying:
+    """A number that follows the phase: ``first`` at 0, ``last`` at 1."""
+
+    first: float
+    last: float
+
+
+@dataclass(frozen=True)
+class Helper:
+    """A small function of the script that stands for a constructor and the setters after it.
+
+    Attributes:
+        constructor: name of the constructor's last part.
+        setters: name of the setters, each of which becomes an argument.
+        name: of the function.
+        lines: its source.
+        defaults: arguments that need not be written where they have these values, from the end.
+    """
+
+    constructor: str
+    setters: tuple[str, ...]
+    name: str
+    lines: tuple[str, ...]
+    defaults: tuple[Any, ...] = ()
+
+
+@dataclass
+class Style:
+    """How an engine's statements are written.
+
+    Attributes:
+        names: names that are wanted for objects, by the number of their expression's call.
+        helpers: functions that stand for several calls.
+        hidden: functions whose results are not written as arguments.
+        tidy: last touch on the arguments of a call, by its name.
+    """
+
+    helpers: tuple[Helper, ...] = ()
+    hidden: frozenset[str] = frozenset()
+    tidy: Callable[[str, list[Any], dict[str, Any]], None] = lambda *_: None
+
+
+def merged(first: Sequence[Event], last: Sequence[Event]) -> list[Event]:
+    """One trace out of two of the same scene at both ends of the phase.
+
+    Raises:
+        Unsupported: the two scenes are not made by the same calls.
+    """
+    if len(first) != len(last):
+        raise Unsupported("the scene is made by other calls at the other end of the phase")
+    known: dict[int, Call] = {}
+    found: list[Event] = []
+    for a, b in zip(first, last, strict=True):
+        if isinstance(a, Assign) and isinstance(b, Assign) and a.attribute == b.attribute:
+            value = _both(a.value, b.value, known)
+            idle = a.idle and b.idle
+            found.append(Assign(_both(a.owner, b.owner, known), a.attribute, value, idle))
+        elif isinstance(a, Call) and isinstance(b, Call):
+            args = tuple(_both(x, y, known) for x, y in zip(a.args, b.args, strict=True))
+            kwargs = {key: _both(a.kwargs[key], b.kwargs[key], known) for key in a.kwargs}
+            call = Call(_both(a.target, b.target, known), args, kwargs, a.pure, a.idle and b.idle)
+            known[id(a)] = call
+            found.append(call)
+        else:
+            raise Unsupported("the scene is made by other calls at the other end of the phase")
+    return found
+
+
+def _both(a: Any, b: Any, known: Mapping[int, Call]) -> Any:  # noqa: ANN401
+    if isinstance(a, Result):
+        return Result(known[id(a.call)], a.index)
+    if isinstance(a, Attribute):
+        return Attribute(_both(a.owner, b.owner, known), a.name)
+    if isinstance(a, float) and isinstance(b, float | int) and a != b:
+        return Varying(a, float(b))
+    if isinstance(a, np.ndarray) and not np.array_equal(a, b):
+        return _both(a.tolist(), b.tolist(), known)
+    if isinstance(a, tuple | list) and len(a) == len(b):
+        members = [_both(x, y, known) for x, y in zip(a, b, strict=True)]
+        return members if isinstance(a, list) else tuple(members)
+    return a
+
+
+@dataclass
+class Writer:
+    """Writes a trace as statements.
+
+    Args:
+        events: what happened.
+        style: how it is written.
+        names: names that are wanted: place of the call, and of the member, -> name.
+        taken: names that the script uses for something else.
+        wanted: expressions that the rest of the script uses.
+    """
+
+    events: Sequence[Event]
+    style: Style
+    names: Mapping[tuple[int, int | None], str]
+    taken: set[str]
+    wanted: Sequence[Expression] = ()
+    used_helpers: list[Helper] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self._place = {id(event): i for i, event in enumerate(self.events)}
+        self._folded: dict[int, tuple[Helper, list[Any]]] = {}
+        self._inside: set[int] = set()
+        self._fold()
+        self._uses: Counter[tuple[int, int | None]] = Counter()
+        self._needed: set[int] = set()
+        for expression in self.wanted:
+            self._need(expression, 2)
+        for event in reversed(self.events):
+            if not (event.idle or id(event) in self._inside or self._is_pure(event)):
+                self._need_all(event)
+        self._assigned: dict[tuple[int, int | None], str] = {}
+
+    def _is_pure(self, event: Event) -> bool:
+        return isinstance(event, Call) and event.pure
+
+    def _fold(self) -> None:
+        """Finds constructors whose setters become arguments of a helper."""
+        for helper in self.style.helpers:
+            for event in self.events:
+                if not isinstance(event, Call) or last_name(event.target) != helper.constructor:
+                    continue
+                given: list[Any] = [None] * len(helper.setters)
+                for setter in self.events:
+                    if not isinstance(setter, Call) or not isinstance(setter.target, Attribute):
+                        continue
+                    owner = setter.target.owner
+                    if isinstance(owner, Result) and owner.call is event:
+                        if setter.target.name in helper.setters:
+                            given[helper.setters.index(setter.target.name)] = setter.args[0]
+                            self._inside.add(id(setter))
+                for default in reversed(helper.defaults):
+                    if not given or not _same(given[-1], default):
+                        break
+                    given.pop()
+                self._folded[id(event)] = helper, given
+
+    def _need_all(self, event: Event) -> None:
+        if id(event) in self._needed:
+            return
+        self._needed.add(id(event))
+        if isinstance(event, Assign):
+            self._need(event.owner, 1)
+            self._need(event.value, 1)
+        elif id(event) in self._folded:
+            self._need(self._folded[id(event)][1], 1)
+        else:
+            self._need(event.target, 1)
+            self._need((event.args, tuple(event.kwargs.values())), 1)
+
+    def _need(self, value: Any, times: int) -> None:  # noqa: ANN401
+        if isinstance(value, Attribute):
+            self._need(value.owner, times)
+        elif isinstance(value, Result):
+            self._uses[id(value.call), value.index] += times
+            self._need_all(value.call)
+        elif isinstance(value, tuple | list):
+            for member in value:
+                self._need(member, times)
+
+    def lines(self) -> list[str]:
+        """All statements, wrapped."""
+        found = []
+        for event in self.events:
+            if id(event) not in self._needed:
+                continue
+            if isinstance(event, Assign):
+                found += wrapped(
+                    f"{self.text(event.owner)}.{event.attribute} = ", self.text(event.value)
+                )
+                continue
+            uses = {index: n for (i, index), n in self._uses.items() if i == id(event) and n}
+            if event.pure and uses == {None: 1} and self._name_for(event, None) is None:
+                continue  # written where it is used
+            found += self._statement(event, uses)
+        return found
+
+    def _statement(self, event: Call, uses: Mapping[int | None, int]) -> list[str]:
+        call = self._call(event)
+        if not uses:
+            return wrapped("", *call)
+        if None in uses:
+            name = self._assign(event, None)
+            return wrapped(f"{name} = ", *call)
+        members = [
+            self._assign(event, i) if i in uses else "_" for i in range(max(uses, key=int) + 1)  # type: ignore[arg-type]
+        ]
+        return wrapped(f"{', '.join(members)} = ", *call)
+
+    def _name_for(self, event: Call, index: int | None) -> str | None:
+        return self.names.get((self._place[id(event)], index))
+
+    def _assign(self, event: Call, index: int | None) -> str:
+        wanted = self._name_for(event, index) or _generic(event)
+        name = unused(wanted, self.taken)
+        self.taken.add(name)
+        self._assigned[id(event), index] = name
+        return name
+
+    def _call(self, event: Call) -> tuple[str, list[str]]:
+        """What is called, and its arguments."""
+        if id(event) in self._folded:
+            helper, given = self._folded[id(event)]
+            if helper not in self.used_helpers:
+                self.used_helpers.append(helper)
+            return helper.name, [self.text(value) for value in given]
+        args = [value for value in event.args if not self._is_hidden(value)]
+        kwargs = dict(event.kwargs)
+        self.style.tidy(last_name(event.target), args, kwargs)
+        texts = [self.text(value) for value in args]
+        return self.text(event.target), [
+            *texts, *(f"{key}={self.text(value)}" for key, value in kwargs.items())
+        ]  # fmt: skip
+
+    def _is_hidden(self, value: Any) -> bool:  # noqa: ANN401
+        return isinstance(value, Result) and last_name(value.call.target) in self.style.hidden
+
+    def text(self, value: Any) -> str:  # noqa: ANN401
+        """Source of a value."""
+        match value:
+            case Root():
+                return value.name
+            case Attribute():
+                return f"{self.text(value.owner)}.{value.name}"
+            case Result():
+                name = self._assigned.get((id(value.call), value.index))
+                if name is not None:
+                    return name
+                head, args = self._call(value.call)
+                return f"{head}({', '.join(args)})"
+            case Varying():
+                return f"{number(value.first)} + phase * {number(value.last - value.first)}"
+            case np.ndarray():
+                return self._array(value)
+            case tuple() | list() if len(value) != 1 or isinstance(value, list):
+                members = ", ".join(self.text(member) for member in value)
+                return f"({members})" if isinstance(value, tuple) else f"[{members}]"
+            case tuple():
+                return f"({self.text(value[0])},)"
+            case float():
+                return number(value)
+            case _:
+                return repr(value)
+
+    def _array(self, value: Any) -> str:  # noqa: ANN401
+        if value.ndim == 1:
+            return self.text(value.tolist())
+        if np.array_equal(value, np.eye(len(value))):
+            return f"np.eye({len(value)})"
+        if np.array_equal(value, np.diag(np.diag(value))):
+            return f"np.diag({self.text(np.diag(value).tolist())})"
+        return f"np.array({self.text(value.tolist())})"
+
+
+def number(value: float) -> str:
+    """The shortest text that is read as the same number."""
+    if value == round(value) and abs(value) < 1e15 and not (value == 0 and str(value)[0] == "-"):
+        return str(round(value))
+    return repr(float(value))
+
+
+def last_name(expression: Expression) -> str:
+    """The last part of a dotted name."""
+    return expression.name if isinstance(expression, Attribute | Root) else ""
+
+
+def identifier(text: str) -> str:
+    """A name as Python allows it."""
+    name = re.sub(r"\W", "_", text)
+    return f"{name}_" if keyword.iskeyword(name) or not name.isidentifier() else name
+
+
+def unused(wanted: str, taken: set[str]) -> str:
+    """The wanted name, or the first of it with a number that nobody has."""
+    name, tried = identifier(wanted), 1
+    while name in taken:
+        tried += 1
+        name = f"{identifier(wanted)}_{tried}"
+    return name
+
+
+def wrapped(head: str, call: str, args: Sequence[str] | None = None) -> list[str]:
+    """A statement in lines that are not too long, broken between arguments."""
+    if args is None:
+        inner = re.fullmatch(r"([\w.]*)([(\[])(.*)([)\]])", call)
+        whole = head + call
+        if len(whole) <= WIDTH or inner is None:
+            return [whole]
+        name, opening, text, closing = inner.groups()
+        return _broken(head + name + opening, list(split(text)), closing)
+    whole = f"{head}{call}({', '.join(args)})"
+    return [whole] if len(whole) <= WIDTH else _broken(f"{head}{call}(", args, ")")
+
+
+def _broken(start: str, args: Sequence[str], end: str) -> list[str]:
+    lines = [start]
+    row = "   "
+    for arg in args:
+        if len(row) + len(arg) + 2 > WIDTH and row.strip():
+            lines.append(row)
+            row = "   "
+        row += f" {arg},"
+    return [*lines, row, end]
+
+
+def split(text: str) -> Iterator[str]:
+    """Parts between the commas that are in no bracket."""
+    depth, part = 0, ""
+    for sign in text:
+        depth += (sign in "([{") - (sign in ")]}")
+        if sign == "," and depth == 0:
+            yield part.strip()
+            part = ""
+        else:
+            part += sign
+    if part.strip():
+        yield part.strip()
+
+
+def _generic(event: Call) -> str:
+    """A name for what a call returns: ``getConstraintSolver`` -> ``constraint_solver``."""
+    name = last_name(event.target).removeprefix("get").removeprefix("create")
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower() or "found"
+
+
+def _same(value: Any, default: Any) -> bool:  # noqa: ANN401
+    if isinstance(value, Varying) or (isinstance(value, tuple | list) and Varying in map(type, value)):
+        return False
+    return bool(np.array_equal(np.asarray(value, dtype=object), np.asarray(default, dtype=object)))
