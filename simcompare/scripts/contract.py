@@ -156,6 +156,11 @@ class Traced:
         if isinstance(found, Result):
             self._names.setdefault((self._place(found), found.index), name)
 
+    def name_call(self, call: Event, name: str) -> None:
+        """Wants a name for what a call returned."""
+        place = next(i for i, event in enumerate(self.events) if event is call)
+        self._names.setdefault((place, None), name)
+
     def _place(self, found: Result) -> int:
         return next(i for i, event in enumerate(self._first) if event is found.call)
 
