@@ -15,7 +15,7 @@ from simcompare.scripts.trace import Dialect
 _HELPERS = (
     Helper(
         "Isometry3",
-        ("set_translation", "set_rotation"),
+        {"set_translation": "", "set_rotation": "turn"},
         "pose",
         (
             "def pose(place, turn=np.eye(3)):",
@@ -24,11 +24,11 @@ _HELPERS = (
             "    found.set_rotation(turn)",
             "    return found",
         ),
-        (None, np.eye(3)),
+        least=1,
     ),
     Helper(
         "Inertia",
-        ("setMass", "setMoment", "setLocalCOM"),
+        {"setMass": "", "setMoment": "", "setLocalCOM": "center"},
         "inertia",
         (
             "def inertia(mass, moment, center=(0, 0, 0)):",
@@ -38,33 +38,42 @@ _HELPERS = (
             "    found.setLocalCOM(center)",
             "    return found",
         ),
-        (None, None, (0.0, 0.0, 0.0)),
     ),
-)
-_QUATERNION = (
-    "def quaternion(r):",
-    '    """A rotation vector as w, x, y, z."""',
-    "    half = np.sqrt(r @ r) / 2",
-    "    return np.array((np.cos(half), *(0.5 * np.sinc(half / np.pi) * r)))",
-)
-_OF_MATRIX = (
-    "def quaternion_of(m):",
-    '    """A rotation matrix as w, x, y, z."""',
-    "    w, x, y, z = 1 + m.trace(), *(1 + 2 * m.diagonal() - m.trace())",
-    "    k = np.array((",
-    "        (w, m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]),",
-    "        (m[2, 1] - m[1, 2], x, m[0, 1] + m[1, 0], m[2, 0] + m[0, 2]),",
-    "        (m[0, 2] - m[2, 0], m[0, 1] + m[1, 0], y, m[1, 2] + m[2, 1]),",
-    "        (m[1, 0] - m[0, 1], m[2, 0] + m[0, 2], m[1, 2] + m[2, 1], z),",
-    "    ))[np.argmax((w, x, y, z))]",
-    "    return k / np.sqrt(k @ k)",
+    Helper(
+        "createShapeNode",
+        {
+            "setRelativeTransform": "place",
+            "setFrictionCoeff": "friction",
+            "setRestitutionCoeff": "restitution",
+        },
+        "add_shape",
+        (
+            "def add_shape(body, solid, place=None, friction=1, restitution=0):",
+            "    shape = body.createShapeNode(solid)",
+            "    if place is not None:",
+            "        shape.setRelativeTransform(place)",
+            "    shape.createCollisionAspect()",
+            "    surface = shape.createDynamicsAspect()",
+            "    surface.setFrictionCoeff(friction)",
+            "    surface.setRestitutionCoeff(restitution)",
+            "    return shape",
+        ),
+        receiver=True,
+        swallowed=frozenset({"createCollisionAspect", "createDynamicsAspect"}),
+        nested="createDynamicsAspect",
+        least=3,
+    ),
 )
 
 
 def _idle(owner: Any, name: str, args: tuple[Any, ...]) -> bool:
-    """Whether a setter gives what its getter already returns."""
+    """Whether a setter gives what its getter already returns; names do not matter either."""
+    if name == "setName":
+        return True
     if not args or not name.startswith("set"):
         return False
+    if name == "set_rotation":
+        return bool(np.array_equal(args[0], np.eye(3)))
     try:
         held = getattr(owner, f"get{name[3:]}")(*args[:-1])
         if hasattr(held, "translation"):
@@ -78,35 +87,43 @@ class DartScript:
     """Writes scripts that import dartpy."""
 
     def parts(self, backend: EngineBackend, plan: Plan) -> Parts:
-        scene = traced(backend, backend.load(), Dialect("dart", idle=_idle), plan)
+        pure = frozenset({"translation", "rotation", "matrix"})
+        scene = traced(backend, backend.load(), Dialect("dart", pure=pure, idle=_idle), plan)
         held = scene.simulation._scene
         _name_all(scene, held)
-        wanted = [
-            held.world, *held.nodes.values(), *held.joints.values(),
-            *scene.simulation._roots.values(),
-        ]  # fmt: skip
-        taken = {"dart", "pose", "inertia", "quaternion", "quaternion_of", "free", "links"}
-        writer = scene.writer(Style(_HELPERS), wanted, taken)
+        movable = {name: held.joints[name] for name in plan.scenario.movable_joints()}
+        nodes = {name: held.nodes[name] for name in _asked(plan)}
+        shapes = [s for s, owner in held.owners.items() if owner in _touching(plan)]
+        taken = {"dart", "pose", "inertia", "add_shape"}
+        writer = scene.writer(
+            Style(_HELPERS), [held.world, *nodes.values(), *movable.values(), *shapes], taken
+        )
         lines = writer.lines()
-        node = {name: writer.text(scene.ref(one)) for name, one in held.nodes.items()}
-        joint = {name: writer.text(scene.ref(one)) for name, one in held.joints.items()}
-        root = {
-            name: writer.text(scene.ref(one)) for name, one in scene.simulation._roots.items()
-        }
-        linked = [name for name in plan.scenario.moving_bodies() if name not in root]
-        helpers = [line for h in writer.used_helpers for line in ("", "", *h.lines)][2:]
-        for needed, text in ((root, _QUATERNION), (linked, _OF_MATRIX)):
-            helpers += ["", "", *text] if needed else []
+        node = {name: writer.text(scene.ref(one)) for name, one in nodes.items()}
+        joint = {name: writer.text(scene.ref(one)) for name, one in movable.items()}
+        shape: dict[str, list[str]] = {}
+        for one in shapes:
+            shape.setdefault(held.owners[one], []).append(writer.text(scene.ref(one)))
         world = writer.text(scene.ref(held.world))
         return Parts(
             imports=["import dartpy as dart"],
-            helpers=helpers,
+            helpers=[line for h in writer.used_helpers for line in ("", "", *h.lines)][2:],
             scene=lines,
-            now=_now(plan, root, {name: node[name] for name in linked}, joint),
+            now=_now(plan, node, joint),
             step=f"{world}.step()",
-            forces=_forces(plan, node, world),
-            drive=[*_drag(plan, root, node), *_drive(plan, joint)],
+            forces=_forces(plan, node, shape, world),
+            drive=[*_drag(plan, node), *_drive(plan, joint)],
         )
+
+
+def _asked(plan: Plan) -> list[str]:
+    """Bodies that the loop reads or pushes."""
+    return list(plan.scenario.moving_bodies())
+
+
+def _touching(plan: Plan) -> set[str]:
+    """Bodies whose contacts are sensed."""
+    return {name for pair in plan.sensed_pairs.values() for name in pair}
 
 
 def _name_all(scene: Traced, held: Any) -> None:
@@ -124,33 +141,22 @@ def _name_all(scene: Traced, held: Any) -> None:
         scene.name(shape.getDynamicsAspect(), f"{owner}_surface")
 
 
-def _now(
-    plan: Plan, root: dict[str, str], linked: dict[str, str], joint: dict[str, str]
-) -> list[str]:
-    lines = []
-    if root:
-        lines.append(f"free = {{{', '.join(f'{chr(34)}{n}{chr(34)}: {j}' for n, j in root.items())}}}")
-    if linked:
-        inside = ", ".join(f'"{name}": {one}' for name, one in linked.items())
-        lines.append(f"links = {{{inside}}}")
-    lines += ["", "", "def now():", '    """Motion of all bodies and joints."""', "    seen = {}"]
-    if root:
-        lines += [
-            "    for name, joint in free.items():",
-            "        q, v = joint.getPositions(), joint.getVelocities()",
-            '        seen[f"{name}.position_m"] = q[3:]',
-            '        seen[f"{name}.orientation_wxyz"] = quaternion(q[:3])',
-            '        seen[f"{name}.velocity_m_s"], seen[f"{name}.rate_rad_s"] = v[3:], v[:3]',
-        ]
-    if linked:
-        lines += [
-            "    for name, body in links.items():",
-            "        place = body.getWorldTransform()",
-            '        seen[f"{name}.position_m"] = place.translation()',
-            '        seen[f"{name}.orientation_wxyz"] = quaternion_of(place.rotation())',
-            '        seen[f"{name}.velocity_m_s"] = body.getLinearVelocity()',
-            '        seen[f"{name}.rate_rad_s"] = body.getAngularVelocity()',
-        ]
+def _now(plan: Plan, node: dict[str, str], joint: dict[str, str]) -> list[str]:
+    inside = ", ".join(f'"{name}": {one}' for name, one in node.items())
+    lines = [
+        f"bodies = {{{inside}}}",
+        "",
+        "",
+        "def now():",
+        '    """Motion of all bodies and joints."""',
+        "    seen = {}",
+        "    for name, body in bodies.items():",
+        "        place = body.getWorldTransform()",
+        '        seen[f"{name}.position_m"] = place.translation()',
+        '        seen[f"{name}.orientation_wxyz"] = place.quaternion().wxyz()',
+        '        seen[f"{name}.velocity_m_s"] = body.getLinearVelocity()',
+        '        seen[f"{name}.rate_rad_s"] = body.getAngularVelocity()',
+    ]
     for name, (place, rate) in joint_parts(plan).items():
         one = joint[name]
         lines += [
@@ -168,18 +174,20 @@ def _drive(plan: Plan, joint: dict[str, str]) -> list[str]:
     ]
 
 
-def _drag(plan: Plan, root: dict[str, str], node: dict[str, str]) -> list[str]:
+def _drag(plan: Plan, node: dict[str, str]) -> list[str]:
     lines = []
     for name, factor in plan.drags.items():
         lines += [
-            f"v = {root[name]}.getVelocities()[3:]",
+            f"v = {node[name]}.getLinearVelocity()",
             "speed = np.sqrt(v[0] ** 2 + v[1] ** 2 + v[2] ** 2)",
             f"{node[name]}.addExtForce(-{number(factor)} * speed * v)",
         ]
     return lines
 
 
-def _forces(plan: Plan, node: dict[str, str], world: str) -> Sequence[str]:
+def _forces(
+    plan: Plan, node: dict[str, str], shape: dict[str, list[str]], world: str
+) -> Sequence[str]:
     if not plan.force_sensors:
         return []
     lines: list[str] = []
@@ -187,19 +195,19 @@ def _forces(plan: Plan, node: dict[str, str], world: str) -> Sequence[str]:
         lines += [
             "",
             "",
-            "def normal_force(*pair):",
-            '    """Sum over the contacts of two bodies in the last step."""',
-            f"    found, contacts = 0.0, {world}.getLastCollisionResult().getContacts()",
-            "    for c in contacts:",
-            "        shapes = c.collisionObject1.getShapeFrame(), c.collisionObject2.getShapeFrame()",
-            "        if {s.asShapeNode().getBodyNodePtr().getName() for s in shapes} == set(pair):",
-            "            found += c.force.dot(c.normal)",
+            "def normal_force(first, second):",
+            '    """Sum over the contacts between two bodies\' shapes in the last step."""',
+            "    found = 0",
+            f"    for c in {world}.getLastCollisionResult().getContacts():",
+            "        touch = {c.collisionObject1.getShapeFrame(), c.collisionObject2.getShapeFrame()}",
+            "        found += c.force.dot(c.normal) if touch & first and touch & second else 0",
             "    return found",
         ]
     lines += ["", "", "def forces():", '    """What the force sensors read in the last step."""']
     lines.append("    seen = {}")
-    for name, (first, second) in plan.sensed_pairs.items():
-        lines.append(f'    seen["{name}.normal_force_N"] = normal_force("{first}", "{second}")')
+    for name, pair in plan.sensed_pairs.items():
+        first, second = (f"{{{', '.join(shape[one])}}}" for one in pair)
+        lines.append(f'    seen["{name}.normal_force_N"] = normal_force({first}, {second})')
     for name, joint in plan.sensed_joints.items():
         child = node[plan.scenario.joints[joint].child]
         lines.append(f'    seen["{name}.force_N"] = {child}.getBodyForce()[3:]')

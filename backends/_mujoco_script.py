@@ -98,10 +98,9 @@ def _merged(first: str, last: str) -> str:
 def _laid_out(text: str) -> list[str]:
     """The text in lines, without what is MuJoCo's default anyway."""
     root = ET.fromstring(text)
-    for parent in list(root.iter()):
-        for child in list(parent):
-            if child.tag in ("contact", "actuator", "sensor") and not len(child):
-                parent.remove(child)
+    for child in list(root):
+        if child.tag in ("contact", "actuator", "sensor") and not len(child):
+            root.remove(child)
     for element in root.iter():
         for key, value in list(element.attrib.items()):
             short = _NUMBER.sub(lambda m: _short(m.group()), value) if _numeric(value) else value
@@ -133,11 +132,16 @@ def _now(plan: Plan) -> list[str]:
     lines = ["", "", "def now():", '    """Motion of all bodies and joints."""', "    seen = {}"]
     if linked:  # what follows from the joints' coordinates
         lines += [
-            "    mujoco.mj_kinematics(model, data)",
-            "    mujoco.mj_comPos(model, data)",
-            "    mujoco.mj_comVel(model, data)",
+            "    for update in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_comVel):",
+            "        update(model, data)",
+            f"    for name in {_names([*free, *linked])}:",
+            "        body, kind, speed = data.body(name), mujoco.mjtObj.mjOBJ_XBODY, np.zeros(6)",
+            "        mujoco.mj_objectVelocity(model, data, kind, body.id, speed, 0)",
+            '        seen[f"{name}.position_m"] = body.xpos.copy()',
+            '        seen[f"{name}.orientation_wxyz"] = body.xquat.copy()',
+            '        seen[f"{name}.velocity_m_s"], seen[f"{name}.rate_rad_s"] = speed[3:], speed[:3]',
         ]
-    if free:
+    else:
         lines += [
             f"    for name in {_names(free)}:",
             "        q, v, rate = data.joint(name).qpos, data.joint(name).qvel, np.zeros(3)",
@@ -147,22 +151,9 @@ def _now(plan: Plan) -> list[str]:
             '        seen[f"{name}.velocity_m_s"] = v[:3].copy()',
             '        seen[f"{name}.rate_rad_s"] = rate',
         ]
-    if linked:
-        lines += [
-            f"    for name in {_names(linked)}:",
-            "        body, speed = data.body(name), np.zeros(6)",
-            "        kind = mujoco.mjtObj.mjOBJ_XBODY",
-            "        mujoco.mj_objectVelocity(model, data, kind, body.id, speed, 0)",
-            '        seen[f"{name}.position_m"] = body.xpos.copy()',
-            '        seen[f"{name}.orientation_wxyz"] = body.xquat.copy()',
-            '        seen[f"{name}.velocity_m_s"] = speed[3:]',
-            '        seen[f"{name}.rate_rad_s"] = speed[:3]',
-        ]
     for name, (place, rate) in joint_parts(plan).items():
-        lines += [
-            f'    seen["{place}"] = data.joint("{name}").qpos[0]',
-            f'    seen["{rate}"] = data.joint("{name}").qvel[0]',
-        ]
+        joint = f'data.joint("{name}")'
+        lines.append(f'    seen["{place}"], seen["{rate}"] = {joint}.qpos[0], {joint}.qvel[0]')
     return [*lines, "    return seen"]
 
 

@@ -9,7 +9,7 @@ from simcompare.backend import EngineBackend
 from simcompare.backends._pybullet_scene import BASE
 from simcompare.kinematics import mount_of
 from simcompare.scripts.contract import Parts, Plan, joint_parts, traced
-from simcompare.scripts.source import Style, identifier, number
+from simcompare.scripts.source import Style, identifier, number, wrapped
 from simcompare.scripts.trace import Dialect, Result
 
 
@@ -78,35 +78,34 @@ def _links(plan: Plan, place: dict[str, tuple[str, int]]) -> list[str]:
 def _now(
     plan: Plan, place: dict[str, tuple[str, int]], joint: dict[str, tuple[str, int]]
 ) -> list[str]:
-    free, linked = [], []
-    for name in plan.scenario.moving_bodies():
-        body, link = place[name]
-        (free if link == BASE else linked).append((name, body, link))
-    lines = []
-    if free:
-        lines.append(f"bodies = {{{', '.join(f'{chr(34)}{n}{chr(34)}: {b}' for n, b, _ in free)}}}")
-    if linked:
-        inside = ", ".join(f'"{n}": ({b}, {link})' for n, b, link in linked)
-        lines.append(f"links = {{{inside}}}")
-    lines += ["", "", "def now():", '    """Motion of all bodies and joints."""', "    seen = {}"]
-    keep = [
-        "        seen[f\"{name}.position_m\"] = place",
-        "        seen[f\"{name}.orientation_wxyz\"] = turn[3], *turn[:3]",
-        "        seen[f\"{name}.velocity_m_s\"], seen[f\"{name}.rate_rad_s\"] = velocity, rate",
+    moving = {name: place[name] for name in plan.scenario.moving_bodies()}
+    base = [
+        "place, turn = p.getBasePositionAndOrientation(body)",
+        "velocity, rate = p.getBaseVelocity(body)",
     ]
-    if free:
-        lines += [
-            "    for name, body in bodies.items():",
-            "        place, turn = p.getBasePositionAndOrientation(body)",
-            "        velocity, rate = p.getBaseVelocity(body)",
-            *keep,
-        ]
-    if linked:
-        lines += [
-            "    for name, (body, link) in links.items():",
-            "        place, turn, *_, velocity, rate = p.getLinkState(body, link, 1, 1)",
-            *keep,
-        ]
+    linked = ["place, turn, *_, velocity, rate = p.getLinkState(body, link, 1, 1)"]
+    kinds = {link == BASE for _, link in moving.values()}
+    if kinds == {True}:
+        inside, loop = ", ".join(f'"{n}": {b}' for n, (b, _) in moving.items()), "name, body"
+        read = base
+    else:
+        inside = ", ".join(f'"{n}": ({b}, {link})' for n, (b, link) in moving.items())
+        loop, read = "name, (body, link)", linked
+        if True in kinds:
+            read = ["if link == -1:", *(f"    {x}" for x in base), "else:", f"    {linked[0]}"]
+    lines = [
+        *wrapped("bodies = ", f"{{{inside}}}"),
+        "",
+        "",
+        "def now():",
+        '    """Motion of all bodies and joints."""',
+        "    seen = {}",
+        f"    for {loop} in bodies.items():",
+        *(f"        {line}" for line in read),
+        '        seen[f"{name}.position_m"] = place',
+        '        seen[f"{name}.orientation_wxyz"] = turn[3], *turn[:3]',
+        '        seen[f"{name}.velocity_m_s"], seen[f"{name}.rate_rad_s"] = velocity, rate',
+    ]
     for name, (position, rate) in joint_parts(plan).items():
         body, link = joint[name]
         lines.append(

@@ -73,7 +73,7 @@ def _places(m: Measuring, places: Sequence[int]) -> str:
     steps = set(np.diff(places).tolist())
     if len(steps) == 1:
         (step,) = steps
-        return "" if step == 1 else f"::{step}"
+        return ":" if step == 1 else f"::{step}"
     if len(steps) == 0:
         return ":1"
     return m.store("places", np.asarray(places, dtype=float)) + ".astype(int)"

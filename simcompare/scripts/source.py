@@ -28,21 +28,28 @@ class Varying:
 
 @dataclass(frozen=True)
 class Helper:
-    """A small function of the script that stands for a constructor and the setters after it.
+    """A small function of the script that stands for a call and those on what it returned.
 
     Attributes:
-        constructor: name of the constructor's last part.
-        setters: name of the setters, each of which becomes an argument.
+        call: last part of the call's name.
+        setters: calls on its result (or on the result of ``nested``) -> keyword of the argument
+            that each becomes; empty where it is told by its place.
         name: of the function.
         lines: its source.
-        defaults: arguments that need not be written where they have these values, from the end.
+        receiver: whether the object that is called, and the call's own arguments, come first.
+        swallowed: calls on the result that the function makes too.
+        nested: one of them, on whose result setters count as well.
+        least: uses from which on it is worth its lines.
     """
 
-    constructor: str
-    setters: tuple[str, ...]
+    call: str
+    setters: Mapping[str, str]
     name: str
     lines: tuple[str, ...]
-    defaults: tuple[Any, ...] = ()
+    receiver: bool = False
+    swallowed: frozenset[str] = frozenset()
+    nested: str = ""
+    least: int = 2
 
 
 @dataclass
@@ -50,7 +57,6 @@ class Style:
     """How an engine's statements are written.
 
     Attributes:
-        names: names that are wanted for objects, by the number of their expression's call.
         helpers: functions that stand for several calls.
         hidden: functions whose results are not written as arguments.
         tidy: last touch on the arguments of a call, by its name.
@@ -123,7 +129,7 @@ class Writer:
 
     def __post_init__(self) -> None:
         self._place = {id(event): i for i, event in enumerate(self.events)}
-        self._folded: dict[int, tuple[Helper, list[Any]]] = {}
+        self._folded: dict[int, tuple[Helper, list[Any], dict[str, Any]]] = {}
         self._inside: set[int] = set()
         self._fold()
         self._uses: Counter[tuple[int, int | None]] = Counter()
@@ -139,25 +145,41 @@ class Writer:
         return isinstance(event, Call) and event.pure
 
     def _fold(self) -> None:
-        """Finds constructors whose setters become arguments of a helper."""
+        """Finds calls that helpers stand for, with what is called on their results."""
         for helper in self.style.helpers:
-            for event in self.events:
-                if not isinstance(event, Call) or last_name(event.target) != helper.constructor:
-                    continue
-                given: list[Any] = [None] * len(helper.setters)
-                for setter in self.events:
-                    if not isinstance(setter, Call) or not isinstance(setter.target, Attribute):
-                        continue
-                    owner = setter.target.owner
-                    if isinstance(owner, Result) and owner.call is event:
-                        if setter.target.name in helper.setters:
-                            given[helper.setters.index(setter.target.name)] = setter.args[0]
-                            self._inside.add(id(setter))
-                for default in reversed(helper.defaults):
-                    if not given or not _same(given[-1], default):
-                        break
-                    given.pop()
-                self._folded[id(event)] = helper, given
+            made = [e for e in self.events if isinstance(e, Call) and self._is_made_by(e, helper)]
+            for event in made if len(made) >= helper.least else ():
+                self._fold_one(helper, event)
+
+    def _is_made_by(self, event: Call, helper: Helper) -> bool:
+        return last_name(event.target) == helper.call
+
+    def _fold_one(self, helper: Helper, event: Call) -> None:
+        placed: list[Any] = []
+        if helper.receiver:
+            assert isinstance(event.target, Attribute)
+            placed += [event.target.owner, *event.args]
+        named: dict[str, Any] = {}
+        owners = [event]
+        for later in self.events:
+            if not isinstance(later, Call) or not isinstance(later.target, Attribute):
+                continue
+            owner, name = later.target.owner, later.target.name
+            if not isinstance(owner, Result) or owner.call not in owners:
+                continue
+            if name in helper.swallowed:
+                self._inside.add(id(later))
+            if name == helper.nested:
+                owners.append(later)
+            keyword = helper.setters.get(name)
+            if keyword is None:
+                continue
+            self._inside.add(id(later))
+            if not keyword:
+                placed.append(later.args[0])
+            elif not later.idle:
+                named[keyword] = later.args[0]
+        self._folded[id(event)] = helper, placed, named
 
     def _need_all(self, event: Event) -> None:
         if id(event) in self._needed:
@@ -167,7 +189,8 @@ class Writer:
             self._need(event.owner, 1)
             self._need(event.value, 1)
         elif id(event) in self._folded:
-            self._need(self._folded[id(event)][1], 1)
+            _, placed, named = self._folded[id(event)]
+            self._need((placed, *named.values()), 1)
         else:
             self._need(event.target, 1)
             self._need((event.args, tuple(event.kwargs.values())), 1)
@@ -224,10 +247,13 @@ class Writer:
     def _call(self, event: Call) -> tuple[str, list[str]]:
         """What is called, and its arguments."""
         if id(event) in self._folded:
-            helper, given = self._folded[id(event)]
+            helper, placed, named = self._folded[id(event)]
             if helper not in self.used_helpers:
                 self.used_helpers.append(helper)
-            return helper.name, [self.text(value) for value in given]
+            return helper.name, [
+                *(self.text(value) for value in placed),
+                *(f"{key}={self.text(value)}" for key, value in named.items()),
+            ]
         args = [value for value in event.args if not self._is_hidden(value)]
         kwargs = dict(event.kwargs)
         self.style.tidy(last_name(event.target), args, kwargs)
@@ -263,6 +289,8 @@ class Writer:
                 return f"({self.text(value[0])},)"
             case float():
                 return number(value)
+            case str():
+                return f'"{value}"'
             case _:
                 return repr(value)
 
@@ -346,8 +374,3 @@ def _generic(event: Call) -> str:
     name = last_name(event.target).removeprefix("get").removeprefix("create")
     return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower() or "found"
 
-
-def _same(value: Any, default: Any) -> bool:  # noqa: ANN401
-    if isinstance(value, Varying) or (isinstance(value, tuple | list) and Varying in map(type, value)):
-        return False
-    return bool(np.array_equal(np.asarray(value, dtype=object), np.asarray(default, dtype=object)))
