@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from simcompare.backend import EngineBackend
-from simcompare.scripts.contract import Parts, Plan, Traced, joint_parts, traced
+from simcompare.scripts.contract import Parts, Plan, Traced, joint_parts, now_of_one, traced
 from simcompare.scripts.source import Helper, Style, number
 from simcompare.scripts.trace import Dialect
 
@@ -94,25 +94,30 @@ class DartScript:
         movable = {name: held.joints[name] for name in plan.scenario.movable_joints()}
         nodes = {name: held.nodes[name] for name in _asked(plan)}
         shapes = [s for s, owner in held.owners.items() if owner in _touching(plan)]
-        taken = {"dart", "pose", "inertia", "add_shape"}
-        writer = scene.writer(
-            Style(_HELPERS), [held.world, *nodes.values(), *movable.values(), *shapes], taken
-        )
+        roots = scene.simulation._roots
+        taken = {"dart", "pose", "inertia", "add_shape", "quaternion", "joint"}
+        wanted = [held.world, *movable.values(), *roots.values(), *shapes]
+        pushed = [name for name in nodes if name not in roots or name in plan.drags]
+        wanted += [nodes[name] for name in pushed]
+        writer = scene.writer(Style(_HELPERS), wanted, taken)
         lines = writer.lines()
         node = {name: writer.text(scene.ref(one)) for name, one in nodes.items()}
+        root = {name: writer.text(scene.ref(one)) for name, one in roots.items()}
         joint = {name: writer.text(scene.ref(one)) for name, one in movable.items()}
         shape: dict[str, list[str]] = {}
         for one in shapes:
             shape.setdefault(held.owners[one], []).append(writer.text(scene.ref(one)))
         world = writer.text(scene.ref(held.world))
+        functions = [helper.lines for helper in writer.used_helpers]
+        functions += [_QUATERNION] if root else []
         return Parts(
             imports=["import dartpy as dart"],
-            helpers=[line for h in writer.used_helpers for line in ("", "", *h.lines)][2:],
+            helpers=[line for lines in functions for line in ("", "", *lines)][2:],
             scene=lines,
-            now=_now(plan, node, joint),
+            now=_now(plan, root, node, joint),
             step=f"{world}.step()",
             forces=_forces(plan, node, shape, world),
-            drive=[*_drag(plan, node), *_drive(plan, joint)],
+            drive=[*_drag(plan, root, node), *_drive(plan, joint)],
         )
 
 
@@ -141,28 +146,60 @@ def _name_all(scene: Traced, held: Any) -> None:
         scene.name(shape.getDynamicsAspect(), f"{owner}_surface")
 
 
-def _now(plan: Plan, node: dict[str, str], joint: dict[str, str]) -> list[str]:
-    inside = ", ".join(f'"{name}": {one}' for name, one in node.items())
-    lines = [
-        f"bodies = {{{inside}}}",
-        "",
-        "",
-        "def now():",
-        '    """Motion of all bodies and joints."""',
-        "    seen = {}",
-        "    for name, body in bodies.items():",
-        "        place = body.getWorldTransform()",
-        '        seen[f"{name}.position_m"] = place.translation()',
-        '        seen[f"{name}.orientation_wxyz"] = place.quaternion().wxyz()',
-        '        seen[f"{name}.velocity_m_s"] = body.getLinearVelocity()',
-        '        seen[f"{name}.rate_rad_s"] = body.getAngularVelocity()',
-    ]
-    for name, (place, rate) in joint_parts(plan).items():
-        one = joint[name]
+_QUATERNION = (
+    "def quaternion(r):",
+    '    """A rotation vector as w, x, y, z."""',
+    "    half = np.linalg.norm(r) / 2",
+    "    return np.append(np.cos(half), 0.5 * np.sinc(half / np.pi) * r)",
+)
+
+
+def _now(
+    plan: Plan, root: dict[str, str], node: dict[str, str], joint: dict[str, str]
+) -> list[str]:
+    """Free bodies by their coordinates; DART's own transforms round small angles to 1e-10."""
+    motion = {
+        one: (f"{text}.getPosition(0)", f"{text}.getVelocity(0)") for one, text in joint.items()
+    }
+    linked = {name: one for name, one in node.items() if name not in root}
+    if len(node) == 1:
+        if root:
+            (one,) = root.values()
+            read = [f"q, v = {one}.getPositions(), {one}.getVelocities()"]
+            seen = ["q[3:]", "quaternion(q[:3])", "v[3:]", "v[:3]"]
+        else:
+            (one,) = linked.values()
+            read = [f"place = {one}.getWorldTransform()"]
+            seen = ["place.translation()", "place.quaternion().wxyz()"]
+            seen += [f"{one}.getLinearVelocity()", f"{one}.getAngularVelocity()"]
+        seen += [text for pair in motion.values() for text in pair]
+        return now_of_one(plan, "Motion of the body.", read, seen)
+    lines = ["", "", "def now():", '    """Motion of all bodies and joints."""', "    seen = {}"]
+    if root:
         lines += [
-            f'    seen["{place}"], seen["{rate}"] = {one}.getPosition(0), {one}.getVelocity(0)'
+            f"    for name, joint in {_pairs(root)}:",
+            "        q, v = joint.getPositions(), joint.getVelocities()",
+            '        seen[f"{name}.position_m"], seen[f"{name}.rate_rad_s"] = q[3:], v[:3]',
+            '        seen[f"{name}.orientation_wxyz"] = quaternion(q[:3])',
+            '        seen[f"{name}.velocity_m_s"] = v[3:]',
         ]
+    if linked:
+        lines += [
+            f"    for name, body in {_pairs(linked)}:",
+            "        place = body.getWorldTransform()",
+            '        seen[f"{name}.position_m"] = place.translation()',
+            '        seen[f"{name}.orientation_wxyz"] = place.quaternion().wxyz()',
+            '        seen[f"{name}.velocity_m_s"] = body.getLinearVelocity()',
+            '        seen[f"{name}.rate_rad_s"] = body.getAngularVelocity()',
+        ]
+    for name, (place, rate) in joint_parts(plan).items():
+        q, v = motion[name]
+        lines.append(f'    seen["{place}"], seen["{rate}"] = {q}, {v}')
     return [*lines, "    return seen"]
+
+
+def _pairs(names: dict[str, str]) -> str:
+    return f"{{{', '.join(f'{chr(34)}{name}{chr(34)}: {one}' for name, one in names.items())}}}.items()"
 
 
 def _drive(plan: Plan, joint: dict[str, str]) -> list[str]:
@@ -174,11 +211,11 @@ def _drive(plan: Plan, joint: dict[str, str]) -> list[str]:
     ]
 
 
-def _drag(plan: Plan, node: dict[str, str]) -> list[str]:
+def _drag(plan: Plan, root: dict[str, str], node: dict[str, str]) -> list[str]:
     lines = []
     for name, factor in plan.drags.items():
         lines += [
-            f"v = {node[name]}.getLinearVelocity()",
+            f"v = {root[name]}.getVelocities()[3:]",
             "speed = np.sqrt(v[0] ** 2 + v[1] ** 2 + v[2] ** 2)",
             f"{node[name]}.addExtForce(-{number(factor)} * speed * v)",
         ]

@@ -10,7 +10,7 @@ from xml.etree import ElementTree as ET
 from simcompare.backend import EngineBackend
 from simcompare.backends._mujoco_scene import contact_points
 from simcompare.errors import Unsupported
-from simcompare.scripts.contract import Parts, Plan, joint_parts
+from simcompare.scripts.contract import Parts, Plan, joint_parts, now_of_one
 from simcompare.scripts.source import number
 
 #: attributes that are left out where they have MuJoCo's own default
@@ -129,6 +129,25 @@ def _start(simulation: Any) -> list[str]:
 def _now(plan: Plan) -> list[str]:
     free = list(plan.scenario.free_bodies())
     linked = [name for name in plan.scenario.moving_bodies() if name not in free]
+    if [*free, *linked] == free[:1]:
+        (name,) = free
+        reads = [
+            f'q, v, rate = data.joint("{name}").qpos, data.joint("{name}").qvel, np.zeros(3)',
+            "mujoco.mju_rotVecQuat(rate, v[3:], q[3:])  # it is stored in the body's frame",
+        ]
+        seen = ["q[:3].copy()", "q[3:].copy()", "v[:3].copy()", "rate"]
+        return now_of_one(plan, "Motion of the body.", reads, seen)
+    if len(linked) == 1 and not free:
+        reads = [
+            "for update in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_comVel):",
+            "    update(model, data)",
+            f'body, kind, speed = data.body("{linked[0]}"), mujoco.mjtObj.mjOBJ_XBODY, np.zeros(6)',
+            "mujoco.mj_objectVelocity(model, data, kind, body.id, speed, 0)",
+        ]
+        seen = ["body.xpos.copy()", "body.xquat.copy()", "speed[3:]", "speed[:3]"]
+        for name in joint_parts(plan):
+            seen += [f'data.joint("{name}").qpos[0]', f'data.joint("{name}").qvel[0]']
+        return now_of_one(plan, "Motion of the body.", reads, seen)
     lines = ["", "", "def now():", '    """Motion of all bodies and joints."""', "    seen = {}"]
     if linked:  # what follows from the joints' coordinates
         lines += [

@@ -8,7 +8,7 @@ from typing import Any
 from simcompare.backend import EngineBackend
 from simcompare.backends._pybullet_scene import BASE
 from simcompare.kinematics import mount_of
-from simcompare.scripts.contract import Parts, Plan, joint_parts, traced
+from simcompare.scripts.contract import Parts, Plan, joint_parts, now_of_one, traced
 from simcompare.scripts.source import Style, identifier, number, wrapped
 from simcompare.scripts.trace import Dialect, Result
 
@@ -84,6 +84,18 @@ def _now(
         "velocity, rate = p.getBaseVelocity(body)",
     ]
     linked = ["place, turn, *_, velocity, rate = p.getLinkState(body, link, 1, 1)"]
+    note = "Motion of all bodies and joints."
+    if len(moving) == 1:
+        ((body, link),) = moving.values()
+        reads = [x.replace("body", body).replace("link,", f"{link},") for x in linked]
+        if link == BASE:
+            reads = [x.replace("body", body) for x in base]
+        seen = ["place", "(turn[3], *turn[:3])", "velocity", "rate"]
+        for name in joint_parts(plan):
+            at, link = joint[name]
+            reads.append(f"q, v, *_ = p.getJointState({at}, {link})")
+            seen += ["q", "v"]
+        return now_of_one(plan, "Motion of the body.", reads, seen)
     kinds = {link == BASE for _, link in moving.values()}
     if kinds == {True}:
         inside, loop = ", ".join(f'"{n}": {b}' for n, (b, _) in moving.items()), "name, body"
@@ -98,7 +110,7 @@ def _now(
         "",
         "",
         "def now():",
-        '    """Motion of all bodies and joints."""',
+        f'    """{note}"""',
         "    seen = {}",
         f"    for {loop} in bodies.items():",
         *(f"        {line}" for line in read),

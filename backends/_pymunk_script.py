@@ -8,8 +8,8 @@ from typing import Any
 from simcompare.backend import EngineBackend
 from simcompare.backends._pymunk_forces import _carried_by
 from simcompare.backends._pymunk_joints import Slider
-from simcompare.scripts.contract import Parts, Plan, Traced, joint_parts, traced
-from simcompare.scripts.source import Style, Writer, number
+from simcompare.scripts.contract import Parts, Plan, Traced, joint_parts, now_of_one, traced
+from simcompare.scripts.source import Style, number
 from simcompare.scripts.trace import Dialect
 
 _SLIDE = (
@@ -17,12 +17,12 @@ _SLIDE = (
     '    """Coordinate and rate of a slider along an axis of its parent, and that axis."""',
     "    (dx, dz), (vx, vz) = child.position - parent.position, child.velocity - parent.velocity",
     "    angle, spin = parent.angle + heading, parent.angular_velocity",
-    "    x, z = math.cos(angle), math.sin(angle)",
+    "    x, z = np.cos(angle), np.sin(angle)",
     "    place = x * dx + z * dz - start",
     "    if not ahead_s:",
     "        return place, x * vx + z * vz + spin * (x * dz - z * dx), (x, z)",
     "    # the axis as it will be when the next step's forces act, and the mean rate until then",
-    "    ax, az = math.cos(angle + ahead_s * spin), math.sin(angle + ahead_s * spin)",
+    "    ax, az = np.cos(angle + ahead_s * spin), np.sin(angle + ahead_s * spin)",
     "    return place, ((ax - x) * dx + (az - z) * dz) / ahead_s + ax * vx + az * vz, (ax, az)",
 )
 
@@ -48,14 +48,14 @@ class PymunkScript:
         scene = traced(backend, engine, dialect, plan)
         held = scene.simulation._scene
         _name_all(scene, held)
-        taken = {"pymunk", "math", "slide", "impulse", "half", "x", "z"}
+        taken = {"pymunk", "slide", "impulse", "half", "x", "z"}
         wanted = [held.space, *held.bodies.values()]
         writer = scene.writer(Style(tidy=_tidy), wanted, taken)
         lines = writer.lines()
         body = {name: writer.text(scene.ref(one)) for name, one in held.bodies.items()}
         sliders = [j for j in held.joints.values() if isinstance(j, Slider)]
         return Parts(
-            imports=(["import math", ""] if sliders or plan.drags else []) + ["import pymunk"],
+            imports=["import pymunk"],
             helpers=_SLIDE if sliders else (),
             scene=lines,
             now=_now(plan, held, body),
@@ -80,13 +80,28 @@ def _name_all(scene: Traced, held: Any) -> None:
 
 
 def _now(plan: Plan, held: Any, body: dict[str, str]) -> list[str]:
+    note = "Motion of all bodies; y of pymunk is z of the world, and its angles are about -y."
+    sliders = any(isinstance(joint, Slider) for joint in held.joints.values())
+    if len(plan.scenario.moving_bodies()) == 1 and not sliders:
+        (name,) = plan.scenario.moving_bodies()
+        one = body[name]
+        seen = [
+            "(x, 0, z)", "(np.cos(half), 0, np.sin(half), 0)", "(vx, 0, vz)",
+            f"(0, -{one}.angular_velocity, 0)",
+        ]  # fmt: skip
+        for joint_name in joint_parts(plan):
+            joint = held.joints[joint_name]
+            pair = body[joint.joint.parent], body[joint.joint.child]
+            seen += [_angle(joint, *pair), _rate(joint, *pair)]
+        read = f"(x, z), (vx, vz), half = {one}.position, {one}.velocity, -{one}.angle / 2"
+        return now_of_one(plan, note.replace("all bodies", "the body"), [read], seen)
     moving = ", ".join(f'"{name}": {body[name]}' for name in plan.scenario.moving_bodies())
     lines = [
         f"bodies = {{{moving}}}",
         "",
         "",
         "def now():",
-        '    """Motion of all bodies; y of pymunk is z of the world, and its angles are about -y."""',
+        f'    """{note}"""',
         "    seen = {}",
         "    for name, body in bodies.items():",
         "        (x, z), (vx, vz), half = body.position, body.velocity, -body.angle / 2",
@@ -158,7 +173,7 @@ def _drag(plan: Plan, body: dict[str, str]) -> list[str]:
     lines = []
     for name, factor in plan.drags.items():
         lines += [
-            f"drag = {number(factor)} * math.hypot(*{body[name]}.velocity)",
+            f"drag = {number(factor)} * {body[name]}.velocity.length",
             f"{body[name]}.apply_force_at_world_point("
             f"-drag * {body[name]}.velocity, {body[name]}.position)",
         ]
@@ -177,8 +192,6 @@ def _forces(plan: Plan, body: dict[str, str]) -> Sequence[str]:
     gx, _, gz = scenario.world.gravity_m_s2
     touching = any(scenario.bodies[one].shapes for names in carried.values() for one in names)
     if carried:
-        groups = "; ".join(f"{', '.join(names)}" for names in carried.values())
-        del groups
         lines += [
             "carried = {"
             + ", ".join(
@@ -236,5 +249,4 @@ def _forces(plan: Plan, body: dict[str, str]) -> Sequence[str]:
     return [*lines, "    return seen"]
 
 
-_: type[Writer] = Writer
 SCRIPT = PymunkScript()

@@ -13,9 +13,10 @@ from typing import Any, Protocol, runtime_checkable
 from simcompare.backend import EngineBackend, Settings
 from simcompare.drives import JointLaw
 from simcompare.errors import Unsupported
-from simcompare.scenario import Scenario, Sensor
+from simcompare.scenario import MOVABLE, Scenario, Sensor
 from simcompare.scripts.source import Style, Writer, merged, number
 from simcompare.scripts.trace import Dialect, Event, Expression, Recorder, Result, expression_of
+from simcompare.trajectory import BODY_SIGNALS
 
 #: names that the script uses itself
 RESERVED = frozenset(
@@ -214,9 +215,31 @@ def script_of(backend: object) -> EngineScript:
 
 def joint_parts(plan: Plan) -> Mapping[str, tuple[str, str]]:
     """Names of coordinate and rate of every movable joint, as signals."""
-    from simcompare.scenario import MOVABLE
-
     return {
         name: (f"{name}.{MOVABLE[joint.type][0]}", f"{name}.{MOVABLE[joint.type][1]}")
         for name, joint in plan.scenario.movable_joints().items()
     }
+
+
+def now_of_one(plan: Plan, note: str, reads: Sequence[str], seen: Sequence[str]) -> list[str]:
+    """The function ``now()`` where one body moves.
+
+    Args:
+        plan: what is to be written.
+        note: what is to be known of it.
+        reads: what is read first.
+        seen: position, orientation, velocity and rate, then coordinates and rates of joints.
+    """
+    (body,) = plan.scenario.moving_bodies()
+    names = [f"{body}.{part}" for part in BODY_SIGNALS]
+    names += [signal for pair in joint_parts(plan).values() for signal in pair]
+    return [
+        "",
+        "",
+        "def now():",
+        f'    """{note}"""',
+        *(f"    {line}" for line in reads),
+        "    return {",
+        *(f'        "{name}": {text},' for name, text in zip(names, seen, strict=True)),
+        "    }",
+    ]

@@ -91,54 +91,45 @@ def _table(m: Measuring, name: str, truth: Truth, series: str) -> str:
     return text
 
 
-def _numbers(truth: Truth, series: str, count: int) -> str:
-    """The first numbers of a series of the closed form, as text that follows the phase."""
+def _numbers(truth: Truth, series: str, count: int) -> list[str]:
+    """The first numbers of a series of the closed form, as ``true``, which follows the phase."""
     assert truth.first is not None
     first = np.asarray(truth.first.series[series][:count], dtype=float)
-    text = f"np.array({[float(f'{value:.7g}') for value in first]})"
+    lines = [f"true = np.array({[float(f'{value:.7g}') for value in first]})"]
     if truth.last is not None and len(truth.last.series[series]) >= len(first):
         change = np.asarray(truth.last.series[series][: len(first)], dtype=float) - first
         if change.any():
-            text += f" + phase * np.array({[float(f'{value:.4g}') for value in change]})"
-    return text
+            lines.append(f"true += phase * np.array({[float(f'{v:.4g}') for v in change]})")
+    return lines
 
 
 def _bounces(m: Measuring, measure: Measure, truth: Truth) -> Mapping[str, str]:
     z = m.probe(measure.probe)
     m.lines += [
         f"low = np.flatnonzero(({z}[1:-1] < {z}[:-2]) & ({z}[1:-1] <= {z}[2:])) + 1",
-        "flights = []  # start, end and speed at the floor, from the parabola through its samples",
-        f"for a, b in zip([-2, *low], [*low, len({z})]):",
-        "    i = np.arange(max(a + 2, 0), b - 1)",
-        f"    i = i[{z}[i] > 0]",
+        "flights = []  # the parabola through each flight of at least 12 samples",
+        f"for a, b in zip([0, *(low + 2)], [*(low - 1), len({z}) - 1]):",
+        f"    i = a + np.flatnonzero({z}[a:b] > 0)",
         f"    if len(i) < 12 or np.ptp({z}[i]) <= 1e-6 * np.ptp({z}):",
         "        break",
-        f"    curve = np.polyfit(t[i], {z}[i], 2)",
-        "    start, end = np.sort(np.roots(curve).real)",
-        "    flights.append((start, end, -curve[0] * (end - start)))",
-        "start, end, speed = np.array(flights).T",
+        f"    flights.append(np.polyfit(t[i], {z}[i], 2))",
+        "start, end = np.sort([np.roots(flight).real for flight in flights]).T",
+        "speed = -np.array(flights)[:, 0] * (end - start)  # at the floor, before and after",
+        "e = speed[1:] / speed[:-1] if len(speed) > 1 else np.zeros(1)",
     ]
     found = {"penetration": f"max(0, -{z}.min())", "resolved_bounces": "len(flights) - 1"}
-    bounces = len(truth.first.series["restitution"]) if truth.first is not None else 1000
-    m.lines.append(
-        f"e = speed[1:{bounces + 1}] / speed[:-1][:{bounces}] if len(speed) > 1 else np.zeros(1)"
-    )
     found["restitution"] = "e.mean()"
     if truth.first is not None:
+        found["restitution"] = f"e[:{len(truth.first.series['restitution'])}].mean()"
         speeds = truth.first.series["impact_speed"][:TIMED_IMPACTS]
         needed = int(np.count_nonzero(speeds >= SLOW_PART * speeds[0]))
-        m.lines += [
-            f"true = {_numbers(truth, 'impact_time', TIMED_IMPACTS)}",
-            "impacts = np.append((end[:-1] + start[1:]) / 2, end[-1])[: len(true)]",
-        ]
-        found["impact_time_error"] = (
-            f"abs(impacts - true[: len(impacts)]).max() if len(impacts) >= {needed} else np.nan"
-        )
-    m.lines += [
-        f"moving = np.flatnonzero(abs({z} - {z}[-1]) > 0.001 * ({z}[0] - {z}.min()))",
-        f"settled = moving[-1] + 1 + len({z}) // 200 < len({z})",
-    ]
-    found["settling_time"] = "t[moving[-1] + 1] if settled else np.nan"
+        m.lines += [*_numbers(truth, "impact_time", TIMED_IMPACTS)]
+        m.lines.append("impacts = np.append((end[:-1] + start[1:]) / 2, end[-1])[: len(true)]")
+        error = "abs(impacts - true[: len(impacts)]).max()"
+        found["impact_time_error"] = f"{error} if len(impacts) >= {needed} else np.nan"
+    m.lines.append(f"moving = np.flatnonzero(abs({z} - {z}[-1]) > 0.001 * np.ptp({z}))")
+    late = len(sample_times(m.scenario)) // 200 + 1
+    found["settling_time"] = f"t[moving[-1] + 1] if moving[-1] + {late} < len(t) else np.nan"
     found["energy_gain"] = "max(0, (e**2 - 1).max())"
     return found
 

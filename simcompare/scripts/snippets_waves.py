@@ -8,7 +8,7 @@ import numpy as np
 
 from simcompare.scenario import Measure
 from simcompare.scripts.measuring import Measuring, Snippet, Truth
-from simcompare.scripts.source import number
+from simcompare.scripts.source import number, wrapped
 
 
 def _list(values: object) -> str:
@@ -29,7 +29,8 @@ def _response(m: Measuring, measure: Measure, truth: Truth) -> Mapping[str, str]
         "    waves = np.column_stack((np.cos(omega * s), np.sin(omega * s), np.ones(len(s)), s))",
         f"    fits = np.linalg.lstsq(waves, np.column_stack(({probe}[i], {base}[i])))[0]",
         "    read, moved = fits[0] - 1j * fits[1]",
-        f"    ratio.append({number(options['gain'])} * read / (-(omega**2) * moved))",
+        f"    still = np.ptp({base}[i]) < 1e-15  # but for rounding",
+        f"    ratio.append(np.nan if still else -{number(options['gain'])} * read / omega**2 / moved)",
     ]
     return _judged(m, truth)
 
@@ -61,17 +62,19 @@ def _judged(m: Measuring, truth: Truth) -> Mapping[str, str]:
     series, count = truth.first.series, int(truth.first.values["judged_frequencies"] or 0)
     m.lines += [
         "size, angle = abs(np.array(ratio)), np.degrees(np.angle(ratio))",
-        f"size_error = abs(size[:{count}] / {_list(series['amplitude'][:count])} - 1)",
-        f"turned_by = angle[:{count}] - {_list(series['phase'][:count])}",
+        *wrapped("true = ", _list(series["amplitude"][:count])),
+        f"size_error = abs(size[:{count}] / true - 1)",
+        *wrapped("true = ", _list(series["phase"][:count])),
+        f"turned_by = angle[:{count}] - true",
         "below = np.append(np.flatnonzero(size < 0.5**0.5), 0)[0]  # the cutoff is just before it",
-        "log_f = np.interp(np.log(2) / 2, -np.log(size[below - 1 : below + 1]),"
-        " np.log(f[below - 1 : below + 1])) if below else np.nan",
+        "x, y = -np.log(size[below - 1 : below + 1]), np.log(f[below - 1 : below + 1])",
+        "cutoff = np.exp(np.interp(np.log(2) / 2, x, y)) if below else np.nan",
     ]
     return {
         "amplitude_error": "size_error.max()",
         "phase_error": "abs((turned_by + 180) % 360 - 180).max()",
-        "cutoff_frequency": "np.exp(log_f)",
-        "judged_frequencies": f"len(turned_by)",
+        "cutoff_frequency": "cutoff",
+        "judged_frequencies": "int(np.isfinite(turned_by).sum())",
     }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
+import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -18,7 +19,7 @@ from simcompare.scripts.contract import RESERVED, Effort, Parts, Plan, joint_par
 from simcompare.scripts.expected import Expected, expected_of
 from simcompare.scripts.measuring import Measuring
 from simcompare.scripts.snippets import SNIPPETS
-from simcompare.scripts.source import number
+from simcompare.scripts.source import WIDTH, number
 from simcompare.trajectory import BODY_SIGNALS, Array
 
 #: most pieces of constant input that are written as such; others go to the file of inputs
@@ -180,19 +181,11 @@ def _text(
     table = _table(measuring, expected)
     stored = {**inputs, **measuring.stored}
     functions = [line for lines in measuring.functions.values() for line in ["", "", *lines]]
-    lines = [
-        *_head(name, engine, plan, stored),
-        "import sys",
-        "",
-        "import numpy as np",
-        *parts.imports,
-        "",
-    ]
+    lines = [*_head(name, engine, plan, stored)]
+    lines += ["import sys", ""] if plan.shifted is not None else []
+    lines += ["import numpy as np", *parts.imports, ""]
     if plan.shifted is not None:
         lines.append("phase = float(sys.argv[1]) if len(sys.argv) > 1 else 0.0")
-    else:
-        lines.remove("import sys")
-        lines.remove("")
     world = plan.scenario.world
     steps = round(world.duration_s / world.step_s)
     lines.append(f"step_s, steps = {number(world.engine_step_s)}, {steps * world.substeps}")
@@ -245,23 +238,18 @@ def _head(
 ) -> list[str]:
     scenario, level = plan.scenario, plan.settings.contact
     own = importlib.metadata.version("simcompare")
-    needs = f", numpy and {name}_inputs.npz" if stored else " and numpy"
-    lines = [
-        f'"""{scenario.title} in {engine.name} {engine.version()}: {level}, {LEVELS[level]}.',
-        "",
-        f"Written by simcompare {own} from its scenario {scenario.name}. Needs the engine{needs}:",
-    ]
+    needs = f"numpy and {name}_inputs.npz" if stored else "and numpy"
+    text = f"Written by simcompare {own} from its scenario {scenario.name}. It needs {engine.name}"
+    text += f"{',' if stored else ''} {needs}: python {name}.py"
     dither = scenario.dither
-    if dither is None:
-        return [*lines, f"    python {name}.py", '"""', ""]
-    unit = units.unit_of(dither.parameter) or ""
-    return [
-        *lines,
-        f"    python {name}.py [PHASE]",
-        f"PHASE, from 0 to 1, adds that part of {dither.span:.4g} {unit} to {dither.parameter}.",
-        '"""',
-        "",
-    ]
+    if dither is not None:
+        unit = units.unit_of(dither.parameter) or ""
+        text += (
+            f" [PHASE]. PHASE, from 0 to 1, adds that part of {dither.span:.4g} {unit} to"
+            f" {dither.parameter}."
+        )
+    title = f"{scenario.title}, {engine.name} {engine.version()}, {level}: {LEVELS[level]}."
+    return [f'"""{title}', "", *textwrap.wrap(text, WIDTH), '"""', ""]
 
 
 def _loop(plan: Plan, parts: Parts) -> list[str]:
@@ -303,13 +291,15 @@ def _table(measuring: Measuring, expected: Sequence[Expected]) -> list[str]:
         value = done[key].get(one.own, "np.nan")
         score = one.score
         row = (f"{one.name} [{score.unit}]", told(score.truth), told(score.value, score.u))
-        rows.append(f'    ("{row[0]}", {value}, "{row[1]}", "{row[2]}"),')
+        whole = f'    ("{row[0]}", {value}, "{row[1]}", "{row[2]}"),'
+        rows += [whole]
+        if len(whole) > WIDTH:
+            rows[-1:] = [f'    ("{row[0]}", {value},', f'     "{row[1]}", "{row[2]}"),']
     if not rows:
         return []
     return [
-        "print(f\"{'':<32}{'here':>14}{'closed form':>14}  simcompare\")",
         "for name, value, true, run in (",
         *rows,
         "):",
-        '    print(f"{name:<32}{value:>14.7g}{true:>14}  {run}")',
+        '    print(f"{name:<30}{value:<14.7g} closed form {true:<12} simcompare {run}")',
     ]
