@@ -298,8 +298,8 @@ def _table(measuring: Measuring, expected: Sequence[Expected]) -> list[str]:
     if not rows:
         return []
     return [
-        "for name, value, true, run in (",
+        "for name, value, exact, run in (",
         *rows,
         "):",
-        '    print(f"{name:<30}{value:<14.7g} closed form {true:<12} simcompare {run}")',
+        '    print(f"{name:<30}{value:<14.7g} closed form {exact:<12} simcompare {run}")',
     ]
