@@ -14,30 +14,20 @@ from simcompare.scripts.trace import Dialect
 
 _HELPERS = (
     Helper(
+        "Inertia",
+        {"setMass": "", "setMoment": "momentOfInertia", "setLocalCOM": "com"},
+        "dart.dynamics.Inertia",
+        least=1,
+    ),
+    Helper(
         "Isometry3",
         {"set_translation": "", "set_rotation": "turn"},
         "pose",
         (
             "def pose(place, turn=np.eye(3)):",
-            "    found = dart.math.Isometry3()",
-            "    found.set_translation(place)",
-            "    found.set_rotation(turn)",
-            "    return found",
+            "    return dart.math.Isometry3(turn, place)",
         ),
         least=1,
-    ),
-    Helper(
-        "Inertia",
-        {"setMass": "", "setMoment": "", "setLocalCOM": "center"},
-        "inertia",
-        (
-            "def inertia(mass, moment, center=(0, 0, 0)):",
-            "    found = dart.dynamics.Inertia()",
-            "    found.setMass(mass)",
-            "    found.setMoment(moment)",
-            "    found.setLocalCOM(center)",
-            "    return found",
-        ),
     ),
     Helper(
         "createShapeNode",
@@ -108,7 +98,7 @@ class DartScript:
         for one in shapes:
             shape.setdefault(held.owners[one], []).append(writer.text(scene.ref(one)))
         world = writer.text(scene.ref(held.world))
-        functions = [helper.lines for helper in writer.used_helpers]
+        functions = [helper.lines for helper in writer.used_helpers if helper.lines]
         functions += [_QUATERNION] if root else []
         return Parts(
             imports=["import dartpy as dart"],

@@ -72,10 +72,9 @@ def _model(text: str, shifted: str) -> list[str]:
     lines = [_merged(a, b) for a, b in zip(first, last, strict=True)]
     mark = "f" if first != last else ""
     return [
-        f'mjcf = {mark}"""',
+        f'model = mujoco.MjModel.from_xml_string({mark}"""',
         *lines,
-        '"""',
-        "model = mujoco.MjModel.from_xml_string(mjcf)",
+        '""")',
         "data = mujoco.MjData(model)",
     ]
 

@@ -16,7 +16,6 @@ from simcompare.backend import Settings
 from simcompare.errors import InputError
 from simcompare.scripts import write
 from simcompare.trajectory import BODY_SIGNALS
-from tests.test_cli import simcompare
 
 LEVELS = [level for level in write.LEVELS if level in backend.CONTACT_MODES]
 RUNNER = Path(__file__).with_name("script_runner.py")
@@ -189,17 +188,17 @@ def test_drag_acts_in_a_script_too(tmp_path):
         (["ball", "--engine", "dart", "-o", "ball.txt"], "ends with .py"),
     ],
 )
-def test_wrong_words_end_with_a_sentence(words, told):
-    done = simcompare("export", *words, "--format", "script")
-    assert done.returncode == 2
-    assert told in done.stderr
-    assert "Traceback" not in done.stderr
+def test_wrong_words_end_with_a_sentence(call, words, told):
+    code, out, err = call("export", *words, "--format", "script")
+    assert (code, out) == (2, "")
+    assert told in err
+    assert "Traceback" not in err
 
 
-def test_options_of_a_script_are_refused_elsewhere():
-    done = simcompare("export", "ball", "--engine", "mujoco")
-    assert done.returncode == 2
-    assert "--engine is for --format script" in done.stderr
+def test_options_of_a_script_are_refused_elsewhere(call):
+    code, _, err = call("export", "ball", "--engine", "mujoco")
+    assert code == 2
+    assert "--engine is for --format script" in err
 
 
 def test_a_missing_engine_is_told_with_its_cure(monkeypatch):
@@ -224,11 +223,12 @@ def test_a_backend_that_has_no_scripts_says_so(monkeypatch):
     assert told.value.exit_code == 2
 
 
-def test_the_command_writes_the_script_and_its_inputs(tmp_path):
-    done = simcompare(
-        "export", "motor_step", "--format", "script", "--engine", "pymunk", "-o",
-        str(tmp_path / "motor.py"),
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    assert {path.name for path in tmp_path.iterdir()} == {"motor.py", "motor_inputs.npz"}
-    assert "motor" in run_all(tmp_path)
+def test_the_command_writes_the_script_and_its_inputs(call, tmp_path):
+    words = ("--format", "script", "--engine", "pymunk", "-o", tmp_path / "made" / "motor.py")
+    code, out, err = call("export", "motor_step", *words)
+    assert (code, err) == (0, "")
+    assert [Path(line).name for line in out.splitlines()] == ["motor.py", "motor_inputs.npz"]
+    assert "out" in run_all(tmp_path / "made")["motor"]
+    code, out, _ = call("export", "ball", "--format", "script", "--engine", "pymunk")
+    assert code == 0
+    ast.parse(out)

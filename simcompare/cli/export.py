@@ -13,6 +13,7 @@ from simcompare.cli import complete
 #: the format that is no digital twin, but a program of one engine
 SCRIPT = "script"
 
+
 def _formats(incomplete: str) -> list[str]:
     from simcompare.exporters import FORMATS
 
@@ -37,9 +38,7 @@ def export(
     contact_values: bool = typer.Option(
         False, "--contact-values", help="Print each engine's own contact values of the fit."
     ),
-    engine: str = typer.Option(
-        None, help="Engine of a script.", autocompletion=complete.engines
-    ),
+    engine: str = typer.Option(None, help="Engine of a script.", autocompletion=complete.engines),
     step: str = typer.Option(None, help="Time between samples of a script, such as 1ms."),
     contact: str = typer.Option(
         None,

@@ -64,7 +64,9 @@ def expected_of(
         score = next(score for score in whole if score.measure == name)
         measure, own = _measure_of(nominal.scenario, score)
         truth = Truth(
-            None if nominal.truth is None else measures.take(measure, nominal.scenario, nominal.truth),
+            None
+            if nominal.truth is None
+            else measures.take(measure, nominal.scenario, nominal.truth),
             None
             if shifted is None or truths[-1] is None
             else measures.take(measure, shifted, truths[-1]),

@@ -91,7 +91,11 @@ class Measuring:
         owner, _, part = name.partition(".")
         if name in self.recorded:
             widths = {"orientation_wxyz": 4, "velocity_m_s": 3, "position_m": 3, "rate_rad_s": 3}
-            wide = owner in self.scenario.bodies or part == "force_N" and owner in self.scenario.sensors
+            wide = (
+                owner in self.scenario.bodies
+                or part == "force_N"
+                and owner in self.scenario.sensors
+            )
             return f'motion["{name}"]', (widths.get(part, 3) if wide else 1)
         if owner in self.scenario.actuators:
             return self._actuator(owner, part), 1
@@ -148,9 +152,7 @@ class Measuring:
             case "accelerometer":
                 self.function("turned", _TURNED)
                 gravity = _tuple(self.scenario.world.gravity_m_s2)
-                self.function(
-                    "felt", tuple(line.replace("{gravity}", gravity) for line in _FELT)
-                )
+                self.function("felt", tuple(line.replace("{gravity}", gravity) for line in _FELT))
                 offset = f", {_tuple(sensor.position_m)}" if any(sensor.position_m) else ""
                 text = self._in_frame(f'specific_force("{body}"{offset})', sensor.orientation_wxyz)
             case "gyroscope":

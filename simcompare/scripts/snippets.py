@@ -138,9 +138,7 @@ def _drift(m: Measuring, measure: Measure, truth: Truth) -> Mapping[str, str]:
     x, y = m.probe(measure.probe), m.probe(measure.also["side"])
     found = {"path_length": f"np.hypot(np.diff({x}), np.diff({y})).sum()"}
     if truth.first is not None:
-        places = _places(
-            m, _window.evenly(len(sample_times(m.scenario)), measure.options["count"])
-        )
+        places = _places(m, _window.evenly(len(sample_times(m.scenario)), measure.options["count"]))
         pairs = [
             f"{v}[{places}] - {_table(m, f'{v}_true', truth, s)}"
             for v, s in ((x, "path_x"), (y, "path_y"))
@@ -165,9 +163,7 @@ def _tilt(m: Measuring, measure: Measure, _: Truth) -> Mapping[str, str]:
 def _pressure_height(m: Measuring, measure: Measure, truth: Truth) -> Mapping[str, str]:
     pressure = m.probe(measure.probe)
     scale, exponent = number(SEA_LEVEL_K / LAPSE_K_M), number(1 / PRESSURE_EXPONENT)
-    m.lines.append(
-        f"told = {scale} * (1 - ({pressure} / {number(SEA_LEVEL_PA)}) ** {exponent})"
-    )
+    m.lines.append(f"told = {scale} * (1 - ({pressure} / {number(SEA_LEVEL_PA)}) ** {exponent})")
     found = {"climb": "told[-1] - told[0]"}
     if truth.first is not None:
         places = _window.evenly(len(sample_times(m.scenario)), measure.options["count"])

@@ -35,7 +35,7 @@ class Helper:
         setters: calls on its result (or on the result of ``nested``) -> keyword of the argument
             that each becomes; empty where it is told by its place.
         name: of the function.
-        lines: its source.
+        lines: its source; none where the engine has it.
         receiver: whether the object that is called, and the call's own arguments, come first.
         swallowed: calls on the result that the function makes too.
         nested: one of them, on whose result setters count as well.
@@ -45,7 +45,7 @@ class Helper:
     call: str
     setters: Mapping[str, str]
     name: str
-    lines: tuple[str, ...]
+    lines: tuple[str, ...] = ()
     receiver: bool = False
     swallowed: frozenset[str] = frozenset()
     nested: str = ""
@@ -230,7 +230,8 @@ class Writer:
             name = self._assign(event, None)
             return wrapped(f"{name} = ", *call)
         members = [
-            self._assign(event, i) if i in uses else "_" for i in range(max(uses, key=int) + 1)  # type: ignore[arg-type]
+            self._assign(event, i) if i in uses else "_"
+            for i in range(max(uses, key=int) + 1)  # type: ignore[arg-type]
         ]
         return wrapped(f"{', '.join(members)} = ", *call)
 
@@ -373,4 +374,3 @@ def _generic(event: Call) -> str:
     """A name for what a call returns: ``getConstraintSolver`` -> ``constraint_solver``."""
     name = last_name(event.target).removeprefix("get").removeprefix("create")
     return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower() or "found"
-

@@ -158,9 +158,7 @@ class Recorder:
             return value
         if type(value) in (tuple, list, set):
             if isinstance(expression, Result) and type(value) is tuple:
-                members = [
-                    self.wrap(v, Result(expression.call, i)) for i, v in enumerate(value)
-                ]
+                members = [self.wrap(v, Result(expression.call, i)) for i, v in enumerate(value)]
                 return tuple(members)
             return type(value)(self.wrap(member, expression) for member in value)
         if callable(value) and not isinstance(value, type):
@@ -196,8 +194,10 @@ class Recorder:
         self.events.append(event)
         found = real(*plain, **{key: real_of(value) for key, value in kwargs.items()})
         if isinstance(real, type) and not isinstance(found, self.dialect.values):
-            return Watched(self, found, Result(event)) if self._is_plain(found) else self.wrap(
-                found, Result(event)
+            return (
+                Watched(self, found, Result(event))
+                if self._is_plain(found)
+                else self.wrap(found, Result(event))
             )
         return self.wrap(found, Result(event))
 

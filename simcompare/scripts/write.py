@@ -233,9 +233,7 @@ def _recorded(plan: Plan) -> frozenset[str]:
     return frozenset(bodies | joints | forces | normals)
 
 
-def _head(
-    name: str, engine: Backend, plan: Plan, stored: Mapping[str, Array]
-) -> list[str]:
+def _head(name: str, engine: Backend, plan: Plan, stored: Mapping[str, Array]) -> list[str]:
     scenario, level = plan.scenario, plan.settings.contact
     own = importlib.metadata.version("simcompare")
     needs = f"numpy and {name}_inputs.npz" if stored else "and numpy"
