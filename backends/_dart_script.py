@@ -9,7 +9,8 @@ import numpy as np
 
 from simcompare.backend import EngineBackend
 from simcompare.scripts.contract import Parts, Plan, Traced, joint_parts, now_of_one, traced
-from simcompare.scripts.source import Helper, Style, number
+from simcompare.scripts.source import Helper, Style
+from simcompare.scripts.text import dictionary, number
 from simcompare.scripts.trace import Dialect
 
 _HELPERS = (
@@ -167,7 +168,7 @@ def _now(
     lines = ["", "", "def now():", '    """Motion of all bodies and joints."""', "    seen = {}"]
     if root:
         lines += [
-            f"    for name, joint in {_pairs(root)}:",
+            f"    for name, joint in {dictionary(root)}.items():",
             "        q, v = joint.getPositions(), joint.getVelocities()",
             '        seen[f"{name}.position_m"], seen[f"{name}.rate_rad_s"] = q[3:], v[:3]',
             '        seen[f"{name}.orientation_wxyz"] = quaternion(q[:3])',
@@ -175,7 +176,7 @@ def _now(
         ]
     if linked:
         lines += [
-            f"    for name, body in {_pairs(linked)}:",
+            f"    for name, body in {dictionary(linked)}.items():",
             "        place = body.getWorldTransform()",
             '        seen[f"{name}.position_m"] = place.translation()',
             '        seen[f"{name}.orientation_wxyz"] = place.quaternion().wxyz()',
@@ -186,10 +187,6 @@ def _now(
         q, v = motion[name]
         lines.append(f'    seen["{place}"], seen["{rate}"] = {q}, {v}')
     return [*lines, "    return seen"]
-
-
-def _pairs(names: dict[str, str]) -> str:
-    return f"{{{', '.join(f'{chr(34)}{name}{chr(34)}: {one}' for name, one in names.items())}}}.items()"
 
 
 def _drive(plan: Plan, joint: dict[str, str]) -> list[str]:
@@ -226,7 +223,8 @@ def _forces(
             '    """Sum over the contacts between two bodies\' shapes in the last step."""',
             "    found = 0",
             f"    for c in {world}.getLastCollisionResult().getContacts():",
-            "        touch = {c.collisionObject1.getShapeFrame(), c.collisionObject2.getShapeFrame()}",
+            "        one, other = c.collisionObject1, c.collisionObject2",
+            "        touch = {one.getShapeFrame(), other.getShapeFrame()}",
             "        found += c.force.dot(c.normal) if touch & first and touch & second else 0",
             "    return found",
         ]

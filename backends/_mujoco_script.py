@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from typing import Any
 from xml.etree import ElementTree as ET
 
@@ -11,7 +10,7 @@ from simcompare.backend import EngineBackend
 from simcompare.backends._mujoco_scene import contact_points
 from simcompare.errors import Unsupported
 from simcompare.scripts.contract import Parts, Plan, joint_parts, now_of_one
-from simcompare.scripts.source import number
+from simcompare.scripts.text import names_of, number
 
 #: attributes that are left out where they have MuJoCo's own default
 _DEFAULTS = {
@@ -152,16 +151,17 @@ def _now(plan: Plan) -> list[str]:
         lines += [
             "    for update in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_comVel):",
             "        update(model, data)",
-            f"    for name in {_names([*free, *linked])}:",
+            f"    for name in {names_of([*free, *linked])}:",
             "        body, kind, speed = data.body(name), mujoco.mjtObj.mjOBJ_XBODY, np.zeros(6)",
             "        mujoco.mj_objectVelocity(model, data, kind, body.id, speed, 0)",
             '        seen[f"{name}.position_m"] = body.xpos.copy()',
             '        seen[f"{name}.orientation_wxyz"] = body.xquat.copy()',
-            '        seen[f"{name}.velocity_m_s"], seen[f"{name}.rate_rad_s"] = speed[3:], speed[:3]',
+            '        seen[f"{name}.velocity_m_s"] = speed[3:]',
+            '        seen[f"{name}.rate_rad_s"] = speed[:3]',
         ]
     else:
         lines += [
-            f"    for name in {_names(free)}:",
+            f"    for name in {names_of(free)}:",
             "        q, v, rate = data.joint(name).qpos, data.joint(name).qvel, np.zeros(3)",
             "        mujoco.mju_rotVecQuat(rate, v[3:], q[3:])  # it is stored in the body's frame",
             '        seen[f"{name}.position_m"] = q[:3].copy()',
@@ -173,10 +173,6 @@ def _now(plan: Plan) -> list[str]:
         joint = f'data.joint("{name}")'
         lines.append(f'    seen["{place}"], seen["{rate}"] = {joint}.qpos[0], {joint}.qvel[0]')
     return [*lines, "    return seen"]
-
-
-def _names(names: Sequence[str]) -> str:
-    return f"({', '.join(f'{chr(34)}{name}{chr(34)}' for name in names)}{',' if len(names) == 1 else ''})"
 
 
 def _drive(plan: Plan) -> list[str]:

@@ -9,8 +9,9 @@ from simcompare.backend import EngineBackend
 from simcompare.backends._pybullet_scene import BASE
 from simcompare.kinematics import mount_of
 from simcompare.scripts.contract import Parts, Plan, joint_parts, now_of_one, traced
-from simcompare.scripts.source import Style, identifier, number, wrapped
-from simcompare.scripts.trace import Dialect, Result
+from simcompare.scripts.source import Style
+from simcompare.scripts.text import identifier, number, wrapped
+from simcompare.scripts.trace import Dialect
 
 
 def _tidy(name: str, args: list[Any], kwargs: dict[str, Any]) -> None:
@@ -183,7 +184,7 @@ def _forces(
         lines.append(f"    *_, reaction, motor = p.getJointState({body}, {link})")
         if held.type == "slider":
             x, y, z = (number(a) for a in mount_of(plan.scenario, held).axis)
-            lines.append(f"    # the friction of a slider acts as the force of a motor")
+            lines.append("    # the friction of a slider acts as the force of a motor")
             lines.append(
                 f'    seen["{name}.force_N"] = np.array(reaction[:3])'
                 f" + motor * np.array(({x}, {y}, {z}))"
@@ -193,5 +194,4 @@ def _forces(
     return [*lines, "    return seen"]
 
 
-_ = Result
 SCRIPT = PybulletScript()

@@ -9,7 +9,8 @@ from simcompare.backend import EngineBackend
 from simcompare.backends._pymunk_forces import _carried_by
 from simcompare.backends._pymunk_joints import Slider
 from simcompare.scripts.contract import Parts, Plan, Traced, joint_parts, now_of_one, traced
-from simcompare.scripts.source import Style, number
+from simcompare.scripts.source import Style
+from simcompare.scripts.text import number
 from simcompare.scripts.trace import Dialect
 
 _SLIDE = (
@@ -37,14 +38,19 @@ def _tidy(name: str, args: list[Any], kwargs: dict[str, Any]) -> None:
         args.pop()
 
 
+#: functions of Chipmunk that change nothing
+_PURE = frozenset(
+    ("identity", "translated", "rotated", "local_to_world", "world_to_local", "normalized",
+     "perpendicular", "dot")
+)  # fmt: skip
+
+
 class PymunkScript:
     """Writes scripts that import pymunk."""
 
     def parts(self, backend: EngineBackend, plan: Plan) -> Parts:
         engine = backend.load()
-        dialect = Dialect(
-            "pymunk", (engine.Vec2d,), frozenset({"identity", "translated", "rotated"}), _idle
-        )
+        dialect = Dialect("pymunk", (engine.Vec2d,), _PURE, _idle)
         scene = traced(backend, engine, dialect, plan)
         held = scene.simulation._scene
         _name_all(scene, held)

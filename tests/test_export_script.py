@@ -53,8 +53,7 @@ def written(request, tmp_path_factory):
             try:
                 name = f"{scenario}_{level}"
                 one = write.script(scenario, engine=engine, contact=level, name=name)
-            except InputError as error:  # the engine refuses it
-                assert "simcompare" in str(error) or engine in str(error)
+            except InputError:  # the engine refuses it, see test_backends
                 continue
             made[scenario, level] = one
             save(folder, one)

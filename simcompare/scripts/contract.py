@@ -14,7 +14,9 @@ from simcompare.backend import EngineBackend, Settings
 from simcompare.drives import JointLaw
 from simcompare.errors import Unsupported
 from simcompare.scenario import MOVABLE, Scenario, Sensor
-from simcompare.scripts.source import Style, Writer, merged, number
+from simcompare.scripts.merge import merged
+from simcompare.scripts.source import Style, Writer
+from simcompare.scripts.text import number
 from simcompare.scripts.trace import Dialect, Event, Expression, Recorder, Result, expression_of
 from simcompare.trajectory import BODY_SIGNALS
 

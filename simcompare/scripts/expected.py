@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from simcompare import experiment, measures
 from simcompare.backend import Settings
 from simcompare.compare import Repeat, Score, scores_of
-from simcompare.errors import EngineMissing, InputError, SimcompareError, Unsupported
+from simcompare.errors import InputError, SimcompareError
 from simcompare.jobs import MISSING, OK, UNSUPPORTED, Job, execute
 from simcompare.scenario import Measure, Scenario
 from simcompare.scenario_file import ScenarioFile
@@ -95,6 +95,3 @@ def _measure_of(scenario: Scenario, score: Score) -> tuple[Measure, str]:
             if measure.probe == score.probe and measure.names.get(own, own) == score.measure:
                 return measure, own
     raise AssertionError(score.measure)
-
-
-_ = (EngineMissing, Unsupported)

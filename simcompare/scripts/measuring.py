@@ -6,11 +6,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from simcompare.drives import input_values
 from simcompare.measures import Measured
 from simcompare.rotations import conjugate
 from simcompare.scenario import SENSOR_SIGNALS, DcMotor, Measure, Scenario
-from simcompare.scripts.source import number, unused
+from simcompare.scripts.efforts import MOST_PIECES
+from simcompare.scripts.text import number, unused
 from simcompare.sensing import LAPSE_K_M, PRESSURE_EXPONENT, SEA_LEVEL_K, SEA_LEVEL_PA
 from simcompare.simulation import sample_times
 from simcompare.trajectory import Array
@@ -91,10 +94,8 @@ class Measuring:
         owner, _, part = name.partition(".")
         if name in self.recorded:
             widths = {"orientation_wxyz": 4, "velocity_m_s": 3, "position_m": 3, "rate_rad_s": 3}
-            wide = (
-                owner in self.scenario.bodies
-                or part == "force_N"
-                and owner in self.scenario.sensors
+            wide = owner in self.scenario.bodies or (
+                part == "force_N" and owner in self.scenario.sensors
             )
             return f'motion["{name}"]', (widths.get(part, 3) if wide else 1)
         if owner in self.scenario.actuators:
@@ -116,6 +117,10 @@ class Measuring:
         values = input_values(self.scenario, sample_times(self.scenario))[name]
         if (values == values[0]).all():
             return number(float(values[0]))
+        edges = (np.flatnonzero(np.diff(values)) + 1).tolist()
+        if len(edges) < MOST_PIECES:
+            lengths = np.diff([0, *edges, len(values)]).tolist()
+            return f"np.repeat({_list(values[[0, *edges]])}, {lengths})"
         return self.store(f"{name}_at_samples", values)
 
     def _actuator(self, name: str, part: str) -> str:
@@ -171,14 +176,16 @@ class Measuring:
     def _in_frame(self, text: str, orientation: Any) -> str:  # noqa: ANN401
         if tuple(orientation) == (1.0, 0.0, 0.0, 0.0):
             return text
-        import numpy as np
-
         back = conjugate(np.array([orientation]))[0].tolist()
         return f"turned(np.tile({_tuple(back)}, (len(t), 1)), {text})"
 
 
 #: lines of a measure; returns name -> source of its value, under the function's own names
 Snippet = Callable[[Measuring, Measure, Truth], Mapping[str, str]]
+
+
+def _list(values: Array) -> str:
+    return f"[{', '.join(number(value) for value in values.tolist())}]"
 
 
 def _tuple(values: Any) -> str:  # noqa: ANN401

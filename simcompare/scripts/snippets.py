@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from simcompare.measures import _window
 from simcompare.measures.bounces import SLOW_PART, TIMED_IMPACTS
 from simcompare.scenario import Measure
 from simcompare.scripts.measuring import Measuring, Snippet, Truth
 from simcompare.scripts.snippets_waves import WAVES
-from simcompare.scripts.source import number
+from simcompare.scripts.text import number
 from simcompare.sensing import LAPSE_K_M, PRESSURE_EXPONENT, SEA_LEVEL_K, SEA_LEVEL_PA
 from simcompare.simulation import sample_times
 
@@ -68,7 +69,7 @@ def _history(m: Measuring, measure: Measure, truth: Truth) -> Mapping[str, str]:
     return {"history_error": f"abs({seen}[{_places(m, places)}] - {true}).max()"}
 
 
-def _places(m: Measuring, places: Sequence[int]) -> str:
+def _places(m: Measuring, places: NDArray[np.intp]) -> str:
     """Places of samples as a slice, if they are even."""
     steps = set(np.diff(places).tolist())
     if len(steps) == 1:

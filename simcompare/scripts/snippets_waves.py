@@ -8,7 +8,7 @@ import numpy as np
 
 from simcompare.scenario import Measure
 from simcompare.scripts.measuring import Measuring, Snippet, Truth
-from simcompare.scripts.source import number, wrapped
+from simcompare.scripts.text import number, wrapped
 
 
 def _list(values: object) -> str:
@@ -30,7 +30,8 @@ def _response(m: Measuring, measure: Measure, truth: Truth) -> Mapping[str, str]
         f"    fits = np.linalg.lstsq(waves, np.column_stack(({probe}[i], {base}[i])))[0]",
         "    read, moved = fits[0] - 1j * fits[1]",
         f"    still = np.ptp({base}[i]) < 1e-15  # but for rounding",
-        f"    ratio.append(np.nan if still else -{number(options['gain'])} * read / omega**2 / moved)",
+        f"    felt = -{number(options['gain'])} * read / omega**2 / moved",
+        "    ratio.append(np.nan if still else felt)",
     ]
     return _judged(m, truth)
 

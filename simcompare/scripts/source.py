@@ -2,28 +2,17 @@
 
 from __future__ import annotations
 
-import keyword
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from simcompare.errors import Unsupported
+from simcompare.scripts.merge import Varying
+from simcompare.scripts.text import number, unused, wrapped
 from simcompare.scripts.trace import Assign, Attribute, Call, Event, Expression, Result, Root
-
-#: longest line that is written
-WIDTH = 100
-
-
-@dataclass(frozen=True)
-class Varying:
-    """A number that follows the phase: ``first`` at 0, ``last`` at 1."""
-
-    first: float
-    last: float
 
 
 @dataclass(frozen=True)
@@ -65,47 +54,6 @@ class Style:
     helpers: tuple[Helper, ...] = ()
     hidden: frozenset[str] = frozenset()
     tidy: Callable[[str, list[Any], dict[str, Any]], None] = lambda *_: None
-
-
-def merged(first: Sequence[Event], last: Sequence[Event]) -> list[Event]:
-    """One trace out of two of the same scene at both ends of the phase.
-
-    Raises:
-        Unsupported: the two scenes are not made by the same calls.
-    """
-    if len(first) != len(last):
-        raise Unsupported("the scene is made by other calls at the other end of the phase")
-    known: dict[int, Call] = {}
-    found: list[Event] = []
-    for a, b in zip(first, last, strict=True):
-        if isinstance(a, Assign) and isinstance(b, Assign) and a.attribute == b.attribute:
-            value = _both(a.value, b.value, known)
-            idle = a.idle and b.idle
-            found.append(Assign(_both(a.owner, b.owner, known), a.attribute, value, idle))
-        elif isinstance(a, Call) and isinstance(b, Call):
-            args = tuple(_both(x, y, known) for x, y in zip(a.args, b.args, strict=True))
-            kwargs = {key: _both(a.kwargs[key], b.kwargs[key], known) for key in a.kwargs}
-            call = Call(_both(a.target, b.target, known), args, kwargs, a.pure, a.idle and b.idle)
-            known[id(a)] = call
-            found.append(call)
-        else:
-            raise Unsupported("the scene is made by other calls at the other end of the phase")
-    return found
-
-
-def _both(a: Any, b: Any, known: Mapping[int, Call]) -> Any:  # noqa: ANN401
-    if isinstance(a, Result):
-        return Result(known[id(a.call)], a.index)
-    if isinstance(a, Attribute):
-        return Attribute(_both(a.owner, b.owner, known), a.name)
-    if isinstance(a, float) and isinstance(b, float | int) and a != b:
-        return Varying(a, float(b))
-    if isinstance(a, np.ndarray) and not np.array_equal(a, b):
-        return _both(a.tolist(), b.tolist(), known)
-    if isinstance(a, tuple | list) and len(a) == len(b):
-        members = [_both(x, y, known) for x, y in zip(a, b, strict=True)]
-        return members if isinstance(a, list) else tuple(members)
-    return a
 
 
 @dataclass
@@ -229,10 +177,8 @@ class Writer:
         if None in uses:
             name = self._assign(event, None)
             return wrapped(f"{name} = ", *call)
-        members = [
-            self._assign(event, i) if i in uses else "_"
-            for i in range(max(uses, key=int) + 1)  # type: ignore[arg-type]
-        ]
+        last = max(index for index in uses if index is not None)
+        members = [self._assign(event, i) if i in uses else "_" for i in range(last + 1)]
         return wrapped(f"{', '.join(members)} = ", *call)
 
     def _name_for(self, event: Call, index: int | None) -> str | None:
@@ -274,26 +220,27 @@ class Writer:
             case Attribute():
                 return f"{self.text(value.owner)}.{value.name}"
             case Result():
-                name = self._assigned.get((id(value.call), value.index))
-                if name is not None:
-                    return name
-                head, args = self._call(value.call)
-                return f"{head}({', '.join(args)})"
+                return self._assigned.get((id(value.call), value.index)) or self._inline(value)
             case Varying():
                 return f"{number(value.first)} + phase * {number(value.last - value.first)}"
             case np.ndarray():
                 return self._array(value)
-            case tuple() | list() if len(value) != 1 or isinstance(value, list):
-                members = ", ".join(self.text(member) for member in value)
-                return f"({members})" if isinstance(value, tuple) else f"[{members}]"
-            case tuple():
-                return f"({self.text(value[0])},)"
+            case tuple() | list():
+                return self._sequence(value)
             case float():
                 return number(value)
-            case str():
-                return f'"{value}"'
             case _:
-                return repr(value)
+                return f'"{value}"' if isinstance(value, str) else repr(value)
+
+    def _sequence(self, value: tuple[Any, ...] | list[Any]) -> str:
+        members = ", ".join(self.text(member) for member in value)
+        if isinstance(value, list):
+            return f"[{members}]"
+        return f"({members},)" if len(value) == 1 else f"({members})"
+
+    def _inline(self, value: Result) -> str:
+        head, args = self._call(value.call)
+        return f"{head}({', '.join(args)})"
 
     def _array(self, value: Any) -> str:  # noqa: ANN401
         if value.ndim == 1:
@@ -305,69 +252,9 @@ class Writer:
         return f"np.array({self.text(value.tolist())})"
 
 
-def number(value: float) -> str:
-    """The shortest text that is read as the same number."""
-    if value == round(value) and abs(value) < 1e15 and not (value == 0 and str(value)[0] == "-"):
-        return str(round(value))
-    return repr(float(value))
-
-
 def last_name(expression: Expression) -> str:
     """The last part of a dotted name."""
     return expression.name if isinstance(expression, Attribute | Root) else ""
-
-
-def identifier(text: str) -> str:
-    """A name as Python allows it."""
-    name = re.sub(r"\W", "_", text)
-    return f"{name}_" if keyword.iskeyword(name) or not name.isidentifier() else name
-
-
-def unused(wanted: str, taken: set[str]) -> str:
-    """The wanted name, or the first of it with a number that nobody has."""
-    name, tried = identifier(wanted), 1
-    while name in taken:
-        tried += 1
-        name = f"{identifier(wanted)}_{tried}"
-    return name
-
-
-def wrapped(head: str, call: str, args: Sequence[str] | None = None) -> list[str]:
-    """A statement in lines that are not too long, broken between arguments."""
-    if args is None:
-        inner = re.fullmatch(r"([\w.]*)([(\[])(.*)([)\]])", call)
-        whole = head + call
-        if len(whole) <= WIDTH or inner is None:
-            return [whole]
-        name, opening, text, closing = inner.groups()
-        return _broken(head + name + opening, list(split(text)), closing)
-    whole = f"{head}{call}({', '.join(args)})"
-    return [whole] if len(whole) <= WIDTH else _broken(f"{head}{call}(", args, ")")
-
-
-def _broken(start: str, args: Sequence[str], end: str) -> list[str]:
-    lines = [start]
-    row = "   "
-    for arg in args:
-        if len(row) + len(arg) + 2 > WIDTH and row.strip():
-            lines.append(row)
-            row = "   "
-        row += f" {arg},"
-    return [*lines, row, end]
-
-
-def split(text: str) -> Iterator[str]:
-    """Parts between the commas that are in no bracket."""
-    depth, part = 0, ""
-    for sign in text:
-        depth += (sign in "([{") - (sign in ")]}")
-        if sign == "," and depth == 0:
-            yield part.strip()
-            part = ""
-        else:
-            part += sign
-    if part.strip():
-        yield part.strip()
 
 
 def _generic(event: Call) -> str:

@@ -111,7 +111,7 @@ class Watched:
         recorder, real, expression = self._watch
         recorder.assign(real, expression, name, value)
 
-    def __call__(self, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401, D102
         recorder, real, expression = self._watch
         return recorder.call(real, expression, args, kwargs)
 
@@ -181,7 +181,11 @@ class Recorder:
         return isinstance(value, int) or self._is_plain(value)
 
     def call(
-        self, real: Any, target: Expression, args: tuple[Any, ...], kwargs: Mapping[str, Any]
+        self,
+        real: Any,  # noqa: ANN401
+        target: Expression,
+        args: tuple[Any, ...],
+        kwargs: Mapping[str, Any],
     ) -> Any:  # noqa: ANN401
         """Calls and notes it."""
         name = target.name if isinstance(target, Attribute) else ""

@@ -7,23 +7,19 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from simcompare import backend, catalogue, engines, experiment, units
 from simcompare.backend import Backend, EngineBackend, Settings
-from simcompare.drives import Drive
 from simcompare.errors import InputError
 from simcompare.scenario import Scenario
 from simcompare.scenario_file import ScenarioFile
-from simcompare.scripts.contract import RESERVED, Effort, Parts, Plan, joint_parts, script_of
+from simcompare.scripts.contract import RESERVED, Parts, Plan, joint_parts, script_of
+from simcompare.scripts.efforts import efforts_of
 from simcompare.scripts.expected import Expected, expected_of
 from simcompare.scripts.measuring import Measuring
 from simcompare.scripts.snippets import SNIPPETS
-from simcompare.scripts.source import WIDTH, number
+from simcompare.scripts.text import WIDTH, number
 from simcompare.trajectory import BODY_SIGNALS, Array
 
-#: most pieces of constant input that are written as such; others go to the file of inputs
-MOST_PIECES = 3
 #: contact levels that a plain loop with one step can have, and what they are
 LEVELS = {
     "default": "the engine as it comes",
@@ -139,36 +135,6 @@ def _shifted(file: ScenarioFile, nominal: Scenario) -> Scenario | None:
     return file.vary(nominal, name, nominal.parameters[name] + nominal.dither.span)
 
 
-def efforts_of(scenario: Scenario) -> tuple[list[Effort], dict[str, Array]]:
-    """Efforts on all driven joints, and the tables of those that change often."""
-    world = scenario.world
-    drive = Drive(scenario, world.engine_step_s, 0, exact=False)
-    steps = round(world.duration_s / world.step_s) * world.substeps
-    # one more: where forces act at the start of a step, one step follows the last sample
-    table = drive.rows(steps + 1) if drive.names else np.zeros((0, 0))
-    efforts, inputs = [], {}
-    for j, (name, law) in enumerate(drive.laws.items()):
-        given = ""
-        if law.gains:
-            given = _pieces(table[:, j])
-            if not given:
-                inputs[name] = table[:, j]
-                given = f"given_{name}[k]"
-        efforts.append(Effort(name, law, given))
-    return efforts, inputs
-
-
-def _pieces(values: Array) -> str:
-    """A column that is constant in a few pieces, as an expression; else nothing."""
-    edges = (np.flatnonzero(np.diff(values)) + 1).tolist()
-    if len(edges) >= MOST_PIECES:
-        return ""
-    text = number(float(values[-1]))
-    for edge in reversed(edges):
-        text = f"{number(float(values[edge - 1]))} if k < {edge} else {text}"
-    return f"({text})" if edges else text
-
-
 def _text(
     name: str,
     engine: Backend,
@@ -190,7 +156,7 @@ def _text(
     steps = round(world.duration_s / world.step_s)
     lines.append(f"step_s, steps = {number(world.engine_step_s)}, {steps * world.substeps}")
     if stored:
-        lines.append(f'inputs = np.load(__file__.replace(".py", "_inputs.npz"))')
+        lines.append('inputs = np.load(__file__.replace(".py", "_inputs.npz"))')
     lines += [f'given_{joint} = inputs["{joint}"].tolist()' for joint in inputs]
     lines += _spaced(parts.helpers)
     lines += ["", *parts.scene, *parts.now, *parts.forces, "", "", *_loop(plan, parts)]
