@@ -108,7 +108,10 @@ class DartScript:
             now=_now(plan, root, node, joint),
             step=f"{world}.step()",
             forces=_forces(plan, node, shape, world),
-            drive=[*_drag(plan, root, node), *_drive(plan, joint)],
+            drive=[
+                *_drag(plan, root, node),
+                *_drive(plan, joint, follows=scene.simulation._follows),
+            ],
         )
 
 
@@ -189,13 +192,17 @@ def _now(
     return [*lines, "    return seen"]
 
 
-def _drive(plan: Plan, joint: dict[str, str]) -> list[str]:
-    """What follows the inputs; springs and dampers are DART's own."""
-    return [
-        f"{joint[effort.joint]}.setForce(0, {effort.given})"
-        for effort in plan.efforts
-        if effort.given
-    ]
+def _drive(plan: Plan, joint: dict[str, str], *, follows: bool) -> list[str]:
+    """Efforts of the next step; unless they follow the motion, springs and dampers are DART's."""
+    lines = []
+    for effort in plan.efforts:
+        one, moved = joint[effort.joint], effort.law.stiffness or effort.law.damping
+        text = effort.text("q", "v") if follows else effort.given
+        if follows and moved:
+            lines.append(f"q, v = {one}.getPosition(0), {one}.getVelocity(0)")
+        if text:
+            lines.append(f"{one}.setForce(0, {text})")
+    return lines
 
 
 def _drag(plan: Plan, root: dict[str, str], node: dict[str, str]) -> list[str]:

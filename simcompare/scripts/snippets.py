@@ -127,10 +127,12 @@ def _bounces(m: Measuring, measure: Measure, truth: Truth) -> Mapping[str, str]:
         m.lines += [*_numbers(truth, "impact_time", TIMED_IMPACTS)]
         m.lines.append("impacts = np.append((end[:-1] + start[1:]) / 2, end[-1])[: len(true)]")
         error = "abs(impacts - true[: len(impacts)]).max()"
-        found["impact_time_error"] = f"{error} if len(impacts) >= {needed} else np.nan"
+        m.lines.append(f"late = {error} if len(impacts) >= {needed} else np.nan")
+        found["impact_time_error"] = "late"
     m.lines.append(f"moving = np.flatnonzero(abs({z} - {z}[-1]) > 0.001 * np.ptp({z}))")
     late = len(sample_times(m.scenario)) // 200 + 1
-    found["settling_time"] = f"t[moving[-1] + 1] if moving[-1] + {late} < len(t) else np.nan"
+    m.lines.append(f"rest_s = t[moving[-1] + 1] if moving[-1] + {late} < len(t) else np.nan")
+    found["settling_time"] = "rest_s"
     found["energy_gain"] = "max(0, (e**2 - 1).max())"
     return found
 

@@ -146,7 +146,7 @@ class Writer:
     def _need(self, value: Any, times: int) -> None:  # noqa: ANN401
         if isinstance(value, Attribute):
             self._need(value.owner, times)
-        elif isinstance(value, Result):
+        elif isinstance(value, Result) and not self._is_hidden(value):
             self._uses[id(value.call), value.index] += times
             self._need_all(value.call)
         elif isinstance(value, tuple | list):
@@ -247,6 +247,8 @@ class Writer:
             return self.text(value.tolist())
         if np.array_equal(value, np.eye(len(value))):
             return f"np.eye({len(value)})"
+        if np.array_equal(value, value[0, 0] * np.eye(len(value))):
+            return f"{number(value[0, 0])} * np.eye({len(value)})"
         if np.array_equal(value, np.diag(np.diag(value))):
             return f"np.diag({self.text(np.diag(value).tolist())})"
         return f"np.array({self.text(value.tolist())})"

@@ -35,7 +35,7 @@ def unused(wanted: str, taken: set[str]) -> str:
 def wrapped(head: str, call: str, args: Sequence[str] | None = None) -> list[str]:
     """A statement in lines that are not too long, broken between arguments."""
     if args is None:
-        inner = re.fullmatch(r"([\w.]*)([(\[])(.*)([)\]])", call)
+        inner = re.fullmatch(r"([\w.=]*)([(\[{])(.*)([)\]}])", call)
         whole = head + call
         if len(whole) <= WIDTH or inner is None:
             return [whole]
@@ -49,11 +49,17 @@ def _broken(start: str, args: Sequence[str], end: str) -> list[str]:
     lines = [start]
     row = "   "
     for arg in args:
+        if len(arg) + 5 > WIDTH and arg[-1] in ")]":
+            nested = wrapped("", arg)
+            lines += [row] if row.strip() else []
+            lines += [f"    {line}" for line in nested[:-1]] + [f"    {nested[-1]},"]
+            row = "   "
+            continue
         if len(row) + len(arg) + 2 > WIDTH and row.strip():
             lines.append(row)
             row = "   "
         row += f" {arg},"
-    return [*lines, row, end]
+    return [*lines, *([row] if row.strip() else []), end]
 
 
 def split(text: str) -> Iterator[str]:

@@ -191,7 +191,7 @@ class Recorder:
         name = target.name if isinstance(target, Attribute) else ""
         pure = isinstance(real, type) or name.startswith("get") or name in self.dialect.pure
         plain = tuple(real_of(value) for value in args)
-        owner = getattr(real, "__self__", None)
+        owner = getattr(real, "__self__", None)  # of a function: its module
         idle = not pure and self.dialect.idle(owner, name, plain)
         noted = {k: noted_of(v) for k, v in kwargs.items() if k not in self.dialect.dropped}
         event = Call(target, tuple(noted_of(value) for value in args), noted, pure, idle)

@@ -22,9 +22,9 @@ from simcompare.trajectory import BODY_SIGNALS, Array
 
 #: contact levels that a plain loop with one step can have, and what they are
 LEVELS = {
-    "default": "the engine as it comes",
-    "coefficients": "the engine as it comes, with the scenario's restitution and friction",
-    "tuned": "the engine's own solver, with its own public parameters",
+    "default": "The engine as it comes",
+    "coefficients": "The engine as it comes, with the scenario's restitution and friction",
+    "tuned": "The engine's own solver, with its own public parameters",
 }
 
 
@@ -202,17 +202,18 @@ def _recorded(plan: Plan) -> frozenset[str]:
 def _head(name: str, engine: Backend, plan: Plan, stored: Mapping[str, Array]) -> list[str]:
     scenario, level = plan.scenario, plan.settings.contact
     own = importlib.metadata.version("simcompare")
-    needs = f"numpy and {name}_inputs.npz" if stored else "and numpy"
-    text = f"Written by simcompare {own} from its scenario {scenario.name}. It needs {engine.name}"
-    text += f"{',' if stored else ''} {needs}: python {name}.py"
+    text = f"Written by simcompare {own} from its scenario {scenario.name}."
+    text += f" It reads {name}_inputs.npz." if stored else ""
+    text += f" Run: python {name}.py"
     dither = scenario.dither
     if dither is not None:
         unit = units.unit_of(dither.parameter) or ""
         text += (
-            f" [PHASE]. PHASE, from 0 to 1, adds that part of {dither.span:.4g} {unit} to"
+            f" [PHASE]; PHASE, 0 to 1, adds that part of {dither.span:.4g} {unit} to"
             f" {dither.parameter}."
         )
-    title = f"{scenario.title}, {engine.name} {engine.version()}, {level}: {LEVELS[level]}."
+    title = f"{scenario.title} in {engine.name} {engine.version()}, contact level {level}."
+    text = f"{LEVELS[level]}. {text}"
     return [f'"""{title}', "", *textwrap.wrap(text, WIDTH), '"""', ""]
 
 
