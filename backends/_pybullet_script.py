@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,7 +11,7 @@ from simcompare.backends._pybullet_scene import BASE
 from simcompare.kinematics import mount_of
 from simcompare.scripts.contract import Parts, Plan, joint_parts, now_of_one, traced
 from simcompare.scripts.source import Style
-from simcompare.scripts.text import identifier, number, wrapped
+from simcompare.scripts.text import WIDTH, identifier, number, wrapped
 from simcompare.scripts.trace import Dialect
 
 
@@ -73,7 +74,16 @@ def _links(plan: Plan, place: dict[str, tuple[str, int]]) -> list[str]:
     for name, joint in plan.scenario.joints.items():
         root, link = place[joint.child]
         found.setdefault(root, []).append(f"{link} {joint.child} (joint {name})")
-    return [f"# links of {root}: {', '.join(links)}" for root, links in found.items()]
+    return [
+        line
+        for root, links in found.items()
+        for line in textwrap.wrap(
+            f"links of {root}: {', '.join(links)}",
+            WIDTH,
+            initial_indent="# ",
+            subsequent_indent="# ",
+        )
+    ]
 
 
 def _now(
@@ -148,7 +158,9 @@ def _drive(plan: Plan, joint: dict[str, tuple[str, int]]) -> list[str]:
             lines.append(f"{head}, force={texts[0]})")
         else:
             head = f"p.setJointMotorControlArray({body}, {links}, p.TORQUE_CONTROL"
-            lines.append(f"{head}, forces=[{', '.join(texts)}])")
+            forces = ", ".join(texts)
+            array = [f"{head[len('p.setJointMotorControlArray(') :]}", f"forces=[{forces}]"]
+            lines += wrapped("", "p.setJointMotorControlArray", array)
     return lines
 
 

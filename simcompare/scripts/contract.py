@@ -22,8 +22,18 @@ from simcompare.trajectory import BODY_SIGNALS
 
 #: names that the script uses itself
 RESERVED = frozenset(
-    ("np", "sys", "phase", "step_s", "steps", "substeps", "inputs", "k", "rows", "now", "forces",
-     "motion", "t", "seen", "name", "body", "bodies", "link", "before", "momentum")
+    # of the loop
+    ("np", "sys", "phase", "step_s", "steps", "inputs", "k", "rows", "now", "forces", "motion", "t",
+     "seen", "name", "body", "bodies", "link", "joint", "before", "after", "momentum", "carried",
+     "q", "v", "x", "z", "place", "turn", "velocity", "rate", "torque", "force", "axis", "drag",
+     # of what is measured
+     "value", "exact", "run", "turned", "specific_force", "gyroscope", "gone", "angle_between",
+     "rise", "low", "flights", "a", "b", "i", "start", "end", "speed", "e", "true", "impacts",
+     "late", "moving", "rest_s", "apart", "told", "error", "still", "rest", "valid", "yaw", "w",
+     "y", "f", "ratio", "omega", "s", "waves", "fits", "read", "moved", "felt", "u", "fade",
+     "slope", "bend", "shaken", "size", "angle", "size_error", "turned_by", "below", "cutoff",
+     "away", "up", "passes", "tops", "period", "small", "swings", "taus", "best", "edges",
+     "areas", "amps", "volts", "fall", "idle", "growth", "idle_amps")
 )  # fmt: skip
 
 

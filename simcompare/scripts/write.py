@@ -188,6 +188,7 @@ def _tidied(lines: Sequence[str]) -> list[str]:
 
 
 def _taken(plan: Plan) -> set[str]:
+    """Names that a measured quantity must not have."""
     return {*RESERVED, *plan.scenario.bodies, *plan.scenario.joints}
 
 
