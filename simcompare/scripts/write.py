@@ -163,9 +163,14 @@ def level_of(contact: str | None, fit: str | None) -> str:
 def _values(
     file: ScenarioFile, engine: str, settings: Mapping[str, str | float], fit: str | None
 ) -> dict[str, float]:
+    own = file.read_settings(settings)
+    if fit is None:
+        return own
     from simcompare import exporters
 
-    return {**exporters.fitted(file, fit, engine), **file.read_settings(settings)}
+    # the drop that was measured, unless another one is asked for
+    measured = fit_file.read(fit_file.find(fit) or Path(fit)).drop(file)
+    return {**exporters.fitted(file, fit, engine), **measured, **own}
 
 
 def _shifted(file: ScenarioFile, nominal: Scenario) -> Scenario | None:
