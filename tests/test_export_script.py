@@ -21,7 +21,7 @@ LEVELS = [level for level in write.LEVELS if level in backend.CONTACT_MODES]
 RUNNER = Path(__file__).with_name("script_runner.py")
 PHASE = 0.37
 #: lines that are not blank, of a scene with one moving body and of others
-MOST_LINES = (75, 145)
+MOST_LINES = (76, 144)
 
 
 def save(folder, made, arg=None):

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from simcompare import backend, catalogue, engines, experiment, units
-from simcompare.backend import Backend, EngineBackend, Settings
+from simcompare.backend import Backend, Settings
 from simcompare.errors import InputError
 from simcompare.scenario import Scenario
 from simcompare.scenario_file import ScenarioFile
@@ -22,9 +22,9 @@ from simcompare.trajectory import BODY_SIGNALS, Array
 
 #: contact levels that a plain loop with one step can have, and what they are
 LEVELS = {
-    "default": "The engine as it comes",
-    "coefficients": "The engine as it comes, with the scenario's restitution and friction",
-    "tuned": "The engine's own solver, with its own public parameters",
+    "default": "the engine as it comes",
+    "coefficients": "the engine as it comes, with the scenario's restitution and friction",
+    "tuned": "the engine's own solver, with its own public parameters",
 }
 
 
@@ -79,7 +79,6 @@ def script(
         )
     chosen = engines.get(engine)
     writer = script_of(chosen)
-    assert isinstance(chosen, EngineBackend)
     settings = Settings(level_of(contact, fit))
     file = catalogue.load(scenario)
     values = _values(file, engine, set or {}, fit)
@@ -149,7 +148,7 @@ def _text(
     functions = [line for lines in measuring.functions.values() for line in ["", "", *lines]]
     lines = [*_head(name, engine, plan, stored)]
     lines += ["import sys", ""] if plan.shifted is not None else []
-    lines += ["import numpy as np", *parts.imports, ""]
+    lines += [*sorted(["import numpy as np", *parts.imports]), ""]
     if plan.shifted is not None:
         lines.append("phase = float(sys.argv[1]) if len(sys.argv) > 1 else 0.0")
     world = plan.scenario.world
@@ -213,8 +212,8 @@ def _head(name: str, engine: Backend, plan: Plan, stored: Mapping[str, Array]) -
             f" [PHASE]; PHASE, 0 to 1, adds that part of {dither.span:.4g} {unit} to"
             f" {dither.parameter}."
         )
-    title = f"{scenario.title} in {engine.name} {engine.version()}, contact level {level}."
-    text = f"{LEVELS[level]}. {text}"
+    title = f"{scenario.title} in {engine.name} {engine.version()}."
+    text = f"Contact level {level}: {LEVELS[level]}. {text}"
     return [f'"""{title}', "", *textwrap.wrap(text, WIDTH), '"""', ""]
 
 
