@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 
 from simcompare.audit import Audit
+from simcompare.backend import Settings
 from simcompare.drives import JointLaw, laws_of
 from simcompare.errors import Unsupported
+from simcompare.helps import CENTRED_EFFORTS
 from simcompare.kinematics import Mount, in_order, mount_of
-from simcompare.pairs import per_body_product, touching_pairs, untouching_pairs
+from simcompare.pairs import restitution_per_body, touching_pairs, untouching_pairs
 from simcompare.rotations import matrix_of, rotation_vector_of
 from simcompare.scenario import Body, Joint, Scenario
 from simcompare.shapes import Shape
@@ -51,8 +53,8 @@ class Scene:
         return [shape.getDynamicsAspect() for shape, owner in self.owners.items() if owner == body]
 
 
-def build_scene(engine: ModuleType, scenario: Scenario, mapped: bool, told: bool) -> Scene:
-    """Builds the whole scene at its start; ``told``: with the scenario's coefficients."""
+def build_scene(engine: ModuleType, scenario: Scenario, settings: Settings) -> Scene:
+    """Builds the whole scene at its start, with as much of the scenario as the level gives."""
     world = engine.simulation.World()
     world.setGravity(scenario.world.gravity_m_s2)
     world.setTimeStep(scenario.world.engine_step_s)
@@ -66,17 +68,17 @@ def build_scene(engine: ModuleType, scenario: Scenario, mapped: bool, told: bool
         law = laws.get(name, JointLaw())
         _add_link(engine, scene, scenario, name, law)
         if joint.type != "fixed":
-            _set_law(scene.joints[name], law, mapped)
+            _set_law(scene.joints[name], law, settings.takes(CENTRED_EFFORTS))
     for name in scenario.movable_joints():  # once the trees are whole
         held = scene.joints[name]
         scene.dofs[name] = held.getSkeleton().getDof(held.getIndexInSkeleton(0))
     _let_trees_touch_themselves(scene, scenario)
     for tree in scene.trees:
         world.addSkeleton(tree)
-    if told:
-        _set_contacts(scene, scenario)
+    if settings.gives_coefficients:
+        _set_contacts(scene, scenario, settings)
         _keep_apart(scene, scenario)
-    if mapped:
+    if settings.gives_all:
         detector = engine.collision.OdeCollisionDetector()
         world.getConstraintSolver().setCollisionDetector(detector)
         # what sleeps is frozen, and its time at rest is not part of any state
@@ -178,12 +180,12 @@ def _shape(engine: ModuleType, shape: Shape) -> Any:
             return engine.dynamics.CapsuleShape(shape.radius_m, shape.length_m)
 
 
-def _set_law(held: Any, law: JointLaw, mapped: bool) -> None:
-    """What a joint does by itself; mapped, springs and dampers are forces of our own."""
+def _set_law(held: Any, law: JointLaw, outside: bool) -> None:
+    """What a joint does by itself; ``outside``: springs and dampers are forces of our own."""
     held.setCoulombFriction(0, law.friction)
-    held.setSpringStiffness(0, 0.0 if mapped else law.stiffness)
-    held.setRestPosition(0, 0.0 if mapped else law.rest)
-    held.setDampingCoefficient(0, 0.0 if mapped else law.damping)
+    held.setSpringStiffness(0, 0.0 if outside else law.stiffness)
+    held.setRestPosition(0, 0.0 if outside else law.rest)
+    held.setDampingCoefficient(0, 0.0 if outside else law.damping)
 
 
 def _let_trees_touch_themselves(scene: Scene, scenario: Scenario) -> None:
@@ -202,9 +204,9 @@ def _keep_apart(scene: Scene, scenario: Scenario) -> None:
         known.addBodyNodePairToBlackList(scene.nodes[first], scene.nodes[second])
 
 
-def _set_contacts(scene: Scene, scenario: Scenario) -> None:
+def _set_contacts(scene: Scene, scenario: Scenario, settings: Settings) -> None:
     """DART multiplies restitutions, and takes the smaller of two coefficients of friction."""
-    scene.restitution = per_body_product(scenario, "restitution", "dart")
+    scene.restitution = restitution_per_body(scenario, settings, "dart")
     largest = dict.fromkeys(scenario.bodies, 0.0)
     pairs = touching_pairs(scenario)
     for contact in pairs:
@@ -247,7 +249,7 @@ def _solve_friction_exactly(engine: ModuleType, world: Any) -> None:
     world.getConstraintSolver().setBoxedLcpSolver(solver)
 
 
-def audit_scene(scene: Scene, scenario: Scenario, mapped: bool) -> Audit:
+def audit_scene(scene: Scene, scenario: Scenario, settings: Settings) -> Audit:
     """What was set and what the world holds."""
     audit = Audit("dart")
     world = scenario.world
@@ -257,17 +259,22 @@ def audit_scene(scene: Scene, scenario: Scenario, mapped: bool) -> Audit:
     for axis, wanted, held in gravity:
         audit.add(f"gravity_m_s2.{axis}", wanted, "World.gravity", (wanted, held), "m/s²")
     sleeps = scene.world.getDeactivationOptions().mEnabled
-    note = "" if mapped else "engine's default: what rests on something falls asleep"
-    audit.add("sleep", None, "deactivation", (0 if mapped else None, sleeps), "1", note)
+    awake = settings.gives_all
+    note = "" if awake else "engine's default: what rests on something falls asleep"
+    audit.add("sleep", None, "deactivation", (0 if awake else None, sleeps), "1", note)
+    if settings.gives_all:
+        found = scene.world.getConstraintSolver().getCollisionDetector().getType()
+        audit.add("contact", None, "OdeCollisionDetector", (1, found == "ode"), "1", "1 means used")
     for name, body in scenario.moving_bodies().items():
         _audit_body(audit, scene, name, body)
     laws = laws_of(scenario)
     for name, joint in scenario.joints.items():
         _audit_mount(audit, scene, scenario, name, joint)
         if name in laws:
-            _audit_law(audit, scene.joints[name], name, laws[name], mapped)
+            outside = settings.takes(CENTRED_EFFORTS)
+            _audit_law(audit, scene.joints[name], name, laws[name], outside)
     _audit_contacts(audit, scene, scenario)
-    if mapped and _touches_at_points(scenario):
+    if settings.gives_all and _touches_at_points(scenario):
         held = scene.world.getConstraintSolver().getBoxedLcpSolver().getOptions().tolerance
         values = (FRICTION_TOLERANCE, held)
         audit.add("friction solver", None, "NsgsFrictionSolver.tolerance", values, "1")
@@ -316,17 +323,17 @@ def _audit_mount(audit: Audit, scene: Scene, scenario: Scenario, name: str, join
             audit.add(f"{name}.axis.{axis}", None, "axis", (wanted, got), "1", note)
 
 
-def _audit_law(audit: Audit, held: Any, name: str, law: JointLaw, mapped: bool) -> None:
-    outside = "a force on the joint in every step; DART's own is 0" if mapped else ""
+def _audit_law(audit: Audit, held: Any, name: str, law: JointLaw, outside: bool) -> None:
+    note = "a force on the joint in every step; DART's own is 0" if outside else ""
     for part, wanted, got in (
         ("stiffness", law.stiffness, held.getSpringStiffness(0)),
         ("damping", law.damping, held.getDampingCoefficient(0)),
     ):
-        if mapped:
+        if outside:
             audit.add(f"{name} DART's own {part}", None, part, (0.0, got), "SI")
         if wanted:
-            values = (wanted, None if mapped else got)
-            audit.add(f"{name}.{part}", wanted, part, values, "SI", outside)
+            values = (wanted, None if outside else got)
+            audit.add(f"{name}.{part}", wanted, part, values, "SI", note)
     if law.friction:
         values = (law.friction, held.getCoulombFriction(0))
         audit.add(f"{name}.friction", law.friction, "coulombFriction", values, "SI")

@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 from xml.etree import ElementTree as ET
 
+from simcompare.backend import Settings
 from simcompare.dashpot import damping_ratio
 from simcompare.drives import JointLaw, laws_of
+from simcompare.helps import CENTRED_EFFORTS, LANDING
 from simcompare.kinematics import in_order, mount_of
 from simcompare.landing import approaches
 from simcompare.pairs import jointed_pairs, touching_pairs, untouching_pairs
@@ -24,41 +26,40 @@ SOFT_STEP_S = 5.0e-5
 IMPACT_PHASE = 0.01
 #: largest ζ·ω·dt during an impact: where in a step the damper sets in moves the bounce by this much
 IMPACT_DAMPING = 0.0007
+#: time constant of a contact that does not bounce [s]
+DEAD_CONTACT_S = 0.005
 #: most points of contact that MuJoCo finds between two shapes (two boxes)
 SHAPE_POINTS = 8
 #: impedance of the contact; at 1 the acceleration would be exactly that of spring and damper
 IMPEDANCE = 0.9999
+#: the same at every depth
+SOLIMP = (IMPEDANCE, IMPEDANCE, 0.001)
 
 
-def mjcf(scenario: Scenario, mapped: bool, told: bool = True) -> str:
-    """The scene as MJCF.
-
-    Args:
-        scenario: the scene.
-        mapped: whether contacts and joints follow the scenario as well as MuJoCo can.
-        told: whether the scenario's friction is given; without it nothing is said about contact.
-    """
+def mjcf(scenario: Scenario, settings: Settings) -> str:
+    """The scene as MJCF, with as much of the scenario as the contact level gives."""
+    told = settings.gives_coefficients
     root = ET.Element("mujoco", model=scenario.name)
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
     # dense: the sparse Cholesky of 4.0.0 could give a wrong Hessian (google-deepmind/mujoco 3767)
     option: dict[str, Any] = {"timestep": repr(scenario.world.engine_step_s), "jacobian": "dense"}
-    if mapped:
+    if settings.gives_all:
         option["cone"] = "elliptic"
     element = ET.SubElement(root, "option", gravity=_text(scenario.world.gravity_m_s2), **option)
     # by default MuJoCo starts anew when numbers run away, as if nothing had happened
     ET.SubElement(element, "flag", autoreset="disable")
-    _add_bodies(ET.SubElement(root, "worldbody"), scenario, mapped)
+    _add_bodies(ET.SubElement(root, "worldbody"), scenario, settings)
     contacts = ET.SubElement(root, "contact")
     for first, second in untouching_pairs(scenario) if told else jointed_pairs(scenario):
         ET.SubElement(contacts, "exclude", body1=first, body2=second)
     for contact in touching_pairs(scenario) if told else ():
-        _add_pairs(contacts, scenario, contact, mapped)
-    _add_actuators(ET.SubElement(root, "actuator"), scenario, mapped)
+        _add_pairs(contacts, scenario, contact, settings)
+    _add_actuators(ET.SubElement(root, "actuator"), scenario, settings)
     _add_sensors(ET.SubElement(root, "sensor"), scenario)
     return ET.tostring(root, encoding="unicode")
 
 
-def _add_bodies(worldbody: ET.Element, scenario: Scenario, mapped: bool) -> None:
+def _add_bodies(worldbody: ET.Element, scenario: Scenario, settings: Settings) -> None:
     """Bodies inside one another as joints carry them; only those that stand alone are free."""
     laws = laws_of(scenario)
     elements: dict[str, ET.Element] = {}
@@ -80,7 +81,7 @@ def _add_bodies(worldbody: ET.Element, scenario: Scenario, mapped: bool) -> None
                 ET.SubElement(element, "joint", {
                     "name": joint_name, "type": _JOINT_TYPES[joint.type],
                     "pos": _text(mount.anchor_m), "axis": _text(mount.axis),
-                    **_passive(laws[joint_name], mapped),
+                    **_passive(laws[joint_name], settings),
                 })  # fmt: skip
         elements[name] = element
         if not body.fixed:
@@ -98,28 +99,29 @@ def _add_bodies(worldbody: ET.Element, scenario: Scenario, mapped: bool) -> None
 _JOINT_TYPES = {"hinge": "hinge", "slider": "slide"}
 
 
-def _passive(law: JointLaw, mapped: bool) -> dict[str, str]:
+def _passive(law: JointLaw, settings: Settings) -> dict[str, str]:
     """What a joint does by itself.
 
     MuJoCo takes a joint's damping with the rate after the step and an actuator's with the rate
     before it; half of it in each is the mean, which belongs to the instant of the positions.
     """
+    halved = settings.takes(CENTRED_EFFORTS)
     found = {
         "stiffness": repr(law.stiffness), "springref": repr(law.rest),
-        "damping": repr(law.damping / 2 if mapped else law.damping),
+        "damping": repr(law.damping / 2 if halved else law.damping),
         "frictionloss": repr(law.friction), "armature": repr(law.armature),
     }  # fmt: skip
-    if mapped and law.friction:
-        found["solimpfriction"] = _text((IMPEDANCE, IMPEDANCE, 0.001))
+    if settings.gives_all and law.friction:
+        found["solimpfriction"] = _text(SOLIMP)
         found["solreffriction"] = _text((0.005, 1.0))
     return found
 
 
-def _add_actuators(actuators: ET.Element, scenario: Scenario, mapped: bool) -> None:
+def _add_actuators(actuators: ET.Element, scenario: Scenario, settings: Settings) -> None:
     """One for each driven joint; its control is the part of the effort that follows the inputs."""
     for name, law in laws_of(scenario).items():
         if law.is_driven:
-            bias = (0, 0, -law.damping / 2 if mapped else 0)
+            bias = (0, 0, -law.damping / 2 if settings.takes(CENTRED_EFFORTS) else 0)
             ET.SubElement(
                 actuators, "general", name=name, joint=name, gainprm="1", biastype="affine",
                 biasprm=_text(bias),
@@ -141,13 +143,21 @@ def _add_sensors(sensors: ET.Element, scenario: Scenario) -> None:
             )  # fmt: skip
 
 
-def solref(scenario: Scenario, contact: Contact) -> tuple[float, float]:
+def solref(scenario: Scenario, contact: Contact, settings: Settings) -> tuple[float, float]:
     """MuJoCo's two numbers for a pair: (-stiffness, -damping), both per unit of mass."""
     if contact.restitution == 0:
-        return (0.005, 1.0)  # critically damped within 5 ms: MuJoCo's own form for no bounce
+        return (dead_contact_s(scenario), 1.0)
+    if not settings.takes(LANDING):
+        first, second = settings.numbers_of(contact)
+        return (first, second)
     zeta, (omega, phase) = damping_ratio(contact.restitution), spring(scenario, contact)
     lag = 1 + zeta * phase
     return (-(omega**2) / lag, -2 * zeta * omega / lag)
+
+
+def dead_contact_s(scenario: Scenario) -> float:
+    """Time constant [s] of a critically damped contact; MuJoCo takes no less than two steps."""
+    return max(DEAD_CONTACT_S, 2 * scenario.world.engine_step_s)
 
 
 def spring(scenario: Scenario, contact: Contact) -> tuple[float, float]:
@@ -181,18 +191,25 @@ def contact_points(scenario: Scenario, sensor: Sensor) -> int:
     return SHAPE_POINTS * first * second
 
 
-def _add_pairs(contacts: ET.Element, scenario: Scenario, contact: Contact, mapped: bool) -> None:
+def _add_pairs(
+    contacts: ET.Element, scenario: Scenario, contact: Contact, settings: Settings
+) -> None:
     mu = contact.friction
-    stiff: dict[str, Any] = {
-        "solref": _text(solref(scenario, contact)), "solimp": _text((IMPEDANCE, IMPEDANCE, 0.001)),
-    }  # fmt: skip
-    if mu > 0 and contact.restitution > 0 and not approaches(scenario)[0]:
-        # slipping ends within an impact, yet lifts the body less than with the damper of the spring
-        stiff["solreffriction"] = _text((-1.0, -spring(scenario, contact)[0]))
+    stiff: dict[str, Any] = {}
+    if settings.gives_all:
+        stiff["solref"] = _text(solref(scenario, contact, settings))
+        stiff["solimp"] = _text(SOLIMP)
+    if mu > 0 and contact.restitution > 0 and settings.gives_all:
+        if not settings.takes(LANDING):
+            # friction with the spring that bounces would let go long before the slip has ended
+            stiff["solreffriction"] = _text((dead_contact_s(scenario), 1.0))
+        elif not approaches(scenario)[0]:
+            # slipping ends within an impact, and lifts the body less than the spring's own damper
+            stiff["solreffriction"] = _text((-1.0, -spring(scenario, contact)[0]))
     for name, (one, other) in pair_names(scenario, contact).items():
         ET.SubElement(
             contacts, "pair", name=name, geom1=one, geom2=other, condim="3" if mu > 0 else "1",
-            friction=_text((mu, mu, 0.005, 0.0001, 0.0001)), **(stiff if mapped else {}),
+            friction=_text((mu, mu, 0.005, 0.0001, 0.0001)), **stiff,
         )  # fmt: skip
 
 

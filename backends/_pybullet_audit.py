@@ -36,7 +36,7 @@ def _audit_world(audit: Audit, scene: Scene) -> None:
         parameter = f"gravityAcceleration{axis.upper()}"
         audit.add(f"gravity_m_s2.{axis}", wanted, parameter, (wanted, held[parameter]), "m/s²")
     if is_iterated(scene.scenario):
-        put = SWEEPS if scene.mapped else None
+        put = SWEEPS if scene.settings.gives_all else None
         values = (put, held["numSolverIterations"])
         audit.add("solver", None, "numSolverIterations", values, "1")
 
@@ -107,7 +107,7 @@ def _audit_law(audit: Audit, scene: Scene, name: str) -> None:
         note = "the motor that PyBullet puts on every joint was left on; it has no getter"
         audit.add(f"{name}.friction", 0.0, "VELOCITY_CONTROL force", (None, None), "SI", note)
     held = scene.engine.getJointInfo(uid, link, scene.client)[6]
-    values = (0.0 if scene.mapped else None, held)
+    values = (0.0 if scene.settings.gives_all else None, held)
     audit.add(f"{name}.jointDamping", None, "jointDamping", values, "SI", "damping is an effort")
     if law.armature:
         _audit_armature(audit, scene, name, law.armature)
@@ -121,7 +121,7 @@ def _audit_armature(audit: Audit, scene: Scene, name: str, armature: float) -> N
     for wanted, value, got in zip(own, put, held, strict=True):
         if value != wanted:
             parameter = f"localInertiaDiagonal of {child}"
-            note = "added to the child's moment; mapped gives the reaction to the parent"
+            note = "added to the child's moment; assisted gives the reaction to the parent"
             audit.add(f"{name}.armature", armature, parameter, (value, got), "kg·m²", note)
 
 
@@ -138,14 +138,25 @@ def _audit_contacts(audit: Audit, scene: Scene) -> None:
             values = (scene.friction.get(name), info[1])
             parameter = f"lateralFriction of {name}"
             audit.add(f"{pair} friction", contact.friction, parameter, values, "1", note)
-    for parameter, (value, default) in _NO_GETTER.items():
+    given = dict(_NO_GETTER)
+    if any(contact.restitution > 0 for contact in scene.scenario.contacts):
+        given |= _NO_GETTER_BOUNCING
+    for parameter, (value, default) in given.items():
         note = "PyBullet has no getter for it"
-        if not scene.mapped:
+        put = value if scene.settings.gives_all else None
+        if put is None:
             note += "; left at its default" + (f" of {default:g}" if default else "")
-        audit.add("contact", None, parameter, (value if scene.mapped else None, None), "", note)
+        audit.add(
+            "contact",
+            None,
+            parameter,
+            (put, None),
+            "",
+            note,
+        )
 
 
-#: what is set in mapped mode and cannot be read back: value, and PyBullet's default as known
+#: what is set where everything is given and cannot be read back: value, and PyBullet's default
 _NO_GETTER: dict[str, tuple[float, float | None]] = {
     "contactSlop": (0.0, 1e-5),
     "restitutionVelocityThreshold": (0.0, 0.2),
@@ -153,4 +164,9 @@ _NO_GETTER: dict[str, tuple[float, float | None]] = {
     "angularDamping": (0.0, 0.04),
     "contactProcessingThreshold": (0.0, None),
     "maxJointVelocity": (MOST_SPEED, 100.0),
+}
+#: the same where something bounces
+_NO_GETTER_BOUNCING: dict[str, tuple[float, float | None]] = {
+    "erp": (0.0, 0.2),
+    "contactERP": (0.0, 0.2),
 }

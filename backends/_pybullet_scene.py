@@ -8,10 +8,17 @@ from dataclasses import dataclass, field
 from itertools import combinations
 from types import ModuleType
 
+from simcompare.backend import Settings
 from simcompare.drives import JointLaw, laws_of
 from simcompare.errors import Unsupported
+from simcompare.helps import RIMS
 from simcompare.kinematics import Mount, mount_of
-from simcompare.pairs import per_body_product, touching_pairs, untouching_pairs
+from simcompare.pairs import (
+    friction_per_body,
+    restitution_per_body,
+    touching_pairs,
+    untouching_pairs,
+)
 from simcompare.scenario import Scenario
 from simcompare.shapes import Cylinder, Plane, Quaternion, Vector
 
@@ -43,7 +50,7 @@ class Scene:
         engine: the imported engine.
         client: its physics client.
         scenario: what was built.
-        mapped: whether contact and joints follow the scenario as well as the engine can.
+        settings: how much of the scenario is given to the engine, and with which helps.
         bodies: place of every body.
         joints: place of every joint, which is that of its child.
         restitution: per body; empty where it is left to the engine.
@@ -53,23 +60,24 @@ class Scene:
     engine: ModuleType
     client: int
     scenario: Scenario
-    mapped: bool
+    settings: Settings
     bodies: dict[str, Place] = field(default_factory=dict)
     joints: dict[str, Place] = field(default_factory=dict)
     restitution: Mapping[str, float] = field(default_factory=dict)
     friction: Mapping[str, float] = field(default_factory=dict)
 
 
-def build(engine: ModuleType, client: int, scenario: Scenario, mapped: bool, told: bool) -> Scene:
-    """Builds all bodies and joints in an empty client; ``told``: with the scenario's coefficients.
+def build(engine: ModuleType, client: int, scenario: Scenario, settings: Settings) -> Scene:
+    """Builds all bodies and joints in an empty client, with as much as the contact level gives.
 
-    A joint's friction is one of them, in place of the motor that brakes each joint by default.
+    A joint's friction is a coefficient, in place of the motor that brakes each joint by default.
     """
-    scene = Scene(engine, client, scenario, mapped)
+    told = settings.gives_coefficients
+    scene = Scene(engine, client, scenario, settings)
     _set_world(scene)
     if told:
-        scene.restitution = per_body_product(scenario, "restitution", "pybullet")
-        scene.friction = per_body_product(scenario, "friction", "pybullet")
+        scene.restitution = restitution_per_body(scenario, settings, "pybullet")
+        scene.friction = friction_per_body(scenario, "pybullet")
     laws = laws_of(scenario)
     for root, joints in trees(scenario).items():
         _add_tree(scene, root, joints)
@@ -140,7 +148,7 @@ def _set_world(scene: Scene) -> None:
     engine, client, world = scene.engine, scene.client, scene.scenario.world
     engine.setGravity(*world.gravity_m_s2, physicsClientId=client)
     engine.setTimeStep(world.engine_step_s, client)
-    if not scene.mapped:
+    if not scene.settings.gives_all:
         return
     if any(contact.restitution > 0 for contact in scene.scenario.contacts):
         # without error reduction a bounce gets no energy from penetration; stacks need it
@@ -256,7 +264,7 @@ def _set_dynamics(scene: Scene, name: str, inertia: Vector | None) -> None:
             uid, link, restitution=scene.restitution[name], lateralFriction=scene.friction[name],
             **at,
         )  # fmt: skip
-    if scene.mapped:
+    if scene.settings.gives_all:
         gap = gap_of(scene.scenario)
         engine.changeDynamics(
             uid, link, linearDamping=0, angularDamping=0, contactProcessingThreshold=gap, **at
@@ -273,7 +281,7 @@ def _set_joint(scene: Scene, name: str, law: JointLaw | None) -> None:
     if law is None:
         return
     engine.resetJointState(uid, link, 0.0, scene.scenario.joints[name].rate, **at)
-    if scene.mapped:
+    if scene.settings.gives_all:
         engine.changeDynamics(uid, link, jointDamping=0, **at)
     if scene.restitution or law.friction:
         engine.setJointMotorControl2(
@@ -307,7 +315,7 @@ def _shape(scene: Scene, body: str, origin: Vector) -> int:
     position = _plus(origin, shape.position_m)
     if isinstance(shape, Cylinder) and has_rims(scene, body):
         return _rims(scene, shape, position)
-    if isinstance(shape, Plane) and is_floor_of_boxes(scene, body):
+    if _is_other_floor(scene, body) and isinstance(shape, Plane):
         return _floor(scene, shape, position)
     size: dict[str, object]
     match shape.type:
@@ -339,7 +347,7 @@ def has_rims(scene: Scene, body: str) -> bool:
     """
     shapes = scene.scenario.bodies[body].shapes
     return (
-        scene.mapped
+        scene.settings.takes(RIMS)
         and bool(shapes)
         and isinstance(shapes[0], Cylinder)
         and min(shapes[0].radius_m, shapes[0].length_m / 2) > MARGIN_M
@@ -347,12 +355,22 @@ def has_rims(scene: Scene, body: str) -> bool:
     )
 
 
+def takes_other_shapes(scene: Scene) -> bool:
+    """Whether any body is built of other shapes than its own."""
+    return any(has_rims(scene, name) or _is_other_floor(scene, name) for name in scene.bodies)
+
+
+def _is_other_floor(scene: Scene, body: str) -> bool:
+    shapes = scene.scenario.bodies[body].shapes
+    return bool(shapes) and isinstance(shapes[0], Plane) and is_floor_of_boxes(scene, body)
+
+
 def is_floor_of_boxes(scene: Scene, body: str) -> bool:
     """Whether a body's plane is built as the upper side of a large box.
 
     Bullet finds the corners of a box on a plane in as many steps, on a box all of them at once.
     """
-    return scene.mapped and _kinds_on(scene, body) == {"box"}
+    return scene.settings.takes(RIMS) and _kinds_on(scene, body) == {"box"}
 
 
 def _kinds_on(scene: Scene, body: str) -> set[str]:

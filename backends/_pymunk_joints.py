@@ -39,7 +39,7 @@ class Linkage(ABC):
         scenario: the scene.
         name: the joint's name in it.
         law: what acts on it.
-        mapped: whether its constraints are placed where they are solved exactly, and hold exactly;
+        exact: whether its constraints are placed where they are solved exactly, and hold exactly;
             else they are placed at the joint's anchor and are as soft as the engine's own.
     """
 
@@ -50,7 +50,7 @@ class Linkage(ABC):
         scenario: Scenario,
         name: str,
         law: JointLaw,
-        mapped: bool,
+        exact: bool,
     ) -> None:
         self.name, self.law = name, law
         self.joint = joint = scenario.joints[name]
@@ -65,15 +65,15 @@ class Linkage(ABC):
         self.senses = bool(law.stiffness or law.damping)
         #: which way the child turns in the plane while its coordinate grows
         self.sign = -math.copysign(1.0, self.joint.axis[1])
-        self.constraints: list[Constraint] = self._constraints(engine, mapped)
+        self.constraints: list[Constraint] = self._constraints(engine, exact)
         for constraint in self.constraints:
             constraint.collide_bodies = False
-            if mapped:
+            if exact:
                 # the drift is corrected within one step, so that it stays of second order
                 constraint.error_bias = 0.0
 
     @abstractmethod
-    def _constraints(self, engine: ModuleType, mapped: bool) -> list[Constraint]:
+    def _constraints(self, engine: ModuleType, exact: bool) -> list[Constraint]:
         """The constraints that make the joint, in the order in which they are solved."""
 
     def motion(self, step_s: float) -> tuple[float, float]:
@@ -109,8 +109,8 @@ class Linkage(ABC):
 class Hinge(Linkage):
     """A pivot; the coordinate is the angle between both bodies, over any number of turns."""
 
-    def _constraints(self, engine: ModuleType, mapped: bool) -> list[Constraint]:
-        del mapped
+    def _constraints(self, engine: ModuleType, exact: bool) -> list[Constraint]:
+        del exact
         found = [engine.PivotJoint(self.parent, self.child, self.anchor, self.child_anchor)]
         if self.law.friction:
             found.append(engine.SimpleMotor(self.parent, self.child, 0.0))
@@ -156,7 +156,7 @@ class Slider(Linkage):
     the centre of mass of the one body, and the point in it lies beside that of the other.
     """
 
-    def _constraints(self, engine: ModuleType, mapped: bool) -> list[Constraint]:
+    def _constraints(self, engine: ModuleType, exact: bool) -> list[Constraint]:
         x, z = _planar(self.joint.axis)
         if math.hypot(x, z) == 0:
             raise Unsupported(f"pymunk: {self.name} slides out of the plane")
@@ -169,14 +169,14 @@ class Slider(Linkage):
         self._beside = along[0] * away[1] - along[1] * away[0]
         if self.law.armature:
             raise Unsupported(f"pymunk has no armature, and {self.name}, a slider, has one")
-        found = [self._groove(engine, mapped)]
+        found = [self._groove(engine, exact)]
         if self.law.friction:
             found.append(self._brake(engine))
         return [*found, engine.GearJoint(self.parent, self.child, self.turned, 1.0)]
 
-    def _groove(self, engine: ModuleType, mapped: bool) -> Constraint:
+    def _groove(self, engine: ModuleType, exact: bool) -> Constraint:
         carrier, other = self.parent, self.child
-        if not mapped:
+        if not exact:
             ends, point = _line(self.anchor, self._heading), self.child_anchor
         elif self.fixed_parent or carrier.moment >= other.moment:
             ends = _line((0.0, 0.0), self._heading)
@@ -253,9 +253,9 @@ class Slider(Linkage):
 class Weld(Linkage):
     """A pivot and a gear."""
 
-    def _constraints(self, engine: ModuleType, mapped: bool) -> list[Constraint]:
+    def _constraints(self, engine: ModuleType, exact: bool) -> list[Constraint]:
         self._points = self.anchor, self.child_anchor
-        if mapped:
+        if exact:
             # between both centres, where pivot and gear do not disturb each other
             a, b = self.parent.moment, self.child.moment
             share = 1.0 if self.fixed_parent else a / (a + b)

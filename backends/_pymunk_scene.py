@@ -11,13 +11,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from simcompare.audit import Audit
+from simcompare.backend import Settings
 from simcompare.backends._pymunk_joints import LINKAGES, Linkage, Point, armature_of
 from simcompare.backends._pymunk_sweeps import sweeps_for
 from simcompare.drives import JointLaw, laws_of
 from simcompare.errors import Unsupported
+from simcompare.helps import LANDING
 from simcompare.kinematics import add_children, in_order
 from simcompare.landing import approaches
-from simcompare.pairs import per_body_product, touching_pairs
+from simcompare.pairs import friction_per_body, restitution_per_body, touching_pairs
 from simcompare.scenario import MOVABLE, Body, Scenario
 from simcompare.shapes import Shape
 from simcompare.state import State
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
 
 #: a plane is a bar this long to either side and this thick [m]
 BAR_HALF_LENGTH_M, BAR_RADIUS_M = 1000.0, 0.5
-#: overlap that mapped mode allows [m]; the default of 0.1 is meant for pixels
+#: overlap that is allowed where everything is given [m]; the default of 0.1 is meant for pixels
 SLOP_M = 1e-9
 #: bodies that can have bits of their own in Chipmunk's 32, two of which are shared
 MOST_PARTNERS = 30
@@ -40,7 +42,7 @@ class Scene:
 
     Attributes:
         scenario: what was built.
-        mapped: whether contact and joints follow the scenario as well as the engine can.
+        settings: how much of the scenario is given to the engine.
         space: the engine's space.
         bodies: the engine's bodies.
         shapes: the shapes of every body.
@@ -51,7 +53,7 @@ class Scene:
     """
 
     scenario: Scenario
-    mapped: bool
+    settings: Settings
     space: pymunk.Space
     bodies: dict[str, pymunk.Body] = field(default_factory=dict)
     shapes: dict[str, list[pymunk.Shape]] = field(default_factory=dict)
@@ -61,16 +63,17 @@ class Scene:
     sweeps: int | None = None
 
 
-def build(engine: ModuleType, scenario: Scenario, mapped: bool, told: bool) -> Scene:
-    """Builds all bodies and joints in a new space; ``told``: with the scenario's coefficients."""
-    scene = Scene(scenario, mapped, engine.Space())
+def build(engine: ModuleType, scenario: Scenario, settings: Settings) -> Scene:
+    """Builds all bodies and joints in a new space, with as much as the contact level gives."""
+    told, whole = settings.gives_coefficients, settings.gives_all
+    scene = Scene(scenario, settings, engine.Space())
     gx, _, gz = scenario.world.gravity_m_s2
     scene.space.gravity = (gx, gz)
-    if mapped:
+    if whole:
         scene.space.collision_slop = SLOP_M
     if told:
-        scene.restitution = per_body_product(scenario, "restitution", "pymunk")
-        scene.friction = per_body_product(scenario, "friction", "pymunk")
+        scene.restitution = restitution_per_body(scenario, settings, "pymunk")
+        scene.friction = friction_per_body(scenario, "pymunk")
     laws = laws_of(scenario)
     for name, body in scenario.bodies.items():
         _add_body(engine, scene, name, body, armature_of(scenario.joints, laws, name))
@@ -78,10 +81,10 @@ def build(engine: ModuleType, scenario: Scenario, mapped: bool, told: bool) -> S
         _keep_apart(engine, scene)
     for name, joint in in_order(scenario).items():
         law = laws.get(name, JointLaw())
-        linkage = LINKAGES[joint.type](engine, scene.bodies, scenario, name, law, mapped)
+        linkage = LINKAGES[joint.type](engine, scene.bodies, scenario, name, law, whole)
         scene.joints[name] = linkage
         scene.space.add(*linkage.constraints)
-    if mapped and scene.joints:
+    if whole and scene.joints:
         scene.sweeps = sweeps_for(scenario, scene.bodies, scene.space.constraints)
         scene.space.iterations = scene.sweeps
     _start(scene)
@@ -98,7 +101,8 @@ def _add_body(
         held = engine.Body(body.mass_kg, body.inertia_kg_m2[1] + armature_kg_m2)
     held.position = (body.position_m[0], body.position_m[2])
     held.angle = angle_of(body.orientation_wxyz)
-    raised = SLOP_M if scene.mapped and not approaches(scene.scenario)[0] else 0.0
+    landed = scene.settings.takes(LANDING) and approaches(scene.scenario)[0]
+    raised = SLOP_M if scene.settings.gives_all and not landed else 0.0
     shapes = [_shape(engine, held, shape, raised) for shape in body.shapes]
     for shape in shapes if scene.restitution else ():
         shape.elasticity, shape.friction = scene.restitution[name], scene.friction[name]
@@ -221,7 +225,7 @@ def audit_of(scene: Scene) -> Audit:
         _audit_body(audit, scene, name, body, armature_of(scene.scenario.joints, laws, name))
     for linkage in scene.joints.values():
         linkage.audit(audit)
-        _audit_efforts(audit, linkage, scene.mapped)
+        _audit_efforts(audit, linkage, scene.settings.gives_all)
     _audit_contacts(audit, scene)
     return audit
 
@@ -233,8 +237,8 @@ def _audit_world(audit: Audit, scene: Scene) -> None:
     audit.add("gravity_m_s2.z", gz, "Space.gravity.y", (gz, space.gravity[1]), "m/s²")
     step_s, argument = world.engine_step_s, "an argument of each step"
     audit.add("engine step_s", step_s, "Space.step(dt)", (step_s, None), "s", argument)
-    slop = (SLOP_M if scene.mapped else None, space.collision_slop)
-    note = "" if scene.mapped else "engine's default: overlap that is left alone"
+    slop = (SLOP_M if scene.settings.gives_all else None, space.collision_slop)
+    note = "" if scene.settings.gives_all else "engine's default: overlap that is left alone"
     audit.add("contact", None, "Space.collision_slop", slop, "m", note)
     audit.add("damping", None, "Space.damping", (1.0, space.damping), "1", "1 means none")
     if scene.joints:
@@ -264,7 +268,7 @@ def _audit_body(audit: Audit, scene: Scene, name: str, body: Body, armature: flo
             audit.add_sizes(name, shape, "Poly.vertices", [edges[0], shape.size_m[1], edges[1]])
 
 
-def _audit_efforts(audit: Audit, linkage: Linkage, mapped: bool) -> None:
+def _audit_efforts(audit: Audit, linkage: Linkage, drawn_together: bool) -> None:
     """What acts on a joint in each step, which the engine holds no longer than that."""
     law, kind = linkage.law, linkage.joint.type
     for part, value, unit in (
@@ -282,7 +286,7 @@ def _audit_efforts(audit: Audit, linkage: Linkage, mapped: bool) -> None:
     held = linkage.constraints
     colliding = (0.0, float(sum(c.collide_bodies for c in held)))
     audit.add(f"{linkage.name}", None, "Constraint.collide_bodies", colliding, "1")
-    bias = (0.0 if mapped else None, max(c.error_bias for c in held))
+    bias = (0.0 if drawn_together else None, max(c.error_bias for c in held))
     note = "share of an error that is left after a second"
     audit.add(f"{linkage.name}", None, "Constraint.error_bias", bias, "1", note)
 

@@ -21,6 +21,7 @@ import numpy as np
 
 from simcompare.drives import laws_of
 from simcompare.errors import SimulationDiverged, Unsupported
+from simcompare.helps import RECOIL
 from simcompare.kinematics import in_order, mount_of
 from simcompare.scenario import Scenario
 from simcompare.shapes import Vector
@@ -216,10 +217,11 @@ class RecoilingSimulation(Simulation):
 
     _recoil: Recoil | None = None
 
-    def _prepare_recoil(self, given: bool) -> None:
+    def _prepare_recoil(self) -> None:
         """Prepares recoil; where it is not given, a note says so."""
         rotors = rotors_of(self.scenario)
-        if rotors and given:
+        if rotors and self.settings.takes(RECOIL):
+            self.helps.add(RECOIL)
             self._recoil = Recoil(self.scenario, rotors)
             self.notes += self._recoil.notes()
         elif rotors:

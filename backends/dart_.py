@@ -11,7 +11,6 @@ import numpy as np
 from simcompare.audit import Audit
 from simcompare.backend import (
     JOINTS_AND_FORCES,
-    MAPPED,
     SPATIAL_RIGID_BODIES,
     EngineBackend,
     KnownLimit,
@@ -19,6 +18,7 @@ from simcompare.backend import (
 )
 from simcompare.backends._dart_scene import Scene, audit_scene, build_scene
 from simcompare.backends._recoil import Motion, RecoilingSimulation
+from simcompare.helps import CENTRED_EFFORTS, HALF_STEP_START, LANDING, RECOIL
 from simcompare.landing import ContactSteps
 from simcompare.rotations import quaternions_of, rotation_vector_of
 from simcompare.scenario import MOVABLE, Scenario
@@ -37,9 +37,9 @@ _BLOCK = 4096
 class DartSimulation(RecoilingSimulation):
     """A world and the skeletons in it that move."""
 
-    def __init__(self, scene: Scene, scenario: Scenario, audit: Audit, mapped: bool) -> None:
-        steps = ContactSteps(stagger=-0.5, contact_step_s=CONTACT_STEP_S) if mapped else None
-        super().__init__(scenario, audit.finish(), steps, exact=mapped)
+    def __init__(self, scene: Scene, scenario: Scenario, audit: Audit, settings: Settings) -> None:
+        steps = ContactSteps(stagger=-0.5, contact_step_s=CONTACT_STEP_S)
+        super().__init__(scenario, audit.finish(), settings, steps)
         self._world, self._scene = scene.world, scene
         trees = [tree for tree in scene.trees if tree.getNumDofs()]
         ends = np.cumsum([0, *(tree.getNumDofs() for tree in trees)]).tolist()
@@ -56,14 +56,15 @@ class DartSimulation(RecoilingSimulation):
             first = ends[trees.index(joint.getSkeleton())]
             self._slots[name] = first + joint.getIndexInSkeleton(0)
         self._prepare_sensors()
-        self._prepare_drive(mapped)
+        self._prepare_drive()
 
-    def _prepare_drive(self, mapped: bool) -> None:
+    def _prepare_drive(self) -> None:
         """Finds out whether efforts depend on the motion, and which armatures recoil."""
         laws = self._drive.laws if self._drive else {}
-        # by default DART's own springs and dampers act
-        self._follows = mapped and any(law.stiffness or law.damping for law in laws.values())
-        self._prepare_recoil(given=mapped)
+        # else DART's own springs and dampers act
+        ours = self.settings.takes(CENTRED_EFFORTS)
+        self._follows = ours and any(law.stiffness or law.damping for law in laws.values())
+        self._prepare_recoil()
         nodes, dofs = self._scene.nodes, self._scene.dofs
         self._rotors = [
             (
@@ -277,6 +278,7 @@ class DartBackend(EngineBackend):
     install = "pip install 'simcompare[dart]'"
     libraries = (("libGL.so.1", "sudo apt-get install libgl1"),)
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
+    helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL})
     known_limits = (
         KnownLimit(
             "Restitution is 0 by default, on the body and on the floor; both must be set.",
@@ -318,7 +320,7 @@ class DartBackend(EngineBackend):
         ),
         KnownLimit(
             "There is no armature: it is part of the child's moment of inertia about the joint's"
-            " axis, and mapped gives both bodies the torques that are missing where the parent"
+            " axis, and assisted gives both bodies the torques that are missing where the parent"
             " turns, a step late. An armature that outweighs its parent is refused.",
             "DART Joint; measured: trees of three tumbling bodies come as close as MuJoCo's, 0.3 mm"
             " in 0.3 s at 1 ms, and errors halve with the step",
@@ -339,9 +341,8 @@ class DartBackend(EngineBackend):
     )
 
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
-        mapped = settings.contact == MAPPED
-        scene = build_scene(engine, scenario, mapped, settings.gives_coefficients)
-        return DartSimulation(scene, scenario, audit_scene(scene, scenario, mapped), mapped)
+        scene = build_scene(engine, scenario, settings)
+        return DartSimulation(scene, scenario, audit_scene(scene, scenario, settings), settings)
 
     def script(self) -> EngineScript:
         """What writes scenes of this engine as standalone scripts."""

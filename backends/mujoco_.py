@@ -12,8 +12,8 @@ import numpy as np
 from simcompare.audit import Audit
 from simcompare.backend import (
     JOINTS_AND_FORCES,
-    MAPPED,
     SPATIAL_RIGID_BODIES,
+    SPRING,
     EngineBackend,
     KnownLimit,
     Settings,
@@ -24,6 +24,7 @@ from simcompare.backends._mujoco_scene import (
     IMPACT_PHASE,
     SOFT_FREQUENCY_RAD_S,
     SOFT_STEP_S,
+    SOLIMP,
     contact_points,
     geom_name,
     impact_phase,
@@ -34,8 +35,9 @@ from simcompare.backends._mujoco_scene import (
 from simcompare.dashpot import damping_ratio
 from simcompare.drives import JointLaw, laws_of
 from simcompare.errors import SimulationDiverged, Unsupported
+from simcompare.helps import CENTRED_EFFORTS, HALF_STEP_START, LANDING
 from simcompare.kinematics import Mount, mount_of
-from simcompare.landing import ContactSteps, approaches, finely_stepped
+from simcompare.landing import ContactSteps, approaches, finely_stepped, slips_at_impact
 from simcompare.pairs import touching_pairs
 from simcompare.rotations import rotate
 from simcompare.scenario import MOVABLE, Body, Contact, Scenario
@@ -45,7 +47,7 @@ from simcompare.simulation import Simulation
 from simcompare.state import BodyState, State
 from simcompare.trajectory import Array
 
-#: smallest restitution above 0 that is mapped; below it a drop takes seconds
+#: smallest restitution above 0 that is landed on; below it a drop takes seconds
 LEAST_RESTITUTION = 0.02
 
 
@@ -58,10 +60,9 @@ class MujocoSimulation(Simulation):
         scenario: Scenario,
         model: Any,
         audit: Audit,
-        mapped: bool,
+        settings: Settings,
     ) -> None:
-        steps = contact_steps(scenario) if mapped else None
-        super().__init__(scenario, audit.finish(), steps, exact=mapped)
+        super().__init__(scenario, audit.finish(), settings, contact_steps(scenario))
         self._mujoco, self._model, self._data = engine, model, engine.MjData(model)
         self._step = engine.mj_step
         self._slots = {
@@ -197,6 +198,8 @@ class MujocoBackend(EngineBackend):
     distribution = "mujoco-core"
     install = "pip install 'simcompare[mujoco]'"
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
+    helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS})
+    bounces_by = SPRING
     known_limits = (
         KnownLimit(
             "There is no coefficient of restitution: a contact is a spring and damper, and the"
@@ -215,7 +218,7 @@ class MujocoBackend(EngineBackend):
         KnownLimit(
             "Friction is convex: a sliding body is lifted by its friction, loses contact and hops;"
             " its load swings, and the mean of it depends on the step.",
-            "MuJoCo documentation, Computation, Convex contact model; measured: spinning tyres"
+            "MuJoCo documentation, Computation, Convex contact levell; measured: spinning tyres"
             " of a robot carry 0 to 40 N, 1.7 to 1.8 N in the mean for 1.77 N, at steps of 0.25 to"
             " 2 ms; with 0.06 N·m on each it is 12 % too fast",
         ),
@@ -237,9 +240,10 @@ class MujocoBackend(EngineBackend):
         " force-clipped dashpot e = exp(-2ζ·arccos ζ/√(1-ζ²)) (Schwager and Pöschel, Granular"
         " Matter 9 (2007) 465); the divisor allows for the damper acting on a velocity half a step"
         " old; ω·dt = min(0.01, 0.0007/ζ) during an impact, √(1+ζ²) - ζ at rest; solimp = 0.9999;"
-        " where impacts are not landed on, ω = 2000 rad/s/max(1, 2ζ) at 50 µs, friction's damper ω;"
-        " solref = (0.005, 1) where nothing bounces; elliptic cone; half of a joint's damping is"
-        " its own, taken after the step, and half an actuator's, taken before it"
+        " in fine steps, where impacts cannot be landed on, ω = 2000 rad/s/max(1, 2ζ) at 50 µs,"
+        " friction's damper ω; tuned, solref is sought at the step, solreffriction = (0.005, 1);"
+        " solref = (0.005, 1) where nothing bounces; elliptic cone; assisted, half of a joint's"
+        " damping is its own, taken after the step, and half an actuator's, taken before it"
     )
 
     def version(self) -> str:
@@ -249,14 +253,12 @@ class MujocoBackend(EngineBackend):
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
         # MuJoCo would write its warnings into a file where the user works; stderr is kept
         engine.set_mju_user_warning(lambda text: print(f"MuJoCo: {text}", file=sys.stderr))
-        mapped = settings.contact == MAPPED
-        if mapped:
+        if settings.takes(LANDING):
             _refuse_bounces(scenario)
             scenario = finely_stepped(scenario, SOFT_STEP_S)
-        told = settings.gives_coefficients
-        model = engine.MjModel.from_xml_string(mjcf(scenario, mapped, told))
+        model = engine.MjModel.from_xml_string(mjcf(scenario, settings))
         audit = _audit(engine, model, scenario, settings)
-        return MujocoSimulation(engine, scenario, model, audit, mapped)
+        return MujocoSimulation(engine, scenario, model, audit, settings)
 
     def script(self) -> EngineScript:
         """What writes scenes of this engine as standalone scripts."""
@@ -271,11 +273,11 @@ BACKEND = MujocoBackend()
 def _refuse_bounces(scenario: Scenario) -> None:
     """A spring that bounces needs steps far shorter than it lasts."""
     values = [contact.restitution for contact in scenario.contacts if contact.restitution > 0]
-    alone = not scenario.joints and len(scenario.moving_bodies()) < 2
-    if values and not approaches(scenario)[0] and not alone:
+    rubs = any(contact.friction > 0 and contact.restitution > 0 for contact in scenario.contacts)
+    if rubs and approaches(scenario)[0] and slips_at_impact(scenario):
         raise Unsupported(
-            "mujoco bounces by a stiff spring, which is possible so far only for a single sphere"
-            " on fixed planes, where impacts are landed on, and for another single free body"
+            "mujoco's friction does not follow an impact that is landed on: a ball that slides or"
+            " spins would leave with a wrong speed and spin; use --contact tuned"
         )
     if values and min(values) < LEAST_RESTITUTION:
         raise Unsupported(
@@ -303,20 +305,23 @@ def contact_steps(scenario: Scenario) -> ContactSteps:
 
 
 def _audit(engine: ModuleType, model: Any, scenario: Scenario, settings: Settings) -> Audit:
-    audit, mapped = Audit("mujoco"), settings.contact == MAPPED
+    audit = Audit("mujoco")
     world = scenario.world
     step_s = world.engine_step_s
     audit.add("engine step_s", step_s, "opt.timestep", (step_s, model.opt.timestep), "s")
+    if settings.gives_all:
+        cone = (1, model.opt.cone)
+        audit.add("contact", None, "opt.cone", cone, "1", "elliptic (mjCONE_ELLIPTIC)")
     for axis, wanted, held in zip("xyz", world.gravity_m_s2, model.opt.gravity, strict=True):
         audit.add(f"gravity_m_s2.{axis}", wanted, "opt.gravity", (wanted, held), "m/s²")
     for name, body in scenario.moving_bodies().items():
         _audit_body(audit, model, name, body, name in scenario.free_bodies())
     for name, law in laws_of(scenario).items():
-        _audit_joint(audit, model, name, law, mapped)
+        _audit_joint(audit, model, name, law, settings.takes(CENTRED_EFFORTS))
         _audit_place(audit, model, name, mount_of(scenario, scenario.joints[name]))
     for contact in touching_pairs(scenario):
-        if mapped:
-            _audit_pairs(audit, model, scenario, contact)
+        if settings.gives_all:
+            _audit_pairs(audit, model, scenario, contact, settings)
         else:
             _audit_default(engine, audit, contact)
         if settings.gives_coefficients:
@@ -324,10 +329,10 @@ def _audit(engine: ModuleType, model: Any, scenario: Scenario, settings: Setting
     return audit
 
 
-def _audit_joint(audit: Audit, model: Any, name: str, law: JointLaw, mapped: bool) -> None:
+def _audit_joint(audit: Audit, model: Any, name: str, law: JointLaw, halved: bool) -> None:
     held, dof = model.joint(name), int(model.joint(name).dofadr[0])
     explicit = -float(model.actuator(name).biasprm[2]) if law.is_driven else 0.0
-    note = "half with the rate before the step, half with that after it" if mapped else ""
+    note = "half with the rate before the step, half with that after it" if halved else ""
     for part, wanted, got, extra in (
         ("stiffness", law.stiffness, held.stiffness[0], ""),
         ("rest", law.rest, model.qpos_spring[int(held.qposadr[0])], ""),
@@ -381,9 +386,11 @@ def _audit_default(engine: ModuleType, audit: Audit, contact: Contact) -> None:
         audit.add(quantity, contact.restitution, parameter, values, unit, "engine's default")
 
 
-def _audit_pairs(audit: Audit, model: Any, scenario: Scenario, contact: Contact) -> None:
+def _audit_pairs(
+    audit: Audit, model: Any, scenario: Scenario, contact: Contact, settings: Settings
+) -> None:
     label = "-".join(contact.pair)
-    first, second = solref(scenario, contact)
+    first, second = solref(scenario, contact, settings)
     note, units = "no bounce", ("s", "1")
     if first < 0:
         note, units = f"ζ = {-second / 2 / math.sqrt(-first):.6g}", ("1/s²", "1/s")
@@ -394,6 +401,10 @@ def _audit_pairs(audit: Audit, model: Any, scenario: Scenario, contact: Contact)
             parameter = f"solref[{i}]"
             quantity = f"{label} restitution"
             audit.add(quantity, contact.restitution, parameter, values, units[i], note)
+        where = "of the <pair>; typed into geoms: into both, or with the higher priority into one"
+        for i, (value, unit) in enumerate(zip(SOLIMP, ("1", "1", "m"), strict=True)):
+            values = (value, held.solimp[i])
+            audit.add(f"{label} contact", None, f"solimp[{i}]", values, unit, where)
 
 
 def _audit_friction(audit: Audit, model: Any, scenario: Scenario, contact: Contact) -> None:

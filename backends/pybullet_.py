@@ -12,7 +12,6 @@ import numpy as np
 
 from simcompare.backend import (
     JOINTS_AND_FORCES,
-    MAPPED,
     SPATIAL_RIGID_BODIES,
     EngineBackend,
     KnownLimit,
@@ -21,10 +20,23 @@ from simcompare.backend import (
 from simcompare.backends._pybullet_audit import audit_of
 from simcompare.backends._pybullet_reaction import Surplus, sensed_wrongly
 from simcompare.backends._pybullet_rotors import Rotors
-from simcompare.backends._pybullet_scene import BASE, Scene, build, gap_of, refresh_contacts
+from simcompare.backends._pybullet_scene import (
+    BASE,
+    Scene,
+    build,
+    gap_of,
+    refresh_contacts,
+    takes_other_shapes,
+)
 from simcompare.backends._recoil import Motion, RecoilingSimulation
 from simcompare.drives import Drive
 from simcompare.errors import EngineBroken
+from simcompare.helps import (
+    HELPS,
+    LANDING,
+    REACTIONS,
+    RIMS,
+)
 from simcompare.kinematics import mount_of
 from simcompare.landing import ContactSteps, finely_stepped
 from simcompare.pairs import refuse_offsets
@@ -53,9 +65,9 @@ class PybulletSimulation(RecoilingSimulation):
     """
 
     def __init__(self, scene: Scene, scenario: Scenario) -> None:
-        mapped = scene.mapped
-        steps = ContactSteps(-0.5, CONTACT_STEP_S, rest_step_s=REST_STEP_S) if mapped else None
-        super().__init__(scenario, audit_of(scene).finish(), steps, exact=mapped)
+        settings = scene.settings
+        steps = ContactSteps(-0.5, CONTACT_STEP_S, rest_step_s=REST_STEP_S)
+        super().__init__(scenario, audit_of(scene).finish(), settings, steps)
         self._saved: dict[int, int] = {}
         self._scene = scene
         self._bullet, self._client, self._places = scene.engine, scene.client, scene.bodies
@@ -74,10 +86,12 @@ class PybulletSimulation(RecoilingSimulation):
             if (places := [i for i, name in enumerate(driven) if scene.joints[name][0] == uid])
         ]
         self._efforts: list[float] = []
-        self._prepare_recoil(given=mapped)
+        self._prepare_recoil()
         self._rotors = Rotors(scene, self._order, self._recoil) if self._recoil else None
-        wrong = sensed_wrongly(scenario) if mapped else []
+        wrong = sensed_wrongly(scenario) if settings.takes(REACTIONS) else []
         self._surplus = Surplus(scenario, wrong) if wrong else None
+        self.helps |= {REACTIONS} if wrong else set()
+        self.helps |= {RIMS} if takes_other_shapes(scene) else set()
         self._readers = [self._reader(name, scene) for name in self._force_sensors]
 
     def advance(self, count: int) -> None:
@@ -180,7 +194,7 @@ class PybulletSimulation(RecoilingSimulation):
             }  # fmt: skip
 
             # Bullet leaves old forces on points that are too far apart to act
-            gap = gap_of(self.scenario) if scene.mapped else math.inf
+            gap = gap_of(self.scenario) if scene.settings.gives_all else math.inf
 
             def normal_force() -> tuple[float, ...]:
                 points = bullet.getContactPoints(**chosen)
@@ -309,6 +323,7 @@ class PybulletBackend(EngineBackend):
     # it has wheels for Python 3.11 and older only; elsewhere pip builds it, for about ten minutes
     install = f"{'' if sys.version_info < (3, 12) else _COMPILER}pip install 'simcompare[pybullet]'"
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
+    helps = frozenset(HELPS)
     known_limits = (
         KnownLimit(
             "Restitution is 0 by default, and bodies lose 4 % of their speed a second to damping.",
@@ -343,24 +358,24 @@ class PybulletBackend(EngineBackend):
         ),
         KnownLimit(
             "A cylinder touches a plane at one point at a time, at an end that rounding picks, so"
-            " that a robot on such wheels turns by itself; mapped takes the two rims instead.",
+            " that a robot on such wheels turns by itself; assisted takes the two rims instead.",
             "measured: turned by 1.8 rad within a metre; 1e-6 rad with rims",
         ),
         KnownLimit(
             "Corners of a box on a plane are found one in each step, so that a box that lands flat"
-            " turns; mapped takes a box of 1 km for a plane that only boxes touch. What has sunk in"
-            " during a bounce stays in, up to speed times step, 0.1 ms.",
+            " turns; assisted takes a box of 1 km for a plane that only boxes touch. What has sunk"
+            " in during a bounce stays in, up to speed times step, 0.1 ms.",
             "measured: e = 0.5 gave 0.485 flat and 0.443 on an edge, and turned; 0.4996 on a box",
         ),
         KnownLimit(
             "Reaction forces take Coriolis and gyroscopic terms in twice, so they are wrong in free"
-            " bodies that turn and where joints move on moving bodies; mapped takes them off.",
+            " bodies that turn and where joints move on moving bodies; assisted takes them off.",
             "bulletphysics/bullet3 issues 2966, 4451, pull request 4583; measured: 12 m/s² too much"
             " on a robot at 2 m/s, 1e-10 m/s² when taken off",
         ),
         KnownLimit(
             "There is no armature: it is added to the child's moment of inertia about the hinge,"
-            " and mapped gives both bodies the torques that are missing where the parent turns, a"
+            " and assisted gives both bodies the torques that are missing where the parent turns, a"
             " step late. One that outweighs its parent is refused, and a slider cannot have one.",
             "PyBullet Quickstart Guide, changeDynamics; measured: trees of three tumbling bodies"
             " come as close as MuJoCo's, 0.3 mm in 0.3 s at 1 ms, and errors halve with the step",
@@ -383,14 +398,13 @@ class PybulletBackend(EngineBackend):
 
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
         refuse_offsets(scenario, self.name, shapes=1)
-        mapped = settings.contact == MAPPED
-        if mapped:
+        if settings.takes(LANDING):
             scenario = finely_stepped(scenario, BOUNCE_STEP_S)
         client = engine.connect(engine.DIRECT)
         if client < 0:
             raise EngineBroken("pybullet opened no physics client")
         try:
-            scene = build(engine, client, scenario, mapped, settings.gives_coefficients)
+            scene = build(engine, client, scenario, settings)
             return PybulletSimulation(scene, scenario)
         except BaseException:
             engine.disconnect(client)

@@ -11,7 +11,6 @@ import numpy as np
 
 from simcompare.backend import (
     JOINTS_AND_FORCES,
-    MAPPED,
     EngineBackend,
     Feature,
     KnownLimit,
@@ -24,9 +23,10 @@ from simcompare.backends._recoil import Motion, RecoilingSimulation
 from simcompare.drives import Drive
 from simcompare.errors import SimulationDiverged
 from simcompare.free_motion import has_drag
+from simcompare.helps import CENTRED_EFFORTS, HALF_STEP_START, LANDING, REACTIONS, RECOIL
 from simcompare.landing import ContactSteps
 from simcompare.pairs import refuse_offsets
-from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario
+from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario, Sensor
 from simcompare.scripts.contract import EngineScript
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
@@ -51,21 +51,20 @@ class PymunkSimulation(RecoilingSimulation):
             # a longer step at rest would multiply the remembered impulse and throw the body up
             rest_step_s=CONTACT_STEP_S,
         )
-        mapped = settings.contact == MAPPED
-        self._engine, self._mapped, self._told = engine, mapped, settings.gives_coefficients
-        scene = build(engine, scenario, mapped, self._told)
-        super().__init__(
-            scenario, audit_of(scene).finish(), steps if mapped else None, exact=mapped
-        )
-        self._prepare_recoil(given=mapped)
+        self._engine = engine
+        scene = build(engine, scenario, settings)
+        super().__init__(scenario, audit_of(scene).finish(), settings, steps)
+        self._prepare_recoil()
         self._use(scene)
         self._step_s = self._whole_step_s
         self._reader = ForceReader(scenario, self._force_sensors)
         self._first_forces: Sequence[float] | None = None
         bouncing = any(contact.restitution > 0 for contact in scenario.contacts)
-        if mapped and self._landing is None and not bouncing:
+        if settings.takes(HALF_STEP_START) and self._landing is None and not bouncing:
             # velocities at the start are not staggered yet: they belong to a step of length zero
             self._engine_step_s = 0.0
+            self.helps.add(HALF_STEP_START)
+            self.velocity_offset_s = steps.stagger * self._whole_step_s
 
     def _use(self, scene: Scene) -> None:
         self._scene, self._space, self._held = scene, scene.space, scene.bodies
@@ -272,7 +271,7 @@ class PymunkSimulation(RecoilingSimulation):
 
     def set_state(self, state: State) -> None:
         # a new space: impulses that this one remembers from elsewhere would act in the next step
-        self._use(build(self._engine, self.scenario, self._mapped, self._told))
+        self._use(build(self._engine, self.scenario, self.settings))
         super().set_state(state)
         for name, joint in self._scene.joints.items():
             self.place(joint.joint.child, state.bodies[joint.joint.child])
@@ -294,7 +293,7 @@ class PymunkSimulation(RecoilingSimulation):
 
     def drag_forces(self) -> list[tuple[str, Vector]]:
         """Drag at the end of the next step, where the forces of a step act."""
-        if not self._mapped:
+        if not self.settings.takes(CENTRED_EFFORTS):
             return super().drag_forces()
         forces, ahead_s = [], self._engine_step_s / 2
         for name, body in self._bodies.items():
@@ -319,6 +318,12 @@ class PymunkSimulation(RecoilingSimulation):
                 found[f"{name}.{part}"][0] = first if size > 1 else first[0]
         return found
 
+    def reason_lacking(self, sensor: Sensor) -> str:
+        if sensor.type == "force" and not self.settings.takes(REACTIONS):
+            return "pymunk tells the magnitude of a joint's impulse and not its direction"
+        self.helps |= {REACTIONS} if sensor.type == "force" else set()
+        return ""
+
     def forces(self) -> list[float]:
         return self._reader.read(self._scene, self._step_s)
 
@@ -338,6 +343,7 @@ class PymunkBackend(EngineBackend):
         Feature.FREE_BODY, Feature.PLANE, Feature.SPHERE, Feature.BOX,
         Feature.RESTITUTION, Feature.FRICTION, Feature.DRAG,
     }  # fmt: skip
+    helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL, REACTIONS})
     known_limits = (
         KnownLimit(
             "Two-dimensional: it runs scenarios whose motion stays in the x-z plane.",

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from simcompare.backend import SHOWN_MODES
+from simcompare.backend import SHOWN_LEVELS
 from simcompare.compare import Score
 from simcompare.reports import runs
 from simcompare.reports.figures import (
@@ -50,11 +50,11 @@ def curves_figures(run: Run, axis: str) -> list[Figure]:
     panels = [_values(run, axis, measure) for measure in over(run, axis)]
     true = any(series.style == TRUTH_STYLE for panel in panels for series in panel.series)
     caption = f"The thick grey line is the truth ({TRUTH}). " if true else ""
-    hollow = [runs.mode_words(mode) for mode in runs.modes(run) if mode in SHOWN_MODES]
+    hollow = [runs.mode_words(mode) for mode in runs.modes(run) if mode in SHOWN_LEVELS]
     if hollow and len(runs.modes(run)) > 1:
         caption += (
             f"Hollow points are the engines {' or '.join(hollow)},"
-            " full ones with the physics mapped."
+            " full ones with all of the physics given."
         )
     return _figures(f"curves-{axis}", f"over {_words(run, axis)}", caption.strip(), panels)
 
@@ -87,7 +87,7 @@ def _figures(name: str, ending: str, caption: str, panels: Sequence[Panel]) -> l
 
 def _values(run: Run, axis: str, measure: str) -> Panel:
     rows = events_of(run, measure)
-    modes = sorted(runs.modes(run), key=lambda mode: mode not in SHOWN_MODES)
+    modes = sorted(runs.modes(run), key=lambda mode: mode not in SHOWN_LEVELS)
     series = [
         _curve(run, name, mode, (axis, measure), rows.get((name, mode), []))
         for mode in modes
@@ -131,7 +131,7 @@ def _curve(
 ) -> Series:
     axis, _ = names
     x = _places(run, axis, (name, mode), scores)
-    plain = mode in SHOWN_MODES and len(runs.modes(run)) > 1
+    plain = mode in SHOWN_LEVELS and len(runs.modes(run)) > 1
     style = replace(style_of(name), hollow=plain)
     few = len(scores) <= _FEW
     return Series(name, x, column(scores, "value"), style, points=few, line=not (few and plain))

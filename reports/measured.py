@@ -33,7 +33,7 @@ def quantities(run: Run) -> list[str]:
 
 
 def measured_figure(run: Run, quantity: str) -> Figure:
-    """Every engine beside the measured values of one quantity, one panel a contact mode."""
+    """Every engine beside the measured values of one quantity, one panel a contact level."""
     matches = [row for row in run.record["against"]["matches"] if row["quantity"] == quantity]
     several = len({row["bounce"] for row in matches}) > 1
     panels = []

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from simcompare.backend import COEFFICIENTS, DEFAULT, MAPPED, SHOWN_MODES
+from simcompare.backend import ASSISTED, COEFFICIENTS, DEFAULT, SHOWN_LEVELS, TUNED
 from simcompare.compare import PASS, Score
 from simcompare.errors import UnknownName
 from simcompare.jobs import OK
@@ -18,19 +18,20 @@ from simcompare.trajectory import Array, Trajectory
 _MODES = {
     DEFAULT: ("as each engine behaves by default", "by default"),
     COEFFICIENTS: ("with the scenario's coefficients", "with coefficients"),
-    MAPPED: ("scenario's physics mapped", "mapped"),
+    TUNED: ("everything typed in, plain loop", "tuned"),
+    ASSISTED: ("with our helps", "assisted"),
     "fitted": ("with parameters fitted to a measurement", "fitted"),
 }
 
 
 def modes(run: Run) -> list[str]:
-    """Contact modes of a run, in the order in which they were asked for."""
+    """Contact levels of a run, in the order in which they were asked for."""
     return list(dict.fromkeys(str(source["contact"]) for source in run.record["sources"]))
 
 
 def judged_modes(run: Run) -> list[str]:
     """Modes in which the engines were given the scenario's physics; all if there is none."""
-    return [mode for mode in modes(run) if mode not in SHOWN_MODES] or modes(run)
+    return [mode for mode in modes(run) if mode not in SHOWN_LEVELS] or modes(run)
 
 
 def names(run: Run) -> list[str]:
@@ -39,12 +40,12 @@ def names(run: Run) -> list[str]:
 
 
 def mode_title(mode: str) -> str:
-    """A contact mode in words, for the head of a panel."""
-    return _MODES.get(mode, (f"contact mode {mode}", mode))[0]
+    """A contact level in words, for the head of a panel."""
+    return _MODES.get(mode, (f"contact level {mode}", mode))[0]
 
 
 def mode_words(mode: str) -> str:
-    """A contact mode in one or two words, for a table."""
+    """A contact level in one or two words, for a table."""
     return _MODES.get(mode, (mode, mode))[1]
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from simcompare.backend import SHOWN_MODES
+from simcompare.backend import SHOWN_LEVELS
 from simcompare.compare import Score
 from simcompare.reports import runs
 from simcompare.reports.figures import (
@@ -60,34 +60,38 @@ def events_figure(run: Run, measure: str) -> Figure:
     number = "number of the event"
     judged = runs.judged_modes(run)
     relative = all(score.truth for found in rows.values() for score in found)
-    deviations = _event_series(run, rows, judged, relative)
     bands = _tolerance_band(run, measure) if relative else ()
     modes = [*judged, *(mode for mode in runs.modes(run) if mode not in judged)]
     values = (_true_line(rows), *_event_series(run, rows, modes, None))
     left = Panel("value", number, f"{words}{runs.unit_words(unit)}", values, whole_x=True)
-    right = Panel(
-        f"deviation from the truth, {' and '.join(map(runs.mode_words, judged))}",
-        number,
-        "deviation (%)" if relative else f"deviation{runs.unit_words(unit)}",
-        deviations,
-        bands,
-        y_range=fitted_range(deviations, bands),
-        whole_x=True,
-        weight=1.7,
-    )
+    right = []
+    for mode in judged:  # what is the engine's own and what we add to it never share a panel
+        deviations = _event_series(run, rows, [mode], relative)
+        right.append(
+            Panel(
+                f"deviation from the truth, {runs.mode_words(mode)}",
+                number,
+                "deviation (%)" if relative else f"deviation{runs.unit_words(unit)}",
+                deviations,
+                bands,
+                y_range=fitted_range(deviations, bands),
+                whole_x=True,
+                weight=1.7 if len(judged) == 1 else 1.2,
+            )
+        )
     caption = (
         "Bars are one standard deviation over the repeats to either side; "
         "engines stand side by side so that their bars can be told apart."
     )
-    hollow = [runs.mode_words(mode) for mode in modes if mode in SHOWN_MODES]
+    hollow = [runs.mode_words(mode) for mode in modes if mode in SHOWN_LEVELS]
     if hollow and len(modes) > 1:
         caption += f" On the left, hollow points are the engines {' or '.join(hollow)}."
     title = f"{words[0].upper()}{words[1:]}, event by event"
-    return Figure(f"events-{measure}", title, caption, (left, right))
+    return Figure(f"events-{measure}", title, caption, (left, *right))
 
 
 def contrast_figure(run: Run) -> Figure | None:
-    """Deviations in tolerances, by default beside mapped; ``None`` where nothing has a truth."""
+    """Deviations in tolerances, by default beside assisted; ``None`` where nothing has a truth."""
     measures = runs.judged(run)
     if not measures:
         return None
@@ -162,7 +166,9 @@ def _event_series(
                 true = column(known, "truth")
                 scale = 100 / np.abs(true) if relative else 1.0
                 y, u = (y - true) * scale, u * scale
-            style = replace(style_of(name), hollow=mode in SHOWN_MODES and len(runs.modes(run)) > 1)
+            style = replace(
+                style_of(name), hollow=mode in SHOWN_LEVELS and len(runs.modes(run)) > 1
+            )
             x = column(known, "index") + spread(i, len(names))
             bars = u if np.isfinite(u).any() else None
             series.append(Series(name, x, y, style, bars, points=True, line=len(known) > 1))

@@ -14,7 +14,7 @@ TIME = "time (s)"
 
 
 def probe_figure(run: Run, name: str, probe: Probe) -> Figure:
-    """What one probe sees in every source, one panel a contact mode."""
+    """What one probe sees in every source, one panel a contact level."""
 
     def curve(trajectory: Trajectory) -> tuple[Array, Array] | None:
         values = runs.seen(trajectory, probe)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from simcompare.backend import DEFAULT, SHOWN_MODES
+from simcompare.backend import ASSISTED, DEFAULT, SHOWN_LEVELS, TUNED
 from simcompare.compare import Score
 from simcompare.reports import numbers, runs
 from simcompare.results import TRUTH, Run
 
 
 def answer(run: Run) -> list[str]:
-    """One sentence for each contact mode, and one for engines that did not run."""
+    """One sentence for each contact level, and one for engines that did not run."""
     sentences = []
     for mode in runs.modes(run):
         sentence = _truthful(run, mode) if runs.judged(run) else _without_truth(run, mode)
@@ -33,7 +33,7 @@ def count_of(part: int, whole: int, noun: str = "engine") -> str:
 
 
 def _truthful(run: Run, mode: str) -> str | None:
-    return _as_it_comes(run, mode) if mode in SHOWN_MODES else _given(run, mode)
+    return _as_it_comes(run, mode) if mode in SHOWN_LEVELS else _given(run, mode)
 
 
 def _as_it_comes(run: Run, mode: str) -> str | None:
@@ -67,9 +67,16 @@ def _given(run: Run, mode: str) -> str | None:
     number = max((of for _, of in met), default=0)
     agree = sum(got == of and of > 0 for got, of in met)
     what = "the one tolerance" if number == 1 else f"all {number} tolerances"
-    how = "With the scenario's physics mapped" if mode == "mapped" else f"In the mode {mode}"
+    how = _HOW.get(mode, f"In the level {mode}")
     meet = "meets" if len(names) == 1 or agree in (0, 1) else "meet"
     return f"{how}, {count_of(agree, len(names))} {meet} {what} of the {TRUTH}{_worst(run, mode)}."
+
+
+_HOW = {
+    TUNED: "In a plain loop with everything typed in (tuned)",
+    ASSISTED: "With our helps (assisted)",
+    "fitted": "With parameters fitted to a measurement",
+}
 
 
 def _worst(run: Run, mode: str) -> str:

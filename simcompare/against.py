@@ -21,7 +21,7 @@ class Match:
 
     Attributes:
         source: name of the engine.
-        contact: its contact mode.
+        contact: its contact level.
         quantity: what was measured.
         bounce: number of the bounce.
         value: simulated value, mean over the repeats; ``None`` where the engine has no such bounce.

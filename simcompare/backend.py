@@ -6,29 +6,39 @@ it imports its engine only when a scene is opened.
 
 from __future__ import annotations
 
+import dataclasses
 import enum
 import functools
 import importlib
 import importlib.metadata
 import time
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import ModuleType
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
+from simcompare import landing
 from simcompare.drives import laws_of
+from simcompare.drop_plan import DropPlan
 from simcompare.errors import EngineBroken, EngineMissing, Unsupported, to_paste
-from simcompare.scenario import Body, Scenario
+from simcompare.helps import LANDING
+from simcompare.scenario import Body, Contact, Scenario
 
 if TYPE_CHECKING:
     from simcompare.simulation import Simulation
     from simcompare.trajectory import Trajectory
 
-#: contact modes that every backend knows
-DEFAULT, COEFFICIENTS, MAPPED = "default", "coefficients", "mapped"
-CONTACT_MODES = (DEFAULT, COEFFICIENTS, MAPPED)
+#: contact levels: the engine as it is first met; with the scenario's coefficients; with everything
+#: that the scenario states typed in, in a plain loop; the same with our helps
+DEFAULT, COEFFICIENTS, TUNED, ASSISTED = "default", "coefficients", "tuned", "assisted"
+CONTACT_LEVELS = (DEFAULT, COEFFICIENTS, TUNED, ASSISTED)
 #: those in which an engine is shown, and not judged: nobody gave it all of the scenario's physics
-SHOWN_MODES = (DEFAULT, COEFFICIENTS)
+SHOWN_LEVELS = (DEFAULT, COEFFICIENTS)
+#: what stands for a pair's restitution in an engine
+COEFFICIENT, SPRING = "coefficient", "spring"
+#: names that levels once had, still accepted
+OLD_LEVELS = {"mapped": ASSISTED}
 
 
 class Feature(enum.StrEnum):
@@ -87,23 +97,67 @@ class KnownLimit:
 
 
 @dataclass(frozen=True)
+class PairNumbers:
+    """An engine's own numbers for the restitution of a pair.
+
+    Attributes:
+        pair: names of the two bodies.
+        values: one coefficient; or the two numbers of a spring and damper, as they are typed in.
+    """
+
+    pair: tuple[str, str]
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
 class Settings:
     """How a scenario is run.
 
     Attributes:
-        contact: contact mode: the engine's own "default"; the scenario's "coefficients" of
-            restitution and friction (also of joints) in an engine that is else as it comes; or the
-            scenario's physics "mapped".
+        contact: contact level: the engine's own "default"; the scenario's "coefficients" of
+            restitution and friction (also of joints) in an engine that is else as it comes;
+            "tuned", with all that the scenario states typed in, in a plain loop of one fixed step;
+            or "assisted", the same with our helps.
         seed: seed of every random number in the run.
+        helps: the helps of "assisted"; ``None``: all that the engine takes.
+        numbers: what stands for the restitution of each pair where impacts are not landed on;
+            a pair without numbers has the scenario's coefficient.
+        drops: impacts for which such numbers are sought; ``None``: the first ones of the scene.
     """
 
-    contact: str = MAPPED
+    contact: str = ASSISTED
     seed: int = 0
+    helps: frozenset[str] | None = None
+    numbers: tuple[PairNumbers, ...] = ()
+    drops: tuple[DropPlan, ...] | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "contact", OLD_LEVELS.get(self.contact, self.contact))
 
     @property
     def gives_coefficients(self) -> bool:
         """Whether restitution and friction are given to the engine."""
         return self.contact != DEFAULT
+
+    @property
+    def gives_all(self) -> bool:
+        """Whether everything that the scenario states is given to the engine."""
+        return self.contact in (TUNED, ASSISTED)
+
+    def takes(self, help_name: str) -> bool:
+        """Whether one of our helps is taken."""
+        return self.contact == ASSISTED and (self.helps is None or help_name in self.helps)
+
+    def helps_with(self, help_name: str) -> frozenset[str] | None:
+        """The helps of these settings, and one more."""
+        return None if self.helps is None else self.helps | {help_name}
+
+    def numbers_of(self, contact: Contact) -> tuple[float, ...]:
+        """The engine's numbers for a pair; the scenario's coefficient where there are none."""
+        for known in self.numbers:
+            if frozenset(known.pair) == frozenset(contact.pair):
+                return known.values
+        return (contact.restitution,)
 
 
 @runtime_checkable
@@ -135,11 +189,15 @@ class EngineBackend(ABC):
         install: the command that installs it.
         features: what the backend can do.
         known_limits: what a user should know, each with its reference.
-        mapping: how ``mapped`` translates the scenario's contact into the engine's parameters.
+        mapping: how ``assisted`` translates the scenario's contact into the engine's parameters.
         libraries: system libraries that its wheel needs and may lack -> the command that cures it.
+        helps: which of our helps it can take.
+        bounces_by: whether a pair's restitution is one coefficient, or a spring and a damper.
     """
 
     libraries: tuple[tuple[str, str], ...] = ()
+    helps: frozenset[str] = frozenset()
+    bounces_by: str = COEFFICIENT
     name: str
     module: str
     distribution: str
@@ -178,10 +236,21 @@ class EngineBackend(ABC):
     def open(self, scenario: Scenario, settings: Settings) -> Simulation:
         """Refuses what the engine cannot do, builds the scene and reads every value back."""
         refuse(self, scenario, settings)
+        if settings.contact == ASSISTED:
+            taken = self.helps if settings.helps is None else self.helps & settings.helps
+            settings = dataclasses.replace(settings, helps=taken)
+        if settings.takes(LANDING):
+            landing.refuse(self.name, scenario)
         started = time.perf_counter()
         engine = self.load()
         loaded = time.perf_counter()
+        tuning: tuple[Mapping[str, Any], ...] = ()
+        if settings.gives_all and not settings.takes(LANDING):
+            from simcompare.tuning import tuned
+
+            settings, tuning = tuned(self, engine, scenario, settings)
         simulation = self.build(engine, scenario, settings)
+        simulation.tuning = tuning
         simulation.read_back_start(self.name)
         simulation.wall_s = {
             "import": loaded - started,
@@ -273,10 +342,10 @@ def refuse(backend: Backend, scenario: Scenario, settings: Settings) -> None:
     wanted = needs(scenario)
     if settings.contact == DEFAULT:
         wanted -= {Feature.RESTITUTION, Feature.FRICTION}
-    elif settings.contact not in CONTACT_MODES:
+    elif settings.contact not in CONTACT_LEVELS:
         raise Unsupported(
-            f"{backend.name} knows no contact mode {settings.contact!r};"
-            f" known: {', '.join(CONTACT_MODES)}"
+            f"{backend.name} knows no contact level {settings.contact!r};"
+            f" known: {', '.join(CONTACT_LEVELS)}"
         )
     lacking = sorted(wanted - backend.features)
     if lacking:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from simcompare import catalogue, engines, units
-from simcompare.backend import MAPPED, Settings
+from simcompare.backend import ASSISTED, Settings
 from simcompare.simulation import Controller
 from simcompare.trajectory import Trajectory
 
@@ -16,7 +16,7 @@ def control(
     controller: Controller,
     *,
     engine: str,
-    contact: str = MAPPED,
+    contact: str = ASSISTED,
     set: Mapping[str, str | float] | None = None,
     preset: str | None = None,
     step: str | float | None = None,
@@ -31,7 +31,7 @@ def control(
             that it leaves out follow the scenario's signals. A controller that remembers something
             is made anew for each run.
         engine: name of the engine.
-        contact: contact mode.
+        contact: contact level.
         set: parameters that differ from the file; text may carry a unit.
         preset: named set of parameters, applied first.
         step: time between samples, "1ms" or in seconds.

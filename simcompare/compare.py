@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from simcompare import measures
-from simcompare.backend import SHOWN_MODES
+from simcompare.backend import SHOWN_LEVELS
 from simcompare.measures import Measured
 from simcompare.scenario import Measure, Scenario, Tolerance
 from simcompare.trajectory import Trajectory
@@ -30,7 +30,7 @@ class Score:
 
     Attributes:
         source: name of the source.
-        contact: its contact mode.
+        contact: its contact level.
         measure: what was measured.
         probe: at which probe of the scenario.
         index: number of the event, first is 1; ``None`` for values of the whole run.
@@ -74,7 +74,7 @@ def scores_of(repeats: Sequence[Repeat]) -> list[Score]:
     """Scores of one source from its repeats, the nominal repeat being the middle one.
 
     Args:
-        repeats: repeats of one engine in one contact mode, in order of the dithered parameter.
+        repeats: repeats of one engine in one contact level, in order of the dithered parameter.
     """
     found: list[Score] = []
     nominal = repeats[len(repeats) // 2]
@@ -86,7 +86,7 @@ def scores_of(repeats: Sequence[Repeat]) -> list[Score]:
         ]
         if theirs:
             pairs = [judge(a, b) for a, b in zip(ours, theirs, strict=True)]
-            found += _judged(nominal, measure, pairs, ours[0].units)
+            found += _judged(nominal, measure, pairs, ours[0])
         else:
             found += _without_truth(nominal, measure, ours)
         found += _series(nominal, measure, ours, theirs)
@@ -104,21 +104,23 @@ def _judged(
     nominal: Repeat,
     measure: Measure,
     pairs: Sequence[Mapping[str, tuple[float | None, float]]],
-    units: Mapping[str, str],
+    seen: Measured,
 ) -> list[Score]:
-    scores = []
+    scores, units = [], seen.units
+    # what an engine does not give is no failure of it
+    tolerances = {} if seen.lacking else nominal.scenario.tolerances
     for name, (_, truth) in pairs[len(pairs) // 2].items():
         both = [pair[name] for pair in pairs if name in pair]
         deviations = [value - true for value, true in both if value is not None]
         found = _mean_and_sd(truth, deviations, units[name], of=len(pairs))
         shown = measure.names.get(name, name)
-        tolerance = nominal.scenario.tolerances.get(shown)
+        tolerance = tolerances.get(shown)
         scores.append(_score(nominal, (shown, measure.probe, None), found, truth, tolerance))
     judged = {score.measure for score in scores}
     for name, unit in units.items():
         shown = measure.names.get(name, name)
         # not even the truth can be measured
-        if shown in nominal.scenario.tolerances and shown not in judged:
+        if shown in tolerances and shown not in judged:
             nothing = _Found(None, None, unit, 0)
             scores.append(_score(nominal, (shown, measure.probe, None), nothing, None, None))
     return scores
@@ -180,7 +182,7 @@ def _score(
     source, contact = nominal.trajectory.source, nominal.trajectory.contact
     width, verdict = None, INFO
     # what an engine does as it comes is shown, not judged
-    if tolerance is not None and truth is not None and contact not in SHOWN_MODES:
+    if tolerance is not None and truth is not None and contact not in SHOWN_LEVELS:
         width = tolerance.width(truth)
         within = value is not None and math.isfinite(value) and abs(value - truth) <= width
         verdict = PASS if within else FAIL

@@ -61,6 +61,21 @@ class UnknownName(SimcompareError):
         super().__init__(f"no {kind} is called {name!r}; {hint}")
 
 
+class SignalLacking(UnknownName):
+    """A source cannot give a signal; what needs it stays without a value.
+
+    Args:
+        source: name of the source.
+        signal: the signal.
+        reason: why.
+        known: the signals that it has.
+    """
+
+    def __init__(self, source: str, signal: str, reason: str, known: Iterable[str]) -> None:
+        super().__init__(f"signal of {source}", signal, known)
+        self.args = (f"{source} does not give {signal}: {reason}",)
+
+
 class OutputError(SimcompareError):
     """The results could not be written; nothing half-written is left behind."""
 

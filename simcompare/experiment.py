@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from simcompare import catalogue, engines, measures, run_record, units
+from simcompare import ablation, catalogue, engines, measures, run_record, units
 from simcompare.against import Match, matches
-from simcompare.backend import CONTACT_MODES, DEFAULT, MAPPED, Settings
+from simcompare.backend import ASSISTED, CONTACT_LEVELS, DEFAULT, OLD_LEVELS, TUNED, Settings
 from simcompare.compare import Repeat, Score, scores_of
 from simcompare.drives import input_values
+from simcompare.drop_plan import DropPlan, drop_plans
 from simcompare.errors import InputError, OutputError, SimcompareError, UnknownName
+from simcompare.helps import ALL, HELPS, NONE, chosen, known
 from simcompare.jobs import FAILED, OK, Job, Outcome
 from simcompare.results import TRUTH, Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Interrupted, Progress, run_jobs
@@ -34,7 +36,9 @@ def run(
     scenario: str = "ball",
     *,
     engine: str = "all",
-    contact: str | Sequence[str] = (DEFAULT, MAPPED),
+    contact: str | Sequence[str] = (DEFAULT, TUNED, ASSISTED),
+    assist: str | Sequence[str] = ALL,
+    judge: str | Sequence[str] = ASSISTED,
     set: Mapping[str, str | float] | None = None,
     preset: str | None = None,
     step: str | float | None = None,
@@ -49,11 +53,14 @@ def run(
     Args:
         scenario: name, folder or file.
         engine: ``"all"`` or names with commas.
-        contact: contact modes, a list or a text with commas; also the fit.json of a fit, with which
-            each engine runs with its own fitted parameters.
+        contact: contact levels, a list or a text with commas; also the fit.json of a fit, with
+            which each engine runs with its own fitted parameters.
+        assist: our helps in "assisted": "all", "none" or names (see ``simcompare.helps``).
+        judge: levels in which a tolerance that is missed is a failure of the run; "assisted", and a
+            fit, always are.
         set: parameters that differ from the file; text may carry a unit ("30cm").
         preset: named set of parameters, applied first.
-        step: time between samples, "1ms" or in seconds.
+        step: the engine's step, "1ms" or in seconds; samples may be coarser.
         seeds: number of dithered repeats; the scenario's own where ``None``.
         against: table of measured bounces: a file or the name of a published one.
         out: folder in which the run's own folder is made; nothing is stored where ``None``.
@@ -68,14 +75,14 @@ def run(
     """
     chosen = engines.select(engine)
     modes, fit = _modes(contact)
+    helps = chosen_helps(assist, engine)
+    judged = _judged(judge, fit)
     file = catalogue.load(scenario)
     table = _table(file, against)
     values = {**({} if fit is None else fit.base(file)), **file.read_settings(set or {})}
     if table is not None:
         values, preset = with_conditions(file, table, values, preset)
-    step_s = None if step is None else units.to_si(step, "s", "--step")
-    if step_s is not None:
-        check_step(file.resolve(values, preset=preset), step_s)
+    step_s = None if step is None else sample_step_s(file, values, preset, step)
     if seeds is not None and seeds < 1:
         raise InputError("--seeds", [f"{seeds} is not a number of repeats; expected 1 or more"])
     if seeds is not None and file.resolve(values, preset=preset).dither is None:
@@ -84,8 +91,13 @@ def run(
     truths = truths_of(file.path, scenarios)
     if out is not None:
         check_writable(Path(out))
+    nominal = scenarios[len(scenarios) // 2]
+    drops = drop_plans(nominal)
     jobs = [
-        job for name in chosen for mode in modes for job in _jobs(file, name, mode, scenarios, fit)
+        job
+        for name in chosen
+        for mode in modes
+        for job in _jobs(file, name, mode, scenarios, (fit, helps, drops))
     ]
     interrupted = False
     try:
@@ -98,7 +110,9 @@ def run(
         scenario_asked=scenario,
         against_asked=None if against is None else str(against),
         fit_asked=None if fit is None else str(fit.path),
-        cautions=[] if fit is None else fit.cautions(scenarios[len(scenarios) // 2]),
+        cautions=[] if fit is None else fit.cautions(nominal, file),
+        assist=None if helps is None else known(helps) or NONE,
+        judge=judged,
         preset=preset,
         interrupted=interrupted,
     )
@@ -186,38 +200,82 @@ def check_writable(folder: Path) -> None:
         ) from None
 
 
-def check_step(scenario: Scenario, step_s: float) -> None:
-    """Refuses a time between samples that makes no sense in a scenario."""
+def sample_step_s(
+    file: ScenarioFile, values: Mapping[str, float], preset: str | None, step: str | float
+) -> float:
+    """Time between samples for an engine's step; they are as much coarser as the scenario says.
+
+    Raises:
+        InputError: a step that makes no sense in the scenario; says which do.
+    """
+    own = file.resolve(values, preset=preset)
+    step_s = units.to_si(step, "s", "--step") * own.world.substeps
+    _check_step(own, step_s)
+    return step_s
+
+
+def _check_step(scenario: Scenario, step_s: float) -> None:
     if step_s <= 0:
         raise InputError("--step", [f"{step_s:g} s is not a time above 0"])
-    duration = scenario.world.duration_s
+    duration, parts = scenario.world.duration_s, scenario.world.substeps
     shortest, longest = duration / MOST_SAMPLES, duration / LEAST_SAMPLES
     if not shortest <= step_s <= longest:
         raise InputError(
             "--step",
             [
-                f"{step_s:g} s gives {duration / step_s:.3g} samples in {duration:.3g} s;"
-                f" use {shortest:.2g} s to {longest:.2g} s"
+                f"{step_s / parts:g} s gives {duration / step_s:.3g} samples in {duration:.3g} s;"
+                f" use {shortest / parts:.2g} s to {longest / parts:.2g} s"
             ],
         )
 
 
 def _modes(contact: str | Sequence[str]) -> tuple[list[str], FitFile | None]:
-    """Contact modes, and the fit where one of them is a file."""
+    """Contact levels, and the fit where one of them is a file."""
     from simcompare.fitting import fit_file
 
     asked = [part.strip() for part in contact.split(",")] if isinstance(contact, str) else contact
     modes, fit = [], None
-    for mode in asked:
-        path = None if mode in CONTACT_MODES else fit_file.find(mode)
+    for mode in (OLD_LEVELS.get(level, level) for level in asked):
+        path = None if mode in CONTACT_LEVELS else fit_file.find(mode)
         if path is not None:
             fit = fit_file.read(path)
             modes.append(fit_file.FITTED)
-        elif mode in CONTACT_MODES:
+        elif mode in CONTACT_LEVELS:
             modes.append(mode)
         else:
-            raise UnknownName("contact mode or fit", mode, CONTACT_MODES)
+            raise UnknownName("contact level or fit", mode, CONTACT_LEVELS)
     return list(dict.fromkeys(modes)), fit
+
+
+def chosen_helps(assist: str | Sequence[str], engine: str) -> frozenset[str] | None:
+    """The helps that were asked for; ``None``: all that an engine takes.
+
+    Raises:
+        InputError: an engine that was named takes one of them not; says which it takes.
+    """
+    helps = chosen(assist)
+    if helps == frozenset(HELPS):
+        return None
+    faults = []
+    for name in [] if engine == "all" else engines.select(engine):
+        takes: frozenset[str] = getattr(engines.get(name), "helps", frozenset())
+        if helps - takes:
+            faults.append(
+                f"{name} takes no {known(helps - takes)}; it takes {known(takes) or 'none'}"
+            )
+    if faults:
+        raise InputError("--assist", faults)
+    return helps
+
+
+def _judged(judge: str | Sequence[str], fit: FitFile | None) -> list[str]:
+    """Levels whose failures count; those of a fit for a plain loop where "tuned" does."""
+    asked = [part.strip() for part in judge.split(",")] if isinstance(judge, str) else list(judge)
+    for level in asked:
+        if level not in (TUNED, ASSISTED):
+            raise UnknownName("level that is judged", level, (TUNED, ASSISTED))
+    plain = fit is not None and fit.contact == TUNED and TUNED not in asked
+    return sorted({*asked, ASSISTED, *(() if plain else ("fitted",))})
 
 
 def _jobs(
@@ -225,16 +283,25 @@ def _jobs(
     engine: str,
     mode: str,
     scenarios: Sequence[Scenario],
-    fit: FitFile | None,
+    given: tuple[FitFile | None, frozenset[str] | None, tuple[DropPlan, ...]],
 ) -> list[Job]:
-    """One job for each repeat; a fitted engine is given its own parameters."""
-    if fit is None or mode in CONTACT_MODES:
-        return [Job(engine, scene, Settings(mode), i) for i, scene in enumerate(scenarios)]
+    """One job for each repeat; a fitted engine is given its own parameters.
+
+    Assisted, the nominal repeat is run once more without each of the helps that act in it.
+    """
+    fit, helps, drops = given
+    if fit is None or mode in CONTACT_LEVELS:
+        settings = Settings(mode, helps=helps, drops=drops)
+        jobs = [Job(engine, scene, settings, i) for i, scene in enumerate(scenarios)]
+        if mode == ASSISTED:
+            jobs += ablation.jobs_of(engine, scenarios, settings)
+        return jobs
     found = []
+    fitted = fit.settings(engine, scenarios[len(scenarios) // 2])
     for i, scene in enumerate(scenarios):
         for name, value in (fit.of_engine(engine, file) or {}).items():
             scene = file.vary(scene, name, value)
-        found.append(Job(engine, scene, Settings(MAPPED), i, mode))
+        found.append(Job(engine, scene, fitted, i, mode))
     return found
 
 
@@ -275,7 +342,8 @@ def _gather(
     sources = []
     by_source: dict[tuple[str, str], list[Outcome]] = {}
     for outcome in outcomes:
-        by_source.setdefault((outcome.job.engine, outcome.job.mode), []).append(outcome)
+        if not outcome.job.without:
+            by_source.setdefault((outcome.job.engine, outcome.job.mode), []).append(outcome)
     for (engine, mode), own in by_source.items():
         good = [outcome for outcome in own if outcome.status == OK]
         record = run_record.of_source(engine, mode, own)
@@ -299,6 +367,7 @@ def _gather(
         found = matches(table, scores, _measured_units(scenarios[0]))
     truth = TRUTH if any(truths) else None
     record = run_record.of_run(file, scenarios, truth, sources, scores)
+    record["without"] = ablation.results_of(scenarios, truths, outcomes)
     record["against"] = run_record.of_measurement(file, table, found) if table is not None else None
     return _Gathered(record, scores, trajectories)
 

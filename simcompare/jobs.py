@@ -22,9 +22,10 @@ class Job:
     Attributes:
         engine: name of the engine.
         scenario: the scene with numbers.
-        settings: contact mode and seed.
+        settings: contact level and seed.
         repeat: index of the dithered repeat.
-        label: mode under which the result is shown, where it is not that of the settings.
+        label: level under which the result is shown, where it is not that of the settings.
+        without: one of our helps that is left out to show its part.
     """
 
     engine: str
@@ -32,10 +33,11 @@ class Job:
     settings: Settings
     repeat: int = 0
     label: str = ""
+    without: str = ""
 
     @property
     def mode(self) -> str:
-        """Contact mode under which the result is shown."""
+        """Contact level under which the result is shown."""
         return self.label or self.settings.contact
 
 
@@ -87,6 +89,8 @@ def execute(job: Job) -> Outcome:
     try:
         backend = engines.get(job.engine)
         facts = facts_of(backend)
+        if job.without and not _acts(backend, job):
+            return Outcome(job, UNSUPPORTED, does_not_act(job.without), facts=facts)
         trajectory = _checked(job, backend.simulate(job.scenario, job.settings))
     except Unsupported as error:
         return Outcome(job, UNSUPPORTED, str(error), facts=facts)
@@ -98,6 +102,21 @@ def execute(job: Job) -> Outcome:
     except (Exception, SystemExit) as error:  # noqa: BLE001
         return Outcome(job, FAILED, f"{job.engine}: {type(error).__name__}: {error}", facts=facts)
     return Outcome(job, OK, trajectory=trajectory, facts=facts)
+
+
+def does_not_act(help_name: str) -> str:
+    """The reason of a job that leaves out a help which its scene does not need."""
+    return f"{help_name} does not act here"
+
+
+def _acts(backend: Backend, job: Job) -> bool:
+    """Whether the help that a job leaves out would act in its scene."""
+    settings = replace(job.settings, helps=job.settings.helps_with(job.without))
+    whole = backend.open(job.scenario, settings)
+    try:
+        return job.without in getattr(whole, "helps", ())
+    finally:
+        whole.close()
 
 
 def facts_of(backend: Backend) -> Facts:

@@ -20,6 +20,9 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from simcompare.errors import Unsupported
 from simcompare.pairs import touching_pairs
 from simcompare.rotations import matrix_of
 from simcompare.scenario import Body, Scenario
@@ -97,6 +100,31 @@ def approaches(scenario: Scenario) -> tuple[list[Approach], list[str]]:
     ]
 
 
+def refuse(engine: str, scenario: Scenario) -> None:
+    """Refuses scenes whose impacts can neither be landed on nor be taken in fine steps.
+
+    Raises:
+        Unsupported: several bodies bounce, or one on a joint.
+    """
+    bounces = any(contact.restitution > 0 for contact in touching_pairs(scenario))
+    moving = [body for body in scenario.moving_bodies().values() if body.shapes]
+    if bounces and (scenario.joints or len(moving) > 1) and not approaches(scenario)[0]:
+        raise Unsupported(
+            f"{engine}: impacts are landed on only where a single free body bounces, since a step"
+            " that is cut for one pair would change the motion of another; --contact tuned shows"
+            " the engine itself"
+        )
+
+
+def slips_at_impact(scenario: Scenario) -> bool:
+    """Whether any free body moves sideways or turns at the start, so that it may slip."""
+    return any(
+        any(body.rate_rad_s)
+        or math.hypot(*np.cross(body.velocity_m_s, scenario.world.gravity_m_s2))
+        for body in scenario.free_bodies().values()
+    )
+
+
 def finely_stepped(scenario: Scenario, step_s: float) -> Scenario:
     """The scene in engine steps of at most ``step_s``, if it has bounces that are not landed on."""
     bounces = any(contact.restitution > 0 for contact in scenario.contacts)
@@ -143,14 +171,14 @@ def starts_in_flight(scenario: Scenario) -> bool:
             planes = [shape for shape in bodies[ground].shapes if isinstance(shape, Plane)]
             if not bodies[ground].fixed or len(planes) < len(bodies[ground].shapes):
                 return False
-            if min(_clearance_m(bodies[mover], bodies[ground], p) for p in planes) <= _first_path_m(
+            if min(clearance_m(bodies[mover], bodies[ground], p) for p in planes) <= _first_path_m(
                 scenario, bodies[mover]
             ):
                 return False
     return not scenario.joints
 
 
-def _clearance_m(body: Body, ground: Body, plane: Plane) -> float:
+def clearance_m(body: Body, ground: Body, plane: Plane) -> float:
     """Height of a body's lowest point above a plane at the start [m]."""
     base = matrix_of(ground.orientation_wxyz)
     normal = base @ plane.normal / math.hypot(*plane.normal)

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from itertools import combinations
-from typing import Literal
+from typing import TYPE_CHECKING
 
 from simcompare.errors import Unsupported
 from simcompare.scenario import Contact, Scenario
+
+if TYPE_CHECKING:
+    from simcompare.backend import Settings
 
 
 def touching_pairs(scenario: Scenario) -> list[Contact]:
@@ -45,31 +49,45 @@ def untouching_pairs(scenario: Scenario) -> list[tuple[str, str]]:
     ]
 
 
-def per_body_product(
-    scenario: Scenario, prop: Literal["restitution", "friction"], engine: str
-) -> dict[str, float]:
-    """Per-body values whose products are the scenario's values of the pairs.
-
-    Fixed bodies hold 1 and moving bodies the value of their pairs with fixed ones, so what is set
-    is what the scenario says; two bodies that touch nothing fixed share theirs equally.
+def restitution_per_body(scenario: Scenario, settings: Settings, engine: str) -> dict[str, float]:
+    """Per-body coefficients of restitution for an engine that multiplies the two of a pair.
 
     Raises:
         Unsupported: no such values exist.
     """
+    values = {c.pair: settings.numbers_of(c)[0] for c in touching_pairs(scenario)}
+    return _factors(scenario, values, "restitution", engine)
+
+
+def friction_per_body(scenario: Scenario, engine: str) -> dict[str, float]:
+    """Per-body coefficients of friction for an engine that multiplies the two of a pair.
+
+    Raises:
+        Unsupported: no such values exist.
+    """
+    values = {c.pair: c.friction for c in touching_pairs(scenario)}
+    return _factors(scenario, values, "friction", engine)
+
+
+def _factors(
+    scenario: Scenario, pairs: Mapping[tuple[str, str], float], prop: str, engine: str
+) -> dict[str, float]:
+    """Per-body values whose products are those of the pairs.
+
+    Fixed bodies hold 1 and moving bodies the value of their pairs with fixed ones, so what is set
+    is what the scenario says; two bodies that touch nothing fixed share theirs equally.
+    """
     values = {name: 1.0 for name, body in scenario.bodies.items() if body.fixed}
-    pairs = touching_pairs(scenario)
-    for contact in pairs:
-        moving = [name for name in contact.pair if not scenario.bodies[name].fixed]
+    for pair, wanted in pairs.items():
+        moving = [name for name in pair if not scenario.bodies[name].fixed]
         if len(moving) == 1:
-            values.setdefault(moving[0], float(getattr(contact, prop)))
-    for contact in pairs:
-        _share(values, contact, float(getattr(contact, prop)))
+            values.setdefault(moving[0], wanted)
+    for pair, wanted in pairs.items():
+        _share(values, pair, wanted)
     for name in scenario.bodies:  # those that touch nothing
         values.setdefault(name, 0.0)
-    for contact in pairs:
-        first, second = contact.pair
-        wanted, got = getattr(contact, prop), values[first] * values[second]
-        if abs(wanted - got) > 1e-12:
+    for (first, second), wanted in pairs.items():
+        if abs(wanted - values[first] * values[second]) > 1e-12:
             raise Unsupported(
                 f"{engine} holds {prop} per body and multiplies: no values give"
                 f" {first}-{second} = {wanted:g} together with the other pairs"
@@ -77,9 +95,9 @@ def per_body_product(
     return values
 
 
-def _share(values: dict[str, float], contact: Contact, wanted: float) -> None:
+def _share(values: dict[str, float], pair: tuple[str, str], wanted: float) -> None:
     """Gives the bodies of a pair that have no value yet one that fits."""
-    first, second = contact.pair
+    first, second = pair
     if first not in values and second not in values:
         values[first] = values[second] = math.sqrt(wanted)
     for name, other in ((first, second), (second, first)):

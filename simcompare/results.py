@@ -49,10 +49,13 @@ class Run:
     def exit_code(self) -> int:
         """0 fine, 1 a tolerance failed, 3 an engine is broken or none of those asked for ran.
 
-        With ``all``, an engine that is not installed is a row with its reason and no failure.
+        With ``all``, an engine that is not installed is a row with its reason and no failure. What
+        an engine does by itself is no failure either, unless that level was to be judged.
         """
         statuses = {source["status"] for source in self.record["sources"]}
         named = self.record["engines_asked"] != "all"
         if FAILED in statuses or OK not in statuses or (named and MISSING in statuses):
             return 3
-        return 1 if any(score.verdict == FAIL for score in self.scores) else 0
+        judged = self.record.get("judge")
+        failed = {score.contact for score in self.scores if score.verdict == FAIL}
+        return 1 if (failed if judged is None else failed & set(judged)) else 0

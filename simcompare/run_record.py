@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def of_source(engine: str, mode: str, outcomes: Sequence[Outcome]) -> dict[str, Any]:
-    """What run.json says of one engine in one contact mode."""
+    """What run.json says of one engine in one contact level."""
     bad = [outcome for outcome in outcomes if outcome.status != OK]
     done = [outcome.trajectory for outcome in outcomes if outcome.trajectory is not None]
     nominal = done[len(done) // 2] if done else None
@@ -45,6 +45,10 @@ def of_source(engine: str, mode: str, outcomes: Sequence[Outcome]) -> dict[str, 
             "build": _median([wall.get("build", 0.0) for wall in walls]),
             "step": _median([wall.get("step", 0.0) for wall in walls]),
         },
+        "helps": list(nominal.helps) if nominal else [],
+        "velocity_offset_s": nominal.velocity_offset_s if nominal else None,
+        "tuning": [dict(record) for record in nominal.tuning] if nominal else [],
+        "lacks": dict(nominal.lacks) if nominal else {},
         "notes": list(nominal.notes) if nominal else [],
         "noise": outcomes[0].noise,
         "audit": [vars(row) for row in nominal.audit] if nominal else [],

@@ -334,7 +334,7 @@ class Scenario(Frozen):
     def contact_of(self, first: str, second: str) -> Contact:
         """Contact of two bodies; a pair that is not named has no restitution and no friction.
 
-        Two moving bodies whose pair is not named do not touch, except in the contact mode
+        Two moving bodies whose pair is not named do not touch, except in the contact level
         "default", where the engine decides.
         """
         for contact in self.contacts:

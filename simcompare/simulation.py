@@ -3,49 +3,45 @@
 from __future__ import annotations
 
 import time
-from abc import abstractmethod
-from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from simcompare.audit import AuditRow
 from simcompare.drives import Drive, checked_inputs, input_values
 from simcompare.errors import InputError, Unsupported
-from simcompare.free_motion import FreeMotion
-from simcompare.kinematics import add_children
-from simcompare.landing import ContactSteps, Landing, approaches, starts_in_flight
-from simcompare.pairs import touching_pairs
-from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario
+from simcompare.helps import CENTRED_EFFORTS, HALF_STEP_START, HELPS, LANDING
+from simcompare.landing import ContactSteps, Landing, approaches
+from simcompare.scenario import SENSOR_SIGNALS, Scenario, Sensor
 from simcompare.sensing import complete
 from simcompare.shapes import Vector
-from simcompare.state import BodyState, State, compare_start, half_a_step_back
-from simcompare.trajectory import BODY_SIGNALS, Array, Trajectory
+from simcompare.state import compare_start
+from simcompare.stateful import StatefulMotion
+from simcompare.trajectory import Array, Trajectory
+
+if TYPE_CHECKING:
+    from simcompare.backend import Settings
 
 #: what a controller reads: every signal now, a number or a tuple of its components
 Readings = Mapping[str, float | tuple[float, ...]]
 #: called as controller(time_s, readings) before each recorded step; returns inputs by name
 Controller = Callable[[float, Readings], Mapping[str, float]]
-#: recorded steps from which rates are taken for a controller's readings
-_RECENT = 5
 
 
-class Simulation(FreeMotion):
+class Simulation(StatefulMotion):
     """An opened scene. Engines implement the small hooks; everything else is here.
 
     Args:
         scenario: the scene.
         audit: what the backend set and read back.
-        steps: how the engine is stepped through an impact; ``None`` takes the step as it is.
-        exact: whether the engine takes semi-implicit steps and is to be given efforts on joints at
-            the instant of the positions, and the start half a step earlier, to second order; else
-            rates are taken as they are stored, as a plain loop would.
-    """
+        settings: which of our helps are taken; without them all is as in a plain loop.
+        steps: how the engine is stepped through an impact where impacts are landed on.
 
-    #: 1 where the engine advances positions before velocities, so that the forces of a step act
-    #: at its end; 0 where they act at its start
-    LEAD: ClassVar[int] = 0
+    Attributes:
+        helps: the helps that act in this scene.
+        velocity_offset_s: stored velocities belong to the sample's time plus this [s].
+    """
 
     wall_s: Mapping[str, float]
 
@@ -53,34 +49,37 @@ class Simulation(FreeMotion):
         self,
         scenario: Scenario,
         audit: Sequence[AuditRow],
-        steps: ContactSteps | None,
-        *,
-        exact: bool = False,
+        settings: Settings,
+        steps: ContactSteps | None = None,
     ) -> None:
         super().__init__(scenario)
+        self.settings = settings
+        self.tuning: tuple[Mapping[str, Any], ...] = ()
+        self.lacks: dict[str, str] = {}
         self.audit = tuple(audit)
         self.notes: tuple[str, ...] = ()
         self.wall_s = {}
         world = scenario.world
-        self._joints = scenario.movable_joints()
-        self._force_sensors = {
-            name: sensor
-            for name, sensor in scenario.sensors.items()
-            if sensor.type in ("force", "contact_force")
-        }
+        self._force_sensors = {}
+        for name, sensor in scenario.sensors.items():
+            if sensor.type in ("force", "contact_force"):
+                reason = self.reason_lacking(sensor)
+                if reason:
+                    self.lacks[f"{name}.{SENSOR_SIGNALS[sensor.type][0]}"] = reason
+                else:
+                    self._force_sensors[name] = sensor
         self._force_columns = sum(SENSOR_SIGNALS[s.type][1] for s in self._force_sensors.values())
-        drive = Drive(scenario, world.engine_step_s, self.LEAD, exact)
+        centred = settings.takes(CENTRED_EFFORTS)
+        drive = Drive(scenario, world.engine_step_s, self.LEAD, centred)
         self._drive = drive if drive.names else None
+        # what only follows the inputs is the same at either instant, unless a step acts at its end
+        if centred and (drive.follows or (self.LEAD and (drive.names or self._dragged))):
+            self.helps.add(CENTRED_EFFORTS)
         self.substeps = world.substeps
-        self._count = 0
-        self._landing: Landing | None = None
-        self._whole_step_s = world.engine_step_s
-        self._recent: deque[tuple[float, Sequence[float], dict[str, float]]] = deque(maxlen=_RECENT)
-        if steps is not None:
+        if steps is not None and settings.takes(LANDING):
             self._prepare_landing(steps)
-        if exact and not self.LEAD and (not touching_pairs(scenario) or starts_in_flight(scenario)):
-            # velocities at the start belong to a step of length zero, see _stagger_start
-            self._engine_step_s, self._stagger = 0.0, -0.5
+        if steps is not None and settings.takes(HALF_STEP_START):
+            self._prepare_start(steps.stagger)
 
     @property
     def is_plain(self) -> bool:
@@ -103,10 +102,9 @@ class Simulation(FreeMotion):
             raise Unsupported("forces are not recorded while impacts are landed on")
         if self.substeps > 1:
             raise Unsupported("where impacts are landed on, recorded steps are not divided further")
+        self.helps.add(LANDING)
         self._landing = Landing(pairs, self.scenario.world.step_s, steps)
         self._stagger = steps.stagger
-        # the scenario's initial velocities are not staggered: they belong to a step of length zero
-        self._engine_step_s = 0.0
         self.notes += (
             f"a recorded step with an impact in it is divided into {self._landing.parts} parts"
             f" of {self._landing.part_s:.3g} s; flights take whole steps",
@@ -114,32 +112,14 @@ class Simulation(FreeMotion):
 
     # --- hooks of an engine -------------------------------------------------------------------
 
-    @abstractmethod
-    def advance(self, count: int) -> None:
-        """Takes ``count`` engine steps of the present length, with drag and drive in each."""
-
-    @abstractmethod
-    def place(self, body: str, state: BodyState) -> None:
-        """Puts a free body into a state."""
-
-    @abstractmethod
-    def row(self) -> Sequence[float]:
-        """All motion that is recorded now, in the engine's own layout and as cheap as possible."""
-
-    @abstractmethod
-    def motions(self, rows: Array) -> dict[str, Array]:
-        """Turns rows (n, k) of the engine's layout into signals.
-
-        They are those of the free bodies, and coordinate and rate of the joints.
-        """
-
-    def place_joint(self, joint: str, position: float, rate: float) -> None:
-        """Puts a joint to a coordinate and a stored rate; after all free bodies were placed."""
-        raise NotImplementedError
-
     def origin_of(self, body: str) -> Vector:
         """World position of any moving body [m], as the engine itself has it."""
         return self.stored_motion(body)[0]
+
+    def reason_lacking(self, sensor: Sensor) -> str:
+        """Why an engine does not give what a force sensor reads, empty where it does."""
+        del sensor
+        return ""
 
     def forces(self) -> Sequence[float]:
         """Readings of all force sensors in the last engine step, in the order of the scenario."""
@@ -182,11 +162,6 @@ class Simulation(FreeMotion):
         compare_start(engine, self.scenario, self.state, held)
 
     # --- the stepping form --------------------------------------------------------------------
-
-    @property
-    def time_s(self) -> float:
-        """Time since the scenario's start [s]."""
-        return self._count * self.scenario.world.step_s
 
     def step(self, inputs: Mapping[str, float] | None = None) -> None:
         """Advances by one recorded step.
@@ -240,62 +215,11 @@ class Simulation(FreeMotion):
         self._remember(row, inputs or {})
         return row
 
-    def _stagger_start(self) -> None:
-        """Moves the velocities from the start to half a step before it, where steps store them.
-
-        Else all motion runs ahead by half a step of the first acceleration. The engine itself tells
-        how large that is, by a step that is taken back. Where bodies may touch at the start, it is
-        left as it is: an engine may find the contact only in its second step, and moving backwards
-        there turns friction round.
-        """
-        if self._engine_step_s or self.LEAD:
-            return
-        start = self.state
-        self.advance(1)
-        after = self.state
-        names = self._drive.names if self._drive is not None else None
-        seen = list(self._recent)
-        self.set_state(half_a_step_back(start, after, self._whole_step_s, names))
-        self._recent.extend(seen)
-
     def _row_now(self) -> Sequence[float]:
         return (*self.row(), *[0.0] * self._force_columns)
 
     def _remember(self, row: Sequence[float], inputs: dict[str, float]) -> None:
         self._recent.append((self.time_s, row, inputs))
-
-    @property
-    def state(self) -> State:
-        """The present state; ``set_state`` brings it back."""
-        signals = self.motions(np.array([self.row()], dtype=float))
-        add_children(self.scenario, signals, 1)
-        bodies = {
-            name: BodyState(
-                *(tuple(signals[f"{name}.{part}"][0].tolist()) for part in BODY_SIGNALS)
-            )
-            for name in self._bodies
-        }
-        joints = {}
-        for name, joint in self._joints.items():
-            position, rate = (float(signals[f"{name}.{p}"][0]) for p in MOVABLE[joint.type])
-            joints[name] = (position, rate)
-        before = self._drive.rates_before if self._drive is not None else None
-        return State(
-            self.time_s, bodies, self._engine_step_s, joints, None if before is None else (*before,)
-        )
-
-    def set_state(self, state: State) -> None:
-        """Puts all moving bodies into a state that ``state`` returned."""
-        for name in self._free:
-            self.place(name, state.bodies[name])
-        for name, (position, rate) in state.joints.items():
-            self.place_joint(name, position, rate)
-        self._count = round(state.time_s / self.scenario.world.step_s)
-        if self._drive is not None:
-            self._drive.go_to(self._count * self.substeps, state.rates_before)
-        self._engine_step_s = state.velocity_step_s
-        self.set_engine_step(state.velocity_step_s or self._whole_step_s)
-        self._recent.clear()
 
     # --- the whole run ------------------------------------------------------------------------
 
@@ -331,7 +255,11 @@ class Simulation(FreeMotion):
             version=version,
             wall_s={**self.wall_s, **stepped},
             audit=self.audit,
-            notes=self.notes,
+            notes=(*self.notes, *(f"{name}: {why}" for name, why in self.lacks.items())),
+            helps=tuple(name for name in HELPS if name in self.helps),
+            velocity_offset_s=self.velocity_offset_s,
+            tuning=self.tuning,
+            lacks=self.lacks,
         )
 
     def _record_all(self, count: int) -> list[list[Sequence[float]] | Array]:

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from simcompare.backend import OLD_LEVELS
 from simcompare.compare import Score
 from simcompare.errors import InputError, OutputError
 from simcompare.results import FORMAT, Run, Stored
@@ -69,6 +70,9 @@ def load(place: Path) -> Run:
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
         known = {field.name for field in fields(Score)}
+        for row in (*record.get("sources", ()), *record["scores"]):  # runs of old have old names
+            if row.get("contact") in OLD_LEVELS:
+                row["contact"] = OLD_LEVELS[row["contact"]]
         scores = [Score(**{k: v for k, v in row.items() if k in known}) for row in record["scores"]]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(str(path), [f"cannot be read: {error}"]) from None
@@ -176,6 +180,7 @@ def _read_trajectories(path: Path, versions: Mapping[Any, str]) -> list[Stored]:
     stored = []
     for start, end in zip(starts, [*starts[1:], len(keys)], strict=True):
         source, contact, repeat = keys[start]
+        contact = OLD_LEVELS.get(contact, contact)
         block = {name: np.ma.filled(columns[name][start:end], np.nan) for name in signals}
         trajectory = _from_columns(source, contact, block)
         trajectory = replace(trajectory, version=versions.get((source, contact), ""))

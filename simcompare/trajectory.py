@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,10 +44,14 @@ class Trajectory:
             Velocities are those that the source itself stores; a semi-implicit engine stores
             them half a step away from the positions.
         version: version of the source, empty for mathematics.
-        contact: contact mode ("default", "mapped", …), empty for mathematics.
+        contact: contact level ("default", "assisted", …), empty for mathematics.
         wall_s: wall time by stage [s] ("import", "build", "step").
         audit: what was set in the engine and what it held afterwards.
         notes: what the reader should know about this run.
+        helps: our helps that acted in it.
+        velocity_offset_s: velocities belong to the sample's time plus this [s].
+        tuning: how the numbers for restitution were found, one record for each restitution.
+        lacks: signals that this source does not give -> why.
     """
 
     source: str
@@ -58,6 +62,10 @@ class Trajectory:
     wall_s: Mapping[str, float] = field(default_factory=dict)
     audit: tuple[AuditRow, ...] = ()
     notes: tuple[str, ...] = ()
+    helps: tuple[str, ...] = ()
+    velocity_offset_s: float = 0.0
+    tuning: tuple[Mapping[str, Any], ...] = ()
+    lacks: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         times = np.asarray(self.time_s, dtype=float)

@@ -34,7 +34,7 @@ def scene(bodies, joints, duration=0.5, step=1e-3, substeps=1, gravity=G, **more
     )
 
 
-def run(scenario, contact="mapped"):
+def run(scenario, contact="assisted"):
     return engines.get("pymunk").simulate(scenario, Settings(contact))
 
 

@@ -18,7 +18,7 @@ def table(*quantities):
     return BounceTable(Path("t.csv"), "", {}, {}, quantities)
 
 
-def score(value, u, *, measure="rebound_height", index=1, source="toy", contact="mapped"):
+def score(value, u, *, measure="rebound_height", index=1, source="toy", contact="assisted"):
     return Score(source, contact, measure, "h", index, value, u, "m", 9, None, None, "info")
 
 
@@ -76,9 +76,9 @@ def test_every_source_and_mode_is_held_against_every_value():
     )
     found = matches(table(*quantities), scores, UNITS)
     assert [(m.contact, m.quantity, m.bounce, m.value) for m in found] == [
-        ("mapped", "rebound_height", 1, 0.65),
-        ("mapped", "rebound_height", 2, 0.40),
-        ("mapped", "restitution", 1, None),
+        ("assisted", "rebound_height", 1, 0.65),
+        ("assisted", "rebound_height", 2, 0.40),
+        ("assisted", "restitution", 1, None),
         ("default", "rebound_height", 1, 0.1),
         ("default", "rebound_height", 2, None),
         ("default", "restitution", 1, None),

@@ -1,4 +1,4 @@
-"""The bar of the bouncing ball: what mapped engines must reach, and what defaults do."""
+"""The bar of the bouncing ball: what assisted engines must reach, and what defaults do."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ ENGINES = engines.names()
 FILE = catalogue.load("ball")
 
 
-def scores(engine, contact="mapped", step_s=0.001, **parameters):
+def scores(engine, contact="assisted", step_s=0.001, **parameters):
     from dataclasses import replace
 
     backend, repeats = engines.get(engine), []

@@ -26,7 +26,7 @@ def run_fall(call, fall):
     """Runs the toy scenario: ``run_fall("--engine", "toy") -> (exit code, stdout, stderr)``."""
 
     def run(*words):
-        return call("run", fall, "--no-report", "--contact", "mapped", *words)
+        return call("run", fall, "--no-report", "--contact", "assisted", *words)
 
     return run
 
@@ -38,7 +38,7 @@ def test_0_when_all_is_well(run_fall, add_engine, tmp_path):
     add_engine("toy")
     code, out, err = run_fall("--engine", "toy")
     assert code == 0, err
-    assert re.search(r"toy +1\.0 +mapped .* pass", out)
+    assert re.search(r"toy +1\.0 +assisted .* pass", out)
     assert "closed form" in out
     assert "Stored in runs" in out
     assert len(list((tmp_path / "runs").iterdir())) == 1
@@ -68,7 +68,7 @@ def test_what_an_engine_does_by_default_is_not_judged(call, fall, add_engine):
     [
         (["run", "bal"], "did you mean ball?"),
         (["run", "ball", "--engine", "mujco"], "did you mean mujoco?"),
-        (["run", "ball", "--contact", "maped"], "did you mean mapped?"),
+        (["run", "ball", "--contact", "asisted"], "did you mean assisted"),
         (["run", "ball", "--preset", "tenis"], "did you mean tennis"),
         (["run", "ball", "--set", "drop_hight=1"], "did you mean drop_height_m?"),
         (["run", "ball", "--set", "drop_height=3s"], "the unit 's' does not fit"),
@@ -109,7 +109,7 @@ def test_3_when_an_engine_breaks_but_the_others_results_are_shown(run_fall, add_
     code, out, _ = run_fall("--engine", "toy,raises")
     assert code == 3
     assert "the solver gave up" in " ".join(out.split())
-    assert re.search(r"toy +1\.0 +mapped .* pass", out)
+    assert re.search(r"toy +1\.0 +assisted .* pass", out)
 
 
 def test_an_engine_that_is_not_installed_is_3_when_it_was_named_and_a_row_with_all(
@@ -182,7 +182,7 @@ def test_run_prints_one_object_with_the_names_of_the_contract(call):
         assert set(source["wall_s"]) == {"import", "build", "step"}
         assert (source["status"], source["reason"]) == ("ok", None)
         assert source["audit"]
-    assert [s["contact"] for s in record["sources"]] == ["default", "mapped"]
+    assert [s["contact"] for s in record["sources"]] == ["default", "tuned", "assisted"]
     keys = ["source", "contact", "measure", "value", "u", "unit", "truth", "tolerance", "verdict"]
     for score in record["scores"]:
         assert set(keys) <= set(score)
@@ -190,7 +190,7 @@ def test_run_prints_one_object_with_the_names_of_the_contract(call):
     (best,) = [
         s
         for s in record["scores"]
-        if (s["contact"], s["measure"], s["index"]) == ("mapped", "restitution", None)
+        if (s["contact"], s["measure"], s["index"]) == ("assisted", "restitution", None)
     ]
     assert best["value"] == pytest.approx(0.5, abs=1e-3)
     assert best["truth"] == pytest.approx(0.5)
@@ -214,7 +214,7 @@ def test_a_measurement_is_never_compared_with_another_condition(call, words, exp
 
 def test_the_python_function_gives_what_the_command_prints(add_engine, fall):
     add_engine("toy")
-    run = simcompare.run(str(fall), engine="toy", contact="mapped", set={"height": "120cm"})
+    run = simcompare.run(str(fall), engine="toy", contact="assisted", set={"height": "120cm"})
     assert run.record["parameters"] == {"height_m": pytest.approx(1.2)}
     assert run.exit_code == 0
     assert run.folder is None
@@ -441,7 +441,7 @@ def test_completion_offers_each_engine_of_a_list_once():
     assert complete.scenarios("bal") == ["ball"]
     assert complete.scenarios("x") == []
     assert complete.tables("jena") == ["jena_2021_table_tennis"]
-    assert "mapped" in complete.contact_modes("m")
+    assert "tuned" in complete.contact_levels("t")
 
 
 def test_a_user_scenario_of_the_variable_is_listed_and_completed(call, fall, monkeypatch):

@@ -1,10 +1,10 @@
-"""The contact mode between default and mapped: coefficients are given, all else is the engine's."""
+"""The contact level ``coefficients``: these are given, and all else is the engine's."""
 
 import pytest
 
 import simcompare
 from simcompare import catalogue, engines
-from simcompare.backend import COEFFICIENTS, DEFAULT, MAPPED, Settings, needs
+from simcompare.backend import ASSISTED, COEFFICIENTS, DEFAULT, Settings, needs
 
 SPATIAL = [
     name
@@ -28,12 +28,12 @@ def test_friction_is_given_with_coefficients_and_left_by_default(engine):
             for row in audit_of(engine, scenario, mode)
             if row.quantity.endswith("floor friction")
         ]
-        for mode in (DEFAULT, COEFFICIENTS, MAPPED)
+        for mode in (DEFAULT, COEFFICIENTS, ASSISTED)
     }
     assert all(value is None for value in given[DEFAULT])
     assert given[COEFFICIENTS]
     assert None not in given[COEFFICIENTS]
-    assert given[COEFFICIENTS] == given[MAPPED]
+    assert given[COEFFICIENTS] == given[ASSISTED]
 
 
 @pytest.mark.parametrize("engine", SPATIAL)
@@ -48,15 +48,15 @@ def test_a_robot_stands_still_by_default_and_drives_with_coefficients(engine):
 
 
 def test_wheels_drawn_as_cylinders_tell_engines_apart_though_all_have_the_coefficients():
-    run = simcompare.run("robot_cylinder", contact="coefficients,mapped")
+    run = simcompare.run("robot_cylinder", contact="coefficients,assisted")
     found = {(s.source, s.contact): s for s in run.scores if s.measure == "acceleration"}
-    truth = found[SPATIAL[0], MAPPED].truth
+    truth = found[SPATIAL[0], ASSISTED].truth
     apart = [abs(found[name, COEFFICIENTS].value / truth - 1) for name in SPATIAL]
     # measured: 46 % for the engine that finds one point of a line, less than 0.1 % for the others
     assert max(apart) > 0.3
     assert min(apart) < 0.003
     assert {found[name, COEFFICIENTS].verdict for name in SPATIAL} == {"info"}
-    assert {found[name, MAPPED].verdict for name in SPATIAL} == {"pass"}
+    assert {found[name, ASSISTED].verdict for name in SPATIAL} == {"pass"}
 
 
 def test_a_coefficient_of_restitution_alone_does_not_make_the_bounce():

@@ -5,7 +5,7 @@ import functools
 import pytest
 
 from simcompare import catalogue, engines
-from simcompare.backend import CONTACT_MODES, Settings, needs
+from simcompare.backend import CONTACT_LEVELS, Settings, needs
 from simcompare.backends import conformance
 from simcompare.errors import Unsupported
 
@@ -19,7 +19,7 @@ def scenario_of():
     return lambda name: files[name].resolve()
 
 
-@pytest.mark.parametrize("contact", CONTACT_MODES)
+@pytest.mark.parametrize("contact", CONTACT_LEVELS)
 @pytest.mark.parametrize("check", conformance.CHECKS, ids=lambda check: check.__name__)
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("name", SCENARIOS)
@@ -39,7 +39,7 @@ def refusals(engine, name, contact):
     """Why an engine that has the features refuses a scene all the same; it must say more."""
     backend, scenario = engines.get(engine), catalogue.load(name).resolve()
     reasons = []
-    for mode in {contact, "mapped"}:
+    for mode in {contact, "assisted"}:
         try:
             backend.open(scenario, Settings(mode)).close()
         except Unsupported as error:
@@ -54,7 +54,7 @@ def refusals(engine, name, contact):
 def test_every_scenario_runs_on_two_engines_or_more(name, scenario_of):
     scenario = scenario_of(name)
     able = [e for e in ENGINES if not needs(scenario) - engines.get(e).features]
-    assert len([e for e in able if not refusals(e, name, "mapped")]) >= 2
+    assert len([e for e in able if not refusals(e, name, "assisted")]) >= 2
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -13,7 +13,7 @@ from tests.test_reports import make_run
 FREQUENCIES = (1.0, 10.0, 100.0)
 
 
-def swept(modes=("default", "mapped"), unit="Hz", **truths):
+def swept(modes=("default", "assisted"), unit="Hz", **truths):
     """A run in which an amplitude of 2 % too much and a phase 1 deg too late were measured."""
     run = make_run([("north", mode, 0.8) for mode in modes])
     scores = []

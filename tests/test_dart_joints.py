@@ -13,7 +13,7 @@ from simcompare.scenario import Scenario
 pytest.importorskip("dartpy")
 
 BACKEND = engines.get("dart")
-MAPPED, DEFAULT = Settings("mapped"), Settings("default")
+ASSISTED, DEFAULT = Settings("assisted"), Settings("default")
 G = 9.80665
 SMALL = (1e-3, 2e-3, 2.5e-3)
 FLOOR = {"fixed": True, "shapes": [{"type": "plane"}]}
@@ -25,7 +25,7 @@ def scene(bodies, joints, duration_s=0.5, step_s=0.001, **more):
     return Scenario.model_validate({**told, "bodies": bodies, "joints": joints, **more})
 
 
-def run(scenario, settings=MAPPED):
+def run(scenario, settings=ASSISTED):
     return BACKEND.simulate(scenario, settings)
 
 
@@ -204,7 +204,7 @@ def test_a_driven_armature_pushes_back_on_its_parent():
 
 def test_an_armature_on_a_slider_is_refused():
     with pytest.raises(Unsupported, match="would have weight"):
-        BACKEND.open(scene(*slider(armature=0.1)), MAPPED)
+        BACKEND.open(scene(*slider(armature=0.1)), ASSISTED)
 
 
 # --- forces ---------------------------------------------------------------------------------------
@@ -309,7 +309,7 @@ def test_spinning_wheels_push_with_what_they_are_loaded_with():
 # --- states and values ----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("contact", ["mapped", "default"])
+@pytest.mark.parametrize("contact", ["assisted", "default"])
 def test_a_state_brings_joints_back_bit_for_bit(contact):
     told = scene(*pendulum(0.7, stiffness=2.0, damping=0.3, friction=0.05), 0.4)
     simulation = BACKEND.open(told, Settings(contact))
@@ -330,15 +330,15 @@ def test_a_state_brings_joints_back_bit_for_bit(contact):
 
 def test_springs_and_dampers_are_forces_of_ours_and_by_default_the_engines_own():
     told = scene(*slider(stiffness=5.0, damping=0.3, friction=0.2), 0.01)
-    mapped, default = (
-        {row.quantity: row for row in run(told, settings).audit} for settings in (MAPPED, DEFAULT)
+    assisted, default = (
+        {row.quantity: row for row in run(told, settings).audit} for settings in (ASSISTED, DEFAULT)
     )
     for part, value in (("stiffness", 5.0), ("damping", 0.3)):
-        assert mapped[f"slide.{part}"].read_value is None
-        assert mapped[f"slide DART's own {part}"].read_value == 0
+        assert assisted[f"slide.{part}"].read_value is None
+        assert assisted[f"slide DART's own {part}"].read_value == 0
         assert default[f"slide.{part}"].read_value == value
-    assert mapped["slide.friction"].read_value == default["slide.friction"].read_value == 0.2
-    assert mapped["sleep"].read_value == 0
+    assert assisted["slide.friction"].read_value == default["slide.friction"].read_value == 0.2
+    assert assisted["sleep"].read_value == 0
     assert default["sleep"].read_value == 1
 
 
@@ -352,10 +352,10 @@ def test_friction_that_no_smaller_of_two_gives_is_refused():
     pairs = {("a", "floor"): 0.6, ("b", "floor"): 0.3, ("a", "b"): 0.5}
     contacts = [{"pair": pair, "friction": mu} for pair, mu in pairs.items()]
     with pytest.raises(Unsupported, match="takes the smaller"):
-        BACKEND.open(scene(bodies, {}, contacts=contacts), MAPPED)
+        BACKEND.open(scene(bodies, {}, contacts=contacts), ASSISTED)
 
 
-@pytest.mark.parametrize("contact", ["mapped", "coefficients", "default"])
+@pytest.mark.parametrize("contact", ["assisted", "coefficients", "default"])
 @pytest.mark.parametrize("named", [True, False])
 def test_moving_bodies_touch_only_where_they_are_named(contact, named):
     ball = [{"type": "sphere", "radius_m": 0.05}]

@@ -52,7 +52,7 @@ def test_the_scene_with_joints_that_is_shown_to_contributors_runs(tmp_path):
     scene = text.partition("```yaml\nname: driven_pendulum")[2].partition("```")[0]
     path = tmp_path / "driven_pendulum.yaml"
     path.write_text("name: driven_pendulum" + scene, encoding="utf-8")
-    run = simcompare.run(str(path), contact="mapped")
+    run = simcompare.run(str(path), contact="assisted")
     ends = [score.value for score in run.scores if score.measure == "final"]
     assert len(ends) == len(engines.names())
     # the motor has lifted it, and all engines agree how far

@@ -17,7 +17,7 @@ from simcompare.errors import InputError
 from simcompare.scripts import write
 from simcompare.trajectory import BODY_SIGNALS
 
-LEVELS = [level for level in write.LEVELS if level in backend.CONTACT_MODES]
+LEVELS = [level for level in write.LEVELS if level in backend.CONTACT_LEVELS]
 RUNNER = Path(__file__).with_name("script_runner.py")
 PHASE = 0.37
 #: lines that are not blank, of a scene with one moving body and of others

@@ -256,7 +256,7 @@ def test_a_pitch_over_the_zenith_is_refused():
 @pytest.mark.parametrize("engine", ["mujoco", "pybullet", "dart"])
 def test_engines_carry_the_sensors_as_the_truth_does(engine):
     scenario = scene("imu_motion", lever_x_m=0.05, lever_z_m=-0.1, duration_s=1)
-    run = engines.get(engine).simulate(scenario, Settings(contact="mapped"))
+    run = engines.get(engine).simulate(scenario, Settings(contact="assisted"))
     truth = motion.reference(scenario.parameters, run.time_s, scenario.inputs)
     later = run.time_s > 0.1  # differences of samples round the start of the servos off
     for name, limit in (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from simcompare import engines
-from simcompare.backend import DEFAULT, MAPPED, Settings
+from simcompare.backend import ASSISTED, DEFAULT, Settings
 from simcompare.scenario import Scenario
 
 MUJOCO = engines.get("mujoco")
@@ -43,7 +43,7 @@ def test_a_body_on_many_points_is_weighed_with_all_of_them():
     assert found[-1] == pytest.approx(0.1 * G, rel=1e-6)
 
 
-@pytest.mark.parametrize("mode", [MAPPED, DEFAULT])
+@pytest.mark.parametrize("mode", [ASSISTED, DEFAULT])
 def test_moving_bodies_touch_where_a_contact_names_them_and_else_only_by_default(mode):
     ball = {"type": "sphere", "radius_m": 0.05}
 

@@ -184,7 +184,7 @@ def test_engines_arrive_where_the_truth_does_and_better_with_shorter_steps(engin
         scenario = scene(start_heading_rad=0.7, start_x_m=2.0)
         world = scenario.world.model_copy(update={"substeps": substeps})
         scenario = scenario.model_copy(update={"world": world})
-        run = engines.get(engine).simulate(scenario, Settings(contact="mapped"))
+        run = engines.get(engine).simulate(scenario, Settings(contact="assisted"))
         truth = reference(scenario.parameters, run.time_s, scenario.inputs)
         off = run.signals["mark.position_m"][:, :2] - truth["mark.position_m"][:, :2]
         apart.append(float(np.hypot(*off.T).max()))

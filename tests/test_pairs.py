@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import pytest
 
+from simcompare.backend import TUNED, Settings
 from simcompare.errors import Unsupported
-from simcompare.pairs import per_body_product, touching_pairs
+from simcompare.pairs import friction_per_body, restitution_per_body, touching_pairs
 from simcompare.scenario import Scenario
 
+FACTORS = {
+    "restitution": lambda scenario: restitution_per_body(scenario, Settings(TUNED), "toy"),
+    "friction": lambda scenario: friction_per_body(scenario, "toy"),
+}
 BALL = {"mass_kg": 1, "inertia_kg_m2": [1, 1, 1], "shapes": [{"type": "sphere", "radius_m": 1}]}
 FIXED = {"fixed": True, "shapes": [{"type": "plane"}]}
 
@@ -42,7 +47,7 @@ def test_pairs_that_can_touch():
 
 
 def products(scenario, prop):
-    values = per_body_product(scenario, prop, "toy")
+    values = FACTORS[prop](scenario)
     return {
         tuple(c.pair): (values[c.pair[0]] * values[c.pair[1]], getattr(c, prop))
         for c in touching_pairs(scenario)
@@ -67,14 +72,10 @@ def test_what_no_product_gives_is_refused_with_the_pair():
         [(["floor", "a"], 0.8, 0), (["b", "floor"], 0.5, 0), (["a", "b"], 0.9, 0)],
     )
     with pytest.raises(Unsupported, match=r"a-b = 0\.9"):
-        per_body_product(scenario, "restitution", "toy")
+        FACTORS["restitution"](scenario)
     with pytest.raises(Unsupported):
-        per_body_product(
-            scene(
-                {"a": BALL, "f": FIXED, "g": FIXED}, [(["a", "f"], 0.8, 0), (["a", "g"], 0.1, 0)]
-            ),
-            "restitution",
-            "toy",
+        FACTORS["restitution"](
+            scene({"a": BALL, "f": FIXED, "g": FIXED}, [(["a", "f"], 0.8, 0), (["a", "g"], 0.1, 0)])
         )
 
 

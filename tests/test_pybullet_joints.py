@@ -44,7 +44,7 @@ def scene(bodies, joints=(), duration=0.5, step=1e-3, substeps=1, gravity=G, **m
     )
 
 
-def run(scenario, contact="mapped"):
+def run(scenario, contact="assisted"):
     return BACKEND.simulate(scenario, Settings(contact))
 
 
@@ -81,7 +81,7 @@ def test_a_pendulum_of_large_amplitude_has_its_period():
     assert 2 * np.diff(crossings)[0] == pytest.approx(4 * ellipk(0.5) / omega, rel=2e-6)
 
 
-@pytest.mark.parametrize(("contact", "ratio"), [("mapped", 4), ("default", None)])
+@pytest.mark.parametrize(("contact", "ratio"), [("assisted", 4), ("default", None)])
 def test_a_damped_spring_is_exact_to_second_order(contact, ratio):
     k, d, force, omega = 40.0, 0.6, 3.0, 15.0
     bodies = {"base": {"fixed": True}, "cart": body(0.5)}
@@ -369,7 +369,7 @@ def test_wheels_of_rims_roll_straight():
     assert [row.read_value for row in sizes] == pytest.approx([0.02, 0.02], rel=1e-12)
 
 
-@pytest.mark.parametrize("contact", ["mapped", "coefficients", "default"])
+@pytest.mark.parametrize("contact", ["assisted", "coefficients", "default"])
 @pytest.mark.parametrize("named", [True, False])
 def test_moving_bodies_touch_only_where_they_are_named(contact, named):
     ball = [{"type": "sphere", "radius_m": 0.05}]

@@ -311,7 +311,7 @@ def test_a_weld_makes_one_body_of_two():
     np.testing.assert_allclose(found["mass.rate_rad_s"][:, 1], spin, rtol=1e-9)
 
 
-@pytest.mark.parametrize("contact", ["mapped", "default"])
+@pytest.mark.parametrize("contact", ["assisted", "default"])
 def test_a_state_brings_joints_back_over_turns(contact):
     hinge = {"type": "hinge", "parent": "frame", "child": "crank", "axis": [0, -1, 0], "rate": 70}
     slider = {"type": "slider", "parent": "crank", "child": "mass", "axis": [1, 0, 0]}
@@ -365,7 +365,7 @@ def test_what_was_set_is_on_record():
     assert "armature" in moment.note
 
 
-@pytest.mark.parametrize("contact", ["mapped", "coefficients", "default"])
+@pytest.mark.parametrize("contact", ["assisted", "coefficients", "default"])
 @pytest.mark.parametrize("named", [True, False])
 def test_moving_bodies_touch_only_where_they_are_named(contact, named):
     ball = [{"type": "sphere", "radius_m": 0.05}]

@@ -52,7 +52,7 @@ def scene(planar, step, driven, armature=0.002, sensed=False):
     return Scenario.model_validate({**told, "bodies": bodies, "joints": joints})
 
 
-def run(engine, scenario, contact="mapped"):
+def run(engine, scenario, contact="assisted"):
     module = {"dart": "dartpy"}.get(engine, engine)
     pytest.importorskip(module)
     return engines.get(engine).simulate(scenario, Settings(contact))

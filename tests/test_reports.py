@@ -78,7 +78,7 @@ def scores(name, contact, value, truth=0.8):
 
 def make_run(sources=None, *, truth=0.8, against=None, interrupted=False, **more):
     """A run of the engines given as (name, mode, value), a value of None for one that failed."""
-    sources = sources or [("north", "default", 0.0), ("north", "mapped", 0.801)]
+    sources = sources or [("north", "default", 0.0), ("north", "assisted", 0.801)]
     ok = [row for row in sources if row[2] is not None]
     found = [s for name, mode, value in ok for s in scores(name, mode, value, truth)]
     stored = [Stored(n, m, i, trajectory(n, m)) for n, m, _ in ok for i in range(3)]
@@ -126,15 +126,15 @@ def measured(*matches):
     return {"file": "ball.csv", "sha256": "0", "head": head, "parameters": {}, "matches": matches}
 
 
-AGAINST = measured(match("north", "default", None, False), match("north", "mapped", 0.61, True))
+AGAINST = measured(match("north", "default", None, False), match("north", "assisted", 0.61, True))
 RUNS = {
     "both modes": make_run(),
     "default only": make_run([("north", "default", 0.0), ("south", "default", 0.5)]),
-    "mapped only": make_run([("north", "mapped", 0.8)]),
+    "assisted only": make_run([("north", "assisted", 0.8)]),
     "no truth": make_run(truth=None),
     "against": make_run(against=AGAINST),
-    "one failed": make_run([("north", "mapped", 0.9), ("south", "mapped", None)]),
-    "nothing ran": make_run([("north", "default", None), ("north", "mapped", None)]),
+    "one failed": make_run([("north", "assisted", 0.9), ("south", "assisted", None)]),
+    "nothing ran": make_run([("north", "default", None), ("north", "assisted", None)]),
     "no tolerances": make_run(tolerances={}),
     "no probes": make_run(probes={}),
     "no gravity": make_run(parameters={"drop_height_m": 1.0}),
@@ -226,9 +226,9 @@ def test_a_number_is_rounded_before_its_power_is_taken():
 
 
 def test_dust_beside_the_tolerance_is_nothing():
-    run = make_run([("north", "mapped", 0.8)], truth=0.0)
+    run = make_run([("north", "assisted", 0.8)], truth=0.0)
     score = Score(
-        "north", "mapped", "settling_time", "", None, 4.7e-14, None, "s", 1, 1e-14, 0.1, "pass"
+        "north", "assisted", "settling_time", "", None, 4.7e-14, None, "s", 1, 1e-14, 0.1, "pass"
     )
     assert runs.value_words(run, score) == "0"
     assert runs.share_of_tolerance(run, score) == 0
@@ -242,21 +242,21 @@ def test_answer_counts_engines_and_names_the_worst():
         [
             ("north", "default", 0.0),
             ("south", "default", 0.5),
-            ("north", "mapped", 0.801),
-            ("south", "mapped", 0.9),
+            ("north", "assisted", 0.801),
+            ("south", "assisted", 0.9),
         ]
     )
-    default, mapped = words.answer(run)
+    default, assisted = words.answer(run)
     assert default == (
         "By default none of the 2 engines comes within the tolerance of the true restitution"
         " of 0.8: the values lie between 0 and 0.5."
     )
-    assert "none of the 2 engines meets all 2 tolerances" in mapped
-    assert "1250 % of its tolerance: south, restitution off by 0.1000 ± 0.0010" in mapped
+    assert "none of the 2 engines meets all 2 tolerances" in assisted
+    assert "1250 % of its tolerance: south, restitution off by 0.1000 ± 0.0010" in assisted
 
 
 def test_answer_without_truth_and_with_engines_that_did_not_run():
-    run = make_run([("north", "mapped", 0.7), ("south", "mapped", None)], truth=None)
+    run = make_run([("north", "assisted", 0.7), ("south", "assisted", None)], truth=None)
     assert "there is no truth" in words.answer(run)[0]
     assert words.answer(run)[-1] == "Did not run: south; the reasons are below."
 
@@ -356,15 +356,15 @@ def test_text_from_outside_is_escaped(html):
 
 
 def test_engine_that_failed_is_a_row_with_its_reason(html):
-    run = make_run([("north", "mapped", 0.8), ("south", "mapped", None)])
+    run = make_run([("north", "assisted", 0.8), ("south", "assisted", None)])
     assert runs.not_run(run) == [
-        {"name": "south", "status": "failed", "reason": EVIL, "modes": "mapped"}
+        {"name": "south", "status": "failed", "reason": EVIL, "modes": "assisted"}
     ]
     assert html(run).count("it broke") >= 3  # scoreboard, scores, what each was given
 
 
 def test_verdicts_are_words_and_symbols(html):
-    text = html(make_run([("north", "mapped", 0.801), ("south", "mapped", 0.9)]))
+    text = html(make_run([("north", "assisted", 0.801), ("south", "assisted", 0.9)]))
     assert "✓ pass" in text
     assert "✗ fail" in text
     assert "Because a class reads 1 %." in text
@@ -470,7 +470,7 @@ def test_measurement_of_one_event_is_a_band_and_of_several_are_points():
     one = builder.blocks_of([make_run(against=AGAINST)])[0].contexts["measurement"]["figures"][0]
     assert one.panels[1].bands[0].centre == 0.6
     assert one.panels[0].x_ticks == ("north\n(none)",)
-    rows = [match("north", mode, 0.6, True, k) for mode in ("default", "mapped") for k in (1, 2)]
+    rows = [match("north", mode, 0.6, True, k) for mode in ("default", "assisted") for k in (1, 2)]
     run = make_run(against=measured(*rows))
     several = builder.blocks_of([run])[0].contexts["measurement"]["figures"][0]
     row, engine = several.panels[0].series
@@ -480,12 +480,12 @@ def test_measurement_of_one_event_is_a_band_and_of_several_are_points():
 
 
 def test_contrast_is_in_tolerances_and_has_no_zero():
-    run = make_run([("north", "default", 0.8), ("north", "mapped", 0.816)])
+    run = make_run([("north", "default", 0.8), ("north", "assisted", 0.816)])
     figure = builder.blocks_of([run])[0].contexts["contrast"]["figures"][0]
-    default, mapped = (panel.series[0].y for panel in figure.panels)
+    default, assisted = (panel.series[0].y for panel in figure.panels)
     assert default[0] == pytest.approx(1e-3)
-    assert mapped[0] == pytest.approx(2.0)
-    assert np.isnan(mapped[1])  # the rest time was not measured
+    assert assisted[0] == pytest.approx(2.0)
+    assert np.isnan(assisted[1])  # the rest time was not measured
 
 
 def test_key_picture_shows_truth_below_the_engines_on_one_axis():
@@ -493,7 +493,7 @@ def test_key_picture_shows_truth_below_the_engines_on_one_axis():
     assert figure.share_y
     assert [panel.title for panel in figure.panels] == [
         "as each engine behaves by default",
-        "scenario's physics mapped",
+        "with our helps",
     ]
     assert [series.label for series in figure.panels[1].series] == [f"truth ({TRUTH})", "north"]
 
@@ -531,7 +531,7 @@ def test_pdf_has_a_page_for_each_figure_and_the_tables(name, tmp_path):
 
 def test_markdown_tables_are_whole(tmp_path):
     run = make_run(
-        [("north", "default", 0.0), ("north", "mapped", 0.801), ("so|uth", "mapped", None)]
+        [("north", "default", 0.0), ("north", "assisted", 0.801), ("so|uth", "assisted", None)]
     )
     lines = builder.write_markdown([run], tmp_path / "r.md").read_text("utf-8").splitlines()
     columns = [len(re.findall(r"(?<!\\)\|", line)) for line in lines]
@@ -548,7 +548,7 @@ def test_markdown_tables_are_whole(tmp_path):
 
 def test_command_names_everything_of_a_scenario_that_is_gone():
     assert reproduce.command(make_run(preset="soft ball")) == (
-        "simcompare run toy --engine all --contact default,mapped --preset 'soft ball'"
+        "simcompare run toy --engine all --contact default,assisted --preset 'soft ball'"
         " --set drop_height_m=1.0 --set gravity_m_s2=9.81 --step 0.01s --seeds 3"
     )
 
@@ -569,7 +569,9 @@ def test_command_names_only_what_differs_from_a_known_scenario():
         "repeats": own.dither.count if own.dither else 1,
     }
     run = make_run(parameters=dict(own.parameters), **known)
-    assert reproduce.command(run) == f"simcompare run {name} --engine all --contact default,mapped"
+    assert (
+        reproduce.command(run) == f"simcompare run {name} --engine all --contact default,assisted"
+    )
     first = next(iter(own.parameters))
     run = make_run(parameters={**own.parameters, first: 0.123}, **known)
     assert reproduce.command(run).endswith(f"--set {first}=0.123")

@@ -185,7 +185,7 @@ def test_noise_of_an_engines_module_never_reaches_the_json(add_engine, fall, com
     add_engine("noisy", on_import=code)
     add_engine("good")
     done = command(
-        "run", fall, "--engine", "good,noisy", "--contact", "mapped", "--json", "--no-report"
+        "run", fall, "--engine", "good,noisy", "--contact", "assisted", "--json", "--no-report"
     )
     _, sources = records(done)
     assert sources["good"]["status"] == "ok"
@@ -224,7 +224,7 @@ def test_whatever_an_engine_does_the_others_are_kept(add_engine, fall, command, 
     add_engine("good")
     add_engine("odd", **arguments)
     done = command(
-        "run", fall, "--engine", "good,odd", "--contact", "mapped", "--json", "--no-report"
+        "run", fall, "--engine", "good,odd", "--contact", "assisted", "--json", "--no-report"
     )
     record, sources = records(done)
     assert sources["good"]["status"] == "ok"
@@ -255,7 +255,7 @@ def test_an_engine_that_hangs_when_its_process_ends_does_not_hang_the_run(
     leaving = f"lambda: (time.sleep(60), open({str(waited)!r}, 'w').close())"
     add_engine("sticky", f"import atexit; atexit.register({leaving})")
     done = command(
-        "run", fall, "--engine", "sticky", "--contact", "mapped", "--json", "--no-report"
+        "run", fall, "--engine", "sticky", "--contact", "assisted", "--json", "--no-report"
     )
     _, sources = records(done)
     assert sources["sticky"]["status"] == "ok"
@@ -300,7 +300,7 @@ def slow_run(add_engine, fall, tmp_path):
         + wrote_whole(slow, "{os.getpid()} {child.pid}")
         + "; time.sleep(400)",
     )
-    words = ["run", str(fall), "--engine", "quick,slow", "--contact", "mapped", "--json"]
+    words = ["run", str(fall), "--engine", "quick,slow", "--contact", "assisted", "--json"]
     process = subprocess.Popen(
         [sys.executable, "-m", "simcompare", *words, "--no-report", "--out", "kept"],
         cwd=tmp_path,

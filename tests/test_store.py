@@ -35,16 +35,27 @@ def synthetic():
     rng = np.random.default_rng(0)
     t = np.arange(50, dtype=np.float64) * np.float64(1e-3)
     signals = {"ball.position_m": rng.normal(size=(50, 3)), "wheel.rate_rad_s": rng.normal(size=50)}
-    first = Trajectory("toy", t, signals, contact="mapped")
+    first = Trajectory("toy", t, signals, contact="assisted")
     second = Trajectory(
         "toy", t[:20], {"ball.orientation_wxyz": rng.normal(size=(20, 4))}, contact="default"
     )
     truth = Trajectory("closed form", t, {"ball.position_m": rng.normal(size=(50, 3)) * 1e-300})
     scores = (
         Score(
-            "toy", "mapped", "restitution", "h", None, 0.1 + 0.2, 1e-17, "1", 9, 0.8, 0.002, "fail"
+            "toy",
+            "assisted",
+            "restitution",
+            "h",
+            None,
+            0.1 + 0.2,
+            1e-17,
+            "1",
+            9,
+            0.8,
+            0.002,
+            "fail",
         ),
-        Score("toy", "mapped", "rebound, height", "h", 3, None, None, "m", 9, None, None, "info"),
+        Score("toy", "assisted", "rebound, height", "h", 3, None, None, "m", 9, None, None, "info"),
     )
     record = {
         "format": results.FORMAT,
@@ -56,8 +67,8 @@ def synthetic():
         "scores": [score.to_dict() for score in scores],
     }
     stored = (
-        Stored("toy", "mapped", 0, first),
-        Stored("toy", "mapped", 1, first),
+        Stored("toy", "assisted", 0, first),
+        Stored("toy", "assisted", 1, first),
         Stored("toy", "default", 0, second),
         Stored("closed form", "", 0, truth),
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from simcompare.reports.sections.assistance import Assistance
 from simcompare.reports.sections.base import Section
 from simcompare.reports.sections.contrast import Contrast
 from simcompare.reports.sections.curves import Curves
@@ -36,6 +37,7 @@ from simcompare.reports.sections.real import (
 from simcompare.reports.sections.scores import Scores
 from simcompare.reports.sections.setup import Setup
 from simcompare.reports.sections.signals import Signals
+from simcompare.reports.sections.tuning import Tuning
 from simcompare.reports.sections.waves import WavesAnswer, WavesEngines, WavesHeldOut, WavesKnown
 
 #: in the order in which a reader wants them
@@ -48,6 +50,8 @@ SECTIONS: tuple[Section, ...] = (
     Contrast(),
     Signals(),
     Scores(),
+    Tuning(),
+    Assistance(),
     Given(),
     Limits(),
     Setup(),
@@ -69,6 +73,7 @@ VALIDATION: tuple[Section, ...] = (
 FIT: tuple[Section, ...] = (
     FitAnswer(),
     FitEngines(),
+    Tuning(),
     FitForms(),
     FitSpeed(),
     FitKnown(),

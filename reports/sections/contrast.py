@@ -1,4 +1,4 @@
-"""Default beside mapped."""
+"""Default beside assisted."""
 
 from __future__ import annotations
 

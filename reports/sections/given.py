@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from simcompare.backend import SHOWN_MODES
+from simcompare.backend import SHOWN_LEVELS
 from simcompare.reports import numbers, runs
 from simcompare.reports.sections.base import Section
 from simcompare.results import Run
@@ -48,6 +48,17 @@ def state_of(row: Mapping[str, Any]) -> str:
     return LEFT if given is None else TRANSLATED
 
 
+def _velocity(offset_s: float | None) -> str:
+    """To which instant stored velocities belong, where it is not that of the sample."""
+    if not offset_s:
+        return ""
+    when = "after" if offset_s > 0 else "before"
+    return (
+        f"Velocities and rates are as the engine stores them: they belong to"
+        f" {numbers.plain(1e3 * abs(offset_s), 3)} ms {when} the time of their sample."
+    )
+
+
 def _block(source: Mapping[str, Any]) -> dict[str, Any]:
     rows = []
     for row in source["audit"]:
@@ -73,7 +84,8 @@ def _block(source: Mapping[str, Any]) -> dict[str, Any]:
         "mode": runs.mode_words(source["contact"]),
         "status": source["status"],
         "reason": source["reason"],
-        "mapping": source["mapping"] if source["contact"] not in SHOWN_MODES else "",
+        "mapping": source["mapping"] if source["contact"] not in SHOWN_LEVELS else "",
+        "velocity": _velocity(source.get("velocity_offset_s")),
         "notes": source["notes"],
         "noise": source["noise"],
         "rows": rows,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.backend import SHOWN_MODES
+from simcompare.backend import SHOWN_LEVELS
 from simcompare.jobs import OK
 from simcompare.reports import curves, runs, timelines, words
 from simcompare.reports.figures import style_of
@@ -56,7 +56,7 @@ def _row(run: Run, name: str, lead: str | None) -> dict[str, Any]:
                 "value": runs.value_words(
                     run, runs.score_of(run, name, mode, lead) if lead else None
                 ),
-                "met": None if mode in SHOWN_MODES or not of else met,
+                "met": None if mode in SHOWN_LEVELS or not of else met,
                 "of": len(runs.judged(run)),
             }
         )

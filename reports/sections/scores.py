@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.backend import SHOWN_MODES
+from simcompare.backend import SHOWN_LEVELS
 from simcompare.compare import FAIL, INFO, PASS, Score
 from simcompare.jobs import OK
 from simcompare.reports import numbers, runs
@@ -27,7 +27,9 @@ class Scores(Section):
         if not measures:
             return None
         return {
-            "modes": [(runs.mode_words(mode), mode not in SHOWN_MODES) for mode in runs.modes(run)],
+            "modes": [
+                (runs.mode_words(mode), mode not in SHOWN_LEVELS) for mode in runs.modes(run)
+            ],
             "groups": [_group(run, measure) for measure in measures],
             "missing": runs.not_run(run),
             "repeats": run.record["repeats"],

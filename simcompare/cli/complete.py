@@ -22,9 +22,9 @@ def engines(incomplete: str) -> list[str]:
     return [f"{before}{comma}{name}" for name in names if name.startswith(last)]
 
 
-def contact_modes(incomplete: str) -> list[str]:
-    """Contact modes."""
-    modes = ("default", "mapped", "default,mapped")
+def contact_levels(incomplete: str) -> list[str]:
+    """Contact levels."""
+    modes = ("default", "coefficients", "tuned", "assisted", "default,tuned,assisted")
     return [mode for mode in modes if mode.startswith(incomplete)]
 
 

@@ -26,5 +26,5 @@ def doctor(
             for text, reference in facts.known_limits:
                 typer.echo(f"  limit: {text} [{reference}]")
             if facts.mapping:
-                typer.echo(f"  mapped: {facts.mapping}")
+                typer.echo(f"  assisted: {facts.mapping}")
     raise typer.Exit(3 if any(diagnosis.status == FAILED for diagnosis in found) else 0)

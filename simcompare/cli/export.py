@@ -39,7 +39,7 @@ def export(
         False, "--contact-values", help="Print each engine's own contact values of the fit."
     ),
     engine: str = typer.Option(None, help="Engine of a script.", autocompletion=complete.engines),
-    step: str = typer.Option(None, help="Time between samples of a script, such as 1ms."),
+    step: str = typer.Option(None, help="Engine's step of a script, such as 1ms."),
     contact: str = typer.Option(
         None,
         help="Contact level of a script: default, coefficients or tuned; with --fit: tuned, else"

@@ -25,16 +25,21 @@ def run(
         "all", help="'all' or names with commas.", autocompletion=complete.engines
     ),
     contact: str = typer.Option(
-        "default,mapped",
+        "default,tuned,assisted",
         help="'default': the engine as it comes; 'coefficients': with the scenario's restitution"
-        " and friction; 'mapped': all of the scenario's physics translated.",
-        autocompletion=complete.contact_modes,
+        " and friction; 'tuned': all that the scenario states typed in, in a plain loop;"
+        " 'assisted': the same with our helps.",
+        autocompletion=complete.contact_levels,
+    ),
+    assist: str = typer.Option("all", help="Helps of 'assisted': all, none, or names with commas."),
+    judge: str = typer.Option(
+        "assisted", help="'tuned': a tolerance that is missed by 'tuned' fails the run as well."
     ),
     settings: list[str] = typer.Option(
         [], "--set", metavar="P=V", help="Change a parameter, such as drop_height=30cm."
     ),
     preset: str = typer.Option(None, help="Named set of parameters, applied before --set."),
-    step: str = typer.Option(None, help="Time between samples, such as 1ms."),
+    step: str = typer.Option(None, help="The engine's step, such as 1ms; samples may be coarser."),
     seeds: int = typer.Option(None, help="Number of dithered repeats (the scenario's own: 9)."),
     against: str = typer.Option(
         None,
@@ -55,6 +60,8 @@ def run(
             scenario,
             engine=engine,
             contact=contact,
+            assist=assist,
+            judge=judge,
             set=console.pairs(settings),
             preset=preset,
             step=step,
@@ -99,8 +106,9 @@ def _print(result: Run, written: Path | None) -> None:
     if record["repeats"] > 1:
         typer.echo(
             f"Means over {record['repeats']} repeats; in brackets their standard deviation in the"
-            " last digits. Default rows are shown, not judged."
+            " last digits."
         )
+    typer.echo(_levels(record))
     _print_remarks(record)
     if result.interrupted:
         typer.echo("Interrupted: what had finished is kept.", err=True)
@@ -108,6 +116,21 @@ def _print(result: Run, written: Path | None) -> None:
         typer.echo(f"Stored in {result.folder}")
     if written is not None:
         typer.echo(f"Report: {written}")
+
+
+def _levels(record: Mapping[str, Any]) -> str:
+    """What the levels of the table are, in a sentence each."""
+    asked = dict.fromkeys(source["contact"] for source in record["sources"])
+    return "\n".join(f"{level}: {_LEVELS[level]}" for level in asked if level in _LEVELS)
+
+
+#: level -> what stands in its rows
+_LEVELS = {
+    "default": "the engine as it comes; shown, not judged.",
+    "coefficients": "as it comes, with the scenario's restitution and friction; not judged.",
+    "tuned": "the engine in a plain loop, everything typed in; what it misses is its own.",
+    "assisted": "the same with our helps (the report names them, and what each changes).",
+}
 
 
 def _print_remarks(record: Mapping[str, Any]) -> None:

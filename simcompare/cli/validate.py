@@ -40,7 +40,7 @@ def validate(
         "all", help="'all' or names with commas.", autocompletion=complete.engines
     ),
     contact: str = typer.Option(
-        "mapped", help="One contact mode.", autocompletion=complete.contact_modes
+        "assisted", help="One contact level.", autocompletion=complete.contact_levels
     ),
     mapping: Path = typer.Option(
         None, "--map", help="YAML file that says which channel is which quantity (validate:)."

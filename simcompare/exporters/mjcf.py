@@ -1,10 +1,11 @@
-"""MJCF: the model that simcompare itself runs in MuJoCo, with its contact mapped."""
+"""MJCF: the model that simcompare itself runs in MuJoCo, with its contact assisted."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from xml.etree import ElementTree as ET
 
+from simcompare.backend import Settings
 from simcompare.backends import _mujoco_scene, mujoco_
 from simcompare.exporters import parts
 from simcompare.exporters.parts import Twin, number
@@ -25,7 +26,7 @@ def write(scenario: Scenario) -> Twin:
     """
     parts.refuse(scenario, "mjcf", parts.joint_faults(scenario, ball=False, limits=False))
     parts.check_names(scenario, "mjcf", ["world"])
-    root = ET.fromstring(_mujoco_scene.mjcf(scenario, mapped=True))
+    root = ET.fromstring(_mujoco_scene.mjcf(scenario, Settings()))
     option = root.find("option")
     if bounces(scenario) and option is not None:
         option.set("timestep", number(mujoco_.contact_steps(scenario).contact_step_s))

@@ -76,7 +76,7 @@ def replay(
         engine: name of the engine.
         toss: what is replayed.
         values: parameters that differ from the file.
-        contact: contact mode.
+        contact: contact level.
 
     Raises:
         InputError: samples that are not evenly spaced.
@@ -116,7 +116,7 @@ def errors_of(
     tosses: Sequence[Toss],
     values: Mapping[str, float],
     *,
-    contact: str = "mapped",
+    contact: str = "assisted",
 ) -> list[Errors]:
     """Errors of all tosses in an engine."""
     width = values.get("width_m", file.parameters["width_m"].value)

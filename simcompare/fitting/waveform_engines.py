@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from simcompare.backend import MAPPED, Settings
+from simcompare.backend import ASSISTED, Settings
 from simcompare.errors import SimcompareError
 from simcompare.fitting.waveform_reference import Fitted
 from simcompare.fitting.waveform_setup import Setup
@@ -155,7 +155,7 @@ def _simulate(
                     scene = work.model.scenario(
                         work.cases[i], work.values(state.x, i), scene.world.step_s / 2
                     )
-                jobs.append(Job(name, scene, Settings(MAPPED), len(plan)))
+                jobs.append(Job(name, scene, Settings(ASSISTED), len(plan)))
                 plan.append((i, variant))
     outcomes = run_jobs(jobs, time_limit_s=work.time_limit_s, progress=work.progress)
     for name, state in states.items():

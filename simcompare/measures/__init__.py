@@ -13,7 +13,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Protocol, cast
 
-from simcompare.errors import UnknownName
+import numpy as np
+
+from simcompare.errors import SignalLacking, UnknownName
 from simcompare.scenario import Measure, Probe, Scenario
 from simcompare.trajectory import Array, Trajectory
 
@@ -61,6 +63,7 @@ class Measured:
         notes: what the reader should know.
         u: standard uncertainty of values that are a mean, from the scatter of what they are a mean
             of; it counts where a real recording is measured.
+        lacking: why nothing could be measured, where the source does not give a signal.
     """
 
     values: Mapping[str, float | None]
@@ -68,6 +71,7 @@ class Measured:
     units: Mapping[str, str]
     notes: tuple[str, ...] = field(default=())
     u: Mapping[str, float] = field(default_factory=dict)
+    lacking: str = ""
 
 
 class MeasureModule(Protocol):
@@ -115,8 +119,14 @@ def take(measure: Measure, scenario: Scenario, trajectory: Trajectory) -> Measur
     """What a measure of a scenario finds in a trajectory, under the function's own names."""
     probe = scenario.probes[measure.probe]
     also = {role: scenario.probes[name] for role, name in measure.also.items()}
-    found = load(measure.function).measure(trajectory, Request(probe, also, measure.options))
-    return replace(found, units=units_of(measure, scenario))
+    module, units = load(measure.function), units_of(measure, scenario)
+    try:
+        found = module.measure(trajectory, Request(probe, also, measure.options))
+    except SignalLacking as error:
+        nothing = {name: None for name in units if name not in module.SERIES}
+        empty = {name: np.array([]) for name in module.SERIES}
+        return Measured(nothing, empty, units, lacking=str(error))
+    return replace(found, units=units)
 
 
 def units_of(measure: Measure, scenario: Scenario) -> dict[str, str]:
@@ -142,6 +152,9 @@ def side_by_side(measured: Measured, truth: Measured) -> dict[str, tuple[float |
 
 def observe(trajectory: Trajectory, probe: Probe) -> Array:
     """The scalar that a probe sees (n,), its offset added."""
+    if probe.observe in trajectory.lacks:
+        reason = trajectory.lacks[probe.observe]
+        raise SignalLacking(trajectory.source, probe.observe, reason, trajectory.signals)
     if probe.observe not in trajectory.signals:
         raise UnknownName(f"signal of {trajectory.source}", probe.observe, trajectory.signals)
     values = trajectory.signals[probe.observe]

@@ -13,7 +13,7 @@ from typing import Any, Protocol, runtime_checkable
 from simcompare.backend import EngineBackend, Settings
 from simcompare.drives import JointLaw
 from simcompare.errors import Unsupported
-from simcompare.scenario import MOVABLE, Scenario, Sensor
+from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario, Sensor
 from simcompare.scripts.merge import merged
 from simcompare.scripts.source import Style, Writer
 from simcompare.scripts.text import number
@@ -71,18 +71,26 @@ class Plan:
         shifted: the same at phase 1; ``None`` where nothing is dithered.
         settings: how it is run.
         efforts: of all driven joints.
+        lacking: signals that the engine does not give.
+        tuning: how the numbers for restitutions were found.
     """
 
     scenario: Scenario
     shifted: Scenario | None
     settings: Settings
     efforts: Sequence[Effort]
+    lacking: frozenset[str] = frozenset()
+    tuning: Sequence[Mapping[str, Any]] = ()
 
     @property
     def force_sensors(self) -> dict[str, Sensor]:
         """Sensors that an engine reads by itself."""
-        kinds = ("force", "contact_force")
-        return {n: s for n, s in self.scenario.sensors.items() if s.type in kinds}
+        return {
+            name: sensor
+            for name, sensor in self.scenario.sensors.items()
+            if sensor.type in ("force", "contact_force")
+            and f"{name}.{SENSOR_SIGNALS[sensor.type][0]}" not in self.lacking
+        }
 
     @property
     def sensed_joints(self) -> dict[str, str]:

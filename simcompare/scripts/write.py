@@ -6,10 +6,14 @@ import importlib.metadata
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
 
 from simcompare import backend, catalogue, engines, experiment, units
 from simcompare.backend import Backend, Settings
-from simcompare.errors import InputError
+from simcompare.drop_plan import drop_plans
+from simcompare.errors import InputError, Unsupported
+from simcompare.fitting import fit_file
 from simcompare.scenario import Scenario
 from simcompare.scenario_file import ScenarioFile
 from simcompare.scripts.contract import RESERVED, Parts, Plan, joint_parts, script_of
@@ -19,6 +23,7 @@ from simcompare.scripts.measuring import Measuring
 from simcompare.scripts.snippets import SNIPPETS
 from simcompare.scripts.text import WIDTH, number
 from simcompare.trajectory import BODY_SIGNALS, Array
+from simcompare.tuning import tuned
 
 #: contact levels that a plain loop with one step can have, and what they are
 LEVELS = {
@@ -66,7 +71,7 @@ def script(
         set: parameters that differ from the file; text may carry a unit ("30cm").
         preset: named set of parameters, applied first.
         fit: fit.json of ``simcompare fit``; the engine gets its own parameters.
-        step: time between samples, "1ms" or in seconds.
+        step: the engine's step, "1ms" or in seconds.
         contact: "default", "coefficients" or "tuned"; with a fit "tuned", else "default".
         name: of the script's file, without the ending.
 
@@ -79,23 +84,58 @@ def script(
         )
     chosen = engines.get(engine)
     writer = script_of(chosen)
-    settings = Settings(level_of(contact, fit))
+    level = level_of(contact, fit)
     file = catalogue.load(scenario)
     values = _values(file, engine, set or {}, fit)
-    step_s = None if step is None else units.to_si(step, "s", "--step")
-    if step_s is not None:
-        experiment.check_step(file.resolve(values, preset=preset), step_s)
+    step_s = None if step is None else experiment.sample_step_s(file, values, preset, step)
     repeats = experiment.repeats_of(file, values, preset, step_s, None)
     nominal = repeats[len(repeats) // 2]
     shifted = _shifted(file, nominal)
     chosen.version()
+    settings, tuning = _settings(chosen, level, nominal, fit)
     expected = expected_of(file, engine, repeats, shifted, settings)
     efforts, inputs = efforts_of(nominal)
-    plan = Plan(nominal, shifted, settings, efforts)
+    plan = Plan(nominal, shifted, settings, efforts, _lacking(chosen, nominal, settings), tuning)
     parts = writer.parts(chosen, plan)
     named = name or f"{nominal.name}_{engine}"
     text, stored = _text(named, chosen, plan, parts, expected, inputs)
     return Script(named, text, stored, tuple(nominal.moving_bodies()), tuple(nominal.joints))
+
+
+def _settings(
+    engine: EngineBackend, level: str, nominal: Scenario, fit: str | None
+) -> tuple[Settings, Sequence[Mapping[str, Any]]]:
+    """How the engine is run; tuned, with the numbers for all restitutions, and their records.
+
+    Raises:
+        InputError: there are none at this step, or the fit is not one for a plain loop.
+    """
+    if level != backend.TUNED:
+        return Settings(level), ()
+    asked = Settings(level, drops=drop_plans(nominal))
+    if fit is not None:
+        asked = fit_file.read(fit_file.find(fit) or Path(fit)).settings(engine.name, nominal)
+        if asked.contact != backend.TUNED:
+            raise InputError(
+                f"--fit {fit}", ["was made with our helps; fit again without --assist for a script"]
+            )
+    try:
+        backend.refuse(engine, nominal, asked)
+        return tuned(engine, engine.load(), nominal, asked)
+    except Unsupported as error:
+        raise InputError(f"--engine {engine.name}", [str(error)]) from None
+
+
+def _lacking(engine: EngineBackend, nominal: Scenario, settings: Settings) -> frozenset[str]:
+    """Signals that the engine does not give."""
+    try:
+        opened = engine.open(nominal, settings)
+    except Unsupported:  # the run that follows says why
+        return frozenset()
+    try:
+        return frozenset(opened.lacks)
+    finally:
+        opened.close()
 
 
 def level_of(contact: str | None, fit: str | None) -> str:
@@ -113,8 +153,8 @@ def level_of(contact: str | None, fit: str | None) -> str:
                 f" which a script without simcompare cannot; use {', '.join(LEVELS)}"
             ],
         )
-    if level not in LEVELS or level not in backend.CONTACT_MODES:
-        known = [name for name in LEVELS if name in backend.CONTACT_MODES]
+    if level not in LEVELS or level not in backend.CONTACT_LEVELS:
+        known = [name for name in LEVELS if name in backend.CONTACT_LEVELS]
         raise InputError(f"--contact {level}", [f"is no level of a script; use {', '.join(known)}"])
     return level
 
@@ -213,8 +253,22 @@ def _head(name: str, engine: Backend, plan: Plan, stored: Mapping[str, Array]) -
             f" {dither.parameter}."
         )
     title = f"{scenario.title} in {engine.name} {engine.version()}."
-    text = f"Contact level {level}: {LEVELS[level]}. {text}"
+    text = f"Contact level {level}: {LEVELS[level]}. {_told(plan)}{text}"
     return [f'"""{title}', "", *textwrap.wrap(text, WIDTH), '"""', ""]
+
+
+def _told(plan: Plan) -> str:
+    """What numbers for a restitution were sought for, and how one drop scatters with them."""
+    said = ""
+    for record in plan.tuning:
+        at = record["at"][0] if record["at"] else None
+        if at is not None:
+            said += (
+                f"Its numbers for a restitution of {record['restitution']:.6g} are for impacts at"
+                f" {at['speed_m_s']:.3g} m/s; one drop scatters by {at['scatter']:.2g}, depending"
+                " on where in a step it falls. "
+            )
+    return said
 
 
 def _loop(plan: Plan, parts: Parts) -> list[str]:

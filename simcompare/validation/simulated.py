@@ -60,7 +60,7 @@ def simulate(
         cases: stretches of the recording.
         fitted: fitted parameters, ``None`` where nothing was fitted.
         engines: names.
-        contact: contact mode.
+        contact: contact level.
         step_s: step [s]; the scenario's own where ``None``.
         time_limit_s: longest time for one simulation [s].
         progress: called as jobs end.

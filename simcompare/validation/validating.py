@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from simcompare import catalogue, engines, experiment, run_record, units
-from simcompare.backend import CONTACT_MODES, MAPPED
+from simcompare.backend import ASSISTED, CONTACT_LEVELS
 from simcompare.compare import INFO, Score
 from simcompare.errors import InputError, UnknownName
 from simcompare.results import TRUTH, Run, Stored
@@ -39,7 +39,7 @@ def validate(
     *,
     recording: str,
     engine: str = "all",
-    contact: str = MAPPED,
+    contact: str = ASSISTED,
     mapping: str | Path | None = None,
     set: Mapping[str, str | float] | None = None,
     streams: Sequence[str] = (),
@@ -55,7 +55,7 @@ def validate(
         scenario: name, folder or file.
         recording: a public data set, the folder of an imported recording, or a log.
         engine: ``"all"`` or names with commas.
-        contact: contact mode.
+        contact: contact level.
         mapping: mapping file, whose ``validate:`` says which channel is which quantity.
         set: parameters that replace what is known before.
         streams: streams that are judged; those of the plan where empty.
@@ -71,8 +71,8 @@ def validate(
     Raises:
         SimcompareError: faults of the arguments, of a file or of the plan.
     """
-    if contact not in CONTACT_MODES:
-        raise UnknownName("contact mode", contact, CONTACT_MODES)
+    if contact not in CONTACT_LEVELS:
+        raise UnknownName("contact level", contact, CONTACT_LEVELS)
     chosen = engines.select(engine)
     file = catalogue.load(scenario)
     source = sources.find(recording, mapping=mapping, strict=strict)
@@ -111,7 +111,7 @@ def _command(
     set: Mapping[str, str | float] | None, streams: Sequence[str], step: str | float | None,
 ) -> list[str]:  # fmt: skip
     words = ["simcompare", "validate", scenario, "--recording", recording, "--engine", engine]
-    words += ["--contact", contact] if contact != MAPPED else []
+    words += ["--contact", contact] if contact != ASSISTED else []
     words += ["--map", str(mapping)] if mapping is not None else []
     words += [word for name, value in (set or {}).items() for word in ("--set", f"{name}={value}")]
     words += ["--streams", ",".join(streams)] if streams else []

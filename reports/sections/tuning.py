@@ -1,0 +1,85 @@
+"""Which numbers stand for a restitution in each engine, and what bounces with them do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from simcompare.backend import ASSISTED
+from simcompare.reports import numbers
+from simcompare.reports.sections.base import Section
+from simcompare.reports.sections.parts import parts_of
+from simcompare.reports.tables import Column, Group, of_engines
+from simcompare.results import Run
+
+_COLUMNS = (
+    Column("Impact at (m/s)"),
+    Column("Restitution ± s"),
+    Column("Off by (%)"),
+    Column("Depth (mm)"),
+    Column("Contact (ms)"),
+    Column("Next impact late by (ms)"),
+    Column("", text=True),
+)
+#: at the drop whose restitution was solved for, nothing is judged
+CALIBRATED = "calibrated"
+
+
+class Tuning(Section):
+    """The numbers of ``tuned``, and the drops that they were found on."""
+
+    name, title, template = "tuning", "How the bounce was tuned", "real_part.html"
+
+    def context(self, run: Run) -> dict[str, Any] | None:
+        """One group of rows for each engine; ``None`` where nothing was tuned."""
+        every = run.record["sources"]
+        sources = [s for s in every if s["contact"] != ASSISTED and s.get("tuning")]
+        if not sources:
+            return None
+        groups = [
+            Group(_title(source["name"], record), _rows(source["name"], record))
+            for source in sources
+            for record in source["tuning"]
+        ]
+        note = (
+            "Each row is the mean over 25 drops that fall at even phases of the step, and after ±"
+            " their standard deviation: how far one drop may be off. The numbers were solved for"
+            f" the first speed alone, so that row reads “{CALIBRATED}”; all others are what the"
+            " engine then does, also from half and from double the height. Restitution is speed"
+            " after over speed before, both at the floor; how long a contact lasts stands beside."
+        )
+        return parts_of([], [of_engines(_COLUMNS, groups, note)])
+
+
+def _title(engine: str, record: Mapping[str, Any]) -> str:
+    pairs = ", ".join("-".join(pair) for pair in record["pairs"])
+    typed = ", ".join(numbers.plain(value, 6) for value in record["numbers"])
+    return (
+        f"{engine}: {typed} for {numbers.plain(record['restitution'])} between {pairs}, at a step"
+        f" of {numbers.plain(1e3 * record['step_s'])} ms"
+    )
+
+
+def _rows(engine: str, record: Mapping[str, Any]) -> tuple[tuple[str, ...], ...]:
+    rows = []
+    marked = [(at, CALIBRATED if i == 0 else "slower") for i, at in enumerate(record["at"])]
+    marked += zip(record["checks"], ("half height", "double height"), strict=False)
+    for at, words in marked:
+        value, wanted = at["restitution"], record["restitution"]
+        rows.append(
+            (
+                engine,
+                numbers.plain(at["speed_m_s"], 3),
+                numbers.with_u(value, at["scatter"]),
+                "–" if value is None else numbers.plain(100 * (value / wanted - 1), 2),
+                _thousandfold(at["penetration_m"]),
+                _thousandfold(at["contact_s"]),
+                _thousandfold(at["delay_s"]),
+                words,
+            )
+        )
+    return tuple(rows)
+
+
+def _thousandfold(value: float | None) -> str:
+    return "–" if value is None else numbers.plain(1e3 * value, 3)
