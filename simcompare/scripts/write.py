@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from simcompare import backend, catalogue, engines, experiment, units
-from simcompare.backend import Backend, Settings
+from simcompare.backend import Backend, EngineBackend, Settings
 from simcompare.drop_plan import drop_plans
 from simcompare.errors import InputError, Unsupported
 from simcompare.fitting import fit_file
