@@ -183,7 +183,7 @@ def _text(
     inputs: Mapping[str, Array],
 ) -> tuple[str, dict[str, Array]]:
     measuring = Measuring(plan.scenario, _taken(plan), _recorded(plan))
-    table = _table(measuring, expected)
+    table = _table(measuring, expected, plan.lacking)
     stored = {**inputs, **measuring.stored}
     functions = [line for lines in measuring.functions.values() for line in ["", "", *lines]]
     lines = [*_head(name, engine, plan, stored)]
@@ -296,7 +296,9 @@ def _indented(lines: Sequence[str]) -> list[str]:
     return [f"    {line}" if line else "" for line in lines]
 
 
-def _table(measuring: Measuring, expected: Sequence[Expected]) -> list[str]:
+def _table(
+    measuring: Measuring, expected: Sequence[Expected], lacking: frozenset[str]
+) -> list[str]:
     """Lines that print what was measured, beside what is expected."""
     from simcompare.cli.console import number as told
 
@@ -305,7 +307,9 @@ def _table(measuring: Measuring, expected: Sequence[Expected]) -> list[str]:
     for one in expected:
         key = id(one.measure)
         if key not in done:
-            snippet = SNIPPETS.get(one.measure.function)
+            seen = (one.measure.probe, *one.measure.also.values())
+            lacks = any(measuring.scenario.probes[name].observe in lacking for name in seen)
+            snippet = None if lacks else SNIPPETS.get(one.measure.function)
             done[key] = {} if snippet is None else snippet(measuring, one.measure, one.truth)
         value = done[key].get(one.own, "np.nan")
         score = one.score
