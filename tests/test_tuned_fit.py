@@ -111,6 +111,17 @@ def test_a_ball_of_another_kind_is_told_apart(found, tmp_path):
     assert abs(held["engines"]["pymunk"]["heights"][0]["e_n"]) > 1
 
 
+def test_a_table_of_rebounds_is_held_out(tmp_path):
+    rows = "".join(f"{k},{0.5 * E ** (2 * k):.5f},0.001\n" for k in range(1, 6))
+    held = tmp_path / "rebounds.csv"
+    held.write_text(f"# title: made up\nbounce,rebound_height_m,u_rebound_height_m\n{rows}")
+    drop = stopwatch(tmp_path / "drop.csv")
+    run = simcompare.fit("ball", recordings=[drop], hold_out=[held], engine="pymunk")
+    (row,) = run.record["fit"]["holdout"]["drops"]
+    assert [abs(height["e_n"]) <= 1 for height in row["heights"]] == [True] * 5
+    assert [abs(h["e_n"]) <= 1 for h in row["engines"]["pymunk"]["heights"]] == [True] * 5
+
+
 def test_a_run_takes_the_numbers_of_the_fit_and_tunes_anew_at_another_step(found):
     place = str(found.folder)
     run = simcompare.run("ball", engine="pymunk,mujoco", contact=place, seeds=3)
