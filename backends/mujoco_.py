@@ -41,6 +41,7 @@ from simcompare.landing import ContactSteps, approaches, finely_stepped, slips_a
 from simcompare.pairs import touching_pairs
 from simcompare.rotations import rotate
 from simcompare.scenario import MOVABLE, Body, Contact, Scenario
+from simcompare.scripts.contract import EngineScript
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
 from simcompare.state import BodyState, State
@@ -258,6 +259,12 @@ class MujocoBackend(EngineBackend):
         model = engine.MjModel.from_xml_string(mjcf(scenario, settings))
         audit = _audit(engine, model, scenario, settings)
         return MujocoSimulation(engine, scenario, model, audit, settings)
+
+    def script(self) -> EngineScript:
+        """What writes scenes of this engine as standalone scripts."""
+        from simcompare.backends._mujoco_script import SCRIPT
+
+        return SCRIPT
 
 
 BACKEND = MujocoBackend()

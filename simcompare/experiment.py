@@ -82,12 +82,7 @@ def run(
     values = {**({} if fit is None else fit.base(file)), **file.read_settings(set or {})}
     if table is not None:
         values, preset = with_conditions(file, table, values, preset)
-    step_s = None
-    if step is not None:
-        own = file.resolve(values, preset=preset)
-        # the engine's step; samples are as much coarser as the scenario says
-        step_s = units.to_si(step, "s", "--step") * own.world.substeps
-        _check_step(own, step_s)
+    step_s = None if step is None else sample_step_s(file, values, preset, step)
     if seeds is not None and seeds < 1:
         raise InputError("--seeds", [f"{seeds} is not a number of repeats; expected 1 or more"])
     if seeds is not None and file.resolve(values, preset=preset).dither is None:
@@ -203,6 +198,20 @@ def check_writable(folder: Path) -> None:
         raise OutputError(
             f"--out {folder}: cannot be written to ({error.strerror}); choose another folder"
         ) from None
+
+
+def sample_step_s(
+    file: ScenarioFile, values: Mapping[str, float], preset: str | None, step: str | float
+) -> float:
+    """Time between samples for an engine's step; they are as much coarser as the scenario says.
+
+    Raises:
+        InputError: a step that makes no sense in the scenario; says which do.
+    """
+    own = file.resolve(values, preset=preset)
+    step_s = units.to_si(step, "s", "--step") * own.world.substeps
+    _check_step(own, step_s)
+    return step_s
 
 
 def _check_step(scenario: Scenario, step_s: float) -> None:
