@@ -87,6 +87,11 @@ class FitFile:
         own = self.engines.get(engine)
         return None if own is None else _known(own, file)
 
+    @property
+    def usual_step_s(self) -> float | None:
+        """Time between samples where none is asked for [s]; ``None``: the scenario's own."""
+        return self.step_s if self.contact == TUNED else None
+
     def settings(self, engine: str, scene: Scenario) -> Settings:
         """How an engine is run with what was fitted.
 
