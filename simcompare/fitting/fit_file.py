@@ -54,6 +54,7 @@ class FitFile:
         speed_m_s: slowest and fastest impact that was fitted.
         step_s: time between samples that was fitted with.
         engine_step_s: step of the engines.
+        drop_height_m: from how high the first drop fell that was fitted, where it was sought.
     """
 
     path: Path
@@ -67,6 +68,7 @@ class FitFile:
     speed_m_s: tuple[float, float]
     step_s: float
     engine_step_s: float
+    drop_height_m: float | None = None
 
     def base(self, file: ScenarioFile) -> dict[str, float]:
         """Parameters of the scenario as the closed form has them.
@@ -91,6 +93,13 @@ class FitFile:
     def usual_step_s(self) -> float | None:
         """Time between samples where none is asked for [s]; ``None``: the scenario's own."""
         return self.step_s if self.contact == TUNED else None
+
+    def drop(self, file: ScenarioFile) -> dict[str, float]:
+        """The height of the first drop that was fitted, as a parameter of the scenario."""
+        height = None if file.fit is None else file.fit.height
+        if height is None or self.drop_height_m is None:
+            return {}
+        return {height: self.drop_height_m}
 
     def settings(self, engine: str, scene: Scenario) -> Settings:
         """How an engine is run with what was fitted.
@@ -236,12 +245,21 @@ def read(path: Path) -> FitFile:
             path, str(tree["scenario"]), {n: float(v) for n, v in tree["given"].items()},
             values, engines, _numbers(known.get("numbers", {})), contact, assist,
             (float(low), float(high)), step_s, float(tree["valid"].get("engine_step_s", step_s)),
+            _first_height(tree),
         )  # fmt: skip
     except (OSError, ValueError, KeyError, TypeError, AttributeError, UnknownName) as error:
         raise InputError(
             str(path),
             [f"is no fit ({type(error).__name__}: {error}); expected a fit.json of simcompare fit"],
         ) from None
+
+
+def _first_height(tree: Mapping[str, Any]) -> float | None:
+    sought = tree.get("closed_form", {}).get("parameters", {})
+    for name in ("drop_height_m", "drop_height_m[1]"):
+        if name in sought:
+            return float(sought[name]["value"])
+    return None
 
 
 def _numbers(tree: Mapping[str, Any]) -> dict[str, tuple[Tuned, ...]]:

@@ -169,9 +169,14 @@ def level_of(contact: str | None, fit: str | None) -> str:
 def _values(
     file: ScenarioFile, engine: str, settings: Mapping[str, str | float], fit: str | None
 ) -> dict[str, float]:
+    own = file.read_settings(settings)
+    if fit is None:
+        return own
     from simcompare import exporters
 
-    return {**exporters.fitted(file, fit, engine), **file.read_settings(settings)}
+    # the drop that was measured, unless another one is asked for
+    measured = _read(fit).drop(file)
+    return {**exporters.fitted(file, fit, engine), **measured, **own}
 
 
 def _shifted(file: ScenarioFile, nominal: Scenario) -> Scenario | None:
