@@ -21,7 +21,7 @@ LEVELS = [level for level in write.LEVELS if level in backend.CONTACT_LEVELS]
 RUNNER = Path(__file__).with_name("script_runner.py")
 PHASE = 0.37
 #: lines that are not blank, of a scene with one moving body and of others
-MOST_LINES = (75, 145)
+MOST_LINES = (76, 144)
 
 
 def save(folder, made, arg=None):
@@ -114,7 +114,9 @@ def test_the_phase_shifts_the_dithered_parameter(written):
         before = own.time_s < 0.45
         found, wanted = stored["ball.position_m"], own.signals["ball.position_m"]
         np.testing.assert_allclose(found[before], wanted[before], rtol=1e-14, atol=1e-15)
-        np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-9)
+        # numbers of tuned follow from the drop, and the script takes those of phase 0
+        most = 1e-4 if level == "tuned" else 1e-9
+        np.testing.assert_allclose(found, wanted, rtol=0, atol=most)
         at_rest = np.load(folder / f"ball_{level}_motion.npz")["ball.position_m"]
         assert found[0, 2] - at_rest[0, 2] == pytest.approx(PHASE * dither.span, rel=1e-9)
 
