@@ -84,6 +84,7 @@ def script(
         )
     chosen = engines.get(engine)
     writer = script_of(chosen)
+    assert isinstance(chosen, EngineBackend), "only those have a method script()"
     level = level_of(contact, fit)
     file = catalogue.load(scenario)
     values = _values(file, engine, set or {}, fit)
