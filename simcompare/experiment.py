@@ -82,7 +82,9 @@ def run(
     values = {**({} if fit is None else fit.base(file)), **file.read_settings(set or {})}
     if table is not None:
         values, preset = with_conditions(file, table, values, preset)
-    step_s = None if step is None else sample_step_s(file, values, preset, step)
+    step_s = None if fit is None else fit.usual_step_s
+    if step is not None:
+        step_s = sample_step_s(file, values, preset, step)
     if seeds is not None and seeds < 1:
         raise InputError("--seeds", [f"{seeds} is not a number of repeats; expected 1 or more"])
     if seeds is not None and file.resolve(values, preset=preset).dither is None:

@@ -89,6 +89,11 @@ class FitFile:
         own = self.engines.get(engine)
         return None if own is None else _known(own, file)
 
+    @property
+    def usual_step_s(self) -> float | None:
+        """Time between samples where none is asked for [s]; ``None``: the scenario's own."""
+        return self.step_s if self.contact == TUNED else None
+
     def drop(self, file: ScenarioFile) -> dict[str, float]:
         """The height of the first drop that was fitted, as a parameter of the scenario."""
         height = None if file.fit is None else file.fit.height

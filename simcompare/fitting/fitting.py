@@ -21,7 +21,6 @@ from simcompare.fitting.asking import (
     check_request,
     given_of,
     numbers_of,
-    step_of,
 )
 from simcompare.fitting.assisted_fit import fit_engines
 from simcompare.fitting.engine_fit import EngineFit
@@ -110,8 +109,9 @@ def fit(
         )  # fmt: skip
         return _saved(done, out)
     helps = experiment.chosen_helps(NONE if assist is None else assist, engine)
-    step_s = step_of(file, step)
-    roles = roles_of(file, given_of(file, set, preset))
+    given = given_of(file, set, preset)
+    step_s = None if step is None else experiment.sample_step_s(file, given, None, step)
+    roles = roles_of(file, given)
     asked = Asked(
         extra=tuple(unknowns),
         fixed=roles.known(numbers_of(fixed or {})),

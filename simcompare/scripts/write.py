@@ -88,7 +88,9 @@ def script(
     level = level_of(contact, fit)
     file = catalogue.load(scenario)
     values = _values(file, engine, set or {}, fit)
-    step_s = None if step is None else experiment.sample_step_s(file, values, preset, step)
+    step_s = None if fit is None else _read(fit).usual_step_s
+    if step is not None:
+        step_s = experiment.sample_step_s(file, values, preset, step)
     repeats = experiment.repeats_of(file, values, preset, step_s, None)
     nominal = repeats[len(repeats) // 2]
     shifted = _shifted(file, nominal)
@@ -103,6 +105,10 @@ def script(
     return Script(named, text, stored, tuple(nominal.moving_bodies()), tuple(nominal.joints))
 
 
+def _read(fit: str) -> fit_file.FitFile:
+    return fit_file.read(fit_file.find(fit) or Path(fit))
+
+
 def _settings(
     engine: EngineBackend, level: str, nominal: Scenario, fit: str | None
 ) -> tuple[Settings, Sequence[Mapping[str, Any]]]:
@@ -115,7 +121,7 @@ def _settings(
         return Settings(level), ()
     asked = Settings(level, drops=drop_plans(nominal))
     if fit is not None:
-        asked = fit_file.read(fit_file.find(fit) or Path(fit)).settings(engine.name, nominal)
+        asked = _read(fit).settings(engine.name, nominal)
         if asked.contact != backend.TUNED:
             raise InputError(
                 f"--fit {fit}", ["was made with our helps; fit again without --assist for a script"]
@@ -169,7 +175,7 @@ def _values(
     from simcompare import exporters
 
     # the drop that was measured, unless another one is asked for
-    measured = fit_file.read(fit_file.find(fit) or Path(fit)).drop(file)
+    measured = _read(fit).drop(file)
     return {**exporters.fitted(file, fit, engine), **measured, **own}
 
 
