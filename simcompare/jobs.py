@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from simcompare import engines
 from simcompare.backend import Backend, Feature, Settings
+from simcompare.calibration import CannotCalibrate
 from simcompare.errors import EngineBroken, EngineMissing, SimcompareError, Unsupported
 from simcompare.scenario import Scenario
 from simcompare.trajectory import Trajectory
@@ -73,6 +74,8 @@ class Outcome:
         trajectory: what happened, where the status is "ok".
         noise: what the engine's process printed.
         facts: what the backend states about itself, where it could be loaded.
+        longest_step_s: longest step with which the engine could do it, where the step is at fault
+            [s].
     """
 
     job: Job
@@ -81,6 +84,7 @@ class Outcome:
     trajectory: Trajectory | None = None
     noise: str = ""
     facts: Facts = field(default_factory=Facts)
+    longest_step_s: float | None = None
 
 
 def execute(job: Job) -> Outcome:
@@ -92,6 +96,10 @@ def execute(job: Job) -> Outcome:
         if job.without and not _acts(backend, job):
             return Outcome(job, UNSUPPORTED, does_not_act(job.without), facts=facts)
         trajectory = _checked(job, backend.simulate(job.scenario, job.settings))
+    except CannotCalibrate as error:
+        longest_s = error.longest_step_s
+        reason = str(error)
+        return Outcome(job, UNSUPPORTED, reason, facts=facts, longest_step_s=longest_s)
     except Unsupported as error:
         return Outcome(job, UNSUPPORTED, str(error), facts=facts)
     except EngineMissing as error:

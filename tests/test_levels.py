@@ -130,6 +130,12 @@ def test_a_step_at_which_an_engine_cannot_is_a_row_with_what_is_possible():
     assert source["status"] == "unsupported"
     assert "longest step that has one is" in source["reason"]
     assert source["reason"].startswith("mujoco")
+    assert 0.001 < source["longest_step_s"] < 0.004
+    assert run.exit_code == 2
+    longest = simcompare.run(
+        "ball", engine="mujoco", contact="tuned", step=source["longest_step_s"], seeds=1
+    )
+    assert longest.record["sources"][0]["status"] == "ok"
 
 
 def test_the_old_name_of_assisted_is_accepted_and_old_runs_are_read(tmp_path):
