@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 
 #: weakest gravity with which a drop is read; without any it would have no apex [m/s²]
 LEAST_GRAVITY_M_S2 = 0.1
-#: slower impacts are looked at down to this many times the restitution, which is held in bounds
-LATER_PART = (0.5, 0.95)
+#: impacts of a body that bounces on, whose speeds are looked at; the first one is right
+IMPACTS = 4
 #: steps that are recorded at once, and at most
 _CHUNK, _MOST = 48, 1200
 #: free steps after a contact that end a record
@@ -95,8 +95,7 @@ def calibrate(backend: EngineBackend, engine: ModuleType, plan: DropPlan) -> Cal
         # what hardly loses anything is typed in as it stands, and what comes of it is shown
         return Calibration(plan.restitution, (plan.restitution,))
     e, gravity = plan.restitution, max(plan.gravity_m_s2, LEAST_GRAVITY_M_S2)
-    part = min(max(e, LATER_PART[0]), LATER_PART[1])
-    speeds = [plan.speed_m_s * part**k for k in range(3)]
+    speeds = [plan.speed_m_s * e**k for k in range(IMPACTS)]
     if backend.bounces_by == SPRING:
         return calibrate_spring(
             EngineDrops(backend, engine, plan), e, speeds, plan.step_s, plan.size_m, gravity,

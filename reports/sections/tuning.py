@@ -62,7 +62,8 @@ def _title(engine: str, record: Mapping[str, Any]) -> str:
 
 def _rows(engine: str, record: Mapping[str, Any]) -> tuple[tuple[str, ...], ...]:
     rows = []
-    marked = [(at, CALIBRATED if i == 0 else "slower") for i, at in enumerate(record["at"])]
+    marked = [(at, f"impact {i}") for i, at in enumerate(record["at"], start=1)]
+    marked[:1] = [(at, f"{words}: {CALIBRATED}") for at, words in marked[:1]]
     marked += zip(record["checks"], ("half height", "double height"), strict=False)
     for at, words in marked:
         value, wanted = at["restitution"], record["restitution"]
