@@ -55,6 +55,7 @@ class Diagnosis:
             "features": list(self.facts.features),
             "known_limits": self.facts.limits_as_dicts(),
             "mapping": self.facts.mapping,
+            "helps": list(self.facts.helps),
         }
 
 

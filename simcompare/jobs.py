@@ -9,6 +9,7 @@ from simcompare import engines
 from simcompare.backend import Backend, Feature, Settings
 from simcompare.calibration import CannotCalibrate
 from simcompare.errors import EngineBroken, EngineMissing, SimcompareError, Unsupported
+from simcompare.helps import HELPS
 from simcompare.scenario import Scenario
 from simcompare.trajectory import Trajectory
 
@@ -51,12 +52,14 @@ class Facts:
         features: what the backend can do, as people read it.
         mapping: how the scenario's contact is translated.
         known_limits: text and reference of each.
+        helps: which of our helps it can take.
     """
 
     version: str | None = None
     features: tuple[str, ...] = ()
     mapping: str = ""
     known_limits: tuple[tuple[str, str], ...] = ()
+    helps: tuple[str, ...] = ()
 
     def limits_as_dicts(self) -> list[dict[str, str]]:
         """The known limits for JSON."""
@@ -138,6 +141,7 @@ def facts_of(backend: Backend) -> Facts:
         tuple(str(feature) for feature in Feature if feature in backend.features),
         str(backend.mapping),
         tuple((str(limit.text), str(limit.reference)) for limit in backend.known_limits),
+        tuple(name for name in HELPS if name in getattr(backend, "helps", ())),
     )
 
 
