@@ -335,9 +335,9 @@ class DartBackend(EngineBackend):
         "restitution of the moving body = e, of the fixed one = 1 (DART multiplies); friction of a"
         " body = the largest of its pairs (DART takes the smaller of two); ODE collision detector;"
         " NSGS solver (tolerance 1e-6) where only single spheres rub, or free boxes on planes;"
-        " nothing falls asleep; impacts in steps of at most 2 µs, so that the bias g·dt/v is below"
-        " 1e-4 down to 0.2 m/s; springs, dampers and motors are forces on joints in every step,"
-        " Coulomb friction of joints is DART's own"
+        " nothing falls asleep; springs, dampers and Coulomb friction of joints are DART's own."
+        " Assisted: impacts in steps of at most 2 µs, so that the bias g·dt/v is below 1e-4 down to"
+        " 0.2 m/s; springs and dampers are forces on joints in every step"
     )
 
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:

@@ -230,14 +230,14 @@ class MujocoBackend(EngineBackend):
         ),
     )
     mapping = (
-        "solref = (-k, -b) with k = ω²/(1+ζω·dt), b = 2ζω/(1+ζω·dt), ω = 1e5 rad/s; ζ from the"
-        " force-clipped dashpot e = exp(-2ζ·arccos ζ/√(1-ζ²)) (Schwager and Pöschel, Granular"
-        " Matter 9 (2007) 465); the divisor allows for the damper acting on a velocity half a step"
-        " old; ω·dt = min(0.01, 0.0007/ζ) during an impact, √(1+ζ²) - ζ at rest; solimp = 0.9999;"
-        " in fine steps, where impacts cannot be landed on, ω = 2000 rad/s/max(1, 2ζ) at 50 µs,"
-        " friction's damper ω; tuned, solref is sought at the step, solreffriction = (0.005, 1);"
-        " solref = (0.005, 1) where nothing bounces; elliptic cone; assisted, half of a joint's"
-        " damping is its own, taken after the step, and half an actuator's, taken before it"
+        "where it bounces, solref = (-k, -b) as sought at the step, with solreffriction = (0.005, 1)"
+        " beside it; where nothing bounces, solref = (0.005, 1); solimp = 0.9999; elliptic cone."
+        " Assisted: k = ω²/(1+ζω·dt), b = 2ζω/(1+ζω·dt), ω = 1e5 rad/s; ζ from the force-clipped"
+        " dashpot e = exp(-2ζ·arccos ζ/√(1-ζ²)) (Schwager and Pöschel, Granular Matter 9 (2007)"
+        " 465); the divisor allows for the damper acting on a velocity half a step old; ω·dt ="
+        " min(0.01, 0.0007/ζ) during an impact, √(1+ζ²) - ζ at rest; in fine steps, where impacts"
+        " cannot be landed on, ω = 2000 rad/s/max(1, 2ζ) at 50 µs, friction's damper ω; half of a"
+        " joint's damping is its own, taken after the step, and half an actuator's, taken before it"
     )
 
     def version(self) -> str:

@@ -389,11 +389,11 @@ class PybulletBackend(EngineBackend):
         "restitution of the moving body = e, of the fixed one = 1 (Bullet multiplies);"
         " contactProcessingThreshold = 0, or 10 µm where nothing bounces, contactSlop = 0,"
         " erp = contactERP = 0 where something bounces, restitutionVelocityThreshold = 0,"
-        " damping = 0; impacts in steps of at most 2 µs, of 0.1 ms where they are not landed on;"
-        " planes under boxes as a large box; cylinders on planes as their two rims,"
-        " between which a globalCFM shares the load;"
-        " with joints: motors off, Coulomb friction as a motor towards rest of that strength,"
-        " springs, dampers and drives as efforts, sweeps until they change 1e-12 m/s"
+        " damping = 0; with joints: motors off, Coulomb friction as a motor towards rest of that"
+        " strength, springs, dampers and drives as efforts, sweeps until they change 1e-12 m/s."
+        " Assisted: impacts in steps of at most 2 µs, of 0.1 ms where they are not landed on;"
+        " planes under boxes as a large box; cylinders on planes as their two rims, between which a"
+        " globalCFM shares the load"
     )
 
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:

@@ -395,12 +395,12 @@ class PymunkBackend(EngineBackend):
     )
     mapping = (
         "elasticity of the moving body = e, of the fixed one = 1 (pymunk multiplies);"
-        " collision_slop = 1e-9 m; impacts in steps of at most 4 µs; joints: error_bias = 0, so"
-        " that a gap is closed in the next step, in as many iterations as leave 1e-6 of an error"
-        " (by the spectral radius of Gauss and Seidel's matrix, bodies as drawn); a slider's groove"
-        " passes through the centre of mass of one body, beside that of the other; efforts and drag"
-        " are those at the end of a step, where they act; the first velocities are set half a step"
-        " after the start, where the engine holds them"
+        " collision_slop = 1e-9 m; joints: error_bias = 0, so that a gap is closed in the next step,"
+        " in as many iterations as leave 1e-6 of an error (by the spectral radius of Gauss and"
+        " Seidel's matrix, bodies as drawn); a slider's groove passes through the centre of mass of"
+        " one body, beside that of the other. Assisted: impacts in steps of at most 4 µs; efforts"
+        " and drag are those at the end of a step, where they act; the first velocities are set"
+        " half a step after the start, where the engine holds them"
     )
 
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
