@@ -8,7 +8,14 @@ from typing import Any
 
 from simcompare.audit import Audit
 from simcompare.backend import Settings
-from simcompare.backends._mujoco_scene import SOLIMP, geom_name, pair_names, solref
+from simcompare.backends._mujoco_scene import (
+    FRICTION_SOLREF,
+    SOLIMP,
+    friction_solref,
+    geom_name,
+    pair_names,
+    solref,
+)
 from simcompare.drives import JointLaw, laws_of
 from simcompare.helps import CENTRED_EFFORTS
 from simcompare.kinematics import Mount, mount_of
@@ -29,7 +36,7 @@ def audit_of(engine: ModuleType, model: Any, scenario: Scenario, settings: Setti
     for name, body in scenario.moving_bodies().items():
         _audit_body(audit, model, name, body, name in scenario.free_bodies())
     for name, law in laws_of(scenario).items():
-        _audit_joint(audit, model, name, law, settings.takes(CENTRED_EFFORTS))
+        _audit_joint(audit, model, name, law, settings)
         _audit_place(audit, model, name, mount_of(scenario, scenario.joints[name]))
     for contact in touching_pairs(scenario):
         if settings.gives_all:
@@ -41,10 +48,11 @@ def audit_of(engine: ModuleType, model: Any, scenario: Scenario, settings: Setti
     return audit
 
 
-def _audit_joint(audit: Audit, model: Any, name: str, law: JointLaw, halved: bool) -> None:
+def _audit_joint(audit: Audit, model: Any, name: str, law: JointLaw, settings: Settings) -> None:
     held, dof = model.joint(name), int(model.joint(name).dofadr[0])
     explicit = -float(model.actuator(name).biasprm[2]) if law.is_driven else 0.0
-    note = "half with the rate before the step, half with that after it" if halved else ""
+    note = "half with the rate before the step, half with that after it"
+    note = note if settings.takes(CENTRED_EFFORTS) else ""
     for part, wanted, got, extra in (
         ("stiffness", law.stiffness, held.stiffness[0], ""),
         ("rest", law.rest, model.qpos_spring[int(held.qposadr[0])], ""),
@@ -54,6 +62,17 @@ def _audit_joint(audit: Audit, model: Any, name: str, law: JointLaw, halved: boo
     ):
         if wanted:
             audit.add(f"{name}.{part}", wanted, f"dof {part}", (wanted, got), "SI", extra)
+    if law.friction and settings.gives_all:
+        for i, value in enumerate(FRICTION_SOLREF):
+            audit.add(
+                f"{name}.friction", None, f"solreffriction[{i}]",
+                (value, model.dof_solref[dof][i]), ("s", "1")[i],
+            )  # fmt: skip
+        for i, value in enumerate(SOLIMP):
+            audit.add(
+                f"{name}.friction", None, f"solimpfriction[{i}]",
+                (value, model.dof_solimp[dof][i]), ("1", "1", "SI")[i],
+            )  # fmt: skip
 
 
 def _audit_place(audit: Audit, model: Any, name: str, mount: Mount) -> None:
@@ -113,6 +132,10 @@ def _audit_pairs(
             parameter = f"solref[{i}]"
             quantity = f"{label} restitution"
             audit.add(quantity, contact.restitution, parameter, values, units[i], note)
+        sideways = friction_solref(scenario, contact, settings)
+        for i, value in enumerate(sideways or ()):
+            values = (value, held.solreffriction[i])
+            audit.add(f"{label} friction", None, f"solreffriction[{i}]", values, "SI")
         where = "of the <pair>; typed into geoms: into both, or with the higher priority into one"
         for i, (value, unit) in enumerate(zip(SOLIMP, ("1", "1", "m"), strict=True)):
             values = (value, held.solimp[i])

@@ -10,6 +10,7 @@ import numpy as np
 
 from simcompare.audit import Audit
 from simcompare.backend import (
+    COEFFICIENT,
     JOINTS_AND_FORCES,
     SPATIAL_RIGID_BODIES,
     EngineBackend,
@@ -279,6 +280,7 @@ class DartBackend(EngineBackend):
     libraries = (("libGL.so.1", "sudo apt-get install libgl1"),)
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL})
+    bounces_by = COEFFICIENT
     known_limits = (
         KnownLimit(
             "Restitution is 0 by default, on the body and on the floor; both must be set.",

@@ -212,7 +212,7 @@ class MujocoBackend(EngineBackend):
         KnownLimit(
             "Friction is convex: a sliding body is lifted by its friction, loses contact and hops;"
             " its load swings, and the mean of it depends on the step.",
-            "MuJoCo documentation, Computation, Convex contact levell; measured: spinning tyres"
+            "MuJoCo documentation, Computation, Convex contact model; measured: spinning tyres"
             " of a robot carry 0 to 40 N, 1.7 to 1.8 N in the mean for 1.77 N, at steps of 0.25 to"
             " 2 ms; with 0.06 N·m on each it is 12 % too fast",
         ),
@@ -230,8 +230,8 @@ class MujocoBackend(EngineBackend):
         ),
     )
     mapping = (
-        "where it bounces, solref = (-k, -b) as sought at the step, with solreffriction = (0.005, 1)"
-        " beside it; where nothing bounces, solref = (0.005, 1); solimp = 0.9999; elliptic cone."
+        "where it bounces, solref = (-k, -b) as sought at the step, solreffriction = (0.005, 1);"
+        " where nothing bounces, solref = (0.005, 1); solimp = 0.9999; elliptic cone."
         " Assisted: k = ω²/(1+ζω·dt), b = 2ζω/(1+ζω·dt), ω = 1e5 rad/s; ζ from the force-clipped"
         " dashpot e = exp(-2ζ·arccos ζ/√(1-ζ²)) (Schwager and Pöschel, Granular Matter 9 (2007)"
         " 465); the divisor allows for the damper acting on a velocity half a step old; ω·dt ="

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from simcompare.backend import (
+    COEFFICIENT,
     JOINTS_AND_FORCES,
     SPATIAL_RIGID_BODIES,
     EngineBackend,
@@ -194,7 +195,9 @@ class PybulletSimulation(RecoilingSimulation):
             }  # fmt: skip
 
             # Bullet leaves old forces on points that are too far apart to act
-            gap = gap_of(self.scenario) if scene.settings.gives_all else math.inf
+            corrected = scene.settings.takes(REACTIONS)
+            gap = gap_of(self.scenario) if corrected else math.inf
+            self.helps |= {REACTIONS} if corrected else set()
 
             def normal_force() -> tuple[float, ...]:
                 points = bullet.getContactPoints(**chosen)
@@ -324,6 +327,7 @@ class PybulletBackend(EngineBackend):
     install = f"{'' if sys.version_info < (3, 12) else _COMPILER}pip install 'simcompare[pybullet]'"
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     helps = frozenset(HELPS)
+    bounces_by = COEFFICIENT
     known_limits = (
         KnownLimit(
             "Restitution is 0 by default, and bodies lose 4 % of their speed a second to damping.",

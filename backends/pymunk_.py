@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from simcompare.backend import (
+    COEFFICIENT,
     JOINTS_AND_FORCES,
     EngineBackend,
     Feature,
@@ -344,6 +345,7 @@ class PymunkBackend(EngineBackend):
         Feature.RESTITUTION, Feature.FRICTION, Feature.DRAG,
     }  # fmt: skip
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL, REACTIONS})
+    bounces_by = COEFFICIENT
     known_limits = (
         KnownLimit(
             "Two-dimensional: it runs scenarios whose motion stays in the x-z plane.",
@@ -382,7 +384,7 @@ class PymunkBackend(EngineBackend):
             "Chipmunk cpGrooveJoint.c, grooveConstrain; measured: 16 mm at 1 m/s",
         ),
         KnownLimit(
-            "Joints have no armature: it is added to the child's moment of inertia, and mapped"
+            "Joints have no armature: it is added to the child's moment of inertia, and assisted"
             " gives both bodies the torques that are missing where the parent turns, a step late."
             " One that outweighs its parent is refused, and a slider cannot have one.",
             "pymunk documentation, Constraint; measured: errors halve with the step",
@@ -395,10 +397,11 @@ class PymunkBackend(EngineBackend):
     )
     mapping = (
         "elasticity of the moving body = e, of the fixed one = 1 (pymunk multiplies);"
-        " collision_slop = 1e-9 m; joints: error_bias = 0, so that a gap is closed in the next step,"
-        " in as many iterations as leave 1e-6 of an error (by the spectral radius of Gauss and"
-        " Seidel's matrix, bodies as drawn); a slider's groove passes through the centre of mass of"
-        " one body, beside that of the other. Assisted: impacts in steps of at most 4 µs; efforts"
+        " collision_slop = 1e-9 m, by which planes are raised; joints: error_bias = 0, so that a"
+        " gap is closed in the next step, in as many iterations as leave 1e-6 of an error (by the"
+        " spectral radius of Gauss and Seidel's matrix, bodies as drawn); a slider's groove passes"
+        " through the centre of mass of one body, beside that of the other. Assisted: impacts in"
+        " steps of at most 4 µs; efforts"
         " and drag are those at the end of a step, where they act; the first velocities are set"
         " half a step after the start, where the engine holds them"
     )

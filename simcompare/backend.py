@@ -192,12 +192,14 @@ class EngineBackend(ABC):
         mapping: how ``assisted`` translates the scenario's contact into the engine's parameters.
         libraries: system libraries that its wheel needs and may lack -> the command that cures it.
         helps: which of our helps it can take.
-        bounces_by: whether a pair's restitution is one coefficient, or a spring and a damper.
+        bounces_by: whether the number for a pair's restitution, which it takes from
+            ``Settings.numbers_of``, is one coefficient, or a spring and a damper; empty where it
+            takes none, and the scenario's own coefficient stays.
     """
 
     libraries: tuple[tuple[str, str], ...] = ()
     helps: frozenset[str] = frozenset()
-    bounces_by: str = COEFFICIENT
+    bounces_by: str = ""
     name: str
     module: str
     distribution: str
@@ -249,12 +251,15 @@ class EngineBackend(ABC):
             from simcompare.tuning import tuned
 
             settings, tuning = tuned(self, engine, scenario, settings)
+        calibrated = time.perf_counter()
         simulation = self.build(engine, scenario, settings)
         simulation.tuning = tuning
+        simulation.notes += tuple(note for record in tuning for note in record["notes"])
         simulation.read_back_start(self.name)
         simulation.wall_s = {
             "import": loaded - started,
-            "build": time.perf_counter() - loaded,
+            "tune": calibrated - loaded,
+            "build": time.perf_counter() - calibrated,
         }
         return simulation
 

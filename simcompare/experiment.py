@@ -56,8 +56,8 @@ def run(
         contact: contact levels, a list or a text with commas; also the fit.json of a fit, with
             which each engine runs with its own fitted parameters.
         assist: our helps in "assisted": "all", "none" or names (see ``simcompare.helps``).
-        judge: levels in which a tolerance that is missed is a failure of the run; "assisted", and a
-            fit, always are.
+        judge: levels in which a tolerance that is missed is a failure of the run; "assisted"
+            always is.
         set: parameters that differ from the file; text may carry a unit ("30cm").
         preset: named set of parameters, applied first.
         step: the engine's step, "1ms" or in seconds; samples may be coarser.
@@ -112,7 +112,7 @@ def run(
         scenario_asked=scenario,
         against_asked=None if against is None else str(against),
         fit_asked=None if fit is None else str(fit.path),
-        cautions=[] if fit is None else fit.cautions(nominal, file),
+        cautions=[] if fit is None else fit.cautions(nominal, file, chosen),
         assist=None if helps is None else known(helps) or NONE,
         judge=judged,
         preset=preset,

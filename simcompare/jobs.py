@@ -122,6 +122,8 @@ def does_not_act(help_name: str) -> str:
 
 def _acts(backend: Backend, job: Job) -> bool:
     """Whether the help that a job leaves out would act in its scene."""
+    if job.without not in getattr(backend, "helps", ()):
+        return False
     settings = replace(job.settings, helps=job.settings.helps_with(job.without))
     whole = backend.open(job.scenario, settings)
     try:

@@ -186,14 +186,14 @@ def clearance_m(body: Body, ground: Body, plane: Plane) -> float:
     turn = matrix_of(body.orientation_wxyz)
     heights = [
         normal @ (turn @ shape.position_m + body.position_m - origin)
-        - _reach_m(shape, matrix_of(shape.orientation_wxyz).T @ turn.T @ normal)
+        - reach_m(shape, matrix_of(shape.orientation_wxyz).T @ turn.T @ normal)
         for shape in body.shapes
         if not isinstance(shape, Plane)
     ]
     return float(min(heights))
 
 
-def _reach_m(shape: Shape, direction: Vector | Array) -> float:
+def reach_m(shape: Shape, direction: Vector | Array) -> float:
     """How far a shape reaches from its centre, at most, in a direction of its own frame [m]."""
     x, y, z = (abs(float(component)) for component in direction)
     match shape.type:
@@ -213,7 +213,7 @@ def _first_path_m(scenario: Scenario, body: Body) -> float:
     """Longest way of any point of a body in the first two engine steps [m]."""
     time_s = 2 * scenario.world.engine_step_s
     size = max(
-        math.hypot(*shape.position_m) + sum(_reach_m(shape, axis) for axis in _AXES)
+        math.hypot(*shape.position_m) + sum(reach_m(shape, axis) for axis in _AXES)
         for shape in body.shapes
     )
     speed = math.hypot(*body.velocity_m_s) + math.hypot(*body.rate_rad_s) * size

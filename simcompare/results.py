@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from simcompare.compare import FAIL, Score
-from simcompare.jobs import FAILED, MISSING, OK
+from simcompare.jobs import FAILED, MISSING, OK, UNSUPPORTED
 from simcompare.trajectory import Trajectory
 
 #: source of the true trajectory
@@ -55,7 +55,9 @@ class Run:
         """
         statuses = {source["status"] for source in self.record["sources"]}
         named = self.record["engines_asked"] != "all"
-        if OK not in statuses and any(s.get("longest_step_s") for s in self.record["sources"]):
+        if statuses == {UNSUPPORTED} and any(
+            source.get("longest_step_s") for source in self.record["sources"]
+        ):
             return 2
         if FAILED in statuses or OK not in statuses or (named and MISSING in statuses):
             return 3

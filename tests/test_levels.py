@@ -74,6 +74,26 @@ def test_helps_that_act_are_named_and_each_changes_the_motion(engine, name, acti
         assert not same, left_out
 
 
+BOX = {
+    "mass_kg": 0.1, "inertia_kg_m2": [4e-5] * 3, "position_m": [0, 0, 0.325],
+    "shapes": [{"type": "box", "size_m": [0.05, 0.05, 0.05]}],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["box", "robot_cylinder", "motor_step"])
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_help_that_is_not_named_changes_nothing(engine, name):
+    """What acts without being named would be mixed into the engine's own result."""
+    made = bouncing({"box": BOX}) if name == "box" else scene(name)
+    if (engine, name) == ("pymunk", "robot_cylinder"):
+        return
+    whole = simulate(engine, made, Settings(ASSISTED))
+    for left_out in set(HELPS) - set(whole.helps):
+        less = simulate(engine, made, Settings(ASSISTED, helps=frozenset(HELPS) - {left_out}))
+        for signal, values in whole.signals.items():
+            np.testing.assert_array_equal(less.signals[signal], values, err_msg=left_out)
+
+
 @pytest.mark.parametrize("engine", ENGINES)
 def test_no_engine_has_our_helps_in_its_own_levels(engine):
     for level in (DEFAULT, COEFFICIENTS, TUNED):
