@@ -144,14 +144,18 @@ def _add_sensors(sensors: ET.Element, scenario: Scenario) -> None:
 def solref(scenario: Scenario, contact: Contact, settings: Settings) -> tuple[float, float]:
     """MuJoCo's two numbers for a pair: (-stiffness, -damping), both per unit of mass."""
     if contact.restitution == 0:
-        # critically damped, MuJoCo's own form for no bounce; it takes no less than two steps
-        return (max(DEAD_CONTACT_S, 2 * scenario.world.engine_step_s), 1.0)
+        return (dead_contact_s(scenario), 1.0)
     if not settings.takes(LANDING):
         first, second = settings.numbers_of(contact)
         return (first, second)
     zeta, (omega, phase) = damping_ratio(contact.restitution), spring(scenario, contact)
     lag = 1 + zeta * phase
     return (-(omega**2) / lag, -2 * zeta * omega / lag)
+
+
+def dead_contact_s(scenario: Scenario) -> float:
+    """Time constant [s] of a critically damped contact; MuJoCo takes no less than two steps."""
+    return max(DEAD_CONTACT_S, 2 * scenario.world.engine_step_s)
 
 
 def spring(scenario: Scenario, contact: Contact) -> tuple[float, float]:
@@ -189,14 +193,17 @@ def _add_pairs(
     contacts: ET.Element, scenario: Scenario, contact: Contact, settings: Settings
 ) -> None:
     mu = contact.friction
-    landed = settings.takes(LANDING)
     stiff: dict[str, Any] = {}
     if settings.gives_all:
         stiff["solref"] = _text(solref(scenario, contact, settings))
         stiff["solimp"] = _text((IMPEDANCE, IMPEDANCE, 0.001))
-    if mu > 0 and contact.restitution > 0 and landed and not approaches(scenario)[0]:
-        # slipping ends within an impact, yet lifts the body less than with the damper of the spring
-        stiff["solreffriction"] = _text((-1.0, -spring(scenario, contact)[0]))
+    if mu > 0 and contact.restitution > 0 and settings.gives_all:
+        if not settings.takes(LANDING):
+            # friction with the spring that bounces would let go long before the slip has ended
+            stiff["solreffriction"] = _text((dead_contact_s(scenario), 1.0))
+        elif not approaches(scenario)[0]:
+            # slipping ends within an impact, and lifts the body less than the spring's own damper
+            stiff["solreffriction"] = _text((-1.0, -spring(scenario, contact)[0]))
     for name, (one, other) in pair_names(scenario, contact).items():
         ET.SubElement(
             contacts, "pair", name=name, geom1=one, geom2=other, condim="3" if mu > 0 else "1",

@@ -238,9 +238,10 @@ class MujocoBackend(EngineBackend):
         " force-clipped dashpot e = exp(-2ζ·arccos ζ/√(1-ζ²)) (Schwager and Pöschel, Granular"
         " Matter 9 (2007) 465); the divisor allows for the damper acting on a velocity half a step"
         " old; ω·dt = min(0.01, 0.0007/ζ) during an impact, √(1+ζ²) - ζ at rest; solimp = 0.9999;"
-        " where impacts are not landed on, ω = 2000 rad/s/max(1, 2ζ) at 50 µs, friction's damper ω;"
-        " solref = (0.005, 1) where nothing bounces; elliptic cone; half of a joint's damping is"
-        " its own, taken after the step, and half an actuator's, taken before it"
+        " in fine steps, where impacts cannot be landed on, ω = 2000 rad/s/max(1, 2ζ) at 50 µs,"
+        " friction's damper ω; tuned, solref is sought at the step, solreffriction = (0.005, 1);"
+        " solref = (0.005, 1) where nothing bounces; elliptic cone; assisted, half of a joint's"
+        " damping is its own, taken after the step, and half an actuator's, taken before it"
     )
 
     def version(self) -> str:

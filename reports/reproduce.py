@@ -30,7 +30,8 @@ def command(run: Run) -> str:
         if own is None or own.parameters.get(name) != value:
             words += ["--set", f"{name}={value!r}"]
     if own is None or own.world.step_s != record["step_s"]:
-        words += ["--step", f"{record['step_s']!r}s"]
+        parts = 1 if own is None else own.world.substeps
+        words += ["--step", f"{record['step_s'] / parts!r}s"]
     count = own.dither.count if own is not None and own.dither is not None else 1
     if count != record["repeats"]:
         words += ["--seeds", str(record["repeats"])]

@@ -6,6 +6,7 @@ it imports its engine only when a scene is opened.
 
 from __future__ import annotations
 
+import dataclasses
 import enum
 import functools
 import importlib
@@ -235,8 +236,11 @@ class EngineBackend(ABC):
     def open(self, scenario: Scenario, settings: Settings) -> Simulation:
         """Refuses what the engine cannot do, builds the scene and reads every value back."""
         refuse(self, scenario, settings)
+        if settings.contact == ASSISTED:
+            taken = self.helps if settings.helps is None else self.helps & settings.helps
+            settings = dataclasses.replace(settings, helps=taken)
         if settings.takes(LANDING):
-            landing.refuse(scenario)
+            landing.refuse(self.name, scenario)
         started = time.perf_counter()
         engine = self.load()
         loaded = time.perf_counter()

@@ -96,7 +96,7 @@ class Counted:
         self._drops, self.count = drops, 0
 
     def __call__(self, numbers: tuple[float, ...], speed_m_s: float, phases: Array) -> Bounces:
-        """Drops, and counts them."""
+        """The engine's own drops."""
         self.count += len(phases)
         return self._drops(numbers, speed_m_s, phases)
 
@@ -168,9 +168,9 @@ def solve(
         CannotCalibrate: there is none; says why.
     """
     low, high = bounds
+    x = start
+    last: tuple[float, float] | None = None
     best: tuple[float, float, Bounces | None] = (math.inf, start, None)
-    x, last = start, None
-    gap = math.nan
     for _ in range(_ATTEMPTS):
         found = bounce(x)
         # a drop without a bounce returns nothing, which keeps the mean monotone

@@ -67,7 +67,7 @@ class Drops(Protocol):
 
 
 def even_phases(count: int, offset: float = 0.5) -> Array:
-    """Phases (count,) spread evenly over a step, shifted by ``offset`` of their spacing."""
+    """Phases (count,) spread evenly over a step, the first at ``offset`` parts of their spacing."""
     return (np.arange(count) + offset) / count
 
 
@@ -107,7 +107,6 @@ def read_drop(
     forced = surplus > FREE_PART * fall_m + ROUNDING * float(np.abs(height_m).max())
     acted = np.flatnonzero(forced)
     nothing = (math.nan, depth_m, math.nan, math.nan)
-    # the first parabola needs two samples to give a speed
     if len(acted) == 0:
         return nothing
     ends = [*acted[1:].tolist(), len(forced)]

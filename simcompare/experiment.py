@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from simcompare import catalogue, engines, measures, run_record, units
+from simcompare import ablation, catalogue, engines, measures, run_record, units
 from simcompare.against import Match, matches
 from simcompare.backend import ASSISTED, CONTACT_LEVELS, DEFAULT, OLD_LEVELS, TUNED, Settings
 from simcompare.compare import Repeat, Score, scores_of
@@ -16,7 +15,7 @@ from simcompare.drives import input_values
 from simcompare.drop_plan import DropPlan, drop_plans
 from simcompare.errors import InputError, OutputError, SimcompareError, UnknownName
 from simcompare.helps import ALL, HELPS, NONE, chosen, known
-from simcompare.jobs import FAILED, OK, UNSUPPORTED, Job, Outcome, does_not_act
+from simcompare.jobs import FAILED, OK, Job, Outcome
 from simcompare.results import TRUTH, Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Interrupted, Progress, run_jobs
 from simcompare.scenario import MOST_SAMPLES, Scenario
@@ -61,7 +60,7 @@ def run(
             fit, always are.
         set: parameters that differ from the file; text may carry a unit ("30cm").
         preset: named set of parameters, applied first.
-        step: time between samples, "1ms" or in seconds.
+        step: the engine's step, "1ms" or in seconds; samples may be coarser.
         seeds: number of dithered repeats; the scenario's own where ``None``.
         against: table of measured bounces: a file or the name of a published one.
         out: folder in which the run's own folder is made; nothing is stored where ``None``.
@@ -83,9 +82,12 @@ def run(
     values = {**({} if fit is None else fit.base(file)), **file.read_settings(set or {})}
     if table is not None:
         values, preset = with_conditions(file, table, values, preset)
-    step_s = None if step is None else units.to_si(step, "s", "--step")
-    if step_s is not None:
-        _check_step(file.resolve(values, preset=preset), step_s)
+    step_s = None
+    if step is not None:
+        own = file.resolve(values, preset=preset)
+        # the engine's step; samples are as much coarser as the scenario says
+        step_s = units.to_si(step, "s", "--step") * own.world.substeps
+        _check_step(own, step_s)
     if seeds is not None and seeds < 1:
         raise InputError("--seeds", [f"{seeds} is not a number of repeats; expected 1 or more"])
     if seeds is not None and file.resolve(values, preset=preset).dither is None:
@@ -206,14 +208,14 @@ def check_writable(folder: Path) -> None:
 def _check_step(scenario: Scenario, step_s: float) -> None:
     if step_s <= 0:
         raise InputError("--step", [f"{step_s:g} s is not a time above 0"])
-    duration = scenario.world.duration_s
+    duration, parts = scenario.world.duration_s, scenario.world.substeps
     shortest, longest = duration / MOST_SAMPLES, duration / LEAST_SAMPLES
     if not shortest <= step_s <= longest:
         raise InputError(
             "--step",
             [
-                f"{step_s:g} s gives {duration / step_s:.3g} samples in {duration:.3g} s;"
-                f" use {shortest:.2g} s to {longest:.2g} s"
+                f"{step_s / parts:g} s gives {duration / step_s:.3g} samples in {duration:.3g} s;"
+                f" use {shortest / parts:.2g} s to {longest / parts:.2g} s"
             ],
         )
 
@@ -282,11 +284,7 @@ def _jobs(
         settings = Settings(mode, helps=helps, drops=drops)
         jobs = [Job(engine, scene, settings, i) for i, scene in enumerate(scenarios)]
         if mode == ASSISTED:
-            middle = len(scenarios) // 2
-            for name in HELPS if helps is None else helps:
-                others = (frozenset(HELPS) if helps is None else helps) - {name}
-                less = Settings(mode, helps=others, drops=drops)
-                jobs.append(Job(engine, scenarios[middle], less, middle, without=name))
+            jobs += ablation.jobs_of(engine, scenarios, settings)
         return jobs
     found = []
     for i, scene in enumerate(scenarios):
@@ -358,42 +356,9 @@ def _gather(
         found = matches(table, scores, _measured_units(scenarios[0]))
     truth = TRUTH if any(truths) else None
     record = run_record.of_run(file, scenarios, truth, sources, scores)
-    record["without"] = _without(scenarios, truths, outcomes)
+    record["without"] = ablation.results_of(scenarios, truths, outcomes)
     record["against"] = run_record.of_measurement(file, table, found) if table is not None else None
     return _Gathered(record, scores, trajectories)
-
-
-def _without(
-    scenarios: Sequence[Scenario], truths: Sequence[Trajectory | None], outcomes: Sequence[Outcome]
-) -> list[dict[str, Any]]:
-    """What the nominal repeat shows with each help, and without it, all others kept."""
-    nominal: dict[tuple[str, str], dict[str, Score]] = {}
-    middle = len(scenarios) // 2
-    for outcome in outcomes:
-        if outcome.job.mode == ASSISTED and outcome.job.repeat == middle:
-            key = (outcome.job.engine, outcome.job.without)
-            if outcome.trajectory is not None:
-                repeat = Repeat(scenarios[middle], outcome.trajectory, truths[middle])
-                with contextlib.suppress(SimcompareError):
-                    scores = [s for s in scores_of([repeat]) if s.index is None]
-                    nominal[key] = {score.measure: score for score in scores}
-    found = []
-    for outcome in outcomes:
-        engine, name = outcome.job.engine, outcome.job.without
-        if not name or (engine, "") not in nominal:
-            continue
-        if outcome.status == UNSUPPORTED and outcome.reason == does_not_act(name):
-            continue
-        left_out = nominal.get((engine, name), {})
-        found.append({
-            "source": engine, "help": name, "status": outcome.status, "reason": outcome.reason,
-            "measures": [
-                {"measure": measure, "unit": score.unit, "truth": score.truth,
-                 "with": score.value, "without": getattr(left_out.get(measure), "value", None)}
-                for measure, score in nominal[engine, ""].items()
-            ],
-        })  # fmt: skip
-    return found
 
 
 def truths_of(path: Path, scenarios: Sequence[Scenario]) -> list[Trajectory | None]:

@@ -100,7 +100,7 @@ def approaches(scenario: Scenario) -> tuple[list[Approach], list[str]]:
     ]
 
 
-def refuse(scenario: Scenario) -> None:
+def refuse(engine: str, scenario: Scenario) -> None:
     """Refuses scenes whose impacts can neither be landed on nor be taken in fine steps.
 
     Raises:
@@ -110,8 +110,9 @@ def refuse(scenario: Scenario) -> None:
     moving = [body for body in scenario.moving_bodies().values() if body.shapes]
     if bounces and (scenario.joints or len(moving) > 1) and not approaches(scenario)[0]:
         raise Unsupported(
-            "impacts are landed on only where a single free body bounces: a step that is cut for"
-            " one pair would change the motion of another; --contact tuned shows the engine itself"
+            f"{engine}: impacts are landed on only where a single free body bounces, since a step"
+            " that is cut for one pair would change the motion of another; --contact tuned shows"
+            " the engine itself"
         )
 
 

@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 import time
-from abc import abstractmethod
-from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from simcompare.audit import AuditRow
 from simcompare.drives import Drive, checked_inputs, input_values
 from simcompare.errors import InputError, Unsupported
-from simcompare.free_motion import FreeMotion
 from simcompare.helps import CENTRED_EFFORTS, HALF_STEP_START, HELPS, LANDING
-from simcompare.kinematics import add_children
-from simcompare.landing import ContactSteps, Landing, approaches, starts_in_flight
-from simcompare.pairs import touching_pairs
-from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario, Sensor
+from simcompare.landing import ContactSteps, Landing, approaches
+from simcompare.scenario import SENSOR_SIGNALS, Scenario, Sensor
 from simcompare.sensing import complete
 from simcompare.shapes import Vector
-from simcompare.state import BodyState, State, compare_start, half_a_step_back
-from simcompare.trajectory import BODY_SIGNALS, Array, Trajectory
+from simcompare.state import compare_start
+from simcompare.stateful import StatefulMotion
+from simcompare.trajectory import Array, Trajectory
 
 if TYPE_CHECKING:
     from simcompare.backend import Settings
@@ -31,11 +27,9 @@ if TYPE_CHECKING:
 Readings = Mapping[str, float | tuple[float, ...]]
 #: called as controller(time_s, readings) before each recorded step; returns inputs by name
 Controller = Callable[[float, Readings], Mapping[str, float]]
-#: recorded steps from which rates are taken for a controller's readings
-_RECENT = 5
 
 
-class Simulation(FreeMotion):
+class Simulation(StatefulMotion):
     """An opened scene. Engines implement the small hooks; everything else is here.
 
     Args:
@@ -49,10 +43,6 @@ class Simulation(FreeMotion):
         velocity_offset_s: stored velocities belong to the sample's time plus this [s].
     """
 
-    #: 1 where the engine advances positions before velocities, so that the forces of a step act
-    #: at its end; 0 where they act at its start
-    LEAD: ClassVar[int] = 0
-
     wall_s: Mapping[str, float]
 
     def __init__(
@@ -60,19 +50,16 @@ class Simulation(FreeMotion):
         scenario: Scenario,
         audit: Sequence[AuditRow],
         settings: Settings,
-        steps: ContactSteps,
+        steps: ContactSteps | None = None,
     ) -> None:
         super().__init__(scenario)
         self.settings = settings
-        self.helps: set[str] = set()
-        self.velocity_offset_s = 0.0
         self.tuning: tuple[Mapping[str, Any], ...] = ()
         self.lacks: dict[str, str] = {}
         self.audit = tuple(audit)
         self.notes: tuple[str, ...] = ()
         self.wall_s = {}
         world = scenario.world
-        self._joints = scenario.movable_joints()
         self._force_sensors = {}
         for name, sensor in scenario.sensors.items():
             if sensor.type in ("force", "contact_force"):
@@ -85,16 +72,13 @@ class Simulation(FreeMotion):
         centred = settings.takes(CENTRED_EFFORTS)
         drive = Drive(scenario, world.engine_step_s, self.LEAD, centred)
         self._drive = drive if drive.names else None
-        if centred and (drive.names or self._dragged):
+        # what only follows the inputs is the same at either instant, unless a step acts at its end
+        if centred and (drive.follows or (self.LEAD and (drive.names or self._dragged))):
             self.helps.add(CENTRED_EFFORTS)
         self.substeps = world.substeps
-        self._count = 0
-        self._landing: Landing | None = None
-        self._whole_step_s = world.engine_step_s
-        self._recent: deque[tuple[float, Sequence[float], dict[str, float]]] = deque(maxlen=_RECENT)
-        if settings.takes(LANDING):
+        if steps is not None and settings.takes(LANDING):
             self._prepare_landing(steps)
-        if settings.takes(HALF_STEP_START):
+        if steps is not None and settings.takes(HALF_STEP_START):
             self._prepare_start(steps.stagger)
 
     @property
@@ -126,41 +110,7 @@ class Simulation(FreeMotion):
             f" of {self._landing.part_s:.3g} s; flights take whole steps",
         )
 
-    def _prepare_start(self, stagger: float) -> None:
-        """Has the velocities moved from the start to where steps store them.
-
-        The scenario's initial velocities are not staggered: they belong to a step of length zero.
-        """
-        flies = not touching_pairs(self.scenario) or starts_in_flight(self.scenario)
-        if self._landing is not None or (flies and not self.LEAD):
-            self._engine_step_s, self._stagger = 0.0, stagger
-            self.helps.add(HALF_STEP_START)
-            self.velocity_offset_s = stagger * self._whole_step_s
-
     # --- hooks of an engine -------------------------------------------------------------------
-
-    @abstractmethod
-    def advance(self, count: int) -> None:
-        """Takes ``count`` engine steps of the present length, with drag and drive in each."""
-
-    @abstractmethod
-    def place(self, body: str, state: BodyState) -> None:
-        """Puts a free body into a state."""
-
-    @abstractmethod
-    def row(self) -> Sequence[float]:
-        """All motion that is recorded now, in the engine's own layout and as cheap as possible."""
-
-    @abstractmethod
-    def motions(self, rows: Array) -> dict[str, Array]:
-        """Turns rows (n, k) of the engine's layout into signals.
-
-        They are those of the free bodies, and coordinate and rate of the joints.
-        """
-
-    def place_joint(self, joint: str, position: float, rate: float) -> None:
-        """Puts a joint to a coordinate and a stored rate; after all free bodies were placed."""
-        raise NotImplementedError
 
     def origin_of(self, body: str) -> Vector:
         """World position of any moving body [m], as the engine itself has it."""
@@ -212,11 +162,6 @@ class Simulation(FreeMotion):
         compare_start(engine, self.scenario, self.state, held)
 
     # --- the stepping form --------------------------------------------------------------------
-
-    @property
-    def time_s(self) -> float:
-        """Time since the scenario's start [s]."""
-        return self._count * self.scenario.world.step_s
 
     def step(self, inputs: Mapping[str, float] | None = None) -> None:
         """Advances by one recorded step.
@@ -270,62 +215,11 @@ class Simulation(FreeMotion):
         self._remember(row, inputs or {})
         return row
 
-    def _stagger_start(self) -> None:
-        """Moves the velocities from the start to half a step before it, where steps store them.
-
-        Else all motion runs ahead by half a step of the first acceleration. The engine itself tells
-        how large that is, by a step that is taken back. Where bodies may touch at the start, it is
-        left as it is: an engine may find the contact only in its second step, and moving backwards
-        there turns friction round.
-        """
-        if self._engine_step_s or self.LEAD:
-            return
-        start = self.state
-        self.advance(1)
-        after = self.state
-        names = self._drive.names if self._drive is not None else None
-        seen = list(self._recent)
-        self.set_state(half_a_step_back(start, after, self._whole_step_s, names))
-        self._recent.extend(seen)
-
     def _row_now(self) -> Sequence[float]:
         return (*self.row(), *[0.0] * self._force_columns)
 
     def _remember(self, row: Sequence[float], inputs: dict[str, float]) -> None:
         self._recent.append((self.time_s, row, inputs))
-
-    @property
-    def state(self) -> State:
-        """The present state; ``set_state`` brings it back."""
-        signals = self.motions(np.array([self.row()], dtype=float))
-        add_children(self.scenario, signals, 1)
-        bodies = {
-            name: BodyState(
-                *(tuple(signals[f"{name}.{part}"][0].tolist()) for part in BODY_SIGNALS)
-            )
-            for name in self._bodies
-        }
-        joints = {}
-        for name, joint in self._joints.items():
-            position, rate = (float(signals[f"{name}.{p}"][0]) for p in MOVABLE[joint.type])
-            joints[name] = (position, rate)
-        before = self._drive.rates_before if self._drive is not None else None
-        return State(
-            self.time_s, bodies, self._engine_step_s, joints, None if before is None else (*before,)
-        )
-
-    def set_state(self, state: State) -> None:
-        """Puts all moving bodies into a state that ``state`` returned."""
-        for name in self._free:
-            self.place(name, state.bodies[name])
-        for name, (position, rate) in state.joints.items():
-            self.place_joint(name, position, rate)
-        self._count = round(state.time_s / self.scenario.world.step_s)
-        if self._drive is not None:
-            self._drive.go_to(self._count * self.substeps, state.rates_before)
-        self._engine_step_s = state.velocity_step_s
-        self.set_engine_step(state.velocity_step_s or self._whole_step_s)
-        self._recent.clear()
 
     # --- the whole run ------------------------------------------------------------------------
 

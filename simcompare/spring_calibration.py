@@ -32,10 +32,15 @@ DEPTH = 0.5
 #: √k·dt above which a contact lasts less than four steps, and anything may happen
 LARGEST_PHASE = 0.8
 #: smallest restitution that is tried
-LEAST = 0.05
+LEAST = 0.1
 #: the search keeps this part of both limits, since other phases give a little more
 _MARGIN = 0.95
-_CLIMB = 1.08
+#: √k·dt up to which the scatter grows evenly; where it is less, the search may leap
+_SMOOTH_PHASE = 0.22
+#: factor from one √k to the next where it may leap and where not, and where the search ends
+_LEAP, _CLIMB, _CLOSE = 1.5, 1.04, 1.01
+#: how much shorter steps are looked at, at most
+_SHORTEST = 50
 
 
 @dataclass(frozen=True)
@@ -43,6 +48,7 @@ class _Spring:
     """One spring and damper, and what it did."""
 
     omega: float
+    part: float
     damping: float
     bounces: Bounces
 
@@ -81,7 +87,7 @@ class _Search:
             part, bounces = solve(bounce, self.e, (0.1, 4.0), factor, slope)
         except CannotCalibrate:
             return None
-        return _Spring(omega, part * whole, bounces)
+        return _Spring(omega, part, part * whole, bounces)
 
     def is_steady(self, spring: _Spring | None) -> bool:
         return spring is not None and spring.bounces.scatter <= _MARGIN * SCATTER * self.e
@@ -93,17 +99,17 @@ class _Search:
         """The spring that is as deep as allowed; ``None`` if none bounces at the step."""
         zeta = damping_ratio(self.e)
         omega = restitution(zeta) ** 0.5 * self.speed_m_s / (_MARGIN * self.depth_m)
-        spring = None
+        spring, part = None, 1.0
         for _ in range(8):
             if omega * self.step_s > LARGEST_PHASE:
                 return None
-            spring = self.spring(omega)
+            spring = self.spring(omega, part)
             if spring is None:
                 return None
-            part = spring.depth_m / (_MARGIN * self.depth_m)
-            if abs(part - 1) < 0.01:
+            part, deeper = spring.part, spring.depth_m / (_MARGIN * self.depth_m)
+            if abs(deeper - 1) < 0.01:
                 break
-            omega *= part
+            omega *= deeper
         return spring
 
     def stiffest(self) -> _Spring | None:
@@ -112,22 +118,26 @@ class _Search:
         if not self.is_steady(spring):
             return None
         assert spring is not None
-        limit = LARGEST_PHASE / self.step_s
+        limit, smooth = LARGEST_PHASE / self.step_s, _SMOOTH_PHASE / self.step_s
         high = limit
-        while spring.omega * _CLIMB < limit:
-            stiffer = self.spring(spring.omega * _CLIMB)
+        while True:
+            omega = max(_CLIMB * spring.omega, min(_LEAP * spring.omega, smooth))
+            if omega >= limit:
+                break
+            stiffer = self.spring(omega, spring.part)
             if not self.is_steady(stiffer):
-                high = spring.omega * _CLIMB
+                high = omega
                 break
             assert stiffer is not None
             spring = stiffer
-        for _ in range(3):
-            stiffer = self.spring((spring.omega + high) / 2)
+        while high > _CLOSE * spring.omega:
+            omega = (spring.omega + high) / 2
+            stiffer = self.spring(omega, spring.part)
             if self.is_steady(stiffer):
                 assert stiffer is not None
                 spring = stiffer
             else:
-                high = (spring.omega + high) / 2
+                high = omega
         return spring
 
 
@@ -145,7 +155,7 @@ def calibrate_spring(
     Args:
         drops: the engine; its numbers are (-k, -b), stiffness [1/s²] and damping [1/s] per unit of
             mass.
-        e: restitution, 0.05 … 0.99.
+        e: restitution, 0.1 … 0.99.
         speeds_m_s: speed of the first impact, then those at which it is measured as well [m/s].
         step_s: the engine's time step [s].
         smallest_size_m: the body's smallest size, a sphere's diameter [m]; half of it is the
@@ -168,7 +178,7 @@ def calibrate_spring(
         return verified(counted, e, spring.numbers, speeds_m_s, step_s)
     longest_s = _longest_step(search, gravity_m_s2, drops_at)
     possible = (
-        "no shorter step has one either"
+        "none was found at shorter steps either"
         if math.isnan(longest_s)
         else f"the longest step that has one is {longest_s * 1e3:.3g} ms"
     )
@@ -186,9 +196,9 @@ def _in_engine(search: _Search, gravity_m_s2: float) -> _Spring | None:
     guess = model.stiffest()
     if guess is None:
         return None
-    omega, factor = guess.omega, guess.damping / (2 * damping_ratio(search.e) * guess.omega)
+    omega = guess.omega
     for _ in range(8):
-        spring = search.spring(omega, factor)
+        spring = search.spring(omega, guess.part)
         if not search.is_shallow(spring):
             return None
         if search.is_steady(spring):
@@ -209,13 +219,13 @@ def _longest_step(
     high, low = search.step_s, search.step_s / 2
     while not is_possible(low):
         high, low = low, low / 2
-        if low < search.step_s / 2000:
+        if low < search.step_s / _SHORTEST:
             return math.nan
     for _ in range(5):
         middle = math.sqrt(low * high)
         low, high = (middle, high) if is_possible(middle) else (low, middle)
-    for part in (1.0, 0.97, 0.94, 0.9, 0.8):
-        step_s = _two_digits_down(low * part)
+    for attempt in range(20):
+        step_s = _two_digits_down(low * 0.95**attempt)
         if drops_at is None:
             return step_s
         if _in_engine(search.on(drops_at(step_s), step_s), gravity_m_s2) is not None:

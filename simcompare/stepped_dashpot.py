@@ -37,7 +37,8 @@ class SteppedDashpot:
         depth, forced = np.zeros_like(z), np.zeros_like(z)
         up = np.full((3, len(z)), np.nan)
         waiting = np.ones(len(z), dtype=bool)
-        # far longer than any contact that is followed by a flight
+        risen = ~waiting
+        # a contact lasts π/ω or less, longer only where its weight keeps it down
         for count in range(1, 100 + int(20 / (math.sqrt(-minus_k) * dt))):
             pushed = np.where(z < 0, minus_b * w + minus_k * z, -g)
             a = np.maximum(pushed, -g)
@@ -49,15 +50,16 @@ class SteppedDashpot:
             if left.any():
                 speed = w[left] - g * dt / 2
                 up[:, left] = z[left], speed, np.full(len(speed), count * dt)
-                waiting &= ~left
-                if not waiting.any():
-                    break
+            # what sinks again before it has left stays down
+            waiting &= ~left & ~(risen & (w <= 0))
+            risen |= w > 0
+            if not waiting.any():
+                break
         apex = np.maximum(up[0] + up[1] ** 2 / (2 * g), 0.0)
-        bounced = ~waiting
         up_s = up[2] + (up[1] - np.sqrt(2 * g * apex)) / g
         return Bounces(
             restitution=np.sqrt(2 * g * apex) / speed_m_s,
             penetration_m=depth,
-            contact_s=np.where(bounced, forced * dt, np.nan),
+            contact_s=np.where(np.isfinite(up[0]), forced * dt, np.nan),
             delay_s=up_s - down_s,
         )

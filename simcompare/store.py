@@ -70,8 +70,9 @@ def load(place: Path) -> Run:
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
         known = {field.name for field in fields(Score)}
-        for row in (*record["sources"], *record["scores"]):  # runs of old have old names
-            row["contact"] = OLD_LEVELS.get(row["contact"], row["contact"])
+        for row in (*record.get("sources", ()), *record["scores"]):  # runs of old have old names
+            if row.get("contact") in OLD_LEVELS:
+                row["contact"] = OLD_LEVELS[row["contact"]]
         scores = [Score(**{k: v for k, v in row.items() if k in known}) for row in record["scores"]]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(str(path), [f"cannot be read: {error}"]) from None

@@ -22,12 +22,12 @@ import platformdirs
 
 from simcompare import calibration, drops
 from simcompare.backend import SPRING, TUNED, PairNumbers, Settings
-from simcompare.calibration import Calibration
+from simcompare.calibration import Calibration, CannotCalibrate
 from simcompare.drop_plan import DropPlan, drop_plans
 from simcompare.drops import Bounces
 from simcompare.errors import SimulationDiverged
 from simcompare.scenario import Scenario
-from simcompare.spring_calibration import calibrate_spring
+from simcompare.spring_calibration import DEPTH, calibrate_spring
 from simcompare.state import BodyState, State
 from simcompare.trajectory import Array
 
@@ -60,7 +60,11 @@ def tuned(
         open_pairs = [pair for pair in plan.pairs if frozenset(pair) not in known]
         if not open_pairs:
             continue
-        found = _cached(backend, engine, plan)
+        try:
+            found = _cached(backend, engine, plan)
+        except CannotCalibrate as error:
+            sentence = f"{backend.name}: {error}"
+            raise CannotCalibrate(sentence, error.longest_step_s) from None
         numbers += [PairNumbers(pair, found.numbers) for pair in open_pairs]
         records.append(record(plan, found))
     return replace(settings, numbers=tuple(numbers)), tuple(records)
@@ -87,6 +91,9 @@ def _finite(values: Mapping[str, float]) -> dict[str, float | None]:
 
 def calibrate(backend: EngineBackend, engine: ModuleType, plan: DropPlan) -> Calibration:
     """Finds numbers for a plan by dropping a sphere in the engine."""
+    if plan.restitution > calibration.LARGEST and backend.bounces_by != SPRING:
+        # what hardly loses anything is typed in as it stands, and what comes of it is shown
+        return Calibration(plan.restitution, (plan.restitution,))
     e, gravity = plan.restitution, max(plan.gravity_m_s2, LEAST_GRAVITY_M_S2)
     part = min(max(e, LATER_PART[0]), LATER_PART[1])
     speeds = [plan.speed_m_s * part**k for k in range(3)]
@@ -95,9 +102,19 @@ def calibrate(backend: EngineBackend, engine: ModuleType, plan: DropPlan) -> Cal
             EngineDrops(backend, engine, plan), e, speeds, plan.step_s, plan.size_m, gravity,
             lambda step_s: EngineDrops(backend, engine, replace(plan, step_s=step_s)),
         )  # fmt: skip
-    return calibration.calibrate_coefficient(
+    found = calibration.calibrate_coefficient(
         EngineDrops(backend, engine, plan), e, speeds, plan.step_s, gravity
     )
+    depth_m = found.at[0].penetration_m if found.at else 0.0
+    if depth_m > DEPTH * plan.size_m:
+        longest_ms = 1e3 * plan.step_s * DEPTH * plan.size_m / depth_m
+        raise CannotCalibrate(
+            f"in a step of {1e3 * plan.step_s:.3g} ms a body at {plan.speed_m_s:.3g} m/s goes"
+            f" {1e3 * depth_m:.3g} mm deep, more than half its size of {1e3 * plan.size_m:.3g} mm;"
+            f" the longest step is {0.98 * longest_ms:.2g} ms",
+            longest_ms / 1e3,
+        )
+    return found
 
 
 class EngineDrops:
@@ -221,4 +238,4 @@ def _code(backend: EngineBackend) -> str:
     return digest.hexdigest()
 
 
-_OURS = ("tuning", "calibration", "spring_calibration", "stepped_dashpot", "drops", "simulation")
+_OURS = ("tuning", "calibration", "spring_calibration", "stepped_dashpot", "drops")

@@ -1,8 +1,10 @@
 """One-bounce drops in bare engines: a sphere on a fixed plane, one fixed step, no adapter."""
 
+import itertools
+
 import numpy as np
 
-from simcompare.drops import read_drops, start_above
+from simcompare.drops import read_drop, read_drops, start_above
 
 G = 9.80665
 #: flight after the contact that is recorded [steps]
@@ -179,3 +181,15 @@ class PybulletDrops(BareDrops):
 
 
 COEFFICIENT_ENGINES = {"dart": DartDrops, "pymunk": PymunkDrops, "pybullet": PybulletDrops}
+
+
+def bounce_by_bounce(heights, step_s, count):
+    """Restitution of the first impacts of a long drop, each read between two apexes."""
+    tops, low = [0], False
+    for i in range(1, len(heights) - 1):
+        low = low or heights[i] <= 0
+        if low and heights[i - 1] <= heights[i] > heights[i + 1] and heights[i] > 0:
+            tops.append(i)
+            low = False
+    pieces = itertools.pairwise(tops[: count + 1])
+    return [read_drop(heights[a : b + 1], step_s, G)[0] for a, b in pieces]

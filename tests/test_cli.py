@@ -182,7 +182,7 @@ def test_run_prints_one_object_with_the_names_of_the_contract(call):
         assert set(source["wall_s"]) == {"import", "build", "step"}
         assert (source["status"], source["reason"]) == ("ok", None)
         assert source["audit"]
-    assert [s["contact"] for s in record["sources"]] == ["default", "assisted"]
+    assert [s["contact"] for s in record["sources"]] == ["default", "tuned", "assisted"]
     keys = ["source", "contact", "measure", "value", "u", "unit", "truth", "tolerance", "verdict"]
     for score in record["scores"]:
         assert set(keys) <= set(score)

@@ -66,12 +66,12 @@ def test_a_toy_engine_over_a_package_gets_the_frame_for_nothing(add_engine, fall
     """Subclassing EngineBackend: refusing, loading, read-back and the recording loop come along."""
     code = (
         "from simcompare.audit import Audit\n"
-        "from simcompare.backend import EngineBackend, Feature\n"
+        "from simcompare.backend import EngineBackend, Feature, Settings\n"
         "from simcompare.simulation import Simulation\n"
         "import numpy as np\n"
         "class Falling(Simulation):\n"
         "    def __init__(self, scenario, audit):\n"
-        "        super().__init__(scenario, audit.finish(), None)\n"
+        "        super().__init__(scenario, audit.finish(), Settings())\n"
         "        self.z = scenario.bodies['ball'].position_m[2]\n"
         "        self.t = 0.0\n"
         "    def advance(self, count): self.t += count * self.scenario.world.step_s\n"
@@ -100,7 +100,7 @@ def test_a_toy_engine_over_a_package_gets_the_frame_for_nothing(add_engine, fall
     done = command("run", fall, "--engine", "framed", "--json", "--no-report")
     assert done.returncode == 0, done.stdout + done.stderr
     sources = json.loads(done.stdout)["sources"]
-    assert [s["status"] for s in sources] == ["ok", "ok"]
+    assert [s["status"] for s in sources] == ["ok", "ok", "ok"]
     assert sources[0]["audit"][0]["read_value"] == -9.80665
     assert sources[0]["version"] == "1.0"
 

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from simcompare import catalogue
+from simcompare.backend import Settings
 from simcompare.landing import Approach, ContactSteps, approaches
 from simcompare.scenario import Scenario
 from simcompare.simulation import Simulation
@@ -19,7 +20,7 @@ class Point(Simulation):
     """Semi-implicit Euler with Newton's restitution, e taken after gravity: a DART in ten lines."""
 
     def __init__(self, scenario, steps):
-        super().__init__(scenario, (), steps)
+        super().__init__(scenario, (), Settings(), steps)
         body = scenario.bodies["ball"]
         self.z, self.v = body.position_m[2], body.velocity_m_s[2]
         self.h, self.e = scenario.world.step_s, scenario.contacts[0].restitution

@@ -493,7 +493,7 @@ def test_key_picture_shows_truth_below_the_engines_on_one_axis():
     assert figure.share_y
     assert [panel.title for panel in figure.panels] == [
         "as each engine behaves by default",
-        "scenario's physics assisted",
+        "with our helps",
     ]
     assert [series.label for series in figure.panels[1].series] == [f"truth ({TRUTH})", "north"]
 

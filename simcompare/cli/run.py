@@ -39,7 +39,7 @@ def run(
         [], "--set", metavar="P=V", help="Change a parameter, such as drop_height=30cm."
     ),
     preset: str = typer.Option(None, help="Named set of parameters, applied before --set."),
-    step: str = typer.Option(None, help="Time between samples, such as 1ms."),
+    step: str = typer.Option(None, help="The engine's step, such as 1ms; samples may be coarser."),
     seeds: int = typer.Option(None, help="Number of dithered repeats (the scenario's own: 9)."),
     against: str = typer.Option(
         None,
