@@ -262,6 +262,9 @@ def audit_scene(scene: Scene, scenario: Scenario, settings: Settings) -> Audit:
     awake = settings.gives_all
     note = "" if awake else "engine's default: what rests on something falls asleep"
     audit.add("sleep", None, "deactivation", (0 if awake else None, sleeps), "1", note)
+    if settings.gives_all:
+        found = scene.world.getConstraintSolver().getCollisionDetector().getType()
+        audit.add("contact", None, "OdeCollisionDetector", (1, found == "ode"), "1", "1 means used")
     for name, body in scenario.moving_bodies().items():
         _audit_body(audit, scene, name, body)
     laws = laws_of(scenario)

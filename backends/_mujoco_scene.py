@@ -32,6 +32,8 @@ DEAD_CONTACT_S = 0.005
 SHAPE_POINTS = 8
 #: impedance of the contact; at 1 the acceleration would be exactly that of spring and damper
 IMPEDANCE = 0.9999
+#: the same at every depth
+SOLIMP = (IMPEDANCE, IMPEDANCE, 0.001)
 
 
 def mjcf(scenario: Scenario, settings: Settings) -> str:
@@ -110,7 +112,7 @@ def _passive(law: JointLaw, settings: Settings) -> dict[str, str]:
         "frictionloss": repr(law.friction), "armature": repr(law.armature),
     }  # fmt: skip
     if settings.gives_all and law.friction:
-        found["solimpfriction"] = _text((IMPEDANCE, IMPEDANCE, 0.001))
+        found["solimpfriction"] = _text(SOLIMP)
         found["solreffriction"] = _text((0.005, 1.0))
     return found
 
@@ -196,7 +198,7 @@ def _add_pairs(
     stiff: dict[str, Any] = {}
     if settings.gives_all:
         stiff["solref"] = _text(solref(scenario, contact, settings))
-        stiff["solimp"] = _text((IMPEDANCE, IMPEDANCE, 0.001))
+        stiff["solimp"] = _text(SOLIMP)
     if mu > 0 and contact.restitution > 0 and settings.gives_all:
         if not settings.takes(LANDING):
             # friction with the spring that bounces would let go long before the slip has ended

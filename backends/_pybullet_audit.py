@@ -138,7 +138,10 @@ def _audit_contacts(audit: Audit, scene: Scene) -> None:
             values = (scene.friction.get(name), info[1])
             parameter = f"lateralFriction of {name}"
             audit.add(f"{pair} friction", contact.friction, parameter, values, "1", note)
-    for parameter, (value, default) in _NO_GETTER.items():
+    given = dict(_NO_GETTER)
+    if any(contact.restitution > 0 for contact in scene.scenario.contacts):
+        given |= _NO_GETTER_BOUNCING
+    for parameter, (value, default) in given.items():
         note = "PyBullet has no getter for it"
         put = value if scene.settings.gives_all else None
         if put is None:
@@ -161,4 +164,9 @@ _NO_GETTER: dict[str, tuple[float, float | None]] = {
     "angularDamping": (0.0, 0.04),
     "contactProcessingThreshold": (0.0, None),
     "maxJointVelocity": (MOST_SPEED, 100.0),
+}
+#: the same where something bounces
+_NO_GETTER_BOUNCING: dict[str, tuple[float, float | None]] = {
+    "erp": (0.0, 0.2),
+    "contactERP": (0.0, 0.2),
 }

@@ -22,6 +22,7 @@ from simcompare.helps import CENTRED_EFFORTS, HALF_STEP_START, LANDING, RECOIL
 from simcompare.landing import ContactSteps
 from simcompare.rotations import quaternions_of, rotation_vector_of
 from simcompare.scenario import MOVABLE, Scenario
+from simcompare.scripts.contract import EngineScript
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
 from simcompare.state import BodyState
@@ -342,6 +343,12 @@ class DartBackend(EngineBackend):
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
         scene = build_scene(engine, scenario, settings)
         return DartSimulation(scene, scenario, audit_scene(scene, scenario, settings), settings)
+
+    def script(self) -> EngineScript:
+        """What writes scenes of this engine as standalone scripts."""
+        from simcompare.backends._dart_script import SCRIPT
+
+        return SCRIPT
 
 
 BACKEND = DartBackend()

@@ -24,6 +24,7 @@ from simcompare.backends._mujoco_scene import (
     IMPACT_PHASE,
     SOFT_FREQUENCY_RAD_S,
     SOFT_STEP_S,
+    SOLIMP,
     contact_points,
     geom_name,
     impact_phase,
@@ -40,6 +41,7 @@ from simcompare.landing import ContactSteps, approaches, finely_stepped, slips_a
 from simcompare.pairs import touching_pairs
 from simcompare.rotations import rotate
 from simcompare.scenario import MOVABLE, Body, Contact, Scenario
+from simcompare.scripts.contract import EngineScript
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
 from simcompare.state import BodyState, State
@@ -258,6 +260,12 @@ class MujocoBackend(EngineBackend):
         audit = _audit(engine, model, scenario, settings)
         return MujocoSimulation(engine, scenario, model, audit, settings)
 
+    def script(self) -> EngineScript:
+        """What writes scenes of this engine as standalone scripts."""
+        from simcompare.backends._mujoco_script import SCRIPT
+
+        return SCRIPT
+
 
 BACKEND = MujocoBackend()
 
@@ -301,6 +309,9 @@ def _audit(engine: ModuleType, model: Any, scenario: Scenario, settings: Setting
     world = scenario.world
     step_s = world.engine_step_s
     audit.add("engine step_s", step_s, "opt.timestep", (step_s, model.opt.timestep), "s")
+    if settings.gives_all:
+        cone = (1, model.opt.cone)
+        audit.add("contact", None, "opt.cone", cone, "1", "elliptic (mjCONE_ELLIPTIC)")
     for axis, wanted, held in zip("xyz", world.gravity_m_s2, model.opt.gravity, strict=True):
         audit.add(f"gravity_m_s2.{axis}", wanted, "opt.gravity", (wanted, held), "m/s²")
     for name, body in scenario.moving_bodies().items():
@@ -390,6 +401,10 @@ def _audit_pairs(
             parameter = f"solref[{i}]"
             quantity = f"{label} restitution"
             audit.add(quantity, contact.restitution, parameter, values, units[i], note)
+        where = "of the <pair>; typed into geoms: into both, or with the higher priority into one"
+        for i, (value, unit) in enumerate(zip(SOLIMP, ("1", "1", "m"), strict=True)):
+            values = (value, held.solimp[i])
+            audit.add(f"{label} contact", None, f"solimp[{i}]", values, unit, where)
 
 
 def _audit_friction(audit: Audit, model: Any, scenario: Scenario, contact: Contact) -> None:

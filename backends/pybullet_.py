@@ -41,6 +41,7 @@ from simcompare.kinematics import mount_of
 from simcompare.landing import ContactSteps, finely_stepped
 from simcompare.pairs import refuse_offsets
 from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario
+from simcompare.scripts.contract import EngineScript
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
 from simcompare.state import BodyState, State
@@ -408,6 +409,12 @@ class PybulletBackend(EngineBackend):
         except BaseException:
             engine.disconnect(client)
             raise
+
+    def script(self) -> EngineScript:
+        """What writes scenes of this engine as standalone scripts."""
+        from simcompare.backends._pybullet_script import SCRIPT
+
+        return SCRIPT
 
 
 BACKEND = PybulletBackend()

@@ -27,6 +27,7 @@ from simcompare.helps import CENTRED_EFFORTS, HALF_STEP_START, LANDING, REACTION
 from simcompare.landing import ContactSteps
 from simcompare.pairs import refuse_offsets
 from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario, Sensor
+from simcompare.scripts.contract import EngineScript
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
 from simcompare.state import BodyState, State
@@ -405,6 +406,12 @@ class PymunkBackend(EngineBackend):
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
         refuse_offsets(scenario, self.name)
         return PymunkSimulation(engine, scenario, settings)
+
+    def script(self) -> EngineScript:
+        """What writes scenes of this engine as standalone scripts."""
+        from simcompare.backends._pymunk_script import SCRIPT
+
+        return SCRIPT
 
 
 BACKEND = PymunkBackend()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from simcompare.backend import ASSISTED
+from simcompare.helps import ALL
 from simcompare.reports import fitted, numbers, real
 from simcompare.reports.fitted import CLOSED, RESTITUTION, Record
 from simcompare.reports.tables import Column, Group, Table, printable, scale_of
@@ -191,7 +193,12 @@ def holdout(run: Run) -> Table | None:
         own = numbers.with_u(drop["restitution"], drop["u_restitution"])
         rows = [(CLOSED, numbers.with_u(drop["fitted"], drop["u_fitted"]), own, _e_n(drop))]
         rows += [
-            (name, numbers.with_u(row["restitution"], row["u"]), own, _e_n(row))
+            (
+                name,
+                numbers.with_u(row["restitution"], row["u"]),
+                numbers.with_u(row["held"], row["u_held"]) if row.get("held") else own,
+                _e_n(row),
+            )
             for name, row in drop.get("engines", {}).items()
         ]
         groups.append(Group(f"{real.short(str(drop['source']))}, {_left(drop)}", tuple(rows)))
@@ -317,6 +324,7 @@ def valid(run: Run) -> dict[str, str]:
     found = fitted.record(run)
     facts = {
         "valid for impacts at": f"{_range(found['valid']['speed_m_s'])} m/s",
+        "contact level": _level(found),
         "time between samples": f"{numbers.plain(found['valid']['step_s'])} s",
         "closed form": found["closed_form"]["text"],
         "contact of the engines": found["engine_model_text"],
@@ -325,6 +333,12 @@ def valid(run: Run) -> dict[str, str]:
         "χ² ÷ degrees of freedom": f"{_reduced(found['closed_form'])}",
     }
     return {key: printable(value) for key, value in facts.items()}
+
+
+def _level(found: Record) -> str:
+    """The contact level, and with which of our helps."""
+    level = found.get("contact", ASSISTED)
+    return f"{level}, helps: {found.get('assist', ALL)}" if level == ASSISTED else str(level)
 
 
 def _rms(rms: dict[str, float]) -> str:

@@ -60,21 +60,25 @@ def events_figure(run: Run, measure: str) -> Figure:
     number = "number of the event"
     judged = runs.judged_modes(run)
     relative = all(score.truth for found in rows.values() for score in found)
-    deviations = _event_series(run, rows, judged, relative)
     bands = _tolerance_band(run, measure) if relative else ()
     modes = [*judged, *(mode for mode in runs.modes(run) if mode not in judged)]
     values = (_true_line(rows), *_event_series(run, rows, modes, None))
     left = Panel("value", number, f"{words}{runs.unit_words(unit)}", values, whole_x=True)
-    right = Panel(
-        f"deviation from the truth, {' and '.join(map(runs.mode_words, judged))}",
-        number,
-        "deviation (%)" if relative else f"deviation{runs.unit_words(unit)}",
-        deviations,
-        bands,
-        y_range=fitted_range(deviations, bands),
-        whole_x=True,
-        weight=1.7,
-    )
+    right = []
+    for mode in judged:  # what is the engine's own and what we add to it never share a panel
+        deviations = _event_series(run, rows, [mode], relative)
+        right.append(
+            Panel(
+                f"deviation from the truth, {runs.mode_words(mode)}",
+                number,
+                "deviation (%)" if relative else f"deviation{runs.unit_words(unit)}",
+                deviations,
+                bands,
+                y_range=fitted_range(deviations, bands),
+                whole_x=True,
+                weight=1.7 if len(judged) == 1 else 1.2,
+            )
+        )
     caption = (
         "Bars are one standard deviation over the repeats to either side; "
         "engines stand side by side so that their bars can be told apart."
@@ -83,7 +87,7 @@ def events_figure(run: Run, measure: str) -> Figure:
     if hollow and len(modes) > 1:
         caption += f" On the left, hollow points are the engines {' or '.join(hollow)}."
     title = f"{words[0].upper()}{words[1:]}, event by event"
-    return Figure(f"events-{measure}", title, caption, (left, right))
+    return Figure(f"events-{measure}", title, caption, (left, *right))
 
 
 def contrast_figure(run: Run) -> Figure | None:

@@ -230,7 +230,7 @@ class Drive:
         self.rates_before = list(rates)
         lead_s = self._lead * self._step_s if self._exact else 0.0
         return [
-            effort - k * (q + lead_s * v - rest) - d * (1.5 * v - 0.5 * was)
+            effort - k * (q + lead_s * v - rest) - d * (v + 0.5 * (v - was))
             for effort, (k, rest, d), q, v, was in zip(
                 open_efforts, self._linear, positions, rates, before, strict=True
             )

@@ -76,18 +76,13 @@ def run(
     chosen = engines.select(engine)
     modes, fit = _modes(contact)
     helps = chosen_helps(assist, engine)
-    judged = _judged(judge)
+    judged = _judged(judge, fit)
     file = catalogue.load(scenario)
     table = _table(file, against)
     values = {**({} if fit is None else fit.base(file)), **file.read_settings(set or {})}
     if table is not None:
         values, preset = with_conditions(file, table, values, preset)
-    step_s = None
-    if step is not None:
-        own = file.resolve(values, preset=preset)
-        # the engine's step; samples are as much coarser as the scenario says
-        step_s = units.to_si(step, "s", "--step") * own.world.substeps
-        _check_step(own, step_s)
+    step_s = None if step is None else sample_step_s(file, values, preset, step)
     if seeds is not None and seeds < 1:
         raise InputError("--seeds", [f"{seeds} is not a number of repeats; expected 1 or more"])
     if seeds is not None and file.resolve(values, preset=preset).dither is None:
@@ -115,7 +110,7 @@ def run(
         scenario_asked=scenario,
         against_asked=None if against is None else str(against),
         fit_asked=None if fit is None else str(fit.path),
-        cautions=[] if fit is None else fit.cautions(nominal),
+        cautions=[] if fit is None else fit.cautions(nominal, file),
         assist=None if helps is None else known(helps) or NONE,
         judge=judged,
         preset=preset,
@@ -205,6 +200,20 @@ def check_writable(folder: Path) -> None:
         ) from None
 
 
+def sample_step_s(
+    file: ScenarioFile, values: Mapping[str, float], preset: str | None, step: str | float
+) -> float:
+    """Time between samples for an engine's step; they are as much coarser as the scenario says.
+
+    Raises:
+        InputError: a step that makes no sense in the scenario; says which do.
+    """
+    own = file.resolve(values, preset=preset)
+    step_s = units.to_si(step, "s", "--step") * own.world.substeps
+    _check_step(own, step_s)
+    return step_s
+
+
 def _check_step(scenario: Scenario, step_s: float) -> None:
     if step_s <= 0:
         raise InputError("--step", [f"{step_s:g} s is not a time above 0"])
@@ -259,13 +268,14 @@ def chosen_helps(assist: str | Sequence[str], engine: str) -> frozenset[str] | N
     return helps
 
 
-def _judged(judge: str | Sequence[str]) -> list[str]:
-    """Levels whose failures count."""
+def _judged(judge: str | Sequence[str], fit: FitFile | None) -> list[str]:
+    """Levels whose failures count; those of a fit for a plain loop where "tuned" does."""
     asked = [part.strip() for part in judge.split(",")] if isinstance(judge, str) else list(judge)
     for level in asked:
         if level not in (TUNED, ASSISTED):
             raise UnknownName("level that is judged", level, (TUNED, ASSISTED))
-    return sorted({*asked, ASSISTED, "fitted"})
+    plain = fit is not None and fit.contact == TUNED and TUNED not in asked
+    return sorted({*asked, ASSISTED, *(() if plain else ("fitted",))})
 
 
 def _jobs(
@@ -287,10 +297,11 @@ def _jobs(
             jobs += ablation.jobs_of(engine, scenarios, settings)
         return jobs
     found = []
+    fitted = fit.settings(engine, scenarios[len(scenarios) // 2])
     for i, scene in enumerate(scenarios):
         for name, value in (fit.of_engine(engine, file) or {}).items():
             scene = file.vary(scene, name, value)
-        found.append(Job(engine, scene, Settings(ASSISTED), i, mode))
+        found.append(Job(engine, scene, fitted, i, mode))
     return found
 
 

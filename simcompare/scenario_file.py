@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from simcompare import expressions, units
 from simcompare.errors import InputError, UnknownName
+from simcompare.fittable import Fittable
 from simcompare.scenario import Scenario
 from simcompare.scenario_checks import faults_between_parts
 from simcompare.signals import Signal
@@ -57,21 +58,6 @@ class Preset(BaseModel):
     text: str
     set: Mapping[str, float]
     taken_from: tuple[str, ...] = Field((), description="published tables that it was taken from")
-
-
-class Fittable(BaseModel):
-    """What of a scenario can be fitted to a measurement, and how.
-
-    Attributes:
-        by: "bounces" (impact times, rebound heights, height against time) or "waveform" (a probe
-            against a recorded channel).
-        parameters: parameters that a measurement may tell.
-    """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    by: Literal["bounces", "waveform"]
-    parameters: tuple[str, ...] = Field(min_length=1)
 
 
 class _Head(BaseModel):
@@ -310,11 +296,8 @@ def _head_faults(head: _Head) -> dict[str, str]:
     for name in head.parameters:
         if not name.isidentifier() or name in taken:
             faults[f"parameters.{name}"] = f"{name!r} cannot be the name of a parameter"
-    for number, name in enumerate(head.fit.parameters if head.fit else ()):
-        if name not in head.parameters:
-            faults[f"fit.parameters.{number}"] = str(
-                UnknownName("parameter", name, head.parameters)
-            )
+    wrong = {} if head.fit is None else head.fit.faults(head.parameters)
+    faults.update({f"fit.{place}": sentence for place, sentence in wrong.items()})
     for name, preset in head.presets.items():
         for parameter, sentence in out_of_bounds(preset.set, head.parameters).items():
             faults[f"presets.{name}.set.{parameter}"] = sentence

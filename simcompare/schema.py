@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from typing import Any
 
+from simcompare.fittable import Fittable
 from simcompare.scenario import Scenario
-from simcompare.scenario_file import SCHEMA_PATH, Fittable, Parameter, Preset
+from simcompare.scenario_file import SCHEMA_PATH, Parameter, Preset
 
 _EXPRESSION = {"type": "string", "pattern": r"^\s*\$\{.*\}\s*$"}
 

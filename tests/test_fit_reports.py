@@ -16,6 +16,7 @@ from simcompare.reports import (
     fitted_figures,
     fitted_parts,
     fitted_tables,
+    fitted_tuned,
     matplotlib_,
     numbers,
     plotly_,
@@ -46,7 +47,7 @@ def sound(path, values, count=8, seed=0):
 
 
 def fit(recordings, **more):
-    return fitting.fit("ball", recordings=recordings, engine=ENGINES, **more)
+    return fitting.fit("ball", recordings=recordings, engine=ENGINES, assist="all", **more)
 
 
 @pytest.fixture(scope="module")
@@ -80,6 +81,16 @@ def falling(tmp_path_factory):
     path = tmp_path_factory.mktemp("power") / "power.wav"
     values = {**TRUTH, "exponent": 0.1}
     return fit([sound(path, values, seed=5)], model="power")
+
+
+@pytest.fixture(scope="module")
+def tuned(tmp_path_factory):
+    """A drop for plain loops, and one held out; one engine cannot."""
+    folder = tmp_path_factory.mktemp("tuned")
+    first = sound(folder / "first.wav", TRUTH, seed=1)
+    held = sound(folder / "held.wav", {**TRUTH, "drop_height_m": 0.7}, seed=2)
+    return fitting.fit("ball", recordings=[first], hold_out=[held], model="constant", step="3ms",
+                       engine="dart,mujoco,pymunk")  # fmt: skip
 
 
 RUNS = ("heard", "in_air", "filmed", "falling")
@@ -183,6 +194,55 @@ def test_hostile_names_stay_text(heard, tmp_path):
     text = builder.write_markdown([evil], tmp_path / "r.md").read_text(encoding="utf-8")
     assert "\x1b" not in text
     assert "<script>" not in text.replace("\\<script\\>", "")
+
+
+# plain loops
+
+
+def test_a_fit_for_plain_loops_leads_with_what_to_type_in(tuned, tmp_path):
+    table = fitted_tuned.typed(tuned)
+    sources = {row["name"]: row for row in tuned.record["fit"]["sources"]}
+    rows = cells(table)
+    assert [row[0] for row in rows] == ["closed form", "dart", "pymunk"]
+    for name, told, first, *_ in rows[1:]:
+        (number,) = sources[name]["numbers"]
+        assert told == f"{number['name']} = {numbers.with_u(number['value'], number['u'])}"
+        shown = sources[name]["impacts"][0]
+        assert first == numbers.with_u(shown["restitution"], shown["u_phase"])
+    html = builder.write_html([tuned], tmp_path / "r.html").read_text(encoding="utf-8")
+    own = without_scripts(html)
+    assert "Type these into a loop with a step of 3 ms" in own
+    assert own.index("Type these") < own.index("<h2>Each engine</h2>")
+    assert "Could not be fitted: mujoco" in own
+    assert "the longest step" in own
+    for title in ("How the bounce was tuned", "Drops that were not fitted"):
+        assert f"<h2>{title}</h2>" in own
+    builder.write_pdf([tuned], tmp_path / "r.pdf")
+    text = builder.write_markdown([tuned], tmp_path / "r.md").read_text(encoding="utf-8")
+    for head in ("What to type into your own loop", "Impact by impact",
+                 "Rebound heights of held-out drops"):  # fmt: skip
+        assert f"### {head}" in text
+
+
+def test_each_impact_in_a_plain_loop_is_drawn_beside_the_closed_form(tuned):
+    figure = fitted_tuned.impacts_figure(tuned)
+    off, late = figure.panels
+    for source in tuned.record["fit"]["sources"]:
+        if source["status"] == "ok":
+            shown = series(off, source["name"])
+            assert shown.y == pytest.approx([100 * row["deviation"] for row in source["impacts"]])
+            assert series(late, source["name"]).y[0] > 0
+    # a delay by the contact is no residual of the fit
+    (left,) = fitted_figures.left_figures(tuned)
+    assert set(left.legend) <= {"closed form", "± 2u of the measurement", "± 2u, widened"}
+
+
+def test_the_level_of_a_fit_is_told(tuned, heard):
+    assert fitted_tables.valid(tuned)["contact level"] == "tuned"
+    assert fitted_tables.valid(heard)["contact level"] == "assisted, helps: all"
+    rows = cells(fitted_tuned.heights(tuned))
+    assert rows[0][:2] == ("1", "closed form")
+    assert {row[1] for row in rows} == {"closed form", "dart", "pymunk"}
 
 
 # what is left

@@ -30,7 +30,7 @@ def found(tmp_path_factory):
     place = tmp_path_factory.mktemp("fit")
     drop = stopwatch(place / "drop.csv")
     held = stopwatch(place / "held.csv", seed=7, height_m=0.7)
-    return simcompare.fit("ball", recordings=[drop], hold_out=[held], out=place)
+    return simcompare.fit("ball", recordings=[drop], hold_out=[held], assist="all", out=place)
 
 
 def test_every_engine_gets_its_parameter_and_shows_the_measured_restitution(found):

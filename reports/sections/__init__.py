@@ -73,6 +73,7 @@ VALIDATION: tuple[Section, ...] = (
 FIT: tuple[Section, ...] = (
     FitAnswer(),
     FitEngines(),
+    Tuning(),
     FitForms(),
     FitSpeed(),
     FitKnown(),

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.reports import fitted, fitted_figures, fitted_parts, fitted_tables
+from simcompare.reports import (
+    fitted,
+    fitted_figures,
+    fitted_parts,
+    fitted_tables,
+    fitted_tuned,
+)
 from simcompare.reports.sections.base import Section
 from simcompare.reports.sections.parts import parts_of
 from simcompare.reports.tables import printable
@@ -14,6 +20,10 @@ _TWO_THINGS = (
     "The parameter is what an engine must be given; the effective restitution is what its motion"
     " then shows. Only the second compares engines. The first is the number to type in, and holds"
     " for this engine and this step alone."
+)
+_ALONE = (
+    "The numbers were solved on drops in the engine itself, at the speed of the first impact and at"
+    " this step, and then held fixed. They hold for this engine and this step alone."
 )
 
 
@@ -28,10 +38,11 @@ class FitAnswer(Section):
         said = [printable(text) for text in fitted.record(run)["sentences"]]
         if missing:
             said.append(f"Could not be fitted: {', '.join(missing)}; the reasons are below.")
+        table = fitted_tuned.typed if fitted_tuned.is_tuned(run) else fitted_tables.engines
         return {
             "question": run.record["question"],
             "answer": said,
-            **parts_of(fitted_figures.left_figures(run), [fitted_tables.engines(run)]),
+            **parts_of(fitted_figures.left_figures(run), [table(run)]),
         }
 
 
@@ -41,7 +52,11 @@ class FitEngines(Section):
     name, title, template = "engines", "Each engine", "real_part.html"
 
     def context(self, run: Run) -> dict[str, Any]:
-        """Parameters beside effective values, and native contact values."""
+        """Parameters beside effective values, or impact by impact, and native contact values."""
+        if fitted_tuned.is_tuned(run):
+            tables = [fitted_tables.failed(run), fitted_tuned.impacts(run),
+                      fitted_tables.native(run)]  # fmt: skip
+            return parts_of([fitted_tuned.impacts_figure(run)], tables, _ALONE)
         tables = [fitted_tables.failed(run), fitted_tables.parameters(run),
                   fitted_tables.native(run)]  # fmt: skip
         other = fitted.other_form(run)
@@ -90,8 +105,9 @@ class FitHeldOut(Section):
 
     def context(self, run: Run) -> dict[str, Any]:
         """Held-out drops, or that there are none."""
-        return parts_of([fitted_parts.holdout_figure(run)], [fitted_tables.holdout(run)],
-                      fitted.record(run)["holdout"]["text"])  # fmt: skip
+        tables = [fitted_tables.holdout(run), fitted_tuned.heights(run)]
+        return parts_of([fitted_parts.holdout_figure(run)], tables,
+                        fitted.record(run)["holdout"]["text"])  # fmt: skip
 
 
 class FitOthers(Section):

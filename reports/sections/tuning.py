@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from simcompare.backend import TUNED
+from simcompare.backend import ASSISTED
 from simcompare.reports import numbers
 from simcompare.reports.sections.base import Section
 from simcompare.reports.sections.parts import parts_of
@@ -32,7 +32,8 @@ class Tuning(Section):
 
     def context(self, run: Run) -> dict[str, Any] | None:
         """One group of rows for each engine; ``None`` where nothing was tuned."""
-        sources = [s for s in run.record["sources"] if s["contact"] == TUNED and s.get("tuning")]
+        every = run.record["sources"]
+        sources = [s for s in every if s["contact"] != ASSISTED and s.get("tuning")]
         if not sources:
             return None
         groups = [

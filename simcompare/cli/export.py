@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import typer
 
 from simcompare.cli import complete
 
+#: the format that is no digital twin, but a program of one engine
+SCRIPT = "script"
+
 
 def _formats(incomplete: str) -> list[str]:
     from simcompare.exporters import FORMATS
 
-    return [name for name in FORMATS if name.startswith(incomplete)]
+    return [name for name in (*FORMATS, SCRIPT) if name.startswith(incomplete)]
 
 
 def export(
@@ -21,7 +26,8 @@ def export(
     ),
     format: str = typer.Option(
         "urdf",
-        help="urdf (the mechanism), sdf (the whole world, for Gazebo) or mjcf (MuJoCo).",
+        help="urdf (the mechanism), sdf (the whole world, for Gazebo), mjcf (MuJoCo) or script"
+        " (a program that needs only --engine and numpy).",
         autocompletion=_formats,
     ),
     settings: list[str] = typer.Option(
@@ -32,18 +38,34 @@ def export(
     contact_values: bool = typer.Option(
         False, "--contact-values", help="Print each engine's own contact values of the fit."
     ),
+    engine: str = typer.Option(None, help="Engine of a script.", autocompletion=complete.engines),
+    step: str = typer.Option(None, help="Engine's step of a script, such as 1ms."),
+    contact: str = typer.Option(
+        None,
+        help="Contact level of a script: default, coefficients or tuned; with --fit: tuned, else"
+        " default.",
+    ),
     out: Path = typer.Option(
         None, "--out", "-o", help="File or folder to write; stdout by default."
     ),
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
-    """Write a scenario as a digital twin for another simulator."""
+    """Write a scenario as a digital twin for another simulator, or as a script of one engine."""
     from simcompare import exporters
     from simcompare.cli import console
 
     if contact_values:
         typer.echo(_contact_values(fit), nl=False)
         return
+    options = {"--engine": engine, "--step": step, "--contact": contact}
+    if format == SCRIPT:
+        _script(
+            {"scenario": scenario, "engine": engine, "step": step, "contact": contact,
+             "set": console.pairs(settings), "preset": preset, "fit": fit},
+            out, as_json=as_json,
+        )  # fmt: skip
+        return
+    _refuse_options(format, options)
     twin = exporters.twin(
         scenario, format=format, set=console.pairs(settings), preset=preset, fit=fit
     )
@@ -67,6 +89,64 @@ def export(
         typer.echo(str(written))
     for sentence in twin.left_out:
         typer.echo(f"left out: {sentence}", err=True)
+
+
+def _refuse_options(format: str, options: Mapping[str, str | None]) -> None:
+    from simcompare.errors import InputError
+
+    given = [name for name, value in options.items() if value is not None]
+    if given:
+        faults = [f"{name} is for --format script, not for {format}" for name in given]
+        raise InputError("export", faults)
+
+
+def _script(asked: dict[str, Any], out: Path | None, *, as_json: bool) -> None:
+    """Writes a script, and beside it the file of inputs that it may need."""
+    from simcompare.cli import console
+    from simcompare.errors import InputError
+    from simcompare.scripts import write
+
+    if out is not None and not out.is_dir() and out.suffix != ".py":
+        raise InputError(f"--out {out}", ["a script is a file that ends with .py"])
+    name = None if out is None or out.is_dir() else out.stem
+    made = write.script(**asked, name=name)
+    files: list[Path] = []
+    if out is None and made.inputs:
+        raise InputError(
+            "--out",
+            [f"the script reads long inputs from a file beside it; say where: -o {made.name}.py"],
+        )
+    if out is not None:
+        files = [_write(out, f"{made.name}.py", made.text)]
+        if made.inputs:
+            files.append(_write_inputs(files[0].with_name(f"{made.name}_inputs.npz"), made.inputs))
+    if as_json:
+        console.print_json(
+            {
+                "format": SCRIPT,
+                "file": str(files[0]) if files else None,
+                "inputs": str(files[1]) if len(files) > 1 else None,
+                "bodies": list(made.bodies),
+                "joints": list(made.joints),
+                "left_out": [],
+            }
+        )
+    elif not files:
+        typer.echo(made.text.encode("utf-8"), nl=False)
+    for file in () if as_json else files:
+        typer.echo(str(file))
+
+
+def _write_inputs(path: Path, inputs: Mapping[str, Any]) -> Path:
+    import numpy as np
+
+    from simcompare.errors import OutputError
+
+    try:
+        np.savez(path, **inputs)
+    except OSError as error:
+        raise OutputError(f"--out {path}: cannot be written ({error.strerror or error})") from None
+    return path
 
 
 def _contact_values(fit: str | None) -> str:

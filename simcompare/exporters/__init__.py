@@ -15,6 +15,7 @@ from simcompare.errors import UnknownName
 if TYPE_CHECKING:
     from simcompare.exporters.parts import Twin
     from simcompare.scenario import Scenario
+    from simcompare.scenario_file import ScenarioFile
 
 #: formats and the usual ending of their files
 FORMATS = {"urdf": ".urdf", "sdf": ".sdf", "mjcf": ".xml"}
@@ -81,10 +82,15 @@ def _resolved(
     from simcompare import catalogue
 
     file = catalogue.load(scenario)
-    known: dict[str, float] = {}
-    if fit is not None:
-        from simcompare.fitting import fit_file
-
-        found = fit_file.read(fit_file.find(fit) or Path(fit))
-        known = {**found.base(file), **(found.of_engine(engine, file) or {})}
+    known = fitted(file, fit, engine)
     return file.resolve({**known, **file.read_settings(settings)}, preset=preset)
+
+
+def fitted(file: ScenarioFile, fit: str | None, engine: str) -> dict[str, float]:
+    """Parameters of a fit, those of an engine among them; none without a fit."""
+    if fit is None:
+        return {}
+    from simcompare.fitting import fit_file
+
+    found = fit_file.read(fit_file.find(fit) or Path(fit))
+    return {**found.base(file), **(found.of_engine(engine, file) or {})}

@@ -7,18 +7,35 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from simcompare.errors import InputError
+from simcompare.backend import ASSISTED, TUNED, PairNumbers, Settings
+from simcompare.drop_plan import drop_plans
+from simcompare.errors import InputError, UnknownName
+from simcompare.helps import ALL, HELPS, chosen
 from simcompare.scenario import Scenario
 from simcompare.scenario_file import ScenarioFile
 
 #: contact level of engines with parameters from a fit
 FITTED = "fitted"
 FILE = "fit.json"
-#: unknowns of a fit that belong to one drop, and not to the ball and the floor
-_OF_A_DROP = ("drop_height_m", "release_time_s", "floor_m", "clock_skew", "scale")
 #: by how much a speed may leave the fitted range before it is told
 _MARGIN = 1.05
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """An engine's own numbers for the pairs of one restitution.
+
+    Attributes:
+        pairs: names of the bodies of each pair.
+        restitution: that the numbers give.
+        values: the numbers.
+    """
+
+    pairs: tuple[tuple[str, str], ...]
+    restitution: float
+    values: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -29,10 +46,15 @@ class FitFile:
         path: the file.
         scenario: name of the scenario that was fitted.
         given: parameters of the scenario that were not fitted.
-        closed: parameters of the closed form.
-        engines: engine -> its own parameters.
+        closed: parameters of the closed form, by the scenario's names.
+        engines: engine -> parameters of the scenario that it must be given, where they differ.
+        numbers: engine -> its own numbers for the restitution, in a plain loop.
+        contact: level for which the fit holds: "tuned" or "assisted".
+        assist: our helps that it was made with, as they are typed.
         speed_m_s: slowest and fastest impact that was fitted.
         step_s: time between samples that was fitted with.
+        engine_step_s: step of the engines.
+        drop_height_m: from how high the first drop fell that was fitted, where it was sought.
     """
 
     path: Path
@@ -40,8 +62,13 @@ class FitFile:
     given: Mapping[str, float]
     closed: Mapping[str, float]
     engines: Mapping[str, Mapping[str, float]]
+    numbers: Mapping[str, tuple[Tuned, ...]]
+    contact: str
+    assist: str
     speed_m_s: tuple[float, float]
     step_s: float
+    engine_step_s: float
+    drop_height_m: float | None = None
 
     def base(self, file: ScenarioFile) -> dict[str, float]:
         """Parameters of the scenario as the closed form has them.
@@ -56,22 +83,54 @@ class FitFile:
         return _known({**self.given, **self.closed}, file)
 
     def of_engine(self, engine: str, file: ScenarioFile) -> dict[str, float] | None:
-        """What an engine must be given, ``None`` where it was not fitted."""
+        """Parameters in which an engine differs from ``base``, ``None`` where it was not fitted."""
+        if self.contact == TUNED:
+            return {} if engine in self.numbers else None
         own = self.engines.get(engine)
         return None if own is None else _known(own, file)
 
-    def cautions(self, scene: Scenario) -> list[str]:
+    def drop(self, file: ScenarioFile) -> dict[str, float]:
+        """The height of the first drop that was fitted, as a parameter of the scenario."""
+        height = None if file.fit is None else file.fit.height
+        if height is None or self.drop_height_m is None:
+            return {}
+        return {height: self.drop_height_m}
+
+    def settings(self, engine: str, scene: Scenario) -> Settings:
+        """How an engine is run with what was fitted.
+
+        Tuned, the numbers of the fit are taken where the step and the restitution are those of the
+        fit; else the engine is tuned anew, for the impacts of the scene.
+
+        Args:
+            engine: its name.
+            scene: the nominal scene, which all repeats of a run share.
+        """
+        if self.contact != TUNED:
+            helps = chosen(self.assist)
+            return Settings(ASSISTED, helps=None if helps == frozenset(HELPS) else helps)
+        held = {frozenset(contact.pair): contact.restitution for contact in scene.contacts}
+        numbers = tuple(
+            PairNumbers(pair, tuned.values)
+            for tuned in self.numbers.get(engine, ()) if self._is_at_step(scene)
+            for pair in tuned.pairs
+            if math.isclose(held.get(frozenset(pair), -1.0), tuned.restitution, rel_tol=1e-9)
+        )  # fmt: skip
+        return Settings(TUNED, numbers=numbers, drops=drop_plans(scene))
+
+    def cautions(self, scene: Scenario, file: ScenarioFile) -> list[str]:
         """What lies outside of the range in which the fit is valid, one sentence each."""
         said = []
-        height = scene.parameters.get("drop_height_m")
-        gravity = scene.parameters.get("gravity_m_s2", 9.80665)
+        height = None if file.fit is None else scene.parameters.get(file.fit.height or "")
         if height is not None:
-            speed = math.sqrt(2 * gravity * height)
+            speed = math.sqrt(2 * math.hypot(*scene.world.gravity_m_s2) * height)
             if speed > _MARGIN * self.speed_m_s[1]:
                 said.append(
                     f"The first impact is at up to {speed:.2f} m/s; the fit saw"
                     f" {self.speed_m_s[0]:.2f} to {self.speed_m_s[1]:.2f} m/s."
                 )
+        if self.contact == TUNED:
+            return said + self._tuned_anew(scene, file)
         if not math.isclose(scene.world.step_s, self.step_s, rel_tol=1e-6):
             said.append(
                 f"The time between samples is {scene.world.step_s:g} s; the engines were fitted"
@@ -79,9 +138,29 @@ class FitFile:
             )
         return said
 
+    def _tuned_anew(self, scene: Scenario, file: ScenarioFile) -> list[str]:
+        step_s = scene.world.engine_step_s
+        if not self._is_at_step(scene):
+            return [
+                f"The step is {1e3 * step_s:.4g} ms; the numbers of the fit hold for"
+                f" {1e3 * self.engine_step_s:.4g} ms, so the engines were tuned anew for this step."
+            ]
+        name = (file.fit.restitution if file.fit is not None else None) or ""
+        asked, fitted = scene.parameters.get(name), self.closed.get(name)
+        if asked is None or fitted is None or math.isclose(asked, fitted, rel_tol=1e-9):
+            return []
+        return [
+            f"The restitution is {asked:g}; the numbers of the fit hold for {fitted:g}, so the"
+            " engines were tuned anew for this one."
+        ]
+
+    def _is_at_step(self, scene: Scenario) -> bool:
+        return math.isclose(scene.world.engine_step_s, self.engine_step_s, rel_tol=1e-6)
+
 
 def _known(values: Mapping[str, float], file: ScenarioFile) -> dict[str, float]:
-    names = set(file.parameters) - set(_OF_A_DROP)
+    """Those that are parameters of the scenario, but not the height, which is a drop's own."""
+    names = set(file.parameters) - {file.fit.height if file.fit is not None else None}
     return {name: value for name, value in values.items() if name in names}
 
 
@@ -93,18 +172,34 @@ def contact_values(path: Path) -> str:
     """
     fit = read(path)
     tree = json.loads(path.read_text(encoding="utf-8"))
+    how = (
+        f"for a plain loop of one fixed step of {1e3 * fit.engine_step_s:.6g} ms"
+        if fit.contact == TUNED
+        else f"with {fit.step_s:g} s between samples and our helps ({fit.assist}); not for a plain"
+        " loop"
+    )
     lines = [
-        f"# {fit.scenario}, fitted at {fit.speed_m_s[0]:.2f} to {fit.speed_m_s[1]:.2f} m/s"
-        f" with {fit.step_s:g} s between samples"
+        f"# {fit.scenario}, fitted at {fit.speed_m_s[0]:.2f} to {fit.speed_m_s[1]:.2f} m/s, {how}"
     ]
     for source in tree["sources"]:
-        rows = [row for row in source.get("native", ()) if row["read_value"] is not None]
-        lines += [
-            f"{source['name']}: {row['engine_parameter']} = {row['read_value']:.9g}"
-            + ("" if row["unit"] in ("", "1") else f" {row['unit']}")
-            for row in rows
-        ]
+        if source.get("status") != "ok":
+            name, why = source["name"], source.get("reason") or source.get("status") or "failed"
+            lines.append(f"# {name}: {str(why).removeprefix(f'{name}: ')}")
+        lines += [_line(source, row) for row in source.get("native", ()) if _held(row) is not None]
     return "\n".join(lines) + "\n"
+
+
+def _held(row: Mapping[str, Any]) -> float | None:
+    """What the engine held, or was given where it cannot be read."""
+    value: float | None = row["set_value"] if row["read_value"] is None else row["read_value"]
+    return value
+
+
+def _line(source: Mapping[str, Any], row: Mapping[str, Any]) -> str:
+    unit = "" if row["unit"] in ("", "1") else f" {row['unit']}"
+    note = f"  # {row['note']}" if row.get("note") else ""
+    # all digits: a spring's two numbers belong together
+    return f"{source['name']}: {row['engine_parameter']} = {_held(row)!r}{unit}{note}"
 
 
 def find(text: str) -> Path | None:
@@ -136,12 +231,41 @@ def read(path: Path) -> FitFile:
         }
         values = {n: float(v) for n, v in known["closed"].items()}
         low, high = tree["valid"]["speed_m_s"]
+        step_s = float(tree["valid"]["step_s"])
+        contact, assist = tree.get("contact", ASSISTED), str(tree.get("assist", ALL))
+        if contact not in (TUNED, ASSISTED):
+            raise ValueError(f"contact: {contact!r}; expected {TUNED} or {ASSISTED}")
+        chosen(assist)
         return FitFile(
             path, str(tree["scenario"]), {n: float(v) for n, v in tree["given"].items()},
-            values, engines, (float(low), float(high)), float(tree["valid"]["step_s"]),
+            values, engines, _numbers(known.get("numbers", {})), contact, assist,
+            (float(low), float(high)), step_s, float(tree["valid"].get("engine_step_s", step_s)),
+            _first_height(tree),
         )  # fmt: skip
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, UnknownName) as error:
         raise InputError(
             str(path),
             [f"is no fit ({type(error).__name__}: {error}); expected a fit.json of simcompare fit"],
         ) from None
+
+
+def _first_height(tree: Mapping[str, Any]) -> float | None:
+    sought = tree.get("closed_form", {}).get("parameters", {})
+    for name in ("drop_height_m", "drop_height_m[1]"):
+        if name in sought:
+            return float(sought[name]["value"])
+    return None
+
+
+def _numbers(tree: Mapping[str, Any]) -> dict[str, tuple[Tuned, ...]]:
+    return {
+        name: tuple(
+            Tuned(
+                tuple((str(first), str(second)) for first, second in record["pairs"]),
+                float(record["restitution"]),
+                tuple(float(value) for value in record["values"]),
+            )
+            for record in own
+        )
+        for name, own in tree.items()
+    }

@@ -10,7 +10,7 @@ import numpy as np
 
 from simcompare.errors import InputError
 from simcompare.fitting import bounce_models, profile, ratios
-from simcompare.fitting.engine_fit import Bouncing, engine_bounces
+from simcompare.fitting.beside import Bouncing, engine_bounces
 from simcompare.fitting.impacts import Impacts
 from simcompare.fitting.likelihood import NUISANCE, Fit
 from simcompare.fitting.problem import U_UNKNOWN_S, base, own_drop

@@ -2,49 +2,71 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
-from simcompare.fitting import bounce_models, other_estimates, pictures
+from simcompare.fitting import bounce_models, other_estimates, pictures, telling
+from simcompare.fitting.assisted_fit import AssistedFit
 from simcompare.fitting.bootstrap import parametric
 from simcompare.fitting.choose import Choice
-from simcompare.fitting.engine_fit import EngineFit, as_dict, scenario_values
+from simcompare.fitting.engine_fit import EngineFit
 from simcompare.fitting.identifiability import identifiability
 from simcompare.fitting.impacts import Impacts
 from simcompare.fitting.likelihood import Fit
+from simcompare.fitting.roles import Roles
+from simcompare.fitting.tuned_fit import TunedFit
+from simcompare.fitting.wanted import Wanted
+from simcompare.scenario import Scenario
 
 #: version of what fit.json holds
-FORMAT = 1
+FORMAT = 2
+
+
+@dataclass(frozen=True)
+class Made:
+    """How engines were fitted.
+
+    Attributes:
+        contact: level: "tuned" or "assisted".
+        assist: our helps that were asked for: "none", "all" or names with commas.
+        wanted: what tuned engines were asked for.
+        scene: the leading drop.
+    """
+
+    contact: str
+    assist: str
+    wanted: Wanted | None
+    scene: Scenario
 
 
 def of_fit(
-    scenario: str,
+    roles: Roles,
     choice: Choice,
     start: Fit,
     engines: Sequence[EngineFit],
     predicted: Mapping[str, Any],
     drops: tuple[Sequence[Impacts], Sequence[Impacts]],
-    given: Mapping[str, float],
-    step_s: float,
+    made: Made,
 ) -> dict[str, Any]:
     """The whole record of a fit.
 
     Args:
-        scenario: its name.
+        roles: the scenario.
         choice: the closed forms and which was chosen.
         start: the closed form that engines were fitted with.
         engines: what each engine must be given.
         predicted: the held-out drops.
         drops: those that were fitted, and those that were held out.
-        given: further parameters of the scenario.
-        step_s: time between samples of the engines.
+        made: how engines were fitted.
     """
     known = identifiability(choice.best)
     sources = []
     for one in engines:
-        row = as_dict(one)
-        row["left"] = [] if one.fit is None else pictures.left_of(one.fit, one.shown)
+        row = one.to_dict()
+        # an impact in a plain loop is late by its contact, which is told and is no residual
+        assisted = isinstance(one, AssistedFit) and one.fit is not None
+        row["left"] = pictures.left_of(one.fit, one.shown) if assisted and one.fit else []
         row["identifiable"] = not any(direction.weak for direction in known.directions)
         row["holdout"] = [
             {"source": drop["source"], **drop["engines"][one.engine]}
@@ -54,8 +76,10 @@ def of_fit(
         sources.append(row)
     found: dict[str, Any] = {
         "format": FORMAT,
-        "scenario": scenario,
-        "given": dict(given),
+        "scenario": roles.file.name,
+        "contact": made.contact,
+        "assist": made.assist,
+        "given": dict(roles.given),
         "measured": [drop.to_dict() for drop in drops[0]],
         "told": [sentence for drop in drops[0] for sentence in drop.told()],
         "held_out": [drop.to_dict() for drop in drops[1]],
@@ -70,67 +94,56 @@ def of_fit(
         "engine_form": None if start.model == choice.best.model else start.to_dict(),
         "engine_model": start.model,
         "engine_model_text": bounce_models.model_of(start.model).text,
+        "tuned_to": _tuned_to(made.wanted),
+        "tuned_mean": _tuned_mean(sources),
         "sources": sources,
-        "run_with": {
-            "closed": _scene_values(start, given),
-            "engines": {
-                one.engine: _scene_values(one.fit, given) for one in engines if one.fit is not None
-            },
-        },
+        "run_with": _run_with(roles, start, engines, made),
         "holdout": dict(predicted),
         "other_estimates": other_estimates.of_drops(drops[0], choice.best),
         "valid": {
             "speed_m_s": list(choice.best.speeds_m_s),
-            "step_s": step_s,
+            "step_s": made.scene.world.step_s,
+            "engine_step_s": made.scene.world.engine_step_s,
         },
     }
-    found["sentences"] = _sentences(found, choice)
+    found["sentences"] = telling.sentences(found, choice)
     return found
 
 
-def _scene_values(fit: Fit, given: Mapping[str, float]) -> dict[str, float]:
-    """Parameters of the scenario that a fit says, drag and fixed values included."""
-    values = scenario_values(fit.problem, fit.x, 0, given)
-    return {name: value for name, value in values.items() if name != "drop_height_m"}
+def _tuned_to(wanted: Wanted | None) -> dict[str, Any] | None:
+    if wanted is None:
+        return None
+    return {"restitution": wanted.restitution, "u": wanted.u, "speed_m_s": wanted.speed_m_s}
 
 
-def _sentences(found: Mapping[str, Any], choice: Choice) -> list[str]:
-    best = choice.best
-    e = best.as_dict().get("restitution")
-    said = []
-    if e is not None:
-        k = best.names.index("restitution")
-        low, high = best.intervals[k]
-        said.append(
-            f"The restitution is {_digits(e, high - low)}, with 95 % between"
-            f" {_digits(low, high - low)} and {_digits(high, high - low)}"
-            f" ({bounce_models.model_of(best.model).text};"
-            f" impacts at {best.speeds_m_s[0]:.2f} to {best.speeds_m_s[1]:.2f} m/s)."
-        )
-    form = found["engine_form"]
-    if form is not None:
-        said.append(
-            f"Engines have no such law; they were fitted with {form['text']}, which leaves"
-            f" χ² = {form['chi2']:.3g} for {form['count']} numbers."
-        )
-    shown = [s["effective"]["restitution"]["value"] for s in found["sources"] if s["effective"]]
-    if len(shown) > 1:
-        spread = (max(shown) - min(shown)) / (sum(shown) / len(shown))
-        said.append(
-            f"Fitted to it, {len(shown)} engines show restitutions that differ by"
-            f" {100 * spread:.3f} %."
-        )
-    said += [_sentence(text) for text in (*choice.words, *found["identifiability"]["words"])]
-    said += [_sentence(text) for text in best.warnings]
-    said.append(found["holdout"]["text"])
-    return said
+def _tuned_mean(sources: Sequence[Mapping[str, Any]]) -> float | None:
+    """The closed form's mean restitution over the impacts that an engine resolves most of."""
+    most = max((source.get("impacts", ()) for source in sources), key=len, default=())
+    return sum(row["closed_form"] for row in most) / len(most) if most else None
 
 
-def _digits(value: float, width: float) -> str:
-    """A number to a hundredth of an interval, at least four decimals."""
-    places = 4 if not 0 < width < math.inf else max(4, 2 - math.floor(math.log10(width)))
-    return f"{value:.{min(places, 9)}f}"
+def _run_with(roles: Roles, start: Fit, engines: Sequence[EngineFit], made: Made) -> dict[str, Any]:
+    """With what a run repeats the fit: parameters of the scenario, and engines' own numbers."""
 
+    def values(one: Fit) -> dict[str, float]:
+        closed = dict(one.problem.values(one.x, 0))
+        if made.wanted is not None:
+            closed["restitution"] = made.wanted.restitution
+        found = roles.values(closed)
+        return {name: value for name, value in found.items() if name != roles.height}
 
-def _sentence(text: str) -> str:
-    return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
+    assisted = {
+        one.engine: values(one.fit)
+        for one in engines
+        if isinstance(one, AssistedFit) and one.fit is not None
+    }
+    numbers = {
+        one.engine: [
+            {"pairs": record["pairs"], "restitution": record["restitution"],
+             "values": list(record["numbers"])}
+            for record in one.tuning
+        ]
+        for one in engines
+        if isinstance(one, TunedFit) and one.fit is not None
+    }  # fmt: skip
+    return {"closed": values(start), "engines": assisted, "numbers": numbers}

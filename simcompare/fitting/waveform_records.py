@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 
 from simcompare import units
+from simcompare.backend import ASSISTED
 from simcompare.fitting.identifiability import Identifiability, Language, of_jacobian
 from simcompare.fitting.waveform_engines import EngineWaves
 from simcompare.fitting.waveform_holdout import rms_of
 from simcompare.fitting.waveform_reference import Fitted
 from simcompare.fitting.waveform_setup import Setup
+from simcompare.helps import ALL
 from simcompare.trajectory import Array, Trajectory
 from simcompare.validation.cases import DURATION, Case
 from simcompare.validation.judging import as_trajectory, noise
@@ -57,6 +59,8 @@ def of_fit(
     found: dict[str, Any] = {
         "format": FORMAT,
         "by": "waveform",
+        "contact": ASSISTED,
+        "assist": ALL,
         "scenario": model.file.name,
         "given": dict(given),
         "probes": list(setup.probes),
@@ -168,7 +172,7 @@ def _correlation(covariance: Array) -> list[list[float]]:
 
 def _source(model: Model, setup: Setup, fitted: Fitted, one: EngineWaves) -> dict[str, Any]:
     plain: dict[str, Any] = {
-        "name": one.engine, "version": one.version, "contact": "assisted", "status": one.status,
+        "name": one.engine, "version": one.version, "contact": ASSISTED, "status": one.status,
         "reason": one.reason, "simulations": one.simulations, "wall_s": one.wall_s,
     }  # fmt: skip
     if one.status != "ok":

@@ -1,0 +1,260 @@
+"""Fits for plain loops: numbers that a user types in, and what they do where nothing helps."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import simcompare
+from simcompare.drops import even_phases
+from simcompare.errors import InputError
+from simcompare.fitting import fit_file
+from tests.bare_drops import COEFFICIENT_ENGINES, MujocoDrops
+from tests.test_fitting import E, stopwatch
+
+ENGINES = {**COEFFICIENT_ENGINES, "mujoco": MujocoDrops}
+STEP_S = 1e-3
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    place = tmp_path_factory.mktemp("tuned")
+    drop = stopwatch(place / "drop.csv")
+    held = stopwatch(place / "held.csv", seed=7, height_m=0.7)
+    return simcompare.fit("ball", recordings=[drop], hold_out=[held], step=STEP_S, out=place)
+
+
+def sources(run):
+    return {source["name"]: source for source in run.record["fit"]["sources"]}
+
+
+def test_a_fit_is_for_a_plain_loop_unless_help_is_asked_for(found):
+    record = found.record["fit"]
+    assert (record["contact"], record["assist"]) == ("tuned", "none")
+    assert found.exit_code == 0
+    for source in record["sources"]:
+        assert source["status"] == "ok"
+        assert source["contact"] == "tuned"
+        assert source["step_s"] == STEP_S
+    assert record["sentences"][0].startswith("Type these into a loop with a step of 1 ms: ")
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_numbers_transfer_to_a_bare_loop(found, engine):
+    numbers = tuple(row["value"] for row in sources(found)[engine]["numbers"])
+    speed = found.record["fit"]["tuned_to"]["speed_m_s"]
+    bare = ENGINES[engine](STEP_S)
+    # phases that neither the calibration nor the fit has seen
+    assert bare(numbers, speed, even_phases(23, 0.3)).mean == pytest.approx(E, rel=0.005)
+    three = [bare(numbers, speed * E**k, even_phases(23, 0.3)).mean for k in range(3)]
+    assert np.mean(three) == pytest.approx(E, rel=0.01)
+
+
+def test_a_number_carries_the_uncertainty_of_the_restitution(found):
+    goal = found.record["fit"]["tuned_to"]
+    for source in sources(found).values():
+        *chosen, last = source["numbers"]
+        assert all(row["u"] == 0 for row in chosen)
+        scatter = source["tuning"][0]["at"][0]["scatter"]
+        whole = math.hypot(goal["u"], scatter / 5)
+        if not chosen:  # a coefficient is nearly the restitution
+            assert last["u"] == pytest.approx(whole, rel=0.05)
+        else:  # ln e is about proportional to the damping
+            assert last["u"] / abs(last["value"]) == pytest.approx(
+                whole / E / -math.log(E), rel=0.2
+            )
+
+
+def test_the_time_of_the_contact_is_told_and_not_made_up_for(found):
+    spring = sources(found)["mujoco"]
+    first = spring["impacts"][0]
+    assert first["restitution"] == pytest.approx(E, rel=0.005)
+    assert first["late_s"] > 2e-3
+    assert spring["contact_of_first_impact"]["contact_s"] > 5e-3
+    assert spring["contact_of_first_impact"]["penetration_m"] > 5e-3
+    late = [row["late_s"] for row in spring["impacts"]]
+    assert np.all(np.diff(late) > 0)
+    # no engine's physical parameters were moved to fit its own delays
+    given = {source["parameters"]["restitution"]["value"] for source in sources(found).values()}
+    assert len(given) == 1
+
+
+def test_every_recorded_impact_is_set_beside_the_closed_form(found):
+    for source in sources(found).values():
+        assert [row["number"] for row in source["impacts"]] == list(range(1, 8))
+        assert source["impacts"][0]["deviation"] == pytest.approx(0, abs=0.005)
+        mean = np.mean([row["restitution"] for row in source["impacts"]])
+        assert source["effective"]["restitution"]["value"] == pytest.approx(mean, rel=1e-9)
+        assert source["impacts"][0]["scatter"] > 0
+
+
+def test_a_held_out_drop_is_judged_by_restitution_and_heights(found):
+    (drop,) = found.record["fit"]["holdout"]["drops"]
+    assert abs(drop["e_n"]) <= 1
+    assert [row["number"] for row in drop["heights"]] == [1, 2, 3, 4, 5, 6]
+    assert all(abs(row["e_n"]) <= 1.2 for row in drop["heights"])
+    spring = drop["engines"]["mujoco"]
+    assert abs(spring["e_n"]) <= 1
+    assert spring["heights"][0]["predicted"] == pytest.approx(0.7 * E**2, rel=0.02)
+    # lateness stands beside, without a score
+    assert spring["late_s"][0] > 2e-3
+    assert "not judged" in found.record["fit"]["holdout"]["text"]
+
+
+def test_a_ball_of_another_kind_is_told_apart(found, tmp_path):
+    other = stopwatch(tmp_path / "other.csv", seed=3, e=0.8)
+    drop = stopwatch(tmp_path / "drop.csv")
+    run = simcompare.fit("ball", recordings=[drop], hold_out=[other], engine="pymunk")
+    (held,) = run.record["fit"]["holdout"]["drops"]
+    assert abs(held["engines"]["pymunk"]["e_n"]) > 3
+    assert abs(held["engines"]["pymunk"]["heights"][0]["e_n"]) > 1
+
+
+def test_a_run_takes_the_numbers_of_the_fit_and_tunes_anew_at_another_step(found):
+    place = str(found.folder)
+    run = simcompare.run("ball", engine="pymunk,mujoco", contact=place, seeds=3)
+    assert run.record["cautions"] == []
+    for source in run.record["sources"]:
+        known = {row["value"] for row in sources(found)[source["name"]]["numbers"]}
+        held = {row["set_value"] for row in source["audit"]}
+        assert known <= held
+        assert not source["tuning"]
+    other = simcompare.run("ball", engine="pymunk", contact=place, seeds=1, step="2ms")
+    (caution,) = other.record["cautions"]
+    assert "tuned anew" in caution
+    assert other.record["sources"][0]["tuning"][0]["step_s"] == 2e-3
+    changed = simcompare.run("ball", engine="pymunk", contact=place, seeds=1,
+                             set={"restitution": 0.7})  # fmt: skip
+    assert any("tuned anew" in text for text in changed.record["cautions"])
+
+
+def test_settings_of_a_fit_hold_for_its_step(found):
+    from simcompare import catalogue
+
+    fit = fit_file.read(found.folder / "fit.json")
+    file = catalogue.load("ball")
+    scene = file.resolve(fit.base(file), step_s=STEP_S)
+    settings = fit.settings("mujoco", scene)
+    assert settings.contact == "tuned"
+    assert [len(numbers.values) for numbers in settings.numbers] == [2]
+    assert fit.settings("mujoco", file.resolve(fit.base(file), step_s=5e-4)).numbers == ()
+    assert fit.of_engine("mujoco", file) == {}
+    assert fit.of_engine("unknown", file) is None
+
+
+def test_contact_values_are_all_that_a_loop_needs(found, call):
+    code, out, err = call("export", "ball", "--fit", found.folder / "fit.json", "--contact-values")
+    assert code == 0, err
+    assert "plain loop of one fixed step of 1 ms" in out.splitlines()[0]
+    for line in (
+        "mujoco: opt.timestep = 0.001 s", "mujoco: opt.cone = 1.0", "mujoco: solimp[0] = 0.9999",
+        "mujoco: solref[1] = -", "pybullet: contactERP = 0.0", "pybullet: erp = 0.0",
+        "pybullet: contactSlop = 0.0", "pybullet: restitutionVelocityThreshold = 0.0",
+        "pybullet: contactProcessingThreshold = 0.0", "pybullet: linearDamping = 0.0",
+        "pybullet: restitution of floor = 1.0", "dart: OdeCollisionDetector = 1.0",
+        "dart: restitutionCoeff of ball = 0.8", "pymunk: Space.collision_slop = 1e-09 m",
+        "pymunk: elasticity of floor = 1.0",
+    ):  # fmt: skip
+        assert line in out
+
+
+def test_an_engine_that_cannot_is_a_row_with_its_longest_step(tmp_path, call):
+    drop = stopwatch(tmp_path / "drop.csv", e=0.6, height_m=0.5)
+    code, out, err = call(
+        "fit", "ball", "-r", drop, "--engine", "mujoco,pymunk", "--step", "4ms", "--json",
+        "--no-report", "-o", tmp_path / "runs",
+    )  # fmt: skip
+    assert code == 0, err
+    rows = {source["name"]: source for source in json.loads(out)["sources"]}
+    assert rows["mujoco"]["status"] == "unsupported"
+    assert "the longest step that has one is" in rows["mujoco"]["reason"]
+    assert rows["pymunk"]["status"] == "ok"
+    code, out, err = call(
+        "fit", "ball", "-r", drop, "--engine", "mujoco", "--step", "4ms", "--no-report",
+        "-o", tmp_path / "runs",
+    )  # fmt: skip
+    assert code == 3
+    assert "the longest step that has one is" in out
+    assert "Traceback" not in err
+
+
+def test_a_law_of_speed_gives_the_first_impact_and_the_others_are_told(tmp_path):
+    from tests.bounces import TRUTH, times_of
+
+    values = {**TRUTH, "exponent": 0.05}
+    rows = "".join(f"{k},{t:.7f},1e-4\n" for k, t in enumerate(times_of(values, 8), start=1))
+    path = tmp_path / "falling.csv"
+    path.write_text(f"# title: made up\nbounce,impact_time_s,u_impact_time_s\n{rows}")
+    record = simcompare.fit(
+        "ball", recordings=[path], engine="pymunk", model="power", step=STEP_S
+    ).record["fit"]
+    goal = record["tuned_to"]
+    assert goal["restitution"] == pytest.approx(0.85 * (goal["speed_m_s"] / 4) ** -0.05, rel=1e-3)
+    impacts = record["sources"][0]["impacts"]
+    assert impacts[0]["deviation"] == pytest.approx(0, abs=0.002)
+    assert impacts[3]["closed_form"] > impacts[0]["closed_form"]
+    assert impacts[3]["deviation"] < -0.01
+    assert any("one restitution for all speeds" in text for text in record["sentences"])
+
+
+def test_several_drops_share_one_set_of_numbers(tmp_path):
+    drops = [stopwatch(tmp_path / f"{h}.csv", seed=k, height_m=h) for k, h in enumerate((0.4, 0.9))]
+    (source,) = simcompare.fit("ball", recordings=drops, engine="pymunk").record["fit"]["sources"]
+    assert {row["drop"] for row in source["impacts"]} == {1, 2}
+    assert source["tuning"][0]["speed_m_s"] == pytest.approx(math.sqrt(2 * 9.80665 * 0.9), rel=0.01)
+
+
+def test_an_old_fit_is_read_as_assisted(found, tmp_path):
+    tree = json.loads((found.folder / "fit.json").read_text(encoding="utf-8"))
+    for name in ("contact", "assist", "tuned_to"):
+        del tree[name]
+    tree["run_with"] = {"closed": tree["run_with"]["closed"],
+                        "engines": {"pymunk": tree["run_with"]["closed"]}}  # fmt: skip
+    for source in tree["sources"]:
+        source["contact"] = "mapped"
+    path = tmp_path / "fit.json"
+    path.write_text(json.dumps(tree), encoding="utf-8")
+    fit = fit_file.read(path)
+    assert (fit.contact, fit.assist) == ("assisted", "all")
+    run = simcompare.run("ball", engine="pymunk", contact=str(path), seeds=1)
+    assert "landing" in run.record["sources"][0]["helps"]
+    assert "not for a plain loop" in fit_file.contact_values(path)
+
+
+def test_a_damaged_contact_is_refused(found, tmp_path):
+    tree = json.loads((found.folder / "fit.json").read_text(encoding="utf-8"))
+    path = tmp_path / "fit.json"
+    for name, value in (("contact", "glued"), ("assist", "magic")):
+        changed = {**tree, "contact": "assisted", name: value}
+        path.write_text(json.dumps(changed), encoding="utf-8")
+        with pytest.raises(InputError, match=value):
+            fit_file.read(path)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--assist", "magic"], "no help is called 'magic'"),
+        (["--assist", "all,none"], "stands alone"),
+        (["--step", "0"], "0 s is no step here"),
+        (["--step", "1ns"], "is no step here"),
+        (["--step", "3s"], "is no step here"),
+    ],
+)
+def test_bad_requests_are_one_clear_sentence(call, tmp_path, words, message):
+    drop = stopwatch(tmp_path / "drop.csv")
+    code, _, err = call("fit", "ball", "-r", drop, "--engine", "pymunk", "--no-report", *words)
+    assert code == 2, err
+    assert message in err
+    assert "Traceback" not in err
+
+
+def test_some_helps_are_taken_and_written_down(tmp_path):
+    drop = stopwatch(tmp_path / "drop.csv")
+    run = simcompare.fit("ball", recordings=[drop], engine="pymunk", out=tmp_path / "runs",
+                         assist="landing,half_step_start")  # fmt: skip
+    assert run.record["fit"]["assist"] == "landing,half_step_start"
+    fit = fit_file.read(run.folder / "fit.json")
+    assert fit.contact == "assisted"
+    assert "--assist" in run.record["command"]
