@@ -157,7 +157,8 @@ def _drive(plan: Plan, held: Any, body: dict[str, str]) -> list[str]:
         given = f"{'force' if isinstance(joint, Slider) else 'torque'}{f'_{name}' if many else ''}"
         if isinstance(joint, Slider):
             axis = f"axis_{name}" if many else "axis"
-            read.append(f"q, v, {axis} = {_slide_of(joint, parent, child)}, step_s)")
+            moved = "q, v" if joint.senses else "*_"
+            read.append(f"{moved}, {axis} = {_slide_of(joint, parent, child)}, step_s)")
             read.append(f"{given} = {effort.text('q', 'v')}")
             push.append(f"{child}.force += ({given} * {axis}[0], {given} * {axis}[1])")
             if not joint.fixed_parent:

@@ -26,8 +26,8 @@ from simcompare.backends._pybullet_scene import (
     build,
     gap_of,
     refresh_contacts,
-    takes_other_shapes,
 )
+from simcompare.backends._pybullet_shapes import takes_other_shapes
 from simcompare.backends._recoil import Motion, RecoilingSimulation
 from simcompare.drives import Drive
 from simcompare.errors import EngineBroken

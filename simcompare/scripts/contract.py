@@ -146,8 +146,8 @@ class Parts:
 class EngineScript(Protocol):
     """Writes the engine's share of scripts."""
 
-    def parts(self, backend: EngineBackend, plan: Plan) -> Parts:
-        """What builds, steps and reads one scene."""
+    def parts(self, backend: Any, plan: Plan) -> Parts:  # noqa: ANN401
+        """What builds, steps and reads one scene; ``backend`` is the one that was asked."""
 
 
 @dataclass

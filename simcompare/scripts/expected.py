@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from simcompare import experiment, measures
 from simcompare.backend import Settings
 from simcompare.compare import Repeat, Score, scores_of
-from simcompare.errors import InputError, SimcompareError
+from simcompare.errors import BackendError, InputError
 from simcompare.jobs import MISSING, OK, UNSUPPORTED, Job, execute
 from simcompare.scenario import Measure, Scenario
 from simcompare.scenario_file import ScenarioFile
@@ -49,7 +49,7 @@ def expected_of(
 
     Raises:
         InputError: the engine refuses the scene; the reason is told.
-        EngineMissing: it is not installed.
+        BackendError: it is not installed, or failed.
     """
     truths = experiment.truths_of(file.path, [*repeats, *([shifted] if shifted else [])])
     done = [
@@ -85,7 +85,7 @@ def _run(job: Job) -> Trajectory:
         engines.get(job.engine).version()
     if done.status in (UNSUPPORTED, MISSING):
         raise InputError(f"--engine {job.engine}", [str(done.reason)])
-    raise SimcompareError(str(done.reason))
+    raise BackendError(str(done.reason))
 
 
 def _measure_of(scenario: Scenario, score: Score) -> tuple[Measure, str]:

@@ -104,20 +104,39 @@ def _numbers(truth: Truth, series: str, count: int) -> list[str]:
     return lines
 
 
+_THROWN = (
+    "    curve = np.polyfit(t[i], {z}[i], 2)",
+    "    start, end = np.sort(np.roots(curve).real)",
+    "    flights.append((start, end, *[curve[0] * (start - end)] * 2))",
+    "start, end, up, down = np.array(flights).T",
+)
+#: air drag bends the parabola
+_DRAGGED = (
+    "    curve = np.polyfit(t[i] - t[i[0]], {z}[i], 5)",
+    "    roots = np.roots(curve)",
+    "    roots = roots.real[abs(roots.imag) < 1e-9]",
+    "    span = t[i[-1]] - t[i[0]]",
+    "    ends = max(roots[roots <= 0], default=0), min(roots[roots >= span], default=span)",
+    "    flights.append((*(t[i[0]] + np.array(ends)), *abs(np.polyval(np.polyder(curve), ends))))",
+    "start, end, up, down = np.array(flights).T",
+)
+
+
 def _bounces(m: Measuring, measure: Measure, truth: Truth) -> Mapping[str, str]:
     z = m.probe(measure.probe)
+    bodies = m.scenario.moving_bodies().values()
+    dragged = any(body.drag is not None and body.drag.factor_kg_m > 0 for body in bodies)
     m.lines += [
         f"low = np.flatnonzero(({z}[1:-1] < {z}[:-2]) & ({z}[1:-1] <= {z}[2:])) + 1",
-        "flights = []  # the parabola through each flight of at least 12 samples",
+        "flights = []  # each of at least 12 samples: start, end, speeds at the floor there",
         f"for a, b in zip([0, *(low + 2)], [*(low - 1), len({z}) - 1]):",
         f"    i = a + np.flatnonzero({z}[a:b] > 0)",
         f"    if len(i) < 12 or np.ptp({z}[i]) <= 1e-6 * np.ptp({z}):",
         "        break",
-        f"    flights.append(np.polyfit(t[i], {z}[i], 2))",
-        "start, end = np.sort([np.roots(flight).real for flight in flights]).T",
-        "speed = -np.array(flights)[:, 0] * (end - start)  # at the floor, before and after",
-        "e = speed[1:] / speed[:-1] if len(speed) > 1 else np.zeros(1)",
+        *(_DRAGGED if dragged else _THROWN),
+        "e = up[1:] / down[:-1] if len(up) > 1 else np.zeros(1)",
     ]
+    m.lines = [line.replace("{z}", z) for line in m.lines]
     found = {"penetration": f"max(0, -{z}.min())", "resolved_bounces": "len(flights) - 1"}
     found["restitution"] = "e.mean()"
     if truth.first is not None:

@@ -233,7 +233,10 @@ class Writer:
                 return f'"{value}"' if isinstance(value, str) else repr(value)
 
     def _sequence(self, value: tuple[Any, ...] | list[Any]) -> str:
-        members = ", ".join(self.text(member) for member in value)
+        texts = [self.text(member) for member in value]
+        if len(texts) > 2 and len(set(texts)) == 1 and isinstance(value, list):
+            return f"[{texts[0]}] * {len(texts)}"
+        members = ", ".join(texts)
         if isinstance(value, list):
             return f"[{members}]"
         return f"({members},)" if len(value) == 1 else f"({members})"

@@ -27,9 +27,9 @@ from simcompare.tuning import tuned
 
 #: contact levels that a plain loop with one step can have, and what they are
 LEVELS = {
-    "default": "The engine as it comes",
-    "coefficients": "The engine as it comes, with the scenario's restitution and friction",
-    "tuned": "The engine's own solver, with its own public parameters",
+    "default": "the engine as it comes",
+    "coefficients": "the engine as it comes, with the scenario's restitution and friction",
+    "tuned": "the engine's own solver, with its own public parameters",
 }
 
 
@@ -84,7 +84,7 @@ def script(
         )
     chosen = engines.get(engine)
     writer = script_of(chosen)
-    assert isinstance(chosen, EngineBackend)
+    assert isinstance(chosen, EngineBackend), "only those have a method script()"
     level = level_of(contact, fit)
     file = catalogue.load(scenario)
     values = _values(file, engine, set or {}, fit)
@@ -189,12 +189,12 @@ def _text(
     inputs: Mapping[str, Array],
 ) -> tuple[str, dict[str, Array]]:
     measuring = Measuring(plan.scenario, _taken(plan), _recorded(plan))
-    table = _table(measuring, expected)
+    table = _table(measuring, expected, plan.lacking)
     stored = {**inputs, **measuring.stored}
     functions = [line for lines in measuring.functions.values() for line in ["", "", *lines]]
     lines = [*_head(name, engine, plan, stored)]
     lines += ["import sys", ""] if plan.shifted is not None else []
-    lines += ["import numpy as np", *parts.imports, ""]
+    lines += [*sorted(["import numpy as np", *parts.imports]), ""]
     if plan.shifted is not None:
         lines.append("phase = float(sys.argv[1]) if len(sys.argv) > 1 else 0.0")
     world = plan.scenario.world
@@ -258,8 +258,8 @@ def _head(name: str, engine: Backend, plan: Plan, stored: Mapping[str, Array]) -
             f" [PHASE]; PHASE, 0 to 1, adds that part of {dither.span:.4g} {unit} to"
             f" {dither.parameter}."
         )
-    title = f"{scenario.title} in {engine.name} {engine.version()}, contact level {level}."
-    text = f"{LEVELS[level]}. {_told(plan)}{text}"
+    title = f"{scenario.title} in {engine.name} {engine.version()}."
+    text = f"Contact level {level}: {LEVELS[level]}. {_told(plan)}{text}"
     return [f'"""{title}', "", *textwrap.wrap(text, WIDTH), '"""', ""]
 
 
@@ -302,7 +302,9 @@ def _indented(lines: Sequence[str]) -> list[str]:
     return [f"    {line}" if line else "" for line in lines]
 
 
-def _table(measuring: Measuring, expected: Sequence[Expected]) -> list[str]:
+def _table(
+    measuring: Measuring, expected: Sequence[Expected], lacking: frozenset[str]
+) -> list[str]:
     """Lines that print what was measured, beside what is expected."""
     from simcompare.cli.console import number as told
 
@@ -311,7 +313,9 @@ def _table(measuring: Measuring, expected: Sequence[Expected]) -> list[str]:
     for one in expected:
         key = id(one.measure)
         if key not in done:
-            snippet = SNIPPETS.get(one.measure.function)
+            seen = (one.measure.probe, *one.measure.also.values())
+            lacks = any(measuring.scenario.probes[name].observe in lacking for name in seen)
+            snippet = None if lacks else SNIPPETS.get(one.measure.function)
             done[key] = {} if snippet is None else snippet(measuring, one.measure, one.truth)
         value = done[key].get(one.own, "np.nan")
         score = one.score
