@@ -8,7 +8,7 @@ from typing import Any
 
 from simcompare.audit import Audit
 from simcompare.backend import Settings
-from simcompare.backends._mujoco_scene import geom_name, pair_names, solref
+from simcompare.backends._mujoco_scene import SOLIMP, geom_name, pair_names, solref
 from simcompare.drives import JointLaw, laws_of
 from simcompare.helps import CENTRED_EFFORTS
 from simcompare.kinematics import Mount, mount_of

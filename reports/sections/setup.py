@@ -6,7 +6,7 @@ from typing import Any
 
 from simcompare import units
 from simcompare.reports import numbers, runs
-from simcompare.reports.reproduce import command
+from simcompare.reports.reproduce import command, scripts
 from simcompare.reports.sections.base import Section
 from simcompare.results import Run
 
@@ -21,6 +21,7 @@ class Setup(Section):
         record = run.record
         return {
             "command": command(run),
+            "scripts": scripts(run),
             "parameters": [_parameter(run, name) for name in record["parameters"]],
             "settings": _settings(run),
             "software": dict(record["software"]),
