@@ -100,6 +100,7 @@ def test_no_engine_has_our_helps_in_its_own_levels(engine):
         assert simulate(engine, scene("ball"), Settings(level)).helps == ()
 
 
+@pytest.mark.engines("pybullet")
 def test_rims_are_ours_and_a_cylinder_is_the_engines():
     """Bullet touches a plane with one point of a cylinder, so the robot is far too slow."""
     run = simcompare.run("robot_cylinder", engine="pybullet", contact="tuned,assisted")

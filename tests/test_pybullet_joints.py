@@ -14,7 +14,7 @@ from simcompare.errors import SimulationDiverged, Unsupported
 from simcompare.rotations import conjugate, rotate
 from simcompare.scenario import Scenario
 
-pytest.importorskip("pybullet")
+pytestmark = pytest.mark.engines("pybullet")
 BACKEND = engines.get("pybullet")
 G = 9.81
 GROUND = {"fixed": True, "shapes": [{"type": "plane", "normal": (0, 0, 1)}]}
