@@ -7,7 +7,6 @@ from types import ModuleType
 from typing import Any
 
 from simcompare.audit import Audit
-from simcompare.backend import Settings
 from simcompare.backends._mujoco_scene import (
     FRICTION_SOLREF,
     SOLIMP,
@@ -21,6 +20,7 @@ from simcompare.helps import CENTRED_EFFORTS
 from simcompare.kinematics import Mount, mount_of
 from simcompare.pairs import touching_pairs
 from simcompare.scenario import Body, Contact, Scenario
+from simcompare.settings import Settings
 
 
 def audit_of(engine: ModuleType, model: Any, scenario: Scenario, settings: Settings) -> Audit:

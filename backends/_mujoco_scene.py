@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 from xml.etree import ElementTree as ET
 
-from simcompare.backend import Settings
 from simcompare.dashpot import damping_ratio
 from simcompare.drives import JointLaw, laws_of
 from simcompare.helps import CENTRED_EFFORTS, LANDING
@@ -13,6 +12,7 @@ from simcompare.kinematics import in_order, mount_of
 from simcompare.landing import approaches
 from simcompare.pairs import jointed_pairs, touching_pairs, untouching_pairs
 from simcompare.scenario import Contact, Scenario, Sensor
+from simcompare.settings import Settings
 from simcompare.shapes import Shape
 
 #: √(k/m) of a bouncing contact [rad/s]: it lasts 0.03 ms, far below any step that is recorded

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from itertools import combinations
 from types import ModuleType
 
-from simcompare.backend import Settings
+from simcompare.backends._pybullet_parts import BASE, Scene
 from simcompare.backends._pybullet_shapes import has_rims, minus, shape_of, xyzw
 from simcompare.drives import JointLaw, laws_of
 from simcompare.errors import Unsupported
@@ -19,11 +18,8 @@ from simcompare.pairs import (
     untouching_pairs,
 )
 from simcompare.scenario import Scenario
+from simcompare.settings import Settings
 from simcompare.shapes import Vector
-
-#: a body, as PyBullet calls it: number of the articulated body and of its link, -1 for its base
-Place = tuple[int, int]
-BASE = -1
 
 #: largest speed of any coordinate; PyBullet's own 100 m/s or rad/s would be a wall
 MOST_SPEED = 1.0e9
@@ -35,31 +31,6 @@ CONTACT_GAP_M = 1.0e-5
 #: softness of contacts where there are rims, in steps over the mass of all bodies: so the two rims
 #: of a wheel share its load evenly, which else the order would decide in which they are found
 SOFTNESS = 0.05
-
-
-@dataclass
-class Scene:
-    """What was built, by the names of the scenario.
-
-    Attributes:
-        engine: the imported engine.
-        client: its physics client.
-        scenario: what was built.
-        settings: how much of the scenario is given to the engine, and with which helps.
-        bodies: place of every body.
-        joints: place of every joint, which is that of its child.
-        restitution: per body; empty where it is left to the engine.
-        friction: per body, likewise.
-    """
-
-    engine: ModuleType
-    client: int
-    scenario: Scenario
-    settings: Settings
-    bodies: dict[str, Place] = field(default_factory=dict)
-    joints: dict[str, Place] = field(default_factory=dict)
-    restitution: Mapping[str, float] = field(default_factory=dict)
-    friction: Mapping[str, float] = field(default_factory=dict)
 
 
 def build(engine: ModuleType, client: int, scenario: Scenario, settings: Settings) -> Scene:

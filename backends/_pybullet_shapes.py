@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
+from simcompare.backends._pybullet_parts import Scene
 from simcompare.helps import RIMS
 from simcompare.pairs import touching_pairs
 from simcompare.shapes import Cylinder, Plane, Quaternion, Vector
-
-if TYPE_CHECKING:
-    from simcompare.backends._pybullet_scene import Scene
 
 #: collision margin [m] of the shapes that PyBullet makes; it rounds the edges of cylinders
 MARGIN_M = 1.0e-3

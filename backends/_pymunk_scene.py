@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from simcompare.audit import Audit
-from simcompare.backend import Settings
 from simcompare.backends._pymunk_joints import LINKAGES, Linkage, Point, armature_of
 from simcompare.backends._pymunk_sweeps import sweeps_for
 from simcompare.drives import JointLaw, laws_of
@@ -21,6 +20,7 @@ from simcompare.kinematics import add_children, in_order
 from simcompare.landing import approaches
 from simcompare.pairs import friction_per_body, restitution_per_body, touching_pairs
 from simcompare.scenario import MOVABLE, Body, Scenario
+from simcompare.settings import Settings
 from simcompare.shapes import Shape
 from simcompare.state import State
 from simcompare.trajectory import BODY_SIGNALS, Array

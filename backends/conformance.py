@@ -15,9 +15,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from simcompare.backend import ASSISTED, Backend, Feature, Settings, needs
+from simcompare.backend import Backend, Feature, needs
 from simcompare.errors import SimcompareError, Unsupported
 from simcompare.scenario import ACTUATOR_SIGNALS, MOVABLE, SENSOR_SIGNALS, Joint, Scenario
+from simcompare.settings import ASSISTED, Settings
 from simcompare.simulation import sample_times
 from simcompare.trajectory import BODY_SIGNALS
 

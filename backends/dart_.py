@@ -9,14 +9,7 @@ from typing import Any
 import numpy as np
 
 from simcompare.audit import Audit
-from simcompare.backend import (
-    COEFFICIENT,
-    JOINTS_AND_FORCES,
-    SPATIAL_RIGID_BODIES,
-    EngineBackend,
-    KnownLimit,
-    Settings,
-)
+from simcompare.backend import JOINTS_AND_FORCES, SPATIAL_RIGID_BODIES, EngineBackend, KnownLimit
 from simcompare.backends._dart_scene import Scene, audit_scene, build_scene
 from simcompare.backends._recoil import Motion, RecoilingSimulation
 from simcompare.helps import CENTRED_EFFORTS, HALF_STEP_START, LANDING, RECOIL
@@ -24,6 +17,7 @@ from simcompare.landing import ContactSteps
 from simcompare.rotations import quaternions_of, rotation_vector_of
 from simcompare.scenario import MOVABLE, Scenario
 from simcompare.scripts.contract import EngineScript
+from simcompare.settings import COEFFICIENT, Settings
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
 from simcompare.state import BodyState

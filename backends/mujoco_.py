@@ -13,10 +13,8 @@ from simcompare.audit import Audit
 from simcompare.backend import (
     JOINTS_AND_FORCES,
     SPATIAL_RIGID_BODIES,
-    SPRING,
     EngineBackend,
     KnownLimit,
-    Settings,
     installed_version,
 )
 from simcompare.backends._mujoco_audit import audit_of
@@ -36,6 +34,7 @@ from simcompare.landing import ContactSteps, approaches, finely_stepped, slips_a
 from simcompare.rotations import rotate
 from simcompare.scenario import MOVABLE, Scenario
 from simcompare.scripts.contract import EngineScript
+from simcompare.settings import SPRING, Settings
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
 from simcompare.state import BodyState, State

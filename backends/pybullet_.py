@@ -10,24 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from simcompare.backend import (
-    COEFFICIENT,
-    JOINTS_AND_FORCES,
-    SPATIAL_RIGID_BODIES,
-    EngineBackend,
-    KnownLimit,
-    Settings,
-)
+from simcompare.backend import JOINTS_AND_FORCES, SPATIAL_RIGID_BODIES, EngineBackend, KnownLimit
 from simcompare.backends._pybullet_audit import audit_of
+from simcompare.backends._pybullet_parts import BASE, Scene
 from simcompare.backends._pybullet_reaction import Surplus, sensed_wrongly
 from simcompare.backends._pybullet_rotors import Rotors
-from simcompare.backends._pybullet_scene import (
-    BASE,
-    Scene,
-    build,
-    gap_of,
-    refresh_contacts,
-)
+from simcompare.backends._pybullet_scene import build, gap_of, refresh_contacts
 from simcompare.backends._pybullet_shapes import takes_other_shapes
 from simcompare.backends._recoil import Motion, RecoilingSimulation
 from simcompare.drives import Drive
@@ -43,6 +31,7 @@ from simcompare.landing import ContactSteps, finely_stepped
 from simcompare.pairs import refuse_offsets
 from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario
 from simcompare.scripts.contract import EngineScript
+from simcompare.settings import COEFFICIENT, Settings
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
 from simcompare.state import BodyState, State

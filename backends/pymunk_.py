@@ -9,14 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from simcompare.backend import (
-    COEFFICIENT,
-    JOINTS_AND_FORCES,
-    EngineBackend,
-    Feature,
-    KnownLimit,
-    Settings,
-)
+from simcompare.backend import JOINTS_AND_FORCES, EngineBackend, Feature, KnownLimit
 from simcompare.backends._pymunk_forces import ForceReader
 from simcompare.backends._pymunk_joints import GROOVE_HALF_LENGTH_M, Slider
 from simcompare.backends._pymunk_scene import Scene, angle_of, audit_of, bends_of, build
@@ -29,6 +22,7 @@ from simcompare.landing import ContactSteps
 from simcompare.pairs import refuse_offsets
 from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario, Sensor
 from simcompare.scripts.contract import EngineScript
+from simcompare.settings import COEFFICIENT, Settings
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
 from simcompare.state import BodyState, State

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from simcompare.backend import SHOWN_LEVELS
 from simcompare.compare import Score
 from simcompare.reports import runs
 from simcompare.reports.figures import (
@@ -21,6 +20,7 @@ from simcompare.reports.figures import (
 )
 from simcompare.reports.scored import column, events_of
 from simcompare.results import TRUTH, Run
+from simcompare.settings import SHOWN_LEVELS
 from simcompare.trajectory import Array
 
 #: curves of more points than this are drawn as lines only

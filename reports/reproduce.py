@@ -6,12 +6,12 @@ import hashlib
 import shlex
 
 from simcompare import catalogue
-from simcompare.backend import COEFFICIENTS, DEFAULT, TUNED
 from simcompare.errors import SimcompareError
 from simcompare.jobs import OK
 from simcompare.reports import runs
 from simcompare.results import Run
 from simcompare.scenario import Scenario
+from simcompare.settings import COEFFICIENTS, DEFAULT, TUNED
 
 
 def command(run: Run) -> str:

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from simcompare.backend import ASSISTED, Settings
 from simcompare.compare import Repeat, Score, scores_of
 from simcompare.errors import SimcompareError
 from simcompare.helps import HELPS
 from simcompare.jobs import UNSUPPORTED, Job, Outcome, does_not_act
 from simcompare.scenario import Scenario
+from simcompare.settings import ASSISTED, Settings
 from simcompare.trajectory import Trajectory
 
 

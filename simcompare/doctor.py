@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from simcompare import engines
-from simcompare.backend import Settings
 from simcompare.jobs import FAILED, OK, Facts, Job, Outcome
 from simcompare.runner import run_jobs
 from simcompare.scenario import Scenario
+from simcompare.settings import Settings
 
 #: a sphere in free fall, without any contact
 _FALL = {

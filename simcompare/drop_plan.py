@@ -11,36 +11,12 @@ from simcompare.landing import reach_m
 from simcompare.pairs import touching_pairs
 from simcompare.rotations import matrix_of
 from simcompare.scenario import Body, Contact, Scenario
+from simcompare.settings import DropPlan
 from simcompare.shapes import Plane, Shape
 from simcompare.trajectory import Array
 
 #: impact speed where the scene does not tell one [m/s]
 UNKNOWN_SPEED_M_S = 1.0
-
-
-@dataclass(frozen=True)
-class DropPlan:
-    """One drop of a sphere on a fixed plane, which stands for the pairs of one restitution.
-
-    Attributes:
-        pairs: names of the bodies of each pair.
-        restitution: Newton's coefficient that is wanted.
-        speed_m_s: of the first impact.
-        mass_kg: of the body that moves, the lighter one of two.
-        size_m: its smallest size.
-        gravity_m_s2: along the normal of the contact; 0 where both bodies fall alike.
-        step_s: the engine's step.
-        notes: in what the drop stands for something else than the scene.
-    """
-
-    pairs: tuple[tuple[str, str], ...]
-    restitution: float
-    speed_m_s: float
-    mass_kg: float
-    size_m: float
-    gravity_m_s2: float
-    step_s: float
-    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

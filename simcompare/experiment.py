@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from simcompare import ablation, catalogue, engines, measures, run_record, units
 from simcompare.against import Match, matches
-from simcompare.backend import ASSISTED, CONTACT_LEVELS, DEFAULT, OLD_LEVELS, TUNED, Settings
 from simcompare.compare import Repeat, Score, scores_of
 from simcompare.drives import input_values
-from simcompare.drop_plan import DropPlan, drop_plans
+from simcompare.drop_plan import drop_plans
 from simcompare.errors import InputError, OutputError, SimcompareError, UnknownName
 from simcompare.helps import ALL, HELPS, NONE, chosen, known
 from simcompare.jobs import FAILED, OK, Job, Outcome
@@ -20,6 +19,15 @@ from simcompare.results import TRUTH, Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Interrupted, Progress, run_jobs
 from simcompare.scenario import MOST_SAMPLES, Scenario
 from simcompare.sensing import complete
+from simcompare.settings import (
+    ASSISTED,
+    CONTACT_LEVELS,
+    DEFAULT,
+    OLD_LEVELS,
+    TUNED,
+    DropPlan,
+    Settings,
+)
 from simcompare.simulation import sample_times
 from simcompare.trajectory import Trajectory
 

@@ -6,11 +6,12 @@ import math
 from dataclasses import dataclass, field, replace
 
 from simcompare import engines
-from simcompare.backend import Backend, Feature, Settings
+from simcompare.backend import Backend, Feature
 from simcompare.calibration import CannotCalibrate
 from simcompare.errors import EngineBroken, EngineMissing, SimcompareError, Unsupported
 from simcompare.helps import HELPS
 from simcompare.scenario import Scenario
+from simcompare.settings import Settings
 from simcompare.trajectory import Trajectory
 
 #: how a job can end

@@ -18,19 +18,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from simcompare.errors import Unsupported
+from simcompare.free_motion import FreeMotion
 from simcompare.pairs import touching_pairs
 from simcompare.rotations import matrix_of
 from simcompare.scenario import Body, Scenario
 from simcompare.shapes import Plane, Shape, Sphere, Vector
 from simcompare.trajectory import Array
-
-if TYPE_CHECKING:
-    from simcompare.simulation import Simulation
 
 
 @dataclass(frozen=True)
@@ -249,12 +246,12 @@ class Landing:
             omega = steps.frequency_rad_s
             self._rest_depth = 2 * (pull / omega**2 + self._rest_speed / omega)
 
-    def free_steps(self, simulation: Simulation) -> int:
+    def free_steps(self, simulation: FreeMotion) -> int:
         """Recorded steps that are certainly free of contact from here on."""
         parts, touching, _ = self._look(simulation)
         return 0 if touching else int(min(parts, 1e15)) // self.parts
 
-    def step(self, simulation: Simulation) -> None:
+    def step(self, simulation: FreeMotion) -> None:
         """Advances by one recorded step, in parts where a contact falls into it."""
         left = self.parts
         while left:
@@ -274,7 +271,7 @@ class Landing:
                 simulation.advance(1)
             left -= taken
 
-    def _look(self, simulation: Simulation) -> tuple[float, bool, frozenset[str]]:
+    def _look(self, simulation: FreeMotion) -> tuple[float, bool, frozenset[str]]:
         """Parts free of contact for the pairs in flight, whether any touches, and who rests.
 
         ``resting`` is empty as soon as one pair is in an impact.

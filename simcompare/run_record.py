@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 from simcompare import measures
 from simcompare.against import Match
-from simcompare.backend import Settings, installed_version
+from simcompare.backend import installed_version
 from simcompare.compare import Score
 from simcompare.jobs import OK, Outcome
 from simcompare.results import FORMAT
 from simcompare.scenario import Scenario
+from simcompare.settings import Settings
 
 if TYPE_CHECKING:
     from simcompare.hardware.logs.bounce_table import BounceTable

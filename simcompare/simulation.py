@@ -21,7 +21,7 @@ from simcompare.stateful import StatefulMotion
 from simcompare.trajectory import Array, Trajectory
 
 if TYPE_CHECKING:
-    from simcompare.backend import Settings
+    from simcompare.settings import Settings
 
 #: what a controller reads: every signal now, a number or a tuple of its components
 Readings = Mapping[str, float | tuple[float, ...]]

@@ -16,26 +16,37 @@ from collections.abc import Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 import platformdirs
 
 from simcompare import calibration, drops
-from simcompare.backend import SPRING, TUNED, PairNumbers, Settings
 from simcompare.calibration import Calibration, CannotCalibrate
-from simcompare.drop_plan import DropPlan, drop_plans
+from simcompare.drop_plan import drop_plans
 from simcompare.drops import Bounces
 from simcompare.errors import SimulationDiverged
 from simcompare.pairs import touching_pairs
 from simcompare.scenario import Scenario
+from simcompare.settings import SPRING, TUNED, DropPlan, PairNumbers, Settings
+from simcompare.simulation import Simulation
 from simcompare.spring_calibration import DEPTH, calibrate_spring
 from simcompare.state import BodyState, State
 from simcompare.trajectory import Array
 
-if TYPE_CHECKING:
-    from simcompare.backend import EngineBackend
-    from simcompare.simulation import Simulation
+
+class Tunable(Protocol):
+    """What a backend offers to be tuned."""
+
+    name: str
+    bounces_by: str
+
+    def version(self) -> str:
+        """Version of the engine."""
+
+    def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
+        """Builds a scene."""
+
 
 #: weakest gravity with which a drop is read; without any it would have no apex [m/s²]
 LEAST_GRAVITY_M_S2 = 0.1
@@ -48,7 +59,7 @@ _AFTER = 6
 
 
 def tuned(
-    backend: EngineBackend, engine: ModuleType, scenario: Scenario, settings: Settings
+    backend: Tunable, engine: ModuleType, scenario: Scenario, settings: Settings
 ) -> tuple[Settings, tuple[Mapping[str, Any], ...]]:
     """Settings with numbers for every pair that bounces, and how they were found.
 
@@ -101,7 +112,7 @@ def _finite(values: Mapping[str, float]) -> dict[str, float | None]:
     return {name: value if math.isfinite(value) else None for name, value in values.items()}
 
 
-def calibrate(backend: EngineBackend, engine: ModuleType, plan: DropPlan) -> Calibration:
+def calibrate(backend: Tunable, engine: ModuleType, plan: DropPlan) -> Calibration:
     """Finds numbers for a plan by dropping a sphere in the engine."""
     if plan.restitution > calibration.LARGEST and backend.bounces_by != SPRING:
         # what hardly loses anything is typed in as it stands, and what comes of it is shown
@@ -139,7 +150,7 @@ class EngineDrops:
         plan: what is dropped.
     """
 
-    def __init__(self, backend: EngineBackend, engine: ModuleType, plan: DropPlan) -> None:
+    def __init__(self, backend: Tunable, engine: ModuleType, plan: DropPlan) -> None:
         self._backend, self._engine, self._plan = backend, engine, plan
         self._gravity = max(plan.gravity_m_s2, LEAST_GRAVITY_M_S2)
         self._scene = _scene(plan, self._gravity)
@@ -213,7 +224,7 @@ def cache_folder() -> Path:
     return Path(folder) / "calibrations"
 
 
-def _cached(backend: EngineBackend, engine: ModuleType, plan: DropPlan) -> Calibration:
+def _cached(backend: Tunable, engine: ModuleType, plan: DropPlan) -> Calibration:
     key = _key(backend, plan)
     if key is None:
         return calibrate(backend, engine, plan)
@@ -241,7 +252,7 @@ def _read(path: Path) -> Calibration:
     return Calibration(numbers=numbers, **plain)
 
 
-def _key(backend: EngineBackend, plan: DropPlan) -> str | None:
+def _key(backend: Tunable, plan: DropPlan) -> str | None:
     """What a calibration depends on: the drop, but not the pairs' names; engine and all our code.
 
     ``None`` where the backend has no file, so that a change of it would not be seen.

@@ -4,7 +4,8 @@ import pytest
 
 import simcompare
 from simcompare import catalogue, engines
-from simcompare.backend import ASSISTED, COEFFICIENTS, DEFAULT, Settings, needs
+from simcompare.backend import needs
+from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, Settings
 
 SPATIAL = [
     name

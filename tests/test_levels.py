@@ -7,9 +7,9 @@ import pytest
 
 import simcompare
 from simcompare import catalogue, engines, helps, store
-from simcompare.backend import ASSISTED, COEFFICIENTS, DEFAULT, TUNED, Settings
 from simcompare.errors import InputError, UnknownName, Unsupported
 from simcompare.helps import HELPS
+from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED, Settings
 
 ENGINES = ("dart", "mujoco", "pybullet", "pymunk")
 SCENES = (

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from simcompare import engines
-from simcompare.backend import Settings
 from simcompare.errors import Unsupported
 from simcompare.scenario import Scenario
+from simcompare.settings import Settings
 
 SPATIAL, ALL = ("dart", "pybullet"), ("dart", "pybullet", "pymunk")
 

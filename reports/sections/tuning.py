@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from simcompare.backend import ASSISTED
 from simcompare.reports import numbers
 from simcompare.reports.sections.base import Section
 from simcompare.reports.sections.parts import parts_of
 from simcompare.reports.tables import Column, Group, of_engines
 from simcompare.results import Run
+from simcompare.settings import ASSISTED
 
 _COLUMNS = (
     Column("Impact at (m/s)"),

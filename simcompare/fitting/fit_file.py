@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from simcompare.backend import ASSISTED, TUNED, PairNumbers, Settings
-from simcompare.drop_plan import DropPlan, drop_plans
+from simcompare.drop_plan import drop_plans
 from simcompare.errors import InputError, UnknownName
 from simcompare.helps import ALL, HELPS, chosen
 from simcompare.scenario import Scenario
 from simcompare.scenario_file import ScenarioFile
+from simcompare.settings import ASSISTED, TUNED, DropPlan, PairNumbers, Settings
 
 #: contact level of engines with parameters from a fit
 FITTED = "fitted"

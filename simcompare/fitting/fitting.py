@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from simcompare import catalogue, engines, experiment, run_record
-from simcompare.backend import ASSISTED, TUNED
 from simcompare.compare import INFO, Score
 from simcompare.errors import InputError
 from simcompare.fittable import WAVEFORM
@@ -38,6 +37,7 @@ from simcompare.results import Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Progress
 from simcompare.scenario import Scenario
 from simcompare.scenario_file import ScenarioFile
+from simcompare.settings import ASSISTED, TUNED
 
 
 def fit(

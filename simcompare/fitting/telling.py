@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from simcompare.backend import TUNED
 from simcompare.fitting import bounce_models
 from simcompare.fitting.choose import Choice
+from simcompare.settings import TUNED
 
 #: significant digits of a number that is typed in; more than its uncertainty knows
 _DIGITS = 7

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from simcompare import backend, catalogue, engines, experiment, units
-from simcompare.backend import Backend, EngineBackend, Settings
+from simcompare import catalogue, engines, experiment, units
+from simcompare.backend import Backend, EngineBackend, refuse
 from simcompare.drop_plan import drop_plans
 from simcompare.errors import InputError, Unsupported
 from simcompare.fitting import fit_file
@@ -22,6 +22,7 @@ from simcompare.scripts.expected import Expected, expected_of
 from simcompare.scripts.measuring import Measuring
 from simcompare.scripts.snippets import SNIPPETS
 from simcompare.scripts.text import WIDTH, number
+from simcompare.settings import CONTACT_LEVELS, DEFAULT, TUNED, Settings
 from simcompare.trajectory import BODY_SIGNALS, Array
 from simcompare.tuning import tuned
 
@@ -117,17 +118,17 @@ def _settings(
     Raises:
         InputError: there are none at this step, or the fit is not one for a plain loop.
     """
-    if level != backend.TUNED:
+    if level != TUNED:
         return Settings(level), ()
     asked = Settings(level, drops=drop_plans(nominal))
     if fit is not None:
         asked = _read(fit).settings(engine.name, nominal)
-        if asked.contact != backend.TUNED:
+        if asked.contact != TUNED:
             raise InputError(
                 f"--fit {fit}", ["was made with our helps; fit again without --assist for a script"]
             )
     try:
-        backend.refuse(engine, nominal, asked)
+        refuse(engine, nominal, asked)
         return tuned(engine, engine.load(), nominal, asked)
     except Unsupported as error:
         raise InputError(f"--engine {engine.name}", [str(error)]) from None
@@ -151,7 +152,7 @@ def level_of(contact: str | None, fit: str | None) -> str:
     Raises:
         InputError: it has no plain loop, or does not exist.
     """
-    level = contact or ("tuned" if fit is not None else backend.DEFAULT)
+    level = contact or ("tuned" if fit is not None else DEFAULT)
     if level in ("assisted", "mapped"):
         raise InputError(
             f"--contact {level}",
@@ -160,8 +161,8 @@ def level_of(contact: str | None, fit: str | None) -> str:
                 f" which a script without simcompare cannot; use {', '.join(LEVELS)}"
             ],
         )
-    if level not in LEVELS or level not in backend.CONTACT_LEVELS:
-        known = [name for name in LEVELS if name in backend.CONTACT_LEVELS]
+    if level not in LEVELS or level not in CONTACT_LEVELS:
+        known = [name for name in LEVELS if name in CONTACT_LEVELS]
         raise InputError(f"--contact {level}", [f"is no level of a script; use {', '.join(known)}"])
     return level
 
