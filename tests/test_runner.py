@@ -307,6 +307,8 @@ def slow_run(add_engine, fall, tmp_path):
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        # tests that a shell runs in the background inherit that Ctrl-C is to be ignored
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     assert wait_for(lambda: quick.exists() and slow.exists(), PATIENCE_S)
     # a worker is collected when its results are in
