@@ -27,11 +27,13 @@ bench: $(INSTALLED)-test
 	$(BIN)/python tests/benchmarks/commands.py
 
 $(INSTALLED): pyproject.toml tools/install.py $(BIN)/pip
+	@$(BIN)/python tools/install.py $(ENGINES) check
 	@$(libraries)
 	@$(BIN)/python tools/install.py $(ENGINES) $(if $(filter all,$(ENGINES)),hardware)
 	@touch $@
 
 $(INSTALLED)-test: pyproject.toml tools/install.py $(BIN)/pip
+	@$(BIN)/python tools/install.py $(ENGINES) check
 	@$(libraries)
 	@$(checker)
 	@$(BIN)/python tools/install.py $(ENGINES) hardware test

@@ -134,7 +134,7 @@ def _audit_pairs(
             audit.add(quantity, contact.restitution, parameter, values, units[i], note)
         sideways = friction_solref(scenario, contact, settings)
         for i, value in enumerate(sideways or ()):
-            values = (value, held.solreffriction[i])
+            values = (value, model.pair_solreffriction[held.id][i])
             audit.add(f"{label} friction", None, f"solreffriction[{i}]", values, "SI")
         where = "of the <pair>; typed into geoms: into both, or with the higher priority into one"
         for i, (value, unit) in enumerate(zip(SOLIMP, ("1", "1", "m"), strict=True)):

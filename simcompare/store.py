@@ -69,6 +69,8 @@ def load(place: Path) -> Run:
         raise InputError(str(place), [f"is not a stored run: it holds no {RECORD}"])
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
+        if not isinstance(record, dict):
+            raise TypeError(f"holds a {type(record).__name__}, not an object")
         known = {field.name for field in fields(Score)}
         for row in (*record.get("sources", ()), *record["scores"]):  # runs of old have old names
             if row.get("contact") in OLD_LEVELS:
