@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from simcompare.audit import Audit
-from simcompare.backend import Settings
 from simcompare.drives import JointLaw, laws_of
 from simcompare.errors import Unsupported
 from simcompare.helps import CENTRED_EFFORTS
@@ -17,6 +16,7 @@ from simcompare.kinematics import Mount, in_order, mount_of
 from simcompare.pairs import restitution_per_body, touching_pairs, untouching_pairs
 from simcompare.rotations import matrix_of, rotation_vector_of
 from simcompare.scenario import Body, Joint, Scenario
+from simcompare.settings import Settings
 from simcompare.shapes import Shape
 from simcompare.trajectory import Array
 

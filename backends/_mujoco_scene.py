@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 from xml.etree import ElementTree as ET
 
-from simcompare.backend import Settings
 from simcompare.dashpot import damping_ratio
 from simcompare.drives import JointLaw, laws_of
 from simcompare.helps import CENTRED_EFFORTS, LANDING
@@ -13,6 +12,7 @@ from simcompare.kinematics import in_order, mount_of
 from simcompare.landing import approaches
 from simcompare.pairs import jointed_pairs, touching_pairs, untouching_pairs
 from simcompare.scenario import Contact, Scenario, Sensor
+from simcompare.settings import Settings
 from simcompare.shapes import Shape
 
 #: √(k/m) of a bouncing contact [rad/s]: it lasts 0.03 ms, far below any step that is recorded
@@ -26,6 +26,8 @@ SOFT_STEP_S = 5.0e-5
 IMPACT_PHASE = 0.01
 #: largest ζ·ω·dt during an impact: where in a step the damper sets in moves the bounce by this much
 IMPACT_DAMPING = 0.0007
+#: time constant [s] and damping ratio of the friction of joints
+FRICTION_SOLREF = (0.005, 1.0)
 #: time constant of a contact that does not bounce [s]
 DEAD_CONTACT_S = 0.005
 #: most points of contact that MuJoCo finds between two shapes (two boxes)
@@ -113,7 +115,7 @@ def _passive(law: JointLaw, settings: Settings) -> dict[str, str]:
     }  # fmt: skip
     if settings.gives_all and law.friction:
         found["solimpfriction"] = _text(SOLIMP)
-        found["solreffriction"] = _text((0.005, 1.0))
+        found["solreffriction"] = _text(FRICTION_SOLREF)
     return found
 
 
@@ -199,18 +201,29 @@ def _add_pairs(
     if settings.gives_all:
         stiff["solref"] = _text(solref(scenario, contact, settings))
         stiff["solimp"] = _text(SOLIMP)
-    if mu > 0 and contact.restitution > 0 and settings.gives_all:
-        if not settings.takes(LANDING):
-            # friction with the spring that bounces would let go long before the slip has ended
-            stiff["solreffriction"] = _text((dead_contact_s(scenario), 1.0))
-        elif not approaches(scenario)[0]:
-            # slipping ends within an impact, and lifts the body less than the spring's own damper
-            stiff["solreffriction"] = _text((-1.0, -spring(scenario, contact)[0]))
+    sideways = friction_solref(scenario, contact, settings)
+    if sideways is not None:
+        stiff["solreffriction"] = _text(sideways)
     for name, (one, other) in pair_names(scenario, contact).items():
         ET.SubElement(
             contacts, "pair", name=name, geom1=one, geom2=other, condim="3" if mu > 0 else "1",
             friction=_text((mu, mu, 0.005, 0.0001, 0.0001)), **stiff,
         )  # fmt: skip
+
+
+def friction_solref(
+    scenario: Scenario, contact: Contact, settings: Settings
+) -> tuple[float, float] | None:
+    """MuJoCo's two numbers for friction in a pair, ``None`` where they are those of its bounce."""
+    if not (contact.friction > 0 and contact.restitution > 0 and settings.gives_all):
+        return None
+    if not settings.takes(LANDING):
+        # friction with the spring that bounces would let go long before the slip has ended
+        return (dead_contact_s(scenario), 1.0)
+    if approaches(scenario)[0]:
+        return None
+    # slipping ends within an impact, and lifts the body less than the spring's own damper
+    return (-1.0, -spring(scenario, contact)[0])
 
 
 def _shape(shape: Shape) -> dict[str, Any]:

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from simcompare.audit import Audit
-from simcompare.backends._pybullet_scene import MOST_SPEED, SWEEPS, Scene, inertia_of, is_iterated
+from simcompare.backends._pybullet_parts import Scene
+from simcompare.backends._pybullet_scene import MOST_SPEED, SWEEPS, inertia_of, is_iterated
 from simcompare.drives import laws_of
 from simcompare.kinematics import mount_of
 from simcompare.pairs import touching_pairs

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from simcompare.backends._pybullet_scene import Scene
+from simcompare.backends._pybullet_parts import Scene
 from simcompare.backends._recoil import Motion, Recoil
 from simcompare.shapes import Quaternion, Vector
 

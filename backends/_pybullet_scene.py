@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from itertools import combinations
 from types import ModuleType
 
-from simcompare.backend import Settings
+from simcompare.backends._pybullet_parts import BASE, Scene
+from simcompare.backends._pybullet_shapes import has_rims, minus, shape_of, xyzw
 from simcompare.drives import JointLaw, laws_of
 from simcompare.errors import Unsupported
-from simcompare.helps import RIMS
 from simcompare.kinematics import Mount, mount_of
 from simcompare.pairs import (
     friction_per_body,
@@ -20,11 +18,8 @@ from simcompare.pairs import (
     untouching_pairs,
 )
 from simcompare.scenario import Scenario
-from simcompare.shapes import Cylinder, Plane, Quaternion, Vector
-
-#: a body, as PyBullet calls it: number of the articulated body and of its link, -1 for its base
-Place = tuple[int, int]
-BASE = -1
+from simcompare.settings import Settings
+from simcompare.shapes import Vector
 
 #: largest speed of any coordinate; PyBullet's own 100 m/s or rad/s would be a wall
 MOST_SPEED = 1.0e9
@@ -33,38 +28,9 @@ MOST_SPEED = 1.0e9
 SWEEPS, RESIDUAL = 500, 1.0e-24
 #: gap [m] from which on a contact acts that does not bounce: at 0 it would alternate
 CONTACT_GAP_M = 1.0e-5
-#: collision margin [m] of the shapes that PyBullet makes; it rounds the edges of cylinders
-MARGIN_M = 1.0e-3
 #: softness of contacts where there are rims, in steps over the mass of all bodies: so the two rims
 #: of a wheel share its load evenly, which else the order would decide in which they are found
 SOFTNESS = 0.05
-#: edges of the box that is a floor for boxes [m]
-FLOOR_M = 1000.0
-
-
-@dataclass
-class Scene:
-    """What was built, by the names of the scenario.
-
-    Attributes:
-        engine: the imported engine.
-        client: its physics client.
-        scenario: what was built.
-        settings: how much of the scenario is given to the engine, and with which helps.
-        bodies: place of every body.
-        joints: place of every joint, which is that of its child.
-        restitution: per body; empty where it is left to the engine.
-        friction: per body, likewise.
-    """
-
-    engine: ModuleType
-    client: int
-    scenario: Scenario
-    settings: Settings
-    bodies: dict[str, Place] = field(default_factory=dict)
-    joints: dict[str, Place] = field(default_factory=dict)
-    restitution: Mapping[str, float] = field(default_factory=dict)
-    friction: Mapping[str, float] = field(default_factory=dict)
 
 
 def build(engine: ModuleType, client: int, scenario: Scenario, settings: Settings) -> Scene:
@@ -206,10 +172,10 @@ def _add_tree(scene: Scene, root: str, joints: list[str]) -> None:
     base = bodies[root]
     uid: int = engine.createMultiBody(
         base.mass_kg or 0.0,
-        _shape(scene, root, (0.0, 0.0, 0.0)),
+        shape_of(scene, root, (0.0, 0.0, 0.0)),
         -1,
         base.position_m,
-        _xyzw(base.orientation_wxyz),
+        xyzw(base.orientation_wxyz),
         **_links(scene, root, mounts),
         flags=engine.URDF_USE_SELF_COLLISION if _touching_within(scene, root, joints) else 0,
         physicsClientId=client,
@@ -234,10 +200,10 @@ def _links(scene: Scene, root: str, mounts: Mapping[str, Mount]) -> dict[str, li
         joint = scenario.joints[name]
         child = scenario.bodies[joint.child]
         order[joint.child], anchors[joint.child] = len(order), mount.anchor_m
-        from_joint = _minus((0.0, 0.0, 0.0), mount.anchor_m)
+        from_joint = minus((0.0, 0.0, 0.0), mount.anchor_m)
         row = (
-            child.mass_kg, _shape(scene, joint.child, from_joint), -1,
-            _minus(joint.anchor_m, anchors[joint.parent]), _xyzw(mount.orientation_wxyz),
+            child.mass_kg, shape_of(scene, joint.child, from_joint), -1,
+            minus(joint.anchor_m, anchors[joint.parent]), xyzw(mount.orientation_wxyz),
             from_joint, (0.0, 0.0, 0.0, 1.0), order[joint.parent],
             kinds.get(joint.type, engine.JOINT_FIXED), mount.axis,
         )  # fmt: skip
@@ -304,134 +270,3 @@ def _filter_contacts(scene: Scene, root: str, joints: list[str]) -> None:
     members = [root, *(scene.scenario.joints[joint].child for joint in joints)]
     for first, second in combinations(members, 2):
         _filter(scene, first, second, touches=frozenset((first, second)) in touching)
-
-
-def _shape(scene: Scene, body: str, origin: Vector) -> int:
-    """Collision shape of a body whose origin is at ``origin`` in the link's frame; -1 for none."""
-    engine, shapes = scene.engine, scene.scenario.bodies[body].shapes
-    if not shapes:
-        return -1
-    shape = shapes[0]
-    position = _plus(origin, shape.position_m)
-    if isinstance(shape, Cylinder) and has_rims(scene, body):
-        return _rims(scene, shape, position)
-    if _is_other_floor(scene, body) and isinstance(shape, Plane):
-        return _floor(scene, shape, position)
-    size: dict[str, object]
-    match shape.type:
-        case "plane":
-            kind, size = engine.GEOM_PLANE, {"planeNormal": shape.normal}
-        case "sphere":
-            kind, size = engine.GEOM_SPHERE, {"radius": shape.radius_m}
-        case "box":
-            kind, size = engine.GEOM_BOX, {"halfExtents": [e / 2 for e in shape.size_m]}
-        case "cylinder":
-            kind, size = engine.GEOM_CYLINDER, _round(shape.radius_m, shape.length_m)
-        case _:
-            kind, size = engine.GEOM_CAPSULE, _round(shape.radius_m, shape.length_m)
-    if shape.type != "plane":
-        size["collisionFrameOrientation"] = _xyzw(shape.orientation_wxyz)
-    uid: int = engine.createCollisionShape(
-        kind, collisionFramePosition=position, physicsClientId=scene.client, **size
-    )
-    return uid
-
-
-def has_rims(scene: Scene, body: str) -> bool:
-    """Whether a body's cylinder is built as its two rims.
-
-    Bullet finds one point at a time of a cylinder on a plane, at an end that it picks by rounding,
-    so a wheel would be driven now at its left edge and now at its right. Bullet's own cylinder has
-    edges that are rounded by its margin; the two rings that make these edges touch a plane just
-    where the whole cylinder does, and give a point each.
-    """
-    shapes = scene.scenario.bodies[body].shapes
-    return (
-        scene.settings.takes(RIMS)
-        and bool(shapes)
-        and isinstance(shapes[0], Cylinder)
-        and min(shapes[0].radius_m, shapes[0].length_m / 2) > MARGIN_M
-        and _kinds_on(scene, body) == {"plane"}
-    )
-
-
-def takes_other_shapes(scene: Scene) -> bool:
-    """Whether any body is built of other shapes than its own."""
-    return any(has_rims(scene, name) or _is_other_floor(scene, name) for name in scene.bodies)
-
-
-def _is_other_floor(scene: Scene, body: str) -> bool:
-    shapes = scene.scenario.bodies[body].shapes
-    return bool(shapes) and isinstance(shapes[0], Plane) and is_floor_of_boxes(scene, body)
-
-
-def is_floor_of_boxes(scene: Scene, body: str) -> bool:
-    """Whether a body's plane is built as the upper side of a large box.
-
-    Bullet finds the corners of a box on a plane in as many steps, on a box all of them at once.
-    """
-    return scene.settings.takes(RIMS) and _kinds_on(scene, body) == {"box"}
-
-
-def _kinds_on(scene: Scene, body: str) -> set[str]:
-    """Kinds of shape that can touch a body."""
-    return {
-        shape.type
-        for contact in touching_pairs(scene.scenario)
-        if body in contact.pair
-        for other in set(contact.pair) - {body}
-        for shape in scene.scenario.bodies[other].shapes
-    }
-
-
-def _floor(scene: Scene, shape: Plane, position: Vector) -> int:
-    """A box whose upper side is in the plane."""
-    x, y, z = (component / math.hypot(*shape.normal) for component in shape.normal)
-    # half of a turn about what lies between the normal and z turns z into the normal
-    between, half = (x, y, z + 1) if z > -1 else (1.0, 0.0, 0.0), FLOOR_M / 2
-    uid: int = scene.engine.createCollisionShape(
-        scene.engine.GEOM_BOX,
-        halfExtents=(half, half, half),
-        collisionFramePosition=_minus(position, (x * half, y * half, z * half)),
-        collisionFrameOrientation=(*(c / math.hypot(*between) for c in between), 0.0),
-        physicsClientId=scene.client,
-    )
-    return uid
-
-
-def _rims(scene: Scene, shape: Cylinder, position: Vector) -> int:
-    """Two discs as thick as their margins on both sides: rings about the ends of the cylinder."""
-    w, x, y, z = shape.orientation_wxyz
-    axis = (2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y))
-    aside = shape.length_m / 2 - MARGIN_M
-    uid: int = scene.engine.createCollisionShapeArray(
-        shapeTypes=[scene.engine.GEOM_CYLINDER] * 2,
-        radii=[shape.radius_m] * 2,
-        lengths=[2 * MARGIN_M] * 2,
-        collisionFramePositions=[
-            _plus(position, (side * axis[0], side * axis[1], side * axis[2]))
-            for side in (-aside, aside)
-        ],
-        collisionFrameOrientations=[_xyzw(shape.orientation_wxyz)] * 2,
-        physicsClientId=scene.client,
-    )
-    return uid
-
-
-def _round(radius_m: float, length_m: float) -> dict[str, object]:
-    return {"radius": radius_m, "height": length_m}
-
-
-def _xyzw(orientation_wxyz: Quaternion) -> Quaternion:
-    w, x, y, z = orientation_wxyz
-    return x, y, z, w
-
-
-def _plus(one: Vector, other: Vector) -> Vector:
-    x, y, z = (a + b for a, b in zip(one, other, strict=True))
-    return x, y, z
-
-
-def _minus(one: Vector, other: Vector) -> Vector:
-    x, y, z = (a - b for a, b in zip(one, other, strict=True))
-    return x, y, z

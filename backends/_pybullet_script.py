@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from simcompare.backend import EngineBackend
-from simcompare.backends._pybullet_scene import BASE
+from simcompare.backends._pybullet_parts import BASE
 from simcompare.kinematics import mount_of
 from simcompare.scripts.contract import Parts, Plan, traced
 from simcompare.scripts.reading import Group, Reading, reading

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from simcompare.audit import Audit
-from simcompare.backend import Settings
 from simcompare.backends._pymunk_joints import LINKAGES, Linkage, Point, armature_of
 from simcompare.backends._pymunk_sweeps import sweeps_for
 from simcompare.drives import JointLaw, laws_of
@@ -21,6 +20,7 @@ from simcompare.kinematics import add_children, in_order
 from simcompare.landing import approaches
 from simcompare.pairs import friction_per_body, restitution_per_body, touching_pairs
 from simcompare.scenario import MOVABLE, Body, Scenario
+from simcompare.settings import Settings
 from simcompare.shapes import Shape
 from simcompare.state import State
 from simcompare.trajectory import BODY_SIGNALS, Array
@@ -221,6 +221,7 @@ def audit_of(scene: Scene) -> Audit:
     audit = Audit("pymunk")
     _audit_world(audit, scene)
     laws = laws_of(scene.scenario)
+    _audit_planes(audit, scene)
     for name, body in scene.scenario.moving_bodies().items():
         _audit_body(audit, scene, name, body, armature_of(scene.scenario.joints, laws, name))
     for linkage in scene.joints.values():
@@ -244,6 +245,17 @@ def _audit_world(audit: Audit, scene: Scene) -> None:
     if scene.joints:
         sweeps = (scene.sweeps, space.iterations)
         audit.add("joints", None, "Space.iterations", sweeps, "1", "sweeps over all constraints")
+
+
+def _audit_planes(audit: Audit, scene: Scene) -> None:
+    """Planes are bars whose upper side is raised by the overlap that is allowed."""
+    for name, body in scene.scenario.bodies.items():
+        for shape, solid in zip(body.shapes, scene.shapes[name], strict=True):
+            if shape.type == "plane" and scene.settings.gives_all:
+                values = (BAR_RADIUS_M, solid.radius)
+                audit.add(
+                    f"{name} plane", None, "Segment.radius", values, "m", "a bar, see mapping"
+                )
 
 
 def _audit_body(audit: Audit, scene: Scene, name: str, body: Body, armature: float) -> None:

@@ -15,9 +15,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from simcompare.backend import ASSISTED, Backend, Feature, Settings, needs
+from simcompare.backend import Backend, Feature, needs
 from simcompare.errors import SimcompareError, Unsupported
 from simcompare.scenario import ACTUATOR_SIGNALS, MOVABLE, SENSOR_SIGNALS, Joint, Scenario
+from simcompare.settings import ASSISTED, Settings
 from simcompare.simulation import sample_times
 from simcompare.trajectory import BODY_SIGNALS
 
@@ -208,9 +209,7 @@ def flies_freely(backend: Backend, scenario: Scenario, settings: Settings) -> No
         wanted = np.array(body.position_m) + np.array(body.velocity_m_s) * t + gravity * t**2 / 2
         got = trajectory.signals[f"{name}.position_m"]
         # linear damping of an engine's defaults may slow it by a few per cent of its path
-        damped = (
-            0.0 if settings.contact == ASSISTED else 0.05 * float(np.abs(wanted - got[0]).max())
-        )
+        damped = 0.0 if settings.gives_all else 0.05 * float(np.abs(wanted - got[0]).max())
         assert np.abs(got - wanted).max() <= slack * t[-1] + damped + 1e-9, f"{name} flies wrongly"
 
 

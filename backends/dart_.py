@@ -9,13 +9,7 @@ from typing import Any
 import numpy as np
 
 from simcompare.audit import Audit
-from simcompare.backend import (
-    JOINTS_AND_FORCES,
-    SPATIAL_RIGID_BODIES,
-    EngineBackend,
-    KnownLimit,
-    Settings,
-)
+from simcompare.backend import JOINTS_AND_FORCES, SPATIAL_RIGID_BODIES, EngineBackend, KnownLimit
 from simcompare.backends._dart_scene import Scene, audit_scene, build_scene
 from simcompare.backends._recoil import Motion, RecoilingSimulation
 from simcompare.helps import CENTRED_EFFORTS, HALF_STEP_START, LANDING, RECOIL
@@ -23,6 +17,7 @@ from simcompare.landing import ContactSteps
 from simcompare.rotations import quaternions_of, rotation_vector_of
 from simcompare.scenario import MOVABLE, Scenario
 from simcompare.scripts.contract import EngineScript
+from simcompare.settings import COEFFICIENT, Settings
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
 from simcompare.state import BodyState
@@ -279,6 +274,7 @@ class DartBackend(EngineBackend):
     libraries = (("libGL.so.1", "sudo apt-get install libgl1"),)
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL})
+    bounces_by = COEFFICIENT
     known_limits = (
         KnownLimit(
             "Restitution is 0 by default, on the body and on the floor; both must be set.",
@@ -335,9 +331,9 @@ class DartBackend(EngineBackend):
         "restitution of the moving body = e, of the fixed one = 1 (DART multiplies); friction of a"
         " body = the largest of its pairs (DART takes the smaller of two); ODE collision detector;"
         " NSGS solver (tolerance 1e-6) where only single spheres rub, or free boxes on planes;"
-        " nothing falls asleep; impacts in steps of at most 2 µs, so that the bias g·dt/v is below"
-        " 1e-4 down to 0.2 m/s; springs, dampers and motors are forces on joints in every step,"
-        " Coulomb friction of joints is DART's own"
+        " nothing falls asleep; springs, dampers and Coulomb friction of joints are DART's own."
+        " Assisted: impacts in steps of at most 2 µs, so that the bias g·dt/v is below 1e-4 down to"
+        " 0.2 m/s; springs and dampers are forces on joints in every step"
     )
 
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:

@@ -13,35 +13,28 @@ from simcompare.audit import Audit
 from simcompare.backend import (
     JOINTS_AND_FORCES,
     SPATIAL_RIGID_BODIES,
-    SPRING,
     EngineBackend,
     KnownLimit,
-    Settings,
     installed_version,
 )
+from simcompare.backends._mujoco_audit import audit_of
 from simcompare.backends._mujoco_scene import (
     CONTACT_FREQUENCY_RAD_S,
     IMPACT_PHASE,
     SOFT_FREQUENCY_RAD_S,
     SOFT_STEP_S,
-    SOLIMP,
     contact_points,
-    geom_name,
     impact_phase,
     mjcf,
-    pair_names,
-    solref,
 )
 from simcompare.dashpot import damping_ratio
-from simcompare.drives import JointLaw, laws_of
 from simcompare.errors import SimulationDiverged, Unsupported
 from simcompare.helps import CENTRED_EFFORTS, HALF_STEP_START, LANDING
-from simcompare.kinematics import Mount, mount_of
 from simcompare.landing import ContactSteps, approaches, finely_stepped, slips_at_impact
-from simcompare.pairs import touching_pairs
 from simcompare.rotations import rotate
-from simcompare.scenario import MOVABLE, Body, Contact, Scenario
+from simcompare.scenario import MOVABLE, Scenario
 from simcompare.scripts.contract import EngineScript
+from simcompare.settings import SPRING, Settings
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
 from simcompare.state import BodyState, State
@@ -218,7 +211,7 @@ class MujocoBackend(EngineBackend):
         KnownLimit(
             "Friction is convex: a sliding body is lifted by its friction, loses contact and hops;"
             " its load swings, and the mean of it depends on the step.",
-            "MuJoCo documentation, Computation, Convex contact levell; measured: spinning tyres"
+            "MuJoCo documentation, Computation, Convex contact model; measured: spinning tyres"
             " of a robot carry 0 to 40 N, 1.7 to 1.8 N in the mean for 1.77 N, at steps of 0.25 to"
             " 2 ms; with 0.06 N·m on each it is 12 % too fast",
         ),
@@ -236,14 +229,14 @@ class MujocoBackend(EngineBackend):
         ),
     )
     mapping = (
-        "solref = (-k, -b) with k = ω²/(1+ζω·dt), b = 2ζω/(1+ζω·dt), ω = 1e5 rad/s; ζ from the"
-        " force-clipped dashpot e = exp(-2ζ·arccos ζ/√(1-ζ²)) (Schwager and Pöschel, Granular"
-        " Matter 9 (2007) 465); the divisor allows for the damper acting on a velocity half a step"
-        " old; ω·dt = min(0.01, 0.0007/ζ) during an impact, √(1+ζ²) - ζ at rest; solimp = 0.9999;"
-        " in fine steps, where impacts cannot be landed on, ω = 2000 rad/s/max(1, 2ζ) at 50 µs,"
-        " friction's damper ω; tuned, solref is sought at the step, solreffriction = (0.005, 1);"
-        " solref = (0.005, 1) where nothing bounces; elliptic cone; assisted, half of a joint's"
-        " damping is its own, taken after the step, and half an actuator's, taken before it"
+        "where it bounces, solref = (-k, -b) as sought at the step, solreffriction = (0.005, 1);"
+        " where nothing bounces, solref = (0.005, 1); solimp = 0.9999; elliptic cone."
+        " Assisted: k = ω²/(1+ζω·dt), b = 2ζω/(1+ζω·dt), ω = 1e5 rad/s; ζ from the force-clipped"
+        " dashpot e = exp(-2ζ·arccos ζ/√(1-ζ²)) (Schwager and Pöschel, Granular Matter 9 (2007)"
+        " 465); the divisor allows for the damper acting on a velocity half a step old; ω·dt ="
+        " min(0.01, 0.0007/ζ) during an impact, √(1+ζ²) - ζ at rest; in fine steps, where impacts"
+        " cannot be landed on, ω = 2000 rad/s/max(1, 2ζ) at 50 µs, friction's damper ω; half of a"
+        " joint's damping is its own, taken after the step, and half an actuator's, taken before it"
     )
 
     def version(self) -> str:
@@ -257,7 +250,7 @@ class MujocoBackend(EngineBackend):
             _refuse_bounces(scenario)
             scenario = finely_stepped(scenario, SOFT_STEP_S)
         model = engine.MjModel.from_xml_string(mjcf(scenario, settings))
-        audit = _audit(engine, model, scenario, settings)
+        audit = audit_of(engine, model, scenario, settings)
         return MujocoSimulation(engine, scenario, model, audit, settings)
 
     def script(self) -> EngineScript:
@@ -302,119 +295,6 @@ def contact_steps(scenario: Scenario) -> ContactSteps:
         rest_step_s=rest / CONTACT_FREQUENCY_RAD_S,
         chunk=16,
     )
-
-
-def _audit(engine: ModuleType, model: Any, scenario: Scenario, settings: Settings) -> Audit:
-    audit = Audit("mujoco")
-    world = scenario.world
-    step_s = world.engine_step_s
-    audit.add("engine step_s", step_s, "opt.timestep", (step_s, model.opt.timestep), "s")
-    if settings.gives_all:
-        cone = (1, model.opt.cone)
-        audit.add("contact", None, "opt.cone", cone, "1", "elliptic (mjCONE_ELLIPTIC)")
-    for axis, wanted, held in zip("xyz", world.gravity_m_s2, model.opt.gravity, strict=True):
-        audit.add(f"gravity_m_s2.{axis}", wanted, "opt.gravity", (wanted, held), "m/s²")
-    for name, body in scenario.moving_bodies().items():
-        _audit_body(audit, model, name, body, name in scenario.free_bodies())
-    for name, law in laws_of(scenario).items():
-        _audit_joint(audit, model, name, law, settings.takes(CENTRED_EFFORTS))
-        _audit_place(audit, model, name, mount_of(scenario, scenario.joints[name]))
-    for contact in touching_pairs(scenario):
-        if settings.gives_all:
-            _audit_pairs(audit, model, scenario, contact, settings)
-        else:
-            _audit_default(engine, audit, contact)
-        if settings.gives_coefficients:
-            _audit_friction(audit, model, scenario, contact)
-    return audit
-
-
-def _audit_joint(audit: Audit, model: Any, name: str, law: JointLaw, halved: bool) -> None:
-    held, dof = model.joint(name), int(model.joint(name).dofadr[0])
-    explicit = -float(model.actuator(name).biasprm[2]) if law.is_driven else 0.0
-    note = "half with the rate before the step, half with that after it" if halved else ""
-    for part, wanted, got, extra in (
-        ("stiffness", law.stiffness, held.stiffness[0], ""),
-        ("rest", law.rest, model.qpos_spring[int(held.qposadr[0])], ""),
-        ("damping", law.damping, model.dof_damping[dof] + explicit, note),
-        ("friction", law.friction, model.dof_frictionloss[dof], ""),
-        ("armature", law.armature, model.dof_armature[dof], ""),
-    ):
-        if wanted:
-            audit.add(f"{name}.{part}", wanted, f"dof {part}", (wanted, got), "SI", extra)
-
-
-def _audit_place(audit: Audit, model: Any, name: str, mount: Mount) -> None:
-    """Axis and anchor of a joint, both in the child's frame."""
-    held = model.joint(name)
-    rows = (("axis", mount.axis, held.axis, "1"), ("anchor_m", mount.anchor_m, held.pos, "m"))
-    for part, wanted, got, unit in rows:
-        for axis, a, b in zip("xyz", wanted, got.tolist(), strict=True):
-            clean = a if abs(a - b) < 1e-12 else b  # MuJoCo makes the axis a unit vector once more
-            audit.add(f"{name}.{part}.{axis}", a, f"jnt_{part[:4]}", (a, clean), unit)
-
-
-def _audit_body(audit: Audit, model: Any, name: str, body: Body, free: bool) -> None:
-    held = model.body(name)
-    audit.add(f"{name}.mass_kg", body.mass_kg, "body_mass", (body.mass_kg, held.mass[0]), "kg")
-    # MuJoCo may order the principal axes anew, so the moments are compared sorted
-    moments = zip("123", sorted(body.inertia_kg_m2 or ()), sorted(held.inertia), strict=True)
-    for axis, wanted, got in moments:
-        quantity = f"{name}.inertia_kg_m2.{axis}"
-        audit.add(quantity, wanted, "body_inertia", (wanted, got), "kg·m²")
-    for axis, wanted, got in zip("xyz", body.position_m, held.pos, strict=True):
-        if free:  # those on joints are compared where they are in the world
-            audit.add(f"{name}.position_m.{axis}", wanted, "body_pos", (wanted, got), "m")
-    for axis, wanted, got in zip("xyz", body.center_of_mass_m, held.ipos, strict=True):
-        if wanted:
-            quantity = f"{name}.center_of_mass_m.{axis}"
-            audit.add(quantity, wanted, "body_ipos", (wanted, got), "m")
-    for i, shape in enumerate(body.shapes):
-        size = model.geom(geom_name(name, i)).size.tolist()
-        halves = {"plane": [], "sphere": size[:1], "box": [2 * half for half in size]}
-        length = [size[0], 2 * size[1]]  # cylinder and capsule
-        audit.add_sizes(name, shape, "geom_size", halves.get(shape.type, length))
-
-
-def _audit_default(engine: ModuleType, audit: Audit, contact: Contact) -> None:
-    held = tuple(engine.MjModel.from_xml_string(_NEUTRAL).geom("g").solref)
-    quantity = f"{'-'.join(contact.pair)} restitution"
-    for parameter, unit, value in zip(
-        ("solref time constant", "solref damping ratio"), ("s", "1"), held, strict=True
-    ):
-        values = (None, value)
-        audit.add(quantity, contact.restitution, parameter, values, unit, "engine's default")
-
-
-def _audit_pairs(
-    audit: Audit, model: Any, scenario: Scenario, contact: Contact, settings: Settings
-) -> None:
-    label = "-".join(contact.pair)
-    first, second = solref(scenario, contact, settings)
-    note, units = "no bounce", ("s", "1")
-    if first < 0:
-        note, units = f"ζ = {-second / 2 / math.sqrt(-first):.6g}", ("1/s²", "1/s")
-    for name in pair_names(scenario, contact):
-        held = model.pair(name)
-        for i, value in enumerate((first, second)):
-            values = (value, held.solref[i])
-            parameter = f"solref[{i}]"
-            quantity = f"{label} restitution"
-            audit.add(quantity, contact.restitution, parameter, values, units[i], note)
-        where = "of the <pair>; typed into geoms: into both, or with the higher priority into one"
-        for i, (value, unit) in enumerate(zip(SOLIMP, ("1", "1", "m"), strict=True)):
-            values = (value, held.solimp[i])
-            audit.add(f"{label} contact", None, f"solimp[{i}]", values, unit, where)
-
-
-def _audit_friction(audit: Audit, model: Any, scenario: Scenario, contact: Contact) -> None:
-    mu = contact.friction
-    for name in pair_names(scenario, contact):
-        values = (mu, model.pair(name).friction[0])
-        audit.add(f"{'-'.join(contact.pair)} friction", mu, "pair_friction", values, "1")
-
-
-_NEUTRAL = '<mujoco><worldbody><geom name="g" size="1"/></worldbody></mujoco>'
 
 
 def _body_frame(orientation: Any, rate: Any) -> list[float]:

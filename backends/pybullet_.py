@@ -10,24 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from simcompare.backend import (
-    JOINTS_AND_FORCES,
-    SPATIAL_RIGID_BODIES,
-    EngineBackend,
-    KnownLimit,
-    Settings,
-)
+from simcompare.backend import JOINTS_AND_FORCES, SPATIAL_RIGID_BODIES, EngineBackend, KnownLimit
 from simcompare.backends._pybullet_audit import audit_of
+from simcompare.backends._pybullet_parts import BASE, Scene
 from simcompare.backends._pybullet_reaction import Surplus, sensed_wrongly
 from simcompare.backends._pybullet_rotors import Rotors
-from simcompare.backends._pybullet_scene import (
-    BASE,
-    Scene,
-    build,
-    gap_of,
-    refresh_contacts,
-    takes_other_shapes,
-)
+from simcompare.backends._pybullet_scene import build, gap_of, refresh_contacts
+from simcompare.backends._pybullet_shapes import takes_other_shapes
 from simcompare.backends._recoil import Motion, RecoilingSimulation
 from simcompare.drives import Drive
 from simcompare.errors import EngineBroken
@@ -42,6 +31,7 @@ from simcompare.landing import ContactSteps, finely_stepped
 from simcompare.pairs import refuse_offsets
 from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario
 from simcompare.scripts.contract import EngineScript
+from simcompare.settings import COEFFICIENT, Settings
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
 from simcompare.state import BodyState, State
@@ -194,7 +184,9 @@ class PybulletSimulation(RecoilingSimulation):
             }  # fmt: skip
 
             # Bullet leaves old forces on points that are too far apart to act
-            gap = gap_of(self.scenario) if scene.settings.gives_all else math.inf
+            corrected = scene.settings.takes(REACTIONS)
+            gap = gap_of(self.scenario) if corrected else math.inf
+            self.helps |= {REACTIONS} if corrected else set()
 
             def normal_force() -> tuple[float, ...]:
                 points = bullet.getContactPoints(**chosen)
@@ -324,6 +316,7 @@ class PybulletBackend(EngineBackend):
     install = f"{'' if sys.version_info < (3, 12) else _COMPILER}pip install 'simcompare[pybullet]'"
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     helps = frozenset(HELPS)
+    bounces_by = COEFFICIENT
     known_limits = (
         KnownLimit(
             "Restitution is 0 by default, and bodies lose 4 % of their speed a second to damping.",
@@ -389,11 +382,11 @@ class PybulletBackend(EngineBackend):
         "restitution of the moving body = e, of the fixed one = 1 (Bullet multiplies);"
         " contactProcessingThreshold = 0, or 10 µm where nothing bounces, contactSlop = 0,"
         " erp = contactERP = 0 where something bounces, restitutionVelocityThreshold = 0,"
-        " damping = 0; impacts in steps of at most 2 µs, of 0.1 ms where they are not landed on;"
-        " planes under boxes as a large box; cylinders on planes as their two rims,"
-        " between which a globalCFM shares the load;"
-        " with joints: motors off, Coulomb friction as a motor towards rest of that strength,"
-        " springs, dampers and drives as efforts, sweeps until they change 1e-12 m/s"
+        " damping = 0; with joints: motors off, Coulomb friction as a motor towards rest of that"
+        " strength, springs, dampers and drives as efforts, sweeps until they change 1e-12 m/s."
+        " Assisted: impacts in steps of at most 2 µs, of 0.1 ms where they are not landed on;"
+        " planes under boxes as a large box; cylinders on planes as their two rims, between which a"
+        " globalCFM shares the load"
     )
 
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:

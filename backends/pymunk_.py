@@ -9,13 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from simcompare.backend import (
-    JOINTS_AND_FORCES,
-    EngineBackend,
-    Feature,
-    KnownLimit,
-    Settings,
-)
+from simcompare.backend import JOINTS_AND_FORCES, EngineBackend, Feature, KnownLimit
 from simcompare.backends._pymunk_forces import ForceReader
 from simcompare.backends._pymunk_joints import GROOVE_HALF_LENGTH_M, Slider
 from simcompare.backends._pymunk_scene import Scene, angle_of, audit_of, bends_of, build
@@ -28,6 +22,7 @@ from simcompare.landing import ContactSteps
 from simcompare.pairs import refuse_offsets
 from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario, Sensor
 from simcompare.scripts.contract import EngineScript
+from simcompare.settings import COEFFICIENT, Settings
 from simcompare.shapes import Vector
 from simcompare.simulation import Simulation
 from simcompare.state import BodyState, State
@@ -344,6 +339,7 @@ class PymunkBackend(EngineBackend):
         Feature.RESTITUTION, Feature.FRICTION, Feature.DRAG,
     }  # fmt: skip
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL, REACTIONS})
+    bounces_by = COEFFICIENT
     known_limits = (
         KnownLimit(
             "Two-dimensional: it runs scenarios whose motion stays in the x-z plane.",
@@ -382,7 +378,7 @@ class PymunkBackend(EngineBackend):
             "Chipmunk cpGrooveJoint.c, grooveConstrain; measured: 16 mm at 1 m/s",
         ),
         KnownLimit(
-            "Joints have no armature: it is added to the child's moment of inertia, and mapped"
+            "Joints have no armature: it is added to the child's moment of inertia, and assisted"
             " gives both bodies the torques that are missing where the parent turns, a step late."
             " One that outweighs its parent is refused, and a slider cannot have one.",
             "pymunk documentation, Constraint; measured: errors halve with the step",
@@ -395,12 +391,13 @@ class PymunkBackend(EngineBackend):
     )
     mapping = (
         "elasticity of the moving body = e, of the fixed one = 1 (pymunk multiplies);"
-        " collision_slop = 1e-9 m; impacts in steps of at most 4 µs; joints: error_bias = 0, so"
-        " that a gap is closed in the next step, in as many iterations as leave 1e-6 of an error"
-        " (by the spectral radius of Gauss and Seidel's matrix, bodies as drawn); a slider's groove"
-        " passes through the centre of mass of one body, beside that of the other; efforts and drag"
-        " are those at the end of a step, where they act; the first velocities are set half a step"
-        " after the start, where the engine holds them"
+        " collision_slop = 1e-9 m, by which planes are raised; joints: error_bias = 0, so that a"
+        " gap is closed in the next step, in as many iterations as leave 1e-6 of an error (by the"
+        " spectral radius of Gauss and Seidel's matrix, bodies as drawn); a slider's groove passes"
+        " through the centre of mass of one body, beside that of the other. Assisted: impacts in"
+        " steps of at most 4 µs; efforts"
+        " and drag are those at the end of a step, where they act; the first velocities are set"
+        " half a step after the start, where the engine holds them"
     )
 
     def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:

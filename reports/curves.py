@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from simcompare.backend import SHOWN_LEVELS
 from simcompare.compare import Score
 from simcompare.reports import runs
 from simcompare.reports.figures import (
@@ -21,6 +20,7 @@ from simcompare.reports.figures import (
 )
 from simcompare.reports.scored import column, events_of
 from simcompare.results import TRUTH, Run
+from simcompare.settings import SHOWN_LEVELS
 from simcompare.trajectory import Array
 
 #: curves of more points than this are drawn as lines only
@@ -47,7 +47,7 @@ def is_answer(run: Run, axis: str) -> bool:
 
 def curves_figures(run: Run, axis: str) -> list[Figure]:
     """Everything that is drawn over one axis, one panel each, a few panels a figure."""
-    panels = [_values(run, axis, measure) for measure in over(run, axis)]
+    panels = [_values(run, *panel) for panel in _panels(run, axis)]
     true = any(series.style == TRUTH_STYLE for panel in panels for series in panel.series)
     caption = f"The thick grey line is the truth ({TRUTH}). " if true else ""
     hollow = [runs.mode_words(mode) for mode in runs.modes(run) if mode in SHOWN_LEVELS]
@@ -61,7 +61,7 @@ def curves_figures(run: Run, axis: str) -> list[Figure]:
 
 def deviations_figures(run: Run, axis: str) -> list[Figure]:
     """How far every curve over an axis is from the truth; empty where there is no truth."""
-    panels = [_deviations(run, axis, measure) for measure in over(run, axis)]
+    panels = [_deviations(run, *panel) for panel in _panels(run, axis)]
     modes = " and ".join(runs.mode_words(mode) for mode in runs.judged_modes(run))
     return _figures(
         f"deviations-{axis}",
@@ -69,6 +69,16 @@ def deviations_figures(run: Run, axis: str) -> list[Figure]:
         f"Engines {modes}; an engine that is right runs along zero.",
         [panel for panel in panels if panel.series],
     )
+
+
+def _panels(run: Run, axis: str) -> list[tuple[str, str, str]]:
+    """Axis, measure and level of each panel; two levels that are judged never share one."""
+    return [(axis, name, mode) for name in over(run, axis) for mode in runs.judged_modes(run)]
+
+
+def _title(run: Run, measure: str, mode: str) -> str:
+    words = runs.measure_words(measure)
+    return f"{words}, {runs.mode_words(mode)}" if len(runs.judged_modes(run)) > 1 else words
 
 
 def _figures(name: str, ending: str, caption: str, panels: Sequence[Panel]) -> list[Figure]:
@@ -85,17 +95,17 @@ def _figures(name: str, ending: str, caption: str, panels: Sequence[Panel]) -> l
     return found
 
 
-def _values(run: Run, axis: str, measure: str) -> Panel:
+def _values(run: Run, axis: str, measure: str, judged: str) -> Panel:
     rows = events_of(run, measure)
-    modes = sorted(runs.modes(run), key=lambda mode: mode not in SHOWN_LEVELS)
+    modes = [mode for mode in runs.modes(run) if mode in SHOWN_LEVELS and mode != judged]
     series = [
         _curve(run, name, mode, (axis, measure), rows.get((name, mode), []))
-        for mode in modes
+        for mode in (*modes, judged)
         for name in runs.names(run)
         if rows.get((name, mode))
     ]
     return Panel(
-        runs.measure_words(measure),
+        _title(run, measure, judged),
         _axis_label(run, axis),
         _label(run, measure),
         (*_truth(run, axis, measure), *series),
@@ -103,25 +113,24 @@ def _values(run: Run, axis: str, measure: str) -> Panel:
     )
 
 
-def _deviations(run: Run, axis: str, measure: str) -> Panel:
+def _deviations(run: Run, axis: str, measure: str, judged: str) -> Panel:
     rows = events_of(run, measure)
     unit = _unit(run, measure)
     found = [score for scores in rows.values() for score in scores if score.truth is not None]
     # a part of a value that passes through zero means nothing
     relative = unit not in _ABSOLUTE and all(score.truth for score in found)
     series = []
-    for mode in runs.judged_modes(run):
-        for name in runs.names(run):
-            known = [s for s in rows.get((name, mode), []) if s.truth is not None]
-            if not known:
-                continue
-            true = column(known, "truth")
-            scale = 100 / np.abs(true) if relative else 1.0
-            drawn = _curve(run, name, mode, (axis, measure), known)
-            series.append(replace(drawn, y=(column(known, "value") - true) * scale))
+    for name in runs.names(run):
+        known = [s for s in rows.get((name, judged), []) if s.truth is not None]
+        if not known:
+            continue
+        true = column(known, "truth")
+        scale = 100 / np.abs(true) if relative else 1.0
+        drawn = _curve(run, name, judged, (axis, measure), known)
+        series.append(replace(drawn, y=(column(known, "value") - true) * scale))
     label = "deviation (%)" if relative else f"deviation{runs.unit_words(unit)}"
     return Panel(
-        runs.measure_words(measure), _axis_label(run, axis), label, tuple(series),
+        _title(run, measure, judged), _axis_label(run, axis), label, tuple(series),
         log_x=_unit(run, axis) == "Hz",
     )  # fmt: skip
 

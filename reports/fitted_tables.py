@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from simcompare.backend import ASSISTED
 from simcompare.helps import ALL
 from simcompare.reports import fitted, numbers, real
 from simcompare.reports.fitted import CLOSED, RESTITUTION, Record
 from simcompare.reports.tables import Column, Group, Table, printable, scale_of
 from simcompare.results import Run
+from simcompare.settings import ASSISTED
 
 #: lines of a list that is shown without being asked for
 _SHORT = 8

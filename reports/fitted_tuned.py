@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare.backend import TUNED
 from simcompare.reports import fitted, numbers, real
 from simcompare.reports.figures import Figure, Panel, Series, Style, spread, style_of
 from simcompare.reports.fitted import CLOSED, Record
 from simcompare.reports.tables import Column, Group, Table
 from simcompare.results import Run
+from simcompare.settings import TUNED
 
 _ZERO = Style("#7F7F7F", "dot", width=2.0)
 

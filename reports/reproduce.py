@@ -7,9 +7,11 @@ import shlex
 
 from simcompare import catalogue
 from simcompare.errors import SimcompareError
+from simcompare.jobs import OK
 from simcompare.reports import runs
 from simcompare.results import Run
 from simcompare.scenario import Scenario
+from simcompare.settings import COEFFICIENTS, DEFAULT, TUNED
 
 
 def command(run: Run) -> str:
@@ -23,21 +25,47 @@ def command(run: Run) -> str:
     words = ["simcompare", "run", str(record["scenario_asked"])]
     words += ["--engine", str(record["engines_asked"])]
     words += ["--contact", ",".join(runs.modes(run))]
-    if record["preset"]:
-        words += ["--preset", str(record["preset"])]
+    if record.get("assist"):
+        words += ["--assist", str(record["assist"])]
     own = _own_values(run)
-    for name, value in record["parameters"].items():
-        if own is None or own.parameters.get(name) != value:
-            words += ["--set", f"{name}={value!r}"]
-    if own is None or own.world.step_s != record["step_s"]:
-        parts = 1 if own is None else own.world.substeps
-        words += ["--step", f"{record['step_s'] / parts!r}s"]
+    words += _values(run, own)
     count = own.dither.count if own is not None and own.dither is not None else 1
     if count != record["repeats"]:
         words += ["--seeds", str(record["repeats"])]
     if record.get("against"):
         words += ["--against", str(record["against_asked"])]
     return shlex.join(words)
+
+
+def scripts(run: Run) -> list[str]:
+    """Commands that write each row of a plain loop as a script that needs no simcompare."""
+    record = run.record
+    if "scenario_asked" not in record or not record.get("engines_asked"):
+        return []
+    found = []
+    for source in record["sources"]:
+        if source["status"] != OK or source["contact"] not in (DEFAULT, COEFFICIENTS, TUNED):
+            continue
+        name, level = str(source["name"]), str(source["contact"])
+        words = ["simcompare", "export", str(record["scenario_asked"]), "--format", "script"]
+        words += ["--engine", name, "--contact", level, *_values(run, _own_values(run))]
+        words += ["-o", f"{record['scenario']}_{name}_{level}.py"]
+        found.append(shlex.join(words))
+    return found
+
+
+def _values(run: Run, own: Scenario | None) -> list[str]:
+    """Options for all values that differ from the scenario's own."""
+    record, words = run.record, []
+    if record["preset"]:
+        words += ["--preset", str(record["preset"])]
+    for name, value in record["parameters"].items():
+        if own is None or own.parameters.get(name) != value:
+            words += ["--set", f"{name}={value!r}"]
+    if own is None or own.world.step_s != record["step_s"]:
+        parts = 1 if own is None else own.world.substeps
+        words += ["--step", f"{record['step_s'] / parts!r}s"]
+    return words
 
 
 def _own_values(run: Run) -> Scenario | None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from simcompare.backend import ASSISTED, COEFFICIENTS, DEFAULT, SHOWN_LEVELS, TUNED
 from simcompare.compare import PASS, Score
 from simcompare.errors import UnknownName
 from simcompare.jobs import OK
@@ -13,6 +12,7 @@ from simcompare.measures import observe
 from simcompare.reports import numbers
 from simcompare.results import TRUTH, Run
 from simcompare.scenario import Probe
+from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, SHOWN_LEVELS, TUNED
 from simcompare.trajectory import Array, Trajectory
 
 _MODES = {

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from simcompare.backend import SHOWN_LEVELS
 from simcompare.compare import Score
 from simcompare.reports import runs
 from simcompare.reports.figures import (
@@ -21,6 +20,7 @@ from simcompare.reports.figures import (
     style_of,
 )
 from simcompare.results import TRUTH, Run
+from simcompare.settings import SHOWN_LEVELS
 from simcompare.trajectory import Array
 
 #: smaller deviations, in tolerances, are drawn here; a logarithm has no zero

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from simcompare.backend import ASSISTED, DEFAULT, SHOWN_LEVELS, TUNED
 from simcompare.compare import Score
 from simcompare.reports import numbers, runs
 from simcompare.results import TRUTH, Run
+from simcompare.settings import ASSISTED, DEFAULT, SHOWN_LEVELS, TUNED
 
 
 def answer(run: Run) -> list[str]:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from simcompare.backend import ASSISTED, Settings
 from simcompare.compare import Repeat, Score, scores_of
 from simcompare.errors import SimcompareError
 from simcompare.helps import HELPS
 from simcompare.jobs import UNSUPPORTED, Job, Outcome, does_not_act
 from simcompare.scenario import Scenario
+from simcompare.settings import ASSISTED, Settings
 from simcompare.trajectory import Trajectory
 
 
@@ -34,15 +33,18 @@ def results_of(
 ) -> list[dict[str, Any]]:
     """What the nominal repeat shows with each help, and without it, all others kept."""
     nominal: dict[tuple[str, str], dict[str, Score]] = {}
+    faults: dict[tuple[str, str], str] = {}
     middle = len(scenarios) // 2
     for outcome in outcomes:
         if outcome.job.mode == ASSISTED and outcome.job.repeat == middle:
             key = (outcome.job.engine, outcome.job.without)
             if outcome.trajectory is not None:
                 repeat = Repeat(scenarios[middle], outcome.trajectory, truths[middle])
-                with contextlib.suppress(SimcompareError):
+                try:
                     scores = [s for s in scores_of([repeat]) if s.index is None]
                     nominal[key] = {score.measure: score for score in scores}
+                except SimcompareError as error:
+                    faults[key] = str(error)
     found = []
     for outcome in outcomes:
         engine, name = outcome.job.engine, outcome.job.without
@@ -52,7 +54,8 @@ def results_of(
             continue
         left_out = nominal.get((engine, name), {})
         found.append({
-            "source": engine, "help": name, "status": outcome.status, "reason": outcome.reason,
+            "source": engine, "help": name, "status": outcome.status,
+            "reason": outcome.reason or faults.get((engine, name)),
             "measures": [
                 {"measure": measure, "unit": score.unit, "truth": score.truth,
                  "with": score.value, "without": getattr(left_out.get(measure), "value", None)}

@@ -20,25 +20,14 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from simcompare import landing
 from simcompare.drives import laws_of
-from simcompare.drop_plan import DropPlan
 from simcompare.errors import EngineBroken, EngineMissing, Unsupported, to_paste
 from simcompare.helps import LANDING
-from simcompare.scenario import Body, Contact, Scenario
+from simcompare.scenario import Body, Scenario
+from simcompare.settings import ASSISTED, CONTACT_LEVELS, DEFAULT, Settings
 
 if TYPE_CHECKING:
     from simcompare.simulation import Simulation
     from simcompare.trajectory import Trajectory
-
-#: contact levels: the engine as it is first met; with the scenario's coefficients; with everything
-#: that the scenario states typed in, in a plain loop; the same with our helps
-DEFAULT, COEFFICIENTS, TUNED, ASSISTED = "default", "coefficients", "tuned", "assisted"
-CONTACT_LEVELS = (DEFAULT, COEFFICIENTS, TUNED, ASSISTED)
-#: those in which an engine is shown, and not judged: nobody gave it all of the scenario's physics
-SHOWN_LEVELS = (DEFAULT, COEFFICIENTS)
-#: what stands for a pair's restitution in an engine
-COEFFICIENT, SPRING = "coefficient", "spring"
-#: names that levels once had, still accepted
-OLD_LEVELS = {"mapped": ASSISTED}
 
 
 class Feature(enum.StrEnum):
@@ -96,70 +85,6 @@ class KnownLimit:
     reference: str
 
 
-@dataclass(frozen=True)
-class PairNumbers:
-    """An engine's own numbers for the restitution of a pair.
-
-    Attributes:
-        pair: names of the two bodies.
-        values: one coefficient; or the two numbers of a spring and damper, as they are typed in.
-    """
-
-    pair: tuple[str, str]
-    values: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class Settings:
-    """How a scenario is run.
-
-    Attributes:
-        contact: contact level: the engine's own "default"; the scenario's "coefficients" of
-            restitution and friction (also of joints) in an engine that is else as it comes;
-            "tuned", with all that the scenario states typed in, in a plain loop of one fixed step;
-            or "assisted", the same with our helps.
-        seed: seed of every random number in the run.
-        helps: the helps of "assisted"; ``None``: all that the engine takes.
-        numbers: what stands for the restitution of each pair where impacts are not landed on;
-            a pair without numbers has the scenario's coefficient.
-        drops: impacts for which such numbers are sought; ``None``: the first ones of the scene.
-    """
-
-    contact: str = ASSISTED
-    seed: int = 0
-    helps: frozenset[str] | None = None
-    numbers: tuple[PairNumbers, ...] = ()
-    drops: tuple[DropPlan, ...] | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "contact", OLD_LEVELS.get(self.contact, self.contact))
-
-    @property
-    def gives_coefficients(self) -> bool:
-        """Whether restitution and friction are given to the engine."""
-        return self.contact != DEFAULT
-
-    @property
-    def gives_all(self) -> bool:
-        """Whether everything that the scenario states is given to the engine."""
-        return self.contact in (TUNED, ASSISTED)
-
-    def takes(self, help_name: str) -> bool:
-        """Whether one of our helps is taken."""
-        return self.contact == ASSISTED and (self.helps is None or help_name in self.helps)
-
-    def helps_with(self, help_name: str) -> frozenset[str] | None:
-        """The helps of these settings, and one more."""
-        return None if self.helps is None else self.helps | {help_name}
-
-    def numbers_of(self, contact: Contact) -> tuple[float, ...]:
-        """The engine's numbers for a pair; the scenario's coefficient where there are none."""
-        for known in self.numbers:
-            if frozenset(known.pair) == frozenset(contact.pair):
-                return known.values
-        return (contact.restitution,)
-
-
 @runtime_checkable
 class Backend(Protocol):
     """What every engine offers; other people's backends need nothing more."""
@@ -192,12 +117,14 @@ class EngineBackend(ABC):
         mapping: how ``assisted`` translates the scenario's contact into the engine's parameters.
         libraries: system libraries that its wheel needs and may lack -> the command that cures it.
         helps: which of our helps it can take.
-        bounces_by: whether a pair's restitution is one coefficient, or a spring and a damper.
+        bounces_by: whether the number for a pair's restitution, which it takes from
+            ``Settings.numbers_of``, is one coefficient, or a spring and a damper; empty where it
+            takes none, and the scenario's own coefficient stays.
     """
 
     libraries: tuple[tuple[str, str], ...] = ()
     helps: frozenset[str] = frozenset()
-    bounces_by: str = COEFFICIENT
+    bounces_by: str = ""
     name: str
     module: str
     distribution: str
@@ -249,12 +176,15 @@ class EngineBackend(ABC):
             from simcompare.tuning import tuned
 
             settings, tuning = tuned(self, engine, scenario, settings)
+        calibrated = time.perf_counter()
         simulation = self.build(engine, scenario, settings)
         simulation.tuning = tuning
+        simulation.notes += tuple(note for record in tuning for note in record["notes"])
         simulation.read_back_start(self.name)
         simulation.wall_s = {
             "import": loaded - started,
-            "build": time.perf_counter() - loaded,
+            "tune": calibrated - loaded,
+            "build": time.perf_counter() - calibrated,
         }
         return simulation
 

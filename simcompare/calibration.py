@@ -83,11 +83,6 @@ class Calibration:
     stall_speed_m_s: float = 0.0
     drops: int = 0
 
-    @property
-    def deviation(self) -> float:
-        """Deviation of the mean at the first impact from what was asked, as part of it."""
-        return self.at[0].restitution / self.restitution - 1 if self.at else 0.0
-
 
 class Counted:
     """Counts the drops of an engine."""
@@ -245,6 +240,8 @@ def _stall_speed(drops: Drops, p: float, step_s: float, gravity_m_s2: float) -> 
     Where the rebound is a part p of the speed after gravity has acted for a step, that is about
     p·g·dt/(1-p); there it is looked for.
     """
+    if p >= 1:
+        return 0.0
     low, high = (part * p * gravity_m_s2 * step_s / (1 - p) for part in (0.8, 1.25))
     slow = drops((p,), low, even_phases(PHASES)).mean
     if not slow > 1:

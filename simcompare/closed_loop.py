@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from simcompare import catalogue, engines, units
-from simcompare.backend import ASSISTED, Settings
+from simcompare.settings import ASSISTED, Settings
 from simcompare.simulation import Controller
 from simcompare.trajectory import Trajectory
 

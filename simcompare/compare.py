@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from simcompare import measures
-from simcompare.backend import SHOWN_LEVELS
 from simcompare.measures import Measured
 from simcompare.scenario import Measure, Scenario, Tolerance
+from simcompare.settings import SHOWN_LEVELS
 from simcompare.trajectory import Trajectory
 
 PASS, FAIL, INFO = "pass", "fail", "info"

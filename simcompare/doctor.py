@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from simcompare import engines
-from simcompare.backend import Settings
 from simcompare.jobs import FAILED, OK, Facts, Job, Outcome
 from simcompare.runner import run_jobs
 from simcompare.scenario import Scenario
+from simcompare.settings import Settings
 
 #: a sphere in free fall, without any contact
 _FALL = {
@@ -55,6 +55,7 @@ class Diagnosis:
             "features": list(self.facts.features),
             "known_limits": self.facts.limits_as_dicts(),
             "mapping": self.facts.mapping,
+            "helps": list(self.facts.helps),
         }
 
 

@@ -22,6 +22,19 @@ class SimcompareError(Exception):
 
     exit_code = 2
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """As it is, also where its class takes other arguments than the message."""
+        return _restored, (type(self), self.args, self.__dict__)
+
+
+def _restored(
+    kind: type[SimcompareError], args: tuple[object, ...], state: dict[str, object]
+) -> SimcompareError:
+    error = kind.__new__(kind)
+    error.args = args
+    error.__dict__.update(state)
+    return error
+
 
 class InputError(SimcompareError):
     """A file or an argument is not what it must be.

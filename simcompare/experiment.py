@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from simcompare import ablation, catalogue, engines, measures, run_record, units
 from simcompare.against import Match, matches
-from simcompare.backend import ASSISTED, CONTACT_LEVELS, DEFAULT, OLD_LEVELS, TUNED, Settings
 from simcompare.compare import Repeat, Score, scores_of
 from simcompare.drives import input_values
-from simcompare.drop_plan import DropPlan, drop_plans
+from simcompare.drop_plan import drop_plans
 from simcompare.errors import InputError, OutputError, SimcompareError, UnknownName
 from simcompare.helps import ALL, HELPS, NONE, chosen, known
 from simcompare.jobs import FAILED, OK, Job, Outcome
@@ -20,6 +19,15 @@ from simcompare.results import TRUTH, Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Interrupted, Progress, run_jobs
 from simcompare.scenario import MOST_SAMPLES, Scenario
 from simcompare.sensing import complete
+from simcompare.settings import (
+    ASSISTED,
+    CONTACT_LEVELS,
+    DEFAULT,
+    OLD_LEVELS,
+    TUNED,
+    DropPlan,
+    Settings,
+)
 from simcompare.simulation import sample_times
 from simcompare.trajectory import Trajectory
 
@@ -56,8 +64,8 @@ def run(
         contact: contact levels, a list or a text with commas; also the fit.json of a fit, with
             which each engine runs with its own fitted parameters.
         assist: our helps in "assisted": "all", "none" or names (see ``simcompare.helps``).
-        judge: levels in which a tolerance that is missed is a failure of the run; "assisted", and a
-            fit, always are.
+        judge: levels in which a tolerance that is missed is a failure of the run; "assisted"
+            always is.
         set: parameters that differ from the file; text may carry a unit ("30cm").
         preset: named set of parameters, applied first.
         step: the engine's step, "1ms" or in seconds; samples may be coarser.
@@ -82,7 +90,9 @@ def run(
     values = {**({} if fit is None else fit.base(file)), **file.read_settings(set or {})}
     if table is not None:
         values, preset = with_conditions(file, table, values, preset)
-    step_s = None if step is None else sample_step_s(file, values, preset, step)
+    step_s = None if fit is None else fit.usual_step_s
+    if step is not None:
+        step_s = sample_step_s(file, values, preset, step)
     if seeds is not None and seeds < 1:
         raise InputError("--seeds", [f"{seeds} is not a number of repeats; expected 1 or more"])
     if seeds is not None and file.resolve(values, preset=preset).dither is None:
@@ -110,7 +120,7 @@ def run(
         scenario_asked=scenario,
         against_asked=None if against is None else str(against),
         fit_asked=None if fit is None else str(fit.path),
-        cautions=[] if fit is None else fit.cautions(nominal, file),
+        cautions=[] if fit is None else fit.cautions(nominal, file, chosen),
         assist=None if helps is None else known(helps) or NONE,
         judge=judged,
         preset=preset,

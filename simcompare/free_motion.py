@@ -25,6 +25,10 @@ class FreeMotion(ABC):
         self._engine_step_s = scenario.world.engine_step_s
 
     @abstractmethod
+    def advance(self, count: int) -> None:
+        """Takes ``count`` engine steps of the present length, with drag and drive in each."""
+
+    @abstractmethod
     def set_engine_step(self, step_s: float) -> None:
         """Sets the length of the engine's step [s]."""
 

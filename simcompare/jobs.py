@@ -6,9 +6,12 @@ import math
 from dataclasses import dataclass, field, replace
 
 from simcompare import engines
-from simcompare.backend import Backend, Feature, Settings
+from simcompare.backend import Backend, Feature
+from simcompare.calibration import CannotCalibrate
 from simcompare.errors import EngineBroken, EngineMissing, SimcompareError, Unsupported
+from simcompare.helps import HELPS
 from simcompare.scenario import Scenario
+from simcompare.settings import Settings
 from simcompare.trajectory import Trajectory
 
 #: how a job can end
@@ -50,12 +53,14 @@ class Facts:
         features: what the backend can do, as people read it.
         mapping: how the scenario's contact is translated.
         known_limits: text and reference of each.
+        helps: which of our helps it can take.
     """
 
     version: str | None = None
     features: tuple[str, ...] = ()
     mapping: str = ""
     known_limits: tuple[tuple[str, str], ...] = ()
+    helps: tuple[str, ...] = ()
 
     def limits_as_dicts(self) -> list[dict[str, str]]:
         """The known limits for JSON."""
@@ -73,6 +78,8 @@ class Outcome:
         trajectory: what happened, where the status is "ok".
         noise: what the engine's process printed.
         facts: what the backend states about itself, where it could be loaded.
+        longest_step_s: longest step with which the engine could do it, where the step is at fault
+            [s].
     """
 
     job: Job
@@ -81,6 +88,7 @@ class Outcome:
     trajectory: Trajectory | None = None
     noise: str = ""
     facts: Facts = field(default_factory=Facts)
+    longest_step_s: float | None = None
 
 
 def execute(job: Job) -> Outcome:
@@ -92,6 +100,10 @@ def execute(job: Job) -> Outcome:
         if job.without and not _acts(backend, job):
             return Outcome(job, UNSUPPORTED, does_not_act(job.without), facts=facts)
         trajectory = _checked(job, backend.simulate(job.scenario, job.settings))
+    except CannotCalibrate as error:
+        longest_s = error.longest_step_s
+        reason = str(error)
+        return Outcome(job, UNSUPPORTED, reason, facts=facts, longest_step_s=longest_s)
     except Unsupported as error:
         return Outcome(job, UNSUPPORTED, str(error), facts=facts)
     except EngineMissing as error:
@@ -111,6 +123,8 @@ def does_not_act(help_name: str) -> str:
 
 def _acts(backend: Backend, job: Job) -> bool:
     """Whether the help that a job leaves out would act in its scene."""
+    if job.without not in getattr(backend, "helps", ()):
+        return False
     settings = replace(job.settings, helps=job.settings.helps_with(job.without))
     whole = backend.open(job.scenario, settings)
     try:
@@ -130,6 +144,7 @@ def facts_of(backend: Backend) -> Facts:
         tuple(str(feature) for feature in Feature if feature in backend.features),
         str(backend.mapping),
         tuple((str(limit.text), str(limit.reference)) for limit in backend.known_limits),
+        tuple(name for name in HELPS if name in getattr(backend, "helps", ())),
     )
 
 

@@ -18,19 +18,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from simcompare.errors import Unsupported
+from simcompare.free_motion import FreeMotion
 from simcompare.pairs import touching_pairs
 from simcompare.rotations import matrix_of
 from simcompare.scenario import Body, Scenario
 from simcompare.shapes import Plane, Shape, Sphere, Vector
 from simcompare.trajectory import Array
-
-if TYPE_CHECKING:
-    from simcompare.simulation import Simulation
 
 
 @dataclass(frozen=True)
@@ -186,14 +183,14 @@ def clearance_m(body: Body, ground: Body, plane: Plane) -> float:
     turn = matrix_of(body.orientation_wxyz)
     heights = [
         normal @ (turn @ shape.position_m + body.position_m - origin)
-        - _reach_m(shape, matrix_of(shape.orientation_wxyz).T @ turn.T @ normal)
+        - reach_m(shape, matrix_of(shape.orientation_wxyz).T @ turn.T @ normal)
         for shape in body.shapes
         if not isinstance(shape, Plane)
     ]
     return float(min(heights))
 
 
-def _reach_m(shape: Shape, direction: Vector | Array) -> float:
+def reach_m(shape: Shape, direction: Vector | Array) -> float:
     """How far a shape reaches from its centre, at most, in a direction of its own frame [m]."""
     x, y, z = (abs(float(component)) for component in direction)
     match shape.type:
@@ -213,7 +210,7 @@ def _first_path_m(scenario: Scenario, body: Body) -> float:
     """Longest way of any point of a body in the first two engine steps [m]."""
     time_s = 2 * scenario.world.engine_step_s
     size = max(
-        math.hypot(*shape.position_m) + sum(_reach_m(shape, axis) for axis in _AXES)
+        math.hypot(*shape.position_m) + sum(reach_m(shape, axis) for axis in _AXES)
         for shape in body.shapes
     )
     speed = math.hypot(*body.velocity_m_s) + math.hypot(*body.rate_rad_s) * size
@@ -249,12 +246,12 @@ class Landing:
             omega = steps.frequency_rad_s
             self._rest_depth = 2 * (pull / omega**2 + self._rest_speed / omega)
 
-    def free_steps(self, simulation: Simulation) -> int:
+    def free_steps(self, simulation: FreeMotion) -> int:
         """Recorded steps that are certainly free of contact from here on."""
         parts, touching, _ = self._look(simulation)
         return 0 if touching else int(min(parts, 1e15)) // self.parts
 
-    def step(self, simulation: Simulation) -> None:
+    def step(self, simulation: FreeMotion) -> None:
         """Advances by one recorded step, in parts where a contact falls into it."""
         left = self.parts
         while left:
@@ -274,7 +271,7 @@ class Landing:
                 simulation.advance(1)
             left -= taken
 
-    def _look(self, simulation: Simulation) -> tuple[float, bool, frozenset[str]]:
+    def _look(self, simulation: FreeMotion) -> tuple[float, bool, frozenset[str]]:
         """Parts free of contact for the pairs in flight, whether any touches, and who rests.
 
         ``resting`` is empty as soon as one pair is in an impact.

@@ -5,13 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 from simcompare.errors import Unsupported
 from simcompare.scenario import Contact, Scenario
-
-if TYPE_CHECKING:
-    from simcompare.backend import Settings
+from simcompare.settings import Settings
 
 
 def touching_pairs(scenario: Scenario) -> list[Contact]:

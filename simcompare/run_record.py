@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime
 import hashlib
+import math
 import platform
 import statistics
 import sys
@@ -13,11 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 from simcompare import measures
 from simcompare.against import Match
-from simcompare.backend import Settings, installed_version
+from simcompare.backend import installed_version
 from simcompare.compare import Score
 from simcompare.jobs import OK, Outcome
 from simcompare.results import FORMAT
 from simcompare.scenario import Scenario
+from simcompare.settings import Settings
 
 if TYPE_CHECKING:
     from simcompare.hardware.logs.bounce_table import BounceTable
@@ -37,6 +39,7 @@ def of_source(engine: str, mode: str, outcomes: Sequence[Outcome]) -> dict[str, 
         "contact": mode,
         "status": bad[0].status if bad else OK,
         "reason": bad[0].reason if bad else None,
+        "longest_step_s": _finite(bad[0].longest_step_s) if bad else None,
         "steps": len(nominal.time_s) - 1 if nominal else None,
         "repeats": len(done),
         "wall_s": {
@@ -139,6 +142,10 @@ def _caution(file: ScenarioFile, table: BounceTable) -> str | None:
 def _sha256_of(paths: Sequence[Path]) -> str:
     """Digest of the scenario file, and of those that it extends."""
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None
 
 
 def _median(values: Sequence[float]) -> float | None:

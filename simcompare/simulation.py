@@ -21,7 +21,7 @@ from simcompare.stateful import StatefulMotion
 from simcompare.trajectory import Array, Trajectory
 
 if TYPE_CHECKING:
-    from simcompare.backend import Settings
+    from simcompare.settings import Settings
 
 #: what a controller reads: every signal now, a number or a tuple of its components
 Readings = Mapping[str, float | tuple[float, ...]]
@@ -96,13 +96,14 @@ class Simulation(StatefulMotion):
     def _prepare_landing(self, steps: ContactSteps) -> None:
         pairs, notes = approaches(self.scenario)
         self.notes = tuple(notes)
+        if pairs or notes:  # where nothing is landed on, it still brings numbers and steps
+            self.helps.add(LANDING)
         if not pairs:
             return
         if self._force_sensors:
             raise Unsupported("forces are not recorded while impacts are landed on")
         if self.substeps > 1:
             raise Unsupported("where impacts are landed on, recorded steps are not divided further")
-        self.helps.add(LANDING)
         self._landing = Landing(pairs, self.scenario.world.step_s, steps)
         self._stagger = steps.stagger
         self.notes += (

@@ -57,10 +57,6 @@ class StatefulMotion(FreeMotion):
         return self._count * self.scenario.world.step_s
 
     @abstractmethod
-    def advance(self, count: int) -> None:
-        """Takes ``count`` engine steps of the present length, with drag and drive in each."""
-
-    @abstractmethod
     def place(self, body: str, state: BodyState) -> None:
         """Puts a free body into a state."""
 

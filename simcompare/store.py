@@ -17,10 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from simcompare.backend import OLD_LEVELS
 from simcompare.compare import Score
 from simcompare.errors import InputError, OutputError
 from simcompare.results import FORMAT, Run, Stored
+from simcompare.settings import OLD_LEVELS
 from simcompare.trajectory import Trajectory
 
 RECORD, TRAJECTORIES, SCORES = "run.json", "trajectories.parquet", "scores.csv"

@@ -6,6 +6,7 @@ They are kept in the user's cache, by scene, step, engine and adapter, since the
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
 import json
 import math
@@ -15,30 +16,42 @@ from collections.abc import Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 import platformdirs
 
 from simcompare import calibration, drops
-from simcompare.backend import SPRING, TUNED, PairNumbers, Settings
 from simcompare.calibration import Calibration, CannotCalibrate
-from simcompare.drop_plan import DropPlan, drop_plans
+from simcompare.drop_plan import drop_plans
 from simcompare.drops import Bounces
 from simcompare.errors import SimulationDiverged
+from simcompare.pairs import touching_pairs
 from simcompare.scenario import Scenario
+from simcompare.settings import SPRING, TUNED, DropPlan, PairNumbers, Settings
+from simcompare.simulation import Simulation
 from simcompare.spring_calibration import DEPTH, calibrate_spring
 from simcompare.state import BodyState, State
 from simcompare.trajectory import Array
 
-if TYPE_CHECKING:
-    from simcompare.backend import EngineBackend
-    from simcompare.simulation import Simulation
+
+class Tunable(Protocol):
+    """What a backend offers to be tuned."""
+
+    name: str
+    bounces_by: str
+
+    def version(self) -> str:
+        """Version of the engine."""
+
+    def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
+        """Builds a scene."""
+
 
 #: weakest gravity with which a drop is read; without any it would have no apex [m/s²]
 LEAST_GRAVITY_M_S2 = 0.1
-#: slower impacts are looked at down to this many times the restitution, which is held in bounds
-LATER_PART = (0.5, 0.95)
+#: impacts of a body that bounces on, whose speeds are looked at; the first one is right
+IMPACTS = 4
 #: steps that are recorded at once, and at most
 _CHUNK, _MOST = 48, 1200
 #: free steps after a contact that end a record
@@ -46,7 +59,7 @@ _AFTER = 6
 
 
 def tuned(
-    backend: EngineBackend, engine: ModuleType, scenario: Scenario, settings: Settings
+    backend: Tunable, engine: ModuleType, scenario: Scenario, settings: Settings
 ) -> tuple[Settings, tuple[Mapping[str, Any], ...]]:
     """Settings with numbers for every pair that bounces, and how they were found.
 
@@ -54,12 +67,20 @@ def tuned(
         Unsupported: no numbers give a restitution at this step; says what is possible.
     """
     known = {frozenset(numbers.pair) for numbers in settings.numbers}
-    plans = drop_plans(scenario) if settings.drops is None else settings.drops
+    wanted = {frozenset(contact.pair): contact.restitution for contact in touching_pairs(scenario)}
+    # a plan that was made for another restitution, as in a repeat that varies it, is not for this
+    plans = [*(settings.drops or ()), *drop_plans(scenario)]
     numbers, records = list(settings.numbers), []
     for plan in plans:
-        open_pairs = [pair for pair in plan.pairs if frozenset(pair) not in known]
+        open_pairs = [
+            pair
+            for pair in plan.pairs
+            if frozenset(pair) not in known
+            and math.isclose(wanted.get(frozenset(pair), -1.0), plan.restitution, rel_tol=1e-9)
+        ]
         if not open_pairs:
             continue
+        known |= {frozenset(pair) for pair in open_pairs}
         try:
             found = _cached(backend, engine, plan)
         except CannotCalibrate as error:
@@ -78,6 +99,8 @@ def record(plan: DropPlan, found: Calibration) -> dict[str, Any]:
         "speed_m_s": plan.speed_m_s,
         "step_s": plan.step_s,
         "size_m": plan.size_m,
+        "gravity_m_s2": plan.gravity_m_s2,
+        "notes": list(plan.notes),
         **{name: value for name, value in plain.items() if not isinstance(value, tuple)},
         "numbers": list(found.numbers),
         "at": [_finite(asdict(one)) for one in found.at],
@@ -89,14 +112,15 @@ def _finite(values: Mapping[str, float]) -> dict[str, float | None]:
     return {name: value if math.isfinite(value) else None for name, value in values.items()}
 
 
-def calibrate(backend: EngineBackend, engine: ModuleType, plan: DropPlan) -> Calibration:
+def calibrate(backend: Tunable, engine: ModuleType, plan: DropPlan) -> Calibration:
     """Finds numbers for a plan by dropping a sphere in the engine."""
     if plan.restitution > calibration.LARGEST and backend.bounces_by != SPRING:
         # what hardly loses anything is typed in as it stands, and what comes of it is shown
         return Calibration(plan.restitution, (plan.restitution,))
+    if not backend.bounces_by:
+        return Calibration(plan.restitution, (plan.restitution,))
     e, gravity = plan.restitution, max(plan.gravity_m_s2, LEAST_GRAVITY_M_S2)
-    part = min(max(e, LATER_PART[0]), LATER_PART[1])
-    speeds = [plan.speed_m_s * part**k for k in range(3)]
+    speeds = [plan.speed_m_s * e**k for k in range(IMPACTS)]
     if backend.bounces_by == SPRING:
         return calibrate_spring(
             EngineDrops(backend, engine, plan), e, speeds, plan.step_s, plan.size_m, gravity,
@@ -107,11 +131,11 @@ def calibrate(backend: EngineBackend, engine: ModuleType, plan: DropPlan) -> Cal
     )
     depth_m = found.at[0].penetration_m if found.at else 0.0
     if depth_m > DEPTH * plan.size_m:
-        longest_ms = 1e3 * plan.step_s * DEPTH * plan.size_m / depth_m
+        longest_ms = 0.98e3 * plan.step_s * DEPTH * plan.size_m / depth_m
         raise CannotCalibrate(
             f"in a step of {1e3 * plan.step_s:.3g} ms a body at {plan.speed_m_s:.3g} m/s goes"
             f" {1e3 * depth_m:.3g} mm deep, more than half its size of {1e3 * plan.size_m:.3g} mm;"
-            f" the longest step is {0.98 * longest_ms:.2g} ms",
+            f" the longest step is {math.floor(100 * longest_ms) / 100:g} ms",
             longest_ms / 1e3,
         )
     return found
@@ -126,7 +150,7 @@ class EngineDrops:
         plan: what is dropped.
     """
 
-    def __init__(self, backend: EngineBackend, engine: ModuleType, plan: DropPlan) -> None:
+    def __init__(self, backend: Tunable, engine: ModuleType, plan: DropPlan) -> None:
         self._backend, self._engine, self._plan = backend, engine, plan
         self._gravity = max(plan.gravity_m_s2, LEAST_GRAVITY_M_S2)
         self._scene = _scene(plan, self._gravity)
@@ -200,9 +224,13 @@ def cache_folder() -> Path:
     return Path(folder) / "calibrations"
 
 
-def _cached(backend: EngineBackend, engine: ModuleType, plan: DropPlan) -> Calibration:
-    path = cache_folder() / f"{_key(backend, plan)}.json"
-    with contextlib.suppress(OSError, ValueError, TypeError, KeyError):
+def _cached(backend: Tunable, engine: ModuleType, plan: DropPlan) -> Calibration:
+    key = _key(backend, plan)
+    if key is None:
+        return calibrate(backend, engine, plan)
+    path = cache_folder() / f"{key}.json"
+    # what is not there, or damaged, is found again
+    with contextlib.suppress(OSError, ValueError, TypeError, KeyError, AttributeError):
         return _read(path)
     found = calibrate(backend, engine, plan)
     with contextlib.suppress(OSError):  # where nothing can be kept, it is found again
@@ -216,26 +244,34 @@ def _cached(backend: EngineBackend, engine: ModuleType, plan: DropPlan) -> Calib
 def _read(path: Path) -> Calibration:
     plain = json.loads(path.read_text(encoding="utf-8"))
     for name in ("at", "checks"):
-        plain[name] = tuple(calibration.AtSpeed(**one) for one in plain[name])
-    return Calibration(**{**plain, "numbers": tuple(plain["numbers"])})
+        plain[name] = tuple(
+            calibration.AtSpeed(**{part: float(value) for part, value in one.items()})
+            for one in plain[name]
+        )
+    numbers = tuple(float(value) for value in plain.pop("numbers"))
+    return Calibration(numbers=numbers, **plain)
 
 
-def _key(backend: EngineBackend, plan: DropPlan) -> str:
-    """What a calibration depends on: the drop, but not the pairs' names; engine and our code."""
-    asked = {**asdict(plan), "pairs": None}
-    parts = [backend.name, backend.version(), _code(backend), json.dumps(asked)]
+def _key(backend: Tunable, plan: DropPlan) -> str | None:
+    """What a calibration depends on: the drop, but not the pairs' names; engine and all our code.
+
+    ``None`` where the backend has no file, so that a change of it would not be seen.
+    """
+    own = getattr(sys.modules.get(type(backend).__module__), "__file__", None)
+    if own is None:
+        return None
+    asked = {**asdict(plan), "pairs": None, "notes": None}
+    digest = hashlib.sha256()
+    for path in sorted(Path(own).parent.glob("*.py")):
+        digest.update(path.read_bytes())
+    parts = [backend.name, backend.version(), digest.hexdigest(), _core(), json.dumps(asked)]
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:32]
 
 
-def _code(backend: EngineBackend) -> str:
-    """Digest of the adapter and of what calibrates."""
-    own = Path(sys.modules[type(backend).__module__].__file__ or "")
-    adapter = sorted(own.parent.glob(f"*{own.stem.strip('_')}*.py"))
-    ours = [Path(__file__).with_name(f"{name}.py") for name in _OURS]
+@functools.cache
+def _core() -> str:
+    """Digest of simcompare's own core."""
     digest = hashlib.sha256()
-    for path in (*adapter, *ours):
+    for path in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(path.read_bytes())
     return digest.hexdigest()
-
-
-_OURS = ("tuning", "calibration", "spring_calibration", "stepped_dashpot", "drops")

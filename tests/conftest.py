@@ -1,4 +1,4 @@
-"""What the tests of input handling share: toy engines as packages, a toy scenario, the CLI."""
+"""What tests share: skips by engine, toy engines as packages, a toy scenario, the CLI."""
 
 from __future__ import annotations
 
@@ -12,9 +12,29 @@ from typing import Any
 import hypothesis
 import pytest
 
+from tests.present import need, skipping_without_its_engine
+
 # no test depends on the clock, also not on a busy machine
 hypothesis.settings.register_profile("simcompare", deadline=None)
 hypothesis.settings.load_profile("simcompare")
+
+
+def pytest_configure(config):
+    config.addinivalue_line("markers", "engines(*names): skipped where one of these is absent")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_setup(item):
+    need(*(name for marker in item.iter_markers("engines") for name in marker.args))
+    with skipping_without_its_engine():
+        return (yield)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item):
+    with skipping_without_its_engine():
+        return (yield)
+
 
 #: a backend over the plain protocol, as somebody else's package would hold it; exact free fall
 ENGINE = """

@@ -3,8 +3,8 @@
 import math
 
 from simcompare import engines
-from simcompare.backend import Settings
 from simcompare.scenario import Scenario
+from simcompare.settings import Settings
 
 G = 9.80665
 FRAME = {"frame": {"fixed": True}}

@@ -7,7 +7,7 @@ import pytest
 
 from simcompare import catalogue, engines
 from simcompare.audit import Audit
-from simcompare.backend import ASSISTED, TUNED, Feature, PairNumbers, Settings
+from simcompare.backend import Feature
 from simcompare.backends.dart_ import DartBackend
 from simcompare.errors import (
     EngineBroken,
@@ -17,6 +17,7 @@ from simcompare.errors import (
     Unsupported,
 )
 from simcompare.scenario import Scenario
+from simcompare.settings import ASSISTED, TUNED, PairNumbers, Settings
 
 ENGINES = engines.names()
 BALL = catalogue.load("ball")

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from simcompare import catalogue, engines
-from simcompare.backend import Settings
 from simcompare.compare import Repeat, scores_of
 from simcompare.experiment import repeats_of
 from simcompare.scenarios.ball.reference import reference
+from simcompare.settings import Settings
 from simcompare.simulation import sample_times
 from simcompare.trajectory import Trajectory
 

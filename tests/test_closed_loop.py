@@ -7,8 +7,9 @@ import pytest
 
 import simcompare
 from simcompare import catalogue, engines
-from simcompare.backend import Settings, needs
+from simcompare.backend import needs
 from simcompare.errors import InputError, UnknownName
+from simcompare.settings import Settings
 
 ENGINES = engines.names()
 SPATIAL = [

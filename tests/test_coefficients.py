@@ -4,7 +4,8 @@ import pytest
 
 import simcompare
 from simcompare import catalogue, engines
-from simcompare.backend import ASSISTED, COEFFICIENTS, DEFAULT, Settings, needs
+from simcompare.backend import needs
+from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, Settings
 
 SPATIAL = [
     name
@@ -47,6 +48,7 @@ def test_a_robot_stands_still_by_default_and_drives_with_coefficients(engine):
     assert 0.85 < ends[COEFFICIENTS] < 1.05
 
 
+@pytest.mark.engines("pybullet")
 def test_wheels_drawn_as_cylinders_tell_engines_apart_though_all_have_the_coefficients():
     run = simcompare.run("robot_cylinder", contact="coefficients,assisted")
     found = {(s.source, s.contact): s for s in run.scores if s.measure == "acceleration"}
@@ -65,4 +67,4 @@ def test_a_coefficient_of_restitution_alone_does_not_make_the_bounce():
     # a spring of its own, contacts that act while apart, a speed taken after gravity
     off = {name: abs(value / 0.8 - 1) for name, value in found.items()}
     assert max(off.values()) == 1
-    assert sum(value > 0.01 for value in off.values()) >= 3
+    assert sum(value <= 0.01 for value in off.values()) <= 1

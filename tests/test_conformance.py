@@ -5,9 +5,10 @@ import functools
 import pytest
 
 from simcompare import catalogue, engines
-from simcompare.backend import CONTACT_LEVELS, Settings, needs
+from simcompare.backend import needs
 from simcompare.backends import conformance
 from simcompare.errors import Unsupported
+from simcompare.settings import CONTACT_LEVELS, Settings
 
 ENGINES = engines.names()
 SCENARIOS = catalogue.names()

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from simcompare import catalogue, engines
-from simcompare.backend import Settings
 from simcompare.errors import InputError, Unsupported
 from simcompare.fitting import toss_fit, tosses
 from simcompare.rotations import multiply, quaternions_of, rotate
+from simcompare.settings import Settings
 
 FILE = catalogue.load("cube_toss")
 ENGINES = ("mujoco", "pybullet", "dart")

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from simcompare import catalogue, engines
-from simcompare.backend import Settings
 from simcompare.errors import SimulationDiverged, Unsupported
 from simcompare.scenario import Scenario
+from simcompare.settings import Settings
 
 pytest.importorskip("dartpy")
 

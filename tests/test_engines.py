@@ -66,7 +66,8 @@ def test_a_toy_engine_over_a_package_gets_the_frame_for_nothing(add_engine, fall
     """Subclassing EngineBackend: refusing, loading, read-back and the recording loop come along."""
     code = (
         "from simcompare.audit import Audit\n"
-        "from simcompare.backend import EngineBackend, Feature, Settings\n"
+        "from simcompare.backend import EngineBackend, Feature\n"
+        "from simcompare.settings import Settings\n"
         "from simcompare.simulation import Simulation\n"
         "import numpy as np\n"
         "class Falling(Simulation):\n"

@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 
 import simcompare
-from simcompare import backend, catalogue, engines
-from simcompare.backend import Settings
+from simcompare import catalogue, engines
 from simcompare.drop_plan import drop_plans
 from simcompare.errors import InputError, UnknownName
 from simcompare.scripts import expected, write
+from simcompare.settings import CONTACT_LEVELS, Settings
 from simcompare.trajectory import BODY_SIGNALS
 
-LEVELS = [level for level in write.LEVELS if level in backend.CONTACT_LEVELS]
+LEVELS = [level for level in write.LEVELS if level in CONTACT_LEVELS]
 RUNNER = Path(__file__).with_name("script_runner.py")
 PHASE = 0.37
 #: lines of a scene with one moving body, and of others

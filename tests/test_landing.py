@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from simcompare import catalogue
-from simcompare.backend import Settings
 from simcompare.landing import Approach, ContactSteps, approaches
 from simcompare.scenario import Scenario
+from simcompare.settings import Settings
 from simcompare.simulation import Simulation
 
 G = 9.80665

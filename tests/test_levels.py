@@ -7,9 +7,9 @@ import pytest
 
 import simcompare
 from simcompare import catalogue, engines, helps, store
-from simcompare.backend import ASSISTED, COEFFICIENTS, DEFAULT, TUNED, Settings
 from simcompare.errors import InputError, UnknownName, Unsupported
 from simcompare.helps import HELPS
+from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED, Settings
 
 ENGINES = ("dart", "mujoco", "pybullet", "pymunk")
 SCENES = (
@@ -74,12 +74,33 @@ def test_helps_that_act_are_named_and_each_changes_the_motion(engine, name, acti
         assert not same, left_out
 
 
+BOX = {
+    "mass_kg": 0.1, "inertia_kg_m2": [4e-5] * 3, "position_m": [0, 0, 0.325],
+    "shapes": [{"type": "box", "size_m": [0.05, 0.05, 0.05]}],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["box", "robot_cylinder", "motor_step"])
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_help_that_is_not_named_changes_nothing(engine, name):
+    """What acts without being named would be mixed into the engine's own result."""
+    made = bouncing({"box": BOX}) if name == "box" else scene(name)
+    if (engine, name) == ("pymunk", "robot_cylinder"):
+        return
+    whole = simulate(engine, made, Settings(ASSISTED))
+    for left_out in set(HELPS) - set(whole.helps):
+        less = simulate(engine, made, Settings(ASSISTED, helps=frozenset(HELPS) - {left_out}))
+        for signal, values in whole.signals.items():
+            np.testing.assert_array_equal(less.signals[signal], values, err_msg=left_out)
+
+
 @pytest.mark.parametrize("engine", ENGINES)
 def test_no_engine_has_our_helps_in_its_own_levels(engine):
     for level in (DEFAULT, COEFFICIENTS, TUNED):
         assert simulate(engine, scene("ball"), Settings(level)).helps == ()
 
 
+@pytest.mark.engines("pybullet")
 def test_rims_are_ours_and_a_cylinder_is_the_engines():
     """Bullet touches a plane with one point of a cylinder, so the robot is far too slow."""
     run = simcompare.run("robot_cylinder", engine="pybullet", contact="tuned,assisted")
@@ -130,6 +151,12 @@ def test_a_step_at_which_an_engine_cannot_is_a_row_with_what_is_possible():
     assert source["status"] == "unsupported"
     assert "longest step that has one is" in source["reason"]
     assert source["reason"].startswith("mujoco")
+    assert 0.001 < source["longest_step_s"] < 0.004
+    assert run.exit_code == 2
+    longest = simcompare.run(
+        "ball", engine="mujoco", contact="tuned", step=source["longest_step_s"], seeds=1
+    )
+    assert longest.record["sources"][0]["status"] == "ok"
 
 
 def test_the_old_name_of_assisted_is_accepted_and_old_runs_are_read(tmp_path):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from simcompare import engines
-from simcompare.backend import ASSISTED, DEFAULT, Settings
 from simcompare.scenario import Scenario
+from simcompare.settings import ASSISTED, DEFAULT, Settings
 
 MUJOCO = engines.get("mujoco")
 G = 9.80665

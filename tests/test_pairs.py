@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from simcompare.backend import TUNED, Settings
 from simcompare.errors import Unsupported
 from simcompare.pairs import friction_per_body, restitution_per_body, touching_pairs
 from simcompare.scenario import Scenario
+from simcompare.settings import TUNED, Settings
 
 FACTORS = {
     "restitution": lambda scenario: restitution_per_body(scenario, Settings(TUNED), "toy"),

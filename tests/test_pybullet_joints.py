@@ -9,12 +9,12 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 from simcompare import catalogue, engines
-from simcompare.backend import Settings
 from simcompare.errors import SimulationDiverged, Unsupported
 from simcompare.rotations import conjugate, rotate
 from simcompare.scenario import Scenario
+from simcompare.settings import Settings
 
-pytest.importorskip("pybullet")
+pytestmark = pytest.mark.engines("pybullet")
 BACKEND = engines.get("pybullet")
 G = 9.81
 GROUND = {"fixed": True, "shapes": [{"type": "plane", "normal": (0, 0, 1)}]}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from simcompare import engines
-from simcompare.backend import Settings
+from simcompare.settings import Settings
 from tests.planar_scenes import FRAME, G, body, run, scene, signals, turned
 
 LOAD_CELL = {"sensors": {"cell": {"type": "force", "joint": "bolt"}}}

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from simcompare import engines
-from simcompare.backend import Settings
 from simcompare.errors import SimulationDiverged, Unsupported
+from simcompare.settings import Settings
 from tests.planar_scenes import FRAME, G, body, run, scene, signals, turned
 
 

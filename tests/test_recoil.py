@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from simcompare import engines
-from simcompare.backend import Settings
 from simcompare.errors import Unsupported
 from simcompare.scenario import Scenario
+from simcompare.settings import Settings
 
 SPATIAL, ALL = ("dart", "pybullet"), ("dart", "pybullet", "pymunk")
 
@@ -53,8 +53,6 @@ def scene(planar, step, driven, armature=0.002, sensed=False):
 
 
 def run(engine, scenario, contact="assisted"):
-    module = {"dart": "dartpy"}.get(engine, engine)
-    pytest.importorskip(module)
     return engines.get(engine).simulate(scenario, Settings(contact))
 
 
@@ -104,7 +102,6 @@ def test_without_its_recoil_a_note_names_the_joints(engine):
 
 @pytest.mark.parametrize("engine", ALL)
 def test_a_state_brings_recoil_back(engine):
-    pytest.importorskip({"dart": "dartpy"}.get(engine, engine))
     simulation = engines.get(engine).open(scene(True, 1e-3, True), Settings())
     for _ in range(20):
         simulation.step()

@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 
 from simcompare import catalogue, engines
-from simcompare.backend import Settings
 from simcompare.jobs import FAILED, MISSING, OK, UNSUPPORTED, Job
 from simcompare.runner import run_jobs
+from simcompare.settings import Settings
 
 #: how long a test waits for what must come; only a test that fails waits that long
 PATIENCE_S = 120.0

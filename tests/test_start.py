@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from simcompare import engines
-from simcompare.backend import Settings
 from simcompare.scenario import Scenario
+from simcompare.settings import Settings
 
 ENGINES = engines.names()
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from simcompare.backend import SHOWN_LEVELS
 from simcompare.reports import numbers, runs
 from simcompare.reports.sections.base import Section
 from simcompare.results import Run
+from simcompare.settings import SHOWN_LEVELS
 
 SAME, LEFT, TRANSLATED, UNREAD = "same", "left", "translated", "unread"
 _WORDS = {

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.backend import SHOWN_LEVELS
 from simcompare.jobs import OK
 from simcompare.reports import curves, runs, timelines, words
 from simcompare.reports.figures import style_of
 from simcompare.reports.sections.base import Section
 from simcompare.results import Run
+from simcompare.settings import SHOWN_LEVELS
 
 
 class Headline(Section):

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.backend import SHOWN_LEVELS
 from simcompare.compare import FAIL, INFO, PASS, Score
 from simcompare.jobs import OK
 from simcompare.reports import numbers, runs
 from simcompare.reports.figures import style_of
 from simcompare.reports.sections.base import Section
 from simcompare.results import TRUTH, Run
+from simcompare.settings import SHOWN_LEVELS
 
 #: never told by colour alone
 _VERDICTS = {PASS: "✓ pass", FAIL: "✗ fail", INFO: "· shown"}

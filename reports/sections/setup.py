@@ -6,7 +6,7 @@ from typing import Any
 
 from simcompare import units
 from simcompare.reports import numbers, runs
-from simcompare.reports.reproduce import command
+from simcompare.reports.reproduce import command, scripts
 from simcompare.reports.sections.base import Section
 from simcompare.results import Run
 
@@ -21,6 +21,7 @@ class Setup(Section):
         record = run.record
         return {
             "command": command(run),
+            "scripts": scripts(run),
             "parameters": [_parameter(run, name) for name in record["parameters"]],
             "settings": _settings(run),
             "software": dict(record["software"]),
@@ -68,18 +69,18 @@ def _settings(run: Run) -> dict[str, str]:
 
 
 def _times(source: dict[str, Any]) -> dict[str, Any]:
-    wall, repeats = source["wall_s"], source["repeats"] or 0
-    total = (source["steps"] or 0) * repeats
+    # times are those of one simulation, like the steps
+    wall, total = source["wall_s"], source["steps"] or 0
     return {
         "name": source["name"],
         "version": source["version"] or "–",
         "mode": runs.mode_words(source["contact"]),
         "status": source["status"],
         "steps": source["steps"] if source["steps"] is not None else "–",
-        "repeats": repeats,
-        "build": _ms(wall["build"] / repeats if repeats else None),
-        "step": _ms(wall["step"] / repeats if repeats else None),
-        "per_step": numbers.plain(1e6 * wall["step"] / total, 3) if total else "–",
+        "repeats": source["repeats"] or 0,
+        "build": _ms(wall["build"]),
+        "step": _ms(wall["step"]),
+        "per_step": numbers.plain(1e6 * (wall["step"] or 0) / total, 3) if total else "–",
     }
 
 

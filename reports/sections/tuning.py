@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from simcompare.backend import ASSISTED
 from simcompare.reports import numbers
 from simcompare.reports.sections.base import Section
 from simcompare.reports.sections.parts import parts_of
 from simcompare.reports.tables import Column, Group, of_engines
 from simcompare.results import Run
+from simcompare.settings import ASSISTED
 
 _COLUMNS = (
     Column("Impact at (m/s)"),
@@ -62,7 +62,8 @@ def _title(engine: str, record: Mapping[str, Any]) -> str:
 
 def _rows(engine: str, record: Mapping[str, Any]) -> tuple[tuple[str, ...], ...]:
     rows = []
-    marked = [(at, CALIBRATED if i == 0 else "slower") for i, at in enumerate(record["at"])]
+    marked = [(at, f"impact {i}") for i, at in enumerate(record["at"], start=1)]
+    marked[:1] = [(at, f"{words}: {CALIBRATED}") for at, words in marked[:1]]
     marked += zip(record["checks"], ("half height", "double height"), strict=False)
     for at, words in marked:
         value, wanted = at["restitution"], record["restitution"]

@@ -11,6 +11,7 @@ def doctor(
     """Engines found, versions, features, known limits, a self-test, and what is missing."""
     from simcompare import doctor as examination
     from simcompare.cli import console
+    from simcompare.helps import known
     from simcompare.jobs import FAILED
 
     found = examination.doctor()
@@ -26,5 +27,7 @@ def doctor(
             for text, reference in facts.known_limits:
                 typer.echo(f"  limit: {text} [{reference}]")
             if facts.mapping:
-                typer.echo(f"  assisted: {facts.mapping}")
+                typer.echo(f"  mapping: {facts.mapping}")
+            if facts.helps:
+                typer.echo(f"  helps: {known(facts.helps)}")
     raise typer.Exit(3 if any(diagnosis.status == FAILED for diagnosis in found) else 0)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from simcompare.backend import TUNED
 from simcompare.cli import console
+from simcompare.settings import TUNED
 
 if TYPE_CHECKING:
     from simcompare.results import Run

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.etree import ElementTree as ET
 
-from simcompare.backend import Settings
 from simcompare.backends import _mujoco_scene, mujoco_
 from simcompare.exporters import parts
 from simcompare.exporters.parts import Twin, number
 from simcompare.scenario import Scenario
+from simcompare.settings import Settings
 
 #: sensors that the model holds
 _HELD_SENSORS = ("force", "contact_force")

@@ -6,12 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from simcompare import experiment, units
+from simcompare import units
 from simcompare.errors import InputError, UnknownName
 from simcompare.fitting import bounce_models
 from simcompare.fitting.problem import SPEED, Prior
 from simcompare.fitting.roles import Roles
-from simcompare.scenario import MOST_SAMPLES
 from simcompare.scenario_file import ScenarioFile
 
 
@@ -92,24 +91,3 @@ def candidates(model: str, asked: Asked) -> list[str]:
         return [bounce_models.model_of(model).name]
     known = SPEED in asked.fixed
     return [name for name, one in bounce_models.MODELS.items() if one.drag or not known]
-
-
-def step_of(file: ScenarioFile, step: str | float | None) -> float | None:
-    """Time between samples for the engine's step that was asked for [s].
-
-    Raises:
-        InputError: it is no step in which something can be seen.
-    """
-    if step is None:
-        return None
-    world, step_s = file.resolve().world, units.to_si(step, "s", "--step")
-    shortest_s, longest_s = (
-        world.duration_s / samples / world.substeps
-        for samples in (MOST_SAMPLES, experiment.LEAST_SAMPLES)
-    )
-    if not shortest_s <= step_s <= longest_s:
-        raise InputError(
-            "--step",
-            [f"{step_s:g} s is no step here; expected {shortest_s:.2g} s to {longest_s:.2g} s"],
-        )
-    return step_s * world.substeps

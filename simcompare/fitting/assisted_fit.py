@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 
-from simcompare.backend import ASSISTED, Settings
 from simcompare.errors import SimcompareError
 from simcompare.fitting import bounce_models, likelihood
 from simcompare.fitting.beside import (
@@ -36,6 +35,7 @@ from simcompare.fitting.roles import Roles
 from simcompare.jobs import FAILED, OK, Job, Outcome
 from simcompare.runner import TIME_LIMIT_S, Progress, run_jobs
 from simcompare.scenario import Scenario
+from simcompare.settings import ASSISTED, Settings
 from simcompare.trajectory import Array, Trajectory
 
 #: drops at different phases of the step in each round, and rounds

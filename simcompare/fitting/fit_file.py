@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from simcompare.backend import ASSISTED, TUNED, PairNumbers, Settings
 from simcompare.drop_plan import drop_plans
 from simcompare.errors import InputError, UnknownName
 from simcompare.helps import ALL, HELPS, chosen
 from simcompare.scenario import Scenario
 from simcompare.scenario_file import ScenarioFile
+from simcompare.settings import ASSISTED, TUNED, DropPlan, PairNumbers, Settings
 
 #: contact level of engines with parameters from a fit
 FITTED = "fitted"
@@ -31,11 +31,26 @@ class Tuned:
         pairs: names of the bodies of each pair.
         restitution: that the numbers give.
         values: the numbers.
+        size_m: smallest size of the body for which they were found.
+        gravity_m_s2: along the normal of the contact.
     """
 
     pairs: tuple[tuple[str, str], ...]
     restitution: float
     values: tuple[float, ...]
+    size_m: float
+    gravity_m_s2: float
+
+    def suits(self, plan: DropPlan) -> bool:
+        """Whether the numbers were found for such drops, but for the speed of the impact."""
+        return all(
+            math.isclose(ours, asked, rel_tol=1e-6)
+            for ours, asked in (
+                (self.restitution, plan.restitution),
+                (self.size_m, plan.size_m),
+                (self.gravity_m_s2, plan.gravity_m_s2),
+            )
+        )
 
 
 @dataclass(frozen=True)
@@ -89,6 +104,11 @@ class FitFile:
         own = self.engines.get(engine)
         return None if own is None else _known(own, file)
 
+    @property
+    def usual_step_s(self) -> float | None:
+        """Time between samples where none is asked for [s]; ``None``: the scenario's own."""
+        return self.step_s if self.contact == TUNED else None
+
     def drop(self, file: ScenarioFile) -> dict[str, float]:
         """The height of the first drop that was fitted, as a parameter of the scenario."""
         height = None if file.fit is None else file.fit.height
@@ -99,8 +119,8 @@ class FitFile:
     def settings(self, engine: str, scene: Scenario) -> Settings:
         """How an engine is run with what was fitted.
 
-        Tuned, the numbers of the fit are taken where the step and the restitution are those of the
-        fit; else the engine is tuned anew, for the impacts of the scene.
+        Tuned, the numbers of the fit are taken where step, restitution, size and gravity are those
+        of the fit; else the engine is tuned anew, for the impacts of the scene.
 
         Args:
             engine: its name.
@@ -109,18 +129,34 @@ class FitFile:
         if self.contact != TUNED:
             helps = chosen(self.assist)
             return Settings(ASSISTED, helps=None if helps == frozenset(HELPS) else helps)
-        held = {frozenset(contact.pair): contact.restitution for contact in scene.contacts}
+        drops = drop_plans(scene)
+        plans = {frozenset(pair): plan for plan in drops for pair in plan.pairs}
         numbers = tuple(
             PairNumbers(pair, tuned.values)
             for tuned in self.numbers.get(engine, ()) if self._is_at_step(scene)
             for pair in tuned.pairs
-            if math.isclose(held.get(frozenset(pair), -1.0), tuned.restitution, rel_tol=1e-9)
+            if frozenset(pair) in plans and tuned.suits(plans[frozenset(pair)])
         )  # fmt: skip
-        return Settings(TUNED, numbers=numbers, drops=drop_plans(scene))
+        return Settings(TUNED, numbers=numbers, drops=drops)
 
-    def cautions(self, scene: Scenario, file: ScenarioFile) -> list[str]:
-        """What lies outside of the range in which the fit is valid, one sentence each."""
+    def cautions(
+        self, scene: Scenario, file: ScenarioFile, engines: Sequence[str] = ()
+    ) -> list[str]:
+        """What lies outside of the range in which the fit is valid, one sentence each.
+
+        Args:
+            scene: the nominal scene.
+            file: its scenario.
+            engines: those that are run.
+        """
         said = []
+        others = [name for name in engines if self.of_engine(name, file) is None]
+        if others:
+            verb = "was" if len(others) == 1 else "were"
+            said.append(
+                f"{', '.join(others)} {verb} not fitted: what runs as fitted there has the closed"
+                " form's parameters."
+            )
         height = None if file.fit is None else scene.parameters.get(file.fit.height or "")
         if height is not None:
             speed = math.sqrt(2 * math.hypot(*scene.world.gravity_m_s2) * height)
@@ -130,7 +166,7 @@ class FitFile:
                     f" {self.speed_m_s[0]:.2f} to {self.speed_m_s[1]:.2f} m/s."
                 )
         if self.contact == TUNED:
-            return said + self._tuned_anew(scene, file)
+            return said + self._tuned_anew(scene)
         if not math.isclose(scene.world.step_s, self.step_s, rel_tol=1e-6):
             said.append(
                 f"The time between samples is {scene.world.step_s:g} s; the engines were fitted"
@@ -138,20 +174,23 @@ class FitFile:
             )
         return said
 
-    def _tuned_anew(self, scene: Scenario, file: ScenarioFile) -> list[str]:
+    def _tuned_anew(self, scene: Scenario) -> list[str]:
         step_s = scene.world.engine_step_s
         if not self._is_at_step(scene):
             return [
                 f"The step is {1e3 * step_s:.4g} ms; the numbers of the fit hold for"
                 f" {1e3 * self.engine_step_s:.4g} ms, so the engines were tuned anew for this step."
             ]
-        name = (file.fit.restitution if file.fit is not None else None) or ""
-        asked, fitted = scene.parameters.get(name), self.closed.get(name)
-        if asked is None or fitted is None or math.isclose(asked, fitted, rel_tol=1e-9):
+        plans = {frozenset(pair): plan for plan in drop_plans(scene) for pair in plan.pairs}
+        unsuited = any(
+            frozenset(pair) in plans and not tuned.suits(plans[frozenset(pair)])
+            for own in self.numbers.values() for tuned in own for pair in tuned.pairs
+        )  # fmt: skip
+        if not unsuited:
             return []
         return [
-            f"The restitution is {asked:g}; the numbers of the fit hold for {fitted:g}, so the"
-            " engines were tuned anew for this one."
+            "The restitution, the size of what bounces, or gravity is not that of the fit, so the"
+            " engines were tuned anew for what is asked."
         ]
 
     def _is_at_step(self, scene: Scenario) -> bool:
@@ -264,6 +303,8 @@ def _numbers(tree: Mapping[str, Any]) -> dict[str, tuple[Tuned, ...]]:
                 tuple((str(first), str(second)) for first, second in record["pairs"]),
                 float(record["restitution"]),
                 tuple(float(value) for value in record["values"]),
+                float(record["size_m"]),
+                float(record["gravity_m_s2"]),
             )
             for record in own
         )

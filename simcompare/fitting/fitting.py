@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from simcompare import catalogue, engines, experiment, run_record
-from simcompare.backend import ASSISTED, TUNED
 from simcompare.compare import INFO, Score
 from simcompare.errors import InputError
 from simcompare.fittable import WAVEFORM
@@ -21,7 +20,6 @@ from simcompare.fitting.asking import (
     check_request,
     given_of,
     numbers_of,
-    step_of,
 )
 from simcompare.fitting.assisted_fit import fit_engines
 from simcompare.fitting.engine_fit import EngineFit
@@ -39,6 +37,7 @@ from simcompare.results import Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Progress
 from simcompare.scenario import Scenario
 from simcompare.scenario_file import ScenarioFile
+from simcompare.settings import ASSISTED, TUNED
 
 
 def fit(
@@ -110,8 +109,9 @@ def fit(
         )  # fmt: skip
         return _saved(done, out)
     helps = experiment.chosen_helps(NONE if assist is None else assist, engine)
-    step_s = step_of(file, step)
-    roles = roles_of(file, given_of(file, set, preset))
+    given = given_of(file, set, preset)
+    step_s = None if step is None else experiment.sample_step_s(file, given, None, step)
+    roles = roles_of(file, given)
     asked = Asked(
         extra=tuple(unknowns),
         fixed=roles.known(numbers_of(fixed or {})),

@@ -14,7 +14,7 @@ from simcompare.fitting.assisted_fit import AssistedFit
 from simcompare.fitting.engine_fit import EngineFit
 from simcompare.fitting.impacts import Impacts
 from simcompare.fitting.likelihood import Fit, fit
-from simcompare.fitting.problem import SPEED, base
+from simcompare.fitting.problem import SPEED, base, usual
 from simcompare.fitting.tuned_fit import TunedFit
 from simcompare.trajectory import Array
 from simcompare.validation.scores import e_n
@@ -116,16 +116,15 @@ def _closed(best: Fit, drop: Impacts, fixed: Mapping[str, float]) -> Prediction:
         for n, v in zip(best.names, best.values, strict=True)
         if base(n) not in _OWN and math.isfinite(v)
     }
-    usual = {**fixed, **kept}
-    alone = [n for n in ("drop_height_m", "release_time_s") if n not in fixed]
-    alone += ["floor_m"] if drop.track is not None else []
-    predicted = fit(drop, best.model, unknowns=alone, fixed=usual, profiles=False)
-    told: dict[str, Any] = {"heights": _heights(best, drop, alone, usual, predicted)}
+    settled = {**fixed, **kept}
+    alone = [n for n in usual([drop], best.problem.model) if n in _OWN and n not in fixed]
+    predicted = fit(drop, best.model, unknowns=alone, fixed=settled, profiles=False)
+    told: dict[str, Any] = {"heights": _heights(best, drop, alone, settled, predicted)}
     if "restitution" not in best.names:  # it was not sought: nothing but the prediction is judged
         told |= dict.fromkeys(("restitution", "u_restitution", "fitted", "u_fitted", "e_n"))
         return Prediction(drop, predicted, None, {**told, **_told(predicted, predicted, own)})
     # what this drop says of the restitution by itself, everything else as fitted
-    single = {n: v for n, v in usual.items() if n != "restitution"}
+    single = {n: v for n, v in settled.items() if n != "restitution"}
     asked = ["restitution", *alone]
     again = fit(drop, best.model, unknowns=asked, fixed=single, profiles=False)
     value, u = again.as_dict()["restitution"], float(again.u[again.names.index("restitution")])
@@ -175,7 +174,7 @@ def _u_of_kept(
 
 
 def _heights(
-    best: Fit, drop: Impacts, alone: list[str], usual: Mapping[str, float], predicted: Fit
+    best: Fit, drop: Impacts, alone: list[str], settled: Mapping[str, float], predicted: Fit
 ) -> list[dict[str, Any]]:
     """Measured and predicted rebound heights with their E_n.
 
@@ -192,7 +191,7 @@ def _heights(
         if base(name) in _OWN or not math.isfinite(best.values[k]) or not best.u[k] > 0:
             continue
         step = 0.1 * float(best.u[k])
-        moved = {**usual, base(name): float(best.values[k]) + step}
+        moved = {**settled, base(name): float(best.values[k]) + step}
         again = fit(drop, best.model, unknowns=alone, fixed=moved, profiles=False)
         slopes[k] = (_predicted_heights(drop, again, numbers) - central) / step
     covariance = np.where(np.isfinite(best.covariance), best.covariance, 0.0)
@@ -200,11 +199,11 @@ def _heights(
     found = []
     for n, *row in zip(numbers, measured, u, central, own, strict=True):
         m, u_m, p, u_p = map(float, row)
-        known = math.isfinite(u_m)
+        stated = math.isfinite(u_m)
         found.append({
-            "number": n, "measured": m, "u_measured": u_m if known else None,
+            "number": n, "measured": m, "u_measured": u_m if stated else None,
             "predicted": p, "u_predicted": u_p,
-            "e_n": e_n(p, m, 2 * u_p, 2 * u_m) if known else None,
+            "e_n": e_n(p, m, 2 * u_p, 2 * u_m) if stated else None,
         })  # fmt: skip
     return found
 

@@ -140,7 +140,8 @@ def _run_with(roles: Roles, start: Fit, engines: Sequence[EngineFit], made: Made
     numbers = {
         one.engine: [
             {"pairs": record["pairs"], "restitution": record["restitution"],
-             "values": list(record["numbers"])}
+             "values": list(record["numbers"]), "size_m": record["size_m"],
+             "gravity_m_s2": record["gravity_m_s2"]}
             for record in one.tuning
         ]
         for one in engines

@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from simcompare.backend import TUNED
 from simcompare.fitting import bounce_models
 from simcompare.fitting.choose import Choice
+from simcompare.settings import TUNED
 
 #: significant digits of a number that is typed in; more than its uncertainty knows
 _DIGITS = 7
@@ -65,7 +65,8 @@ def _typed(found: Mapping[str, Any]) -> list[str]:
     return [
         f"Type these into a loop with a step of {step_ms:.4g} ms: {'; '.join(lines)}. Then an"
         f" impact at {goal['speed_m_s']:.2f} m/s has on average the restitution"
-        f" {_digits(goal['restitution'], 4 * goal['u'])} that was measured."
+        f" {_digits(goal['restitution'], 4 * goal['u'])} that was"
+        f" {'measured' if goal['u'] else 'given'}."
     ]
 
 

@@ -15,10 +15,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from simcompare import engines
-from simcompare.backend import Settings
 from simcompare.errors import InputError, SimcompareError
 from simcompare.fitting.tosses import Errors, Start, Toss, errors, start_of
 from simcompare.scenario_file import ScenarioFile
+from simcompare.settings import Settings
 
 #: longest step of a replay [s]
 STEP_S = 5.0e-4

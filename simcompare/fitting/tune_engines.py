@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from simcompare.backend import TUNED, PairNumbers, Settings
 from simcompare.calibration import PHASES as CALIBRATED
 from simcompare.drop_plan import drop_plans
 from simcompare.errors import SimcompareError
@@ -28,6 +27,7 @@ from simcompare.fitting.wanted import Wanted
 from simcompare.jobs import FAILED, OK, Job, Outcome
 from simcompare.runner import TIME_LIMIT_S, Progress, run_jobs
 from simcompare.scenario import Scenario
+from simcompare.settings import TUNED, PairNumbers, Settings
 from simcompare.trajectory import Array, Trajectory
 
 #: part by which the last number is changed to see what the restitution makes of it

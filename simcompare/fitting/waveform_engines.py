@@ -14,12 +14,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from simcompare.backend import ASSISTED, Settings
 from simcompare.errors import SimcompareError
 from simcompare.fitting.waveform_reference import Fitted
 from simcompare.fitting.waveform_setup import Setup
 from simcompare.jobs import FAILED, OK, Job, Outcome
 from simcompare.runner import TIME_LIMIT_S, Progress, run_jobs
+from simcompare.settings import ASSISTED, Settings
 from simcompare.signals import Step
 from simcompare.trajectory import Array, Trajectory
 from simcompare.validation.cases import Case

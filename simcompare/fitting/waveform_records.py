@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from simcompare import units
-from simcompare.backend import ASSISTED
 from simcompare.fitting.identifiability import Identifiability, Language, of_jacobian
 from simcompare.fitting.waveform_engines import EngineWaves
 from simcompare.fitting.waveform_holdout import rms_of
 from simcompare.fitting.waveform_reference import Fitted
 from simcompare.fitting.waveform_setup import Setup
 from simcompare.helps import ALL
+from simcompare.settings import ASSISTED
 from simcompare.trajectory import Array, Trajectory
 from simcompare.validation.cases import DURATION, Case
 from simcompare.validation.judging import as_trajectory, noise

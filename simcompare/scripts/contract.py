@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any, Protocol, runtime_checkable
 
-from simcompare.backend import EngineBackend, Settings
+from simcompare.backend import EngineBackend
 from simcompare.drives import JointLaw
 from simcompare.errors import Unsupported
 from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario, Sensor
@@ -19,6 +19,7 @@ from simcompare.scripts.reading import Reading
 from simcompare.scripts.source import Style, Writer
 from simcompare.scripts.text import number
 from simcompare.scripts.trace import Dialect, Event, Expression, Recorder, Result, expression_of
+from simcompare.settings import Settings
 
 #: names that the script uses itself
 RESERVED = frozenset(

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from simcompare import experiment, measures
-from simcompare.backend import Settings
 from simcompare.compare import Repeat, Score, scores_of
 from simcompare.errors import BackendError, InputError
 from simcompare.jobs import MISSING, OK, UNSUPPORTED, Job, execute
 from simcompare.scenario import Measure, Scenario
 from simcompare.scenario_file import ScenarioFile
 from simcompare.scripts.measuring import Truth
+from simcompare.settings import Settings
 from simcompare.trajectory import Trajectory
 
 #: values of the whole run that a script prints, as many as the table of a run shows

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from simcompare import backend, catalogue, engines, experiment
-from simcompare.backend import EngineBackend, Settings
+from simcompare import catalogue, engines, experiment
+from simcompare.backend import EngineBackend, refuse
 from simcompare.drop_plan import drop_plans
 from simcompare.errors import InputError, Unsupported
 from simcompare.fitting import fit_file
@@ -18,6 +18,7 @@ from simcompare.scripts.assemble import assembled
 from simcompare.scripts.contract import Plan, script_of
 from simcompare.scripts.efforts import efforts_of
 from simcompare.scripts.expected import expected_of
+from simcompare.settings import CONTACT_LEVELS, DEFAULT, TUNED, Settings
 from simcompare.trajectory import Array
 from simcompare.tuning import tuned
 
@@ -80,7 +81,9 @@ def script(
     level = level_of(contact, fit)
     file = catalogue.load(scenario)
     values = _values(file, engine, set or {}, fit)
-    step_s = None if step is None else experiment.sample_step_s(file, values, preset, step)
+    step_s = None if fit is None else _read(fit).usual_step_s
+    if step is not None:
+        step_s = experiment.sample_step_s(file, values, preset, step)
     repeats = experiment.repeats_of(file, values, preset, step_s, None)
     nominal = repeats[len(repeats) // 2]
     shifted = _shifted(file, nominal)
@@ -95,6 +98,10 @@ def script(
     return Script(named, text, stored, tuple(nominal.moving_bodies()), tuple(nominal.joints))
 
 
+def _read(fit: str) -> fit_file.FitFile:
+    return fit_file.read(fit_file.find(fit) or Path(fit))
+
+
 def _settings(
     engine: EngineBackend, level: str, nominal: Scenario, fit: str | None
 ) -> tuple[Settings, Sequence[Mapping[str, Any]]]:
@@ -103,17 +110,17 @@ def _settings(
     Raises:
         InputError: there are none at this step, or the fit is not one for a plain loop.
     """
-    if level != backend.TUNED:
+    if level != TUNED:
         return Settings(level), ()
     asked = Settings(level, drops=drop_plans(nominal))
     if fit is not None:
-        asked = fit_file.read(fit_file.find(fit) or Path(fit)).settings(engine.name, nominal)
-        if asked.contact != backend.TUNED:
+        asked = _read(fit).settings(engine.name, nominal)
+        if asked.contact != TUNED:
             raise InputError(
                 f"--fit {fit}", ["was made with our helps; fit again without --assist for a script"]
             )
     try:
-        backend.refuse(engine, nominal, asked)
+        refuse(engine, nominal, asked)
         return tuned(engine, engine.load(), nominal, asked)
     except Unsupported as error:
         raise InputError(f"--engine {engine.name}", [str(error)]) from None
@@ -137,7 +144,7 @@ def level_of(contact: str | None, fit: str | None) -> str:
     Raises:
         InputError: it has no plain loop, or does not exist.
     """
-    level = contact or ("tuned" if fit is not None else backend.DEFAULT)
+    level = contact or ("tuned" if fit is not None else DEFAULT)
     if level in ("assisted", "mapped"):
         raise InputError(
             f"--contact {level}",
@@ -146,8 +153,8 @@ def level_of(contact: str | None, fit: str | None) -> str:
                 f" which a script without simcompare cannot; use {', '.join(LEVELS)}"
             ],
         )
-    if level not in LEVELS or level not in backend.CONTACT_LEVELS:
-        known = [name for name in LEVELS if name in backend.CONTACT_LEVELS]
+    if level not in LEVELS or level not in CONTACT_LEVELS:
+        known = [name for name in LEVELS if name in CONTACT_LEVELS]
         raise InputError(f"--contact {level}", [f"is no level of a script; use {', '.join(known)}"])
     return level
 
@@ -161,7 +168,7 @@ def _values(
     from simcompare import exporters
 
     # the drop that was measured, unless another one is asked for
-    measured = fit_file.read(fit_file.find(fit) or Path(fit)).drop(file)
+    measured = _read(fit).drop(file)
     return {**exporters.fitted(file, fit, engine), **measured, **own}
 
 

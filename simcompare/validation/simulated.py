@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from simcompare import measures
-from simcompare.backend import Settings
 from simcompare.errors import InputError, SimcompareError, UnknownName
 from simcompare.jobs import OK, Job, Outcome
 from simcompare.runner import Progress, run_jobs
 from simcompare.scenario import Measure, Scenario
+from simcompare.settings import Settings
 from simcompare.trajectory import Array, Trajectory
 from simcompare.validation.cases import Case
 from simcompare.validation.model import Model

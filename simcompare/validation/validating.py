@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from simcompare import catalogue, engines, experiment, run_record, units
-from simcompare.backend import ASSISTED, CONTACT_LEVELS
 from simcompare.compare import INFO, Score
 from simcompare.errors import InputError, UnknownName
 from simcompare.results import TRUTH, Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Progress
 from simcompare.scenario import Scenario
 from simcompare.scenario_file import ScenarioFile
+from simcompare.settings import ASSISTED, CONTACT_LEVELS
 from simcompare.trajectory import Trajectory
 from simcompare.validation import eventful, judging, records, sources
 from simcompare.validation import plan as plans

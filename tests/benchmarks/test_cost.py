@@ -15,7 +15,7 @@ import time
 import pytest
 
 from simcompare import catalogue, engines
-from simcompare.backend import Settings
+from simcompare.settings import Settings
 from tests.benchmarks import bare, bare_robot
 
 BALL = catalogue.load("ball").resolve({})
