@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from simcompare.backend import EngineBackend
-from simcompare.scripts.contract import Parts, Plan, Traced, joint_parts, now_of_one, traced
+from simcompare.scripts.contract import Parts, Plan, Traced, traced
+from simcompare.scripts.reading import Group, Reading, reading
 from simcompare.scripts.source import Helper, Style
-from simcompare.scripts.text import dictionary, number
+from simcompare.scripts.text import number
 from simcompare.scripts.trace import Dialect
 
 _HELPERS = (
@@ -22,12 +23,9 @@ _HELPERS = (
     ),
     Helper(
         "Isometry3",
-        {"set_translation": "", "set_rotation": "turn"},
-        "pose",
-        (
-            "def pose(place, turn=np.eye(3)):",
-            "    return dart.math.Isometry3(turn, place)",
-        ),
+        {"set_translation": "", "set_rotation": ""},
+        "dart.math.Isometry3",
+        order=("set_rotation", "set_translation"),
         least=1,
     ),
     Helper(
@@ -55,6 +53,10 @@ _HELPERS = (
         least=3,
     ),
 )
+
+
+#: names of arguments in loops
+_NAMES = {"addBodyNodePairToBlackList": ("one", "other"), "addSkeleton": ("tree",)}
 
 
 def _idle(owner: Any, name: str, args: tuple[Any, ...]) -> bool:
@@ -86,11 +88,11 @@ class DartScript:
         nodes = {name: held.nodes[name] for name in _asked(plan)}
         shapes = [s for s, owner in held.owners.items() if owner in _touching(plan)]
         roots = scene.simulation._roots
-        taken = {"dart", "pose", "inertia", "add_shape", "quaternion", "joint"}
+        taken = {"dart", "inertia", "add_shape", "normal_force", "joint"}
         wanted = [held.world, *movable.values(), *roots.values(), *shapes]
         pushed = [name for name in nodes if name not in roots or name in plan.drags]
         wanted += [nodes[name] for name in pushed]
-        writer = scene.writer(Style(_HELPERS), wanted, taken)
+        writer = scene.writer(Style(_HELPERS, names=_NAMES), wanted, taken)
         lines = writer.lines()
         node = {name: writer.text(scene.ref(one)) for name, one in nodes.items()}
         root = {name: writer.text(scene.ref(one)) for name, one in roots.items()}
@@ -100,14 +102,15 @@ class DartScript:
             shape.setdefault(held.owners[one], []).append(writer.text(scene.ref(one)))
         world = writer.text(scene.ref(held.world))
         functions = [helper.lines for helper in writer.used_helpers if helper.lines]
-        functions += [_QUATERNION] if root else []
+        if plan.sensed_pairs:
+            functions.append(tuple(line.replace("{world}", world) for line in _NORMAL))
         return Parts(
             imports=["import dartpy as dart"],
             helpers=[line for lines in functions for line in ("", "", *lines)][2:],
             scene=lines,
-            now=_now(plan, root, node, joint),
+            reading=_read(root, node, joint),
             step=f"{world}.step()",
-            forces=_forces(plan, node, shape, world),
+            felt=_felt(plan, node, shape),
             drive=[
                 *_drag(plan, root, node),
                 *_drive(plan, joint, follows=scene.simulation._follows),
@@ -133,6 +136,8 @@ def _name_all(scene: Traced, held: Any) -> None:
         scene.name(joint, name)
     for name, joint in scene.simulation._roots.items():
         scene.name(joint, f"{name}_joint")
+    for name, node in held.nodes.items():
+        scene.name_beside(node, 0, f"{name}_joint")
     for tree in held.trees:
         scene.name(tree, f"{tree.getName()}_tree")
     for shape, owner in held.owners.items():
@@ -140,56 +145,27 @@ def _name_all(scene: Traced, held: Any) -> None:
         scene.name(shape.getDynamicsAspect(), f"{owner}_surface")
 
 
-_QUATERNION = (
-    "def quaternion(r):",
-    '    """A rotation vector as w, x, y, z."""',
-    "    half = np.linalg.norm(r) / 2",
-    "    return np.append(np.cos(half), 0.5 * np.sinc(half / np.pi) * r)",
-)
-
-
-def _now(
-    plan: Plan, root: dict[str, str], node: dict[str, str], joint: dict[str, str]
-) -> list[str]:
+def _read(root: dict[str, str], node: dict[str, str], joint: dict[str, str]) -> Reading:
     """Free bodies by their coordinates; DART's own transforms round small angles to 1e-10."""
-    motion = {
-        one: (f"{text}.getPosition(0)", f"{text}.getVelocity(0)") for one, text in joint.items()
-    }
-    linked = {name: one for name, one in node.items() if name not in root}
-    if len(node) == 1:
-        if root:
-            (one,) = root.values()
-            read = [f"q, v = {one}.getPositions(), {one}.getVelocities()"]
-            seen = ["q[3:]", "quaternion(q[:3])", "v[3:]", "v[:3]"]
-        else:
-            (one,) = linked.values()
-            read = [f"place = {one}.getWorldTransform()"]
-            seen = ["place.translation()", "place.quaternion().wxyz()"]
-            seen += [f"{one}.getLinearVelocity()", f"{one}.getAngularVelocity()"]
-        seen += [text for pair in motion.values() for text in pair]
-        return now_of_one(plan, "Motion of the body.", read, seen)
-    lines = ["", "", "def now():", '    """Motion of all bodies and joints."""', "    seen = {}"]
-    if root:
-        lines += [
-            f"    for name, joint in {dictionary(root)}.items():",
-            "        q, v = joint.getPositions(), joint.getVelocities()",
-            '        seen[f"{name}.position_m"], seen[f"{name}.rate_rad_s"] = q[3:], v[:3]',
-            '        seen[f"{name}.orientation_wxyz"] = quaternion(q[:3])',
-            '        seen[f"{name}.velocity_m_s"] = v[3:]',
-        ]
-    if linked:
-        lines += [
-            f"    for name, body in {dictionary(linked)}.items():",
-            "        place = body.getWorldTransform()",
-            '        seen[f"{name}.position_m"] = place.translation()',
-            '        seen[f"{name}.orientation_wxyz"] = place.quaternion().wxyz()',
-            '        seen[f"{name}.velocity_m_s"] = body.getLinearVelocity()',
-            '        seen[f"{name}.rate_rad_s"] = body.getAngularVelocity()',
-        ]
-    for name, (place, rate) in joint_parts(plan).items():
-        q, v = motion[name]
-        lines.append(f'    seen["{place}"], seen["{rate}"] = {q}, {v}')
-    return [*lines, "    return seen"]
+    free = Group(
+        ("joint",),
+        {name: (text,) for name, text in root.items()},
+        ["q[3:]", "turn", "v[3:]", "v[:3]"],
+        [
+            "q, v = joint.getPositions(), joint.getVelocities()",
+            "half = np.linalg.norm(q[:3]) / 2  # q[:3] is a rotation vector",
+            "turn = np.append(np.cos(half), 0.5 * np.sinc(half / np.pi) * q[:3])",
+        ],
+    )
+    linked = Group(
+        ("body",),
+        {name: (text,) for name, text in node.items() if name not in root},
+        ["place.translation()", "turn", "body.getLinearVelocity()", "body.getAngularVelocity()"],
+        ["place = body.getWorldTransform()", "turn = place.quaternion().wxyz()"],
+    )
+    joints = {name: (text,) for name, text in joint.items()}
+    moved = Group(("joint",), joints, ["joint.getPosition(0)", "joint.getVelocity(0)"])
+    return reading([free, linked], [moved])
 
 
 def _drive(plan: Plan, joint: dict[str, str], *, follows: bool) -> list[str]:
@@ -216,34 +192,26 @@ def _drag(plan: Plan, root: dict[str, str], node: dict[str, str]) -> list[str]:
     return lines
 
 
-def _forces(
-    plan: Plan, node: dict[str, str], shape: dict[str, list[str]], world: str
-) -> Sequence[str]:
-    if not plan.force_sensors:
-        return []
-    lines: list[str] = []
-    if plan.sensed_pairs:
-        lines += [
-            "",
-            "",
-            "def normal_force(first, second):",
-            '    """Sum over the contacts between two bodies\' shapes in the last step."""',
-            "    found = 0",
-            f"    for c in {world}.getLastCollisionResult().getContacts():",
-            "        one, other = c.collisionObject1, c.collisionObject2",
-            "        touch = {one.getShapeFrame(), other.getShapeFrame()}",
-            "        found += c.force.dot(c.normal) if touch & first and touch & second else 0",
-            "    return found",
-        ]
-    lines += ["", "", "def forces():", '    """What the force sensors read in the last step."""']
-    lines.append("    seen = {}")
-    for name, pair in plan.sensed_pairs.items():
+_NORMAL = (
+    "def normal_force(first, second):",
+    '    """Sum over the contacts between two bodies\' shapes in the last step."""',
+    "    found = 0",
+    "    for c in {world}.getLastCollisionResult().getContacts():",
+    "        one, other = c.collisionObject1, c.collisionObject2",
+    "        touch = {one.getShapeFrame(), other.getShapeFrame()}",
+    "        found += c.force.dot(c.normal) if touch & first and touch & second else 0",
+    "    return found",
+)
+
+
+def _felt(plan: Plan, node: dict[str, str], shape: dict[str, list[str]]) -> list[str]:
+    felt = []
+    for pair in plan.sensed_pairs.values():
         first, second = (f"{{{', '.join(shape[one])}}}" for one in pair)
-        lines.append(f'    seen["{name}.normal_force_N"] = normal_force({first}, {second})')
-    for name, joint in plan.sensed_joints.items():
-        child = node[plan.scenario.joints[joint].child]
-        lines.append(f'    seen["{name}.force_N"] = {child}.getBodyForce()[3:]')
-    return [*lines, "    return seen"]
+        felt.append(f"normal_force({first}, {second})")
+    for joint in plan.sensed_joints.values():
+        felt.append(f"{node[plan.scenario.joints[joint].child]}.getBodyForce()[3:]")
+    return felt
 
 
 SCRIPT = DartScript()

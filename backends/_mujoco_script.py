@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
-from xml.etree import ElementTree as ET
 
 from simcompare.backend import EngineBackend
+from simcompare.backends._mujoco_layout import laid_out
 from simcompare.backends._mujoco_scene import contact_points
-from simcompare.errors import Unsupported
-from simcompare.scripts.contract import Parts, Plan, joint_parts, now_of_one
-from simcompare.scripts.text import names_of, number
-
-#: attributes that are left out where they have MuJoCo's own default
-_DEFAULTS = {
-    "pos": "0 0 0", "quat": "1 0 0 0", "stiffness": "0", "springref": "0", "damping": "0",
-    "frictionloss": "0", "armature": "0",
-}  # fmt: skip
-_NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
-
+from simcompare.scripts.contract import Parts, Plan
+from simcompare.scripts.reading import Group, Reading, reading
+from simcompare.scripts.text import number
 
 class MujocoScript:
     """Writes scripts that import mujoco."""
@@ -34,10 +25,10 @@ class MujocoScript:
             shifted = watched.text
         return Parts(
             imports=["import mujoco"],
-            scene=[*_model(text, shifted), *_start(simulation)],
-            now=_now(plan),
+            scene=[*_model(laid_out(engine, text, shifted)), *_start(simulation)],
+            reading=_read(plan),
             step="mujoco.mj_step(model, data)",
-            forces=_forces(plan),
+            felt=_felt(plan),
             drive=[*_drag(plan), *_drive(plan)],
         )
 
@@ -64,57 +55,15 @@ class _Compiler:
         return found
 
 
-def _model(text: str, shifted: str) -> list[str]:
-    first, last = _laid_out(text), _laid_out(shifted)
-    if len(first) != len(last):
-        raise Unsupported("the scene has other parts at the other end of the phase")
-    lines = [_merged(a, b) for a, b in zip(first, last, strict=True)]
-    mark = "f" if first != last else ""
+def _model(lines: list[str]) -> list[str]:
+    mark = "f" if any("phase" in line for line in lines) else ""
+    first, *rest = lines
     return [
-        f'model = mujoco.MjModel.from_xml_string({mark}"""',
-        *lines,
-        '""")',
+        f'model = mujoco.MjModel.from_xml_string({mark}"""{first}',
+        *rest[:-1],
+        f'{rest[-1]}""")',
         "data = mujoco.MjData(model)",
     ]
-
-
-def _merged(first: str, last: str) -> str:
-    """A line of MJCF whose numbers follow the phase where they differ."""
-    if first == last:
-        return first
-    others = iter(_NUMBER.findall(last))
-
-    def replace(match: re.Match[str]) -> str:
-        a, b = match.group(), next(others)
-        if a == b:
-            return a
-        return f"{{{a} + phase * {number(float(b) - float(a))}!r}}"
-
-    return _NUMBER.sub(replace, first)
-
-
-def _laid_out(text: str) -> list[str]:
-    """The text in lines, without what is MuJoCo's default anyway."""
-    root = ET.fromstring(text)
-    for child in list(root):
-        if child.tag in ("contact", "actuator", "sensor") and not len(child):
-            root.remove(child)
-    for element in root.iter():
-        for key, value in list(element.attrib.items()):
-            short = _NUMBER.sub(lambda m: _short(m.group()), value) if _numeric(value) else value
-            element.set(key, short)
-            if _DEFAULTS.get(key) == short and element.tag != "inertial":
-                del element.attrib[key]
-    ET.indent(root)
-    return ET.tostring(root, encoding="unicode").split("\n")
-
-
-def _numeric(value: str) -> bool:
-    return all(_NUMBER.fullmatch(word) for word in value.split())
-
-
-def _short(text: str) -> str:
-    return number(float(text)) if re.search(r"[.eE]", text) else text
 
 
 def _start(simulation: Any) -> list[str]:
@@ -124,55 +73,41 @@ def _start(simulation: Any) -> list[str]:
     return [f"data.qvel[:] = [{', '.join(number(value) for value in speeds)}]"]
 
 
-def _now(plan: Plan) -> list[str]:
+def _read(plan: Plan) -> Reading:
+    """Free bodies alone by their coordinates; where some hang on others, by what follows."""
     free = list(plan.scenario.free_bodies())
     linked = [name for name in plan.scenario.moving_bodies() if name not in free]
-    if [*free, *linked] == free[:1]:
-        (name,) = free
-        reads = [
-            f'q, v, rate = data.joint("{name}").qpos, data.joint("{name}").qvel, np.zeros(3)',
-            "mujoco.mju_rotVecQuat(rate, v[3:], q[3:])  # it is stored in the body's frame",
-        ]
-        seen = ["q[:3].copy()", "q[3:].copy()", "v[:3].copy()", "rate"]
-        return now_of_one(plan, "Motion of the body.", reads, seen)
-    if len(linked) == 1 and not free:
-        reads = [
-            "for update in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_comVel):",
-            "    update(model, data)",
-            f'body, kind, speed = data.body("{linked[0]}"), mujoco.mjtObj.mjOBJ_XBODY, np.zeros(6)',
-            "mujoco.mj_objectVelocity(model, data, kind, body.id, speed, 0)",
-        ]
-        seen = ["body.xpos.copy()", "body.xquat.copy()", "speed[3:]", "speed[:3]"]
-        for name in joint_parts(plan):
-            seen += [f'data.joint("{name}").qpos[0]', f'data.joint("{name}").qvel[0]']
-        return now_of_one(plan, "Motion of the body.", reads, seen)
-    lines = ["", "", "def now():", '    """Motion of all bodies and joints."""', "    seen = {}"]
-    if linked:  # what follows from the joints' coordinates
-        lines += [
-            "    for update in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_comVel):",
-            "        update(model, data)",
-            f"    for name in {names_of([*free, *linked])}:",
-            "        body, kind, speed = data.body(name), mujoco.mjtObj.mjOBJ_XBODY, np.zeros(6)",
-            "        mujoco.mj_objectVelocity(model, data, kind, body.id, speed, 0)",
-            '        seen[f"{name}.position_m"] = body.xpos.copy()',
-            '        seen[f"{name}.orientation_wxyz"] = body.xquat.copy()',
-            '        seen[f"{name}.velocity_m_s"] = speed[3:]',
-            '        seen[f"{name}.rate_rad_s"] = speed[:3]',
-        ]
-    else:
-        lines += [
-            f"    for name in {names_of(free)}:",
-            "        q, v, rate = data.joint(name).qpos, data.joint(name).qvel, np.zeros(3)",
-            "        mujoco.mju_rotVecQuat(rate, v[3:], q[3:])  # it is stored in the body's frame",
-            '        seen[f"{name}.position_m"] = q[:3].copy()',
-            '        seen[f"{name}.orientation_wxyz"] = q[3:].copy()',
-            '        seen[f"{name}.velocity_m_s"] = v[:3].copy()',
-            '        seen[f"{name}.rate_rad_s"] = rate',
-        ]
-    for name, (place, rate) in joint_parts(plan).items():
-        joint = f'data.joint("{name}")'
-        lines.append(f'    seen["{place}"], seen["{rate}"] = {joint}.qpos[0], {joint}.qvel[0]')
-    return [*lines, "    return seen"]
+    joints = Group(
+        ("name",),
+        {name: (f'"{name}"',) for name in plan.scenario.movable_joints()},
+        ["*data.joint(name).qpos", "*data.joint(name).qvel"],
+    )
+    if not linked:
+        alone = Group(
+            ("name",),
+            {name: (f'"{name}"',) for name in free},
+            ["q[:3]", "q[3:]", "v[:3]", "rate"],
+            [
+                "q, v = data.joint(name).qpos.copy(), data.joint(name).qvel.copy()",
+                "rate = np.zeros(3)",
+                "mujoco.mju_rotVecQuat(rate, v[3:], q[3:])  # v[3:] is in the body's frame",
+            ],
+        )
+        return reading([alone], [joints])
+    bodies = Group(
+        ("name",),
+        {name: (f'"{name}"',) for name in (*free, *linked)},
+        ["body.xpos.copy()", "body.xquat.copy()", "v[3:]", "v[:3]"],
+        [
+            "body, v = data.body(name), np.zeros(6)",
+            "mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, body.id, v, 0)",
+        ],
+    )
+    update = [
+        "for update in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_comVel):",
+        "    update(model, data)",
+    ]
+    return reading([bodies], [joints], update)
 
 
 def _drive(plan: Plan) -> list[str]:
@@ -194,19 +129,12 @@ def _drag(plan: Plan) -> list[str]:
     return lines
 
 
-def _forces(plan: Plan) -> list[str]:
-    if not plan.force_sensors:
-        return []
-    lines = ["", "", "def forces():", '    """What the force sensors read in the last step."""']
-    lines.append("    seen = {}")
-    for name, sensor in plan.force_sensors.items():
-        read = f'data.sensor("{name}").data'
-        if sensor.type == "force":
-            lines.append(f'    seen["{name}.force_N"] = {read}.copy()')
-        else:  # three components of each point, the first along the normal
-            assert contact_points(plan.scenario, sensor)
-            lines.append(f'    seen["{name}.normal_force_N"] = {read}[::3].sum()')
-    return [*lines, "    return seen"]
+def _felt(plan: Plan) -> list[str]:
+    for name in plan.sensed_pairs:
+        assert contact_points(plan.scenario, plan.force_sensors[name])
+    # three components of each point, the first along the normal
+    normals = [f'data.sensor("{name}").data[::3].sum()' for name in plan.sensed_pairs]
+    return [*normals, *(f'data.sensor("{name}").data.copy()' for name in plan.sensed_joints)]
 
 
 SCRIPT = MujocoScript()

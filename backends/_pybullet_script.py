@@ -9,10 +9,23 @@ from typing import Any
 from simcompare.backend import EngineBackend
 from simcompare.backends._pybullet_parts import BASE
 from simcompare.kinematics import mount_of
-from simcompare.scripts.contract import Parts, Plan, joint_parts, now_of_one, traced
+from simcompare.scripts.contract import Parts, Plan, traced
+from simcompare.scripts.reading import Group, Reading, reading
 from simcompare.scripts.source import Style
-from simcompare.scripts.text import WIDTH, identifier, number, wrapped
+from simcompare.scripts.text import WIDTH, identifier, number
 from simcompare.scripts.trace import Dialect
+
+
+#: names of arguments in loops
+_NAMES = {
+    "changeDynamics": ("body", "link"),
+    "createMultiBody": ("mass",),
+    "resetJointState": ("body", "link", "angle", "rate"),
+    "setCollisionFilterPair": ("body", "other_body", "link", "other"),
+    "setJointMotorControl2": ("body", "link"),
+    "localInertiaDiagonal": ("inertia",),
+    "lateralFriction": ("friction",),
+}
 
 
 def _tidy(name: str, args: list[Any], kwargs: dict[str, Any]) -> None:
@@ -35,7 +48,7 @@ class PybulletScript:
         dialect = Dialect("p", dropped=frozenset({"physicsClientId"}))
         scene = traced(backend, backend.load(), dialect, plan)
         held = scene.simulation._scene
-        style = Style(hidden=frozenset({"connect"}), tidy=_tidy)
+        style = Style(hidden=frozenset({"connect"}), tidy=_tidy, names=_NAMES)
         for name, (uid, link) in held.bodies.items():
             if link == BASE:
                 scene.name(uid, name)
@@ -48,12 +61,14 @@ class PybulletScript:
             name: (writer.text(scene.ref(uid)), link) for name, (uid, link) in held.bodies.items()
         }
         joint = {name: place[plan.scenario.joints[name].child] for name in plan.scenario.joints}
+        forces, felt = _forces(plan, place, joint)
         return Parts(
             imports=["import pybullet as p"],
             scene=[*_links(plan, place), *lines],
-            now=_now(plan, place, joint),
+            reading=_read(plan, place, joint),
             step="p.stepSimulation()",
-            forces=_forces(plan, place, joint),
+            forces=forces,
+            felt=felt,
             drive=[*_drag(plan, place), *_drive(plan, joint)],
         )
 
@@ -86,55 +101,29 @@ def _links(plan: Plan, place: dict[str, tuple[str, int]]) -> list[str]:
     ]
 
 
-def _now(
+def _read(
     plan: Plan, place: dict[str, tuple[str, int]], joint: dict[str, tuple[str, int]]
-) -> list[str]:
-    moving = {name: place[name] for name in plan.scenario.moving_bodies()}
-    base = [
-        "place, turn = p.getBasePositionAndOrientation(body)",
-        "velocity, rate = p.getBaseVelocity(body)",
-    ]
-    linked = ["place, turn, *_, velocity, rate = p.getLinkState(body, link, 1, 1)"]
-    note = "Motion of all bodies and joints."
-    if len(moving) == 1:
-        ((body, link),) = moving.values()
-        reads = [x.replace("body", body).replace("link,", f"{link},") for x in linked]
-        if link == BASE:
-            reads = [x.replace("body", body) for x in base]
-        seen = ["place", "(turn[3], *turn[:3])", "velocity", "rate"]
-        for name in joint_parts(plan):
-            at, link = joint[name]
-            reads.append(f"q, v, *_ = p.getJointState({at}, {link})")
-            seen += ["q", "v"]
-        return now_of_one(plan, "Motion of the body.", reads, seen)
-    kinds = {link == BASE for _, link in moving.values()}
-    if kinds == {True}:
-        inside, loop = ", ".join(f'"{n}": {b}' for n, (b, _) in moving.items()), "name, body"
-        read = base
-    else:
-        inside = ", ".join(f'"{n}": ({b}, {link})' for n, (b, link) in moving.items())
-        loop, read = "name, (body, link)", linked
-        if True in kinds:
-            read = ["if link == -1:", *(f"    {x}" for x in base), "else:", f"    {linked[0]}"]
-    lines = [
-        *wrapped("bodies = ", f"{{{inside}}}"),
-        "",
-        "",
-        "def now():",
-        f'    """{note}"""',
-        "    seen = {}",
-        f"    for {loop} in bodies.items():",
-        *(f"        {line}" for line in read),
-        '        seen[f"{name}.position_m"] = place',
-        '        seen[f"{name}.orientation_wxyz"] = turn[3], *turn[:3]',
-        '        seen[f"{name}.velocity_m_s"], seen[f"{name}.rate_rad_s"] = velocity, rate',
-    ]
-    for name, (position, rate) in joint_parts(plan).items():
-        body, link = joint[name]
-        lines.append(
-            f'    seen["{position}"], seen["{rate}"], *_ = p.getJointState({body}, {link})'
-        )
-    return [*lines, "    return seen"]
+) -> Reading:
+    moving = {n: (place[n][0], str(place[n][1])) for n in plan.scenario.moving_bodies()}
+    seen = ["place", "(turn[3], *turn[:3])", "velocity", "rate"]
+    free = Group(
+        ("body",),
+        {name: (body,) for name, (body, link) in moving.items() if link == str(BASE)},
+        seen,
+        [
+            "place, turn = p.getBasePositionAndOrientation(body)",
+            "velocity, rate = p.getBaseVelocity(body)",
+        ],
+    )
+    linked = Group(
+        ("body", "link"),
+        {name: told for name, told in moving.items() if told[1] != str(BASE)},
+        seen,
+        ["place, turn, *_, velocity, rate = p.getLinkState(body, link, 1, 1)"],
+    )
+    at = {name: (joint[name][0], str(joint[name][1])) for name in plan.scenario.movable_joints()}
+    moved = Group(("body", "link"), at, ["*p.getJointState(body, link)[:2]"])
+    return reading([free, linked], [moved])
 
 
 def _drive(plan: Plan, joint: dict[str, tuple[str, int]]) -> list[str]:
@@ -158,9 +147,7 @@ def _drive(plan: Plan, joint: dict[str, tuple[str, int]]) -> list[str]:
             lines.append(f"{head}, force={texts[0]})")
         else:
             head = f"p.setJointMotorControlArray({body}, {links}, p.TORQUE_CONTROL"
-            forces = ", ".join(texts)
-            array = [f"{head[len('p.setJointMotorControlArray(') :]}", f"forces=[{forces}]"]
-            lines += wrapped("", "p.setJointMotorControlArray", array)
+            lines.append(f"{head}, forces=[{', '.join(texts)}])")
     return lines
 
 
@@ -179,31 +166,23 @@ def _drag(plan: Plan, place: dict[str, tuple[str, int]]) -> list[str]:
 
 def _forces(
     plan: Plan, place: dict[str, tuple[str, int]], joint: dict[str, tuple[str, int]]
-) -> list[str]:
-    if not plan.force_sensors:
-        return []
-    lines = ["", "", "def forces():", '    """What the force sensors read in the last step."""']
-    lines.append("    seen = {}")
-    for name, (first, second) in plan.sensed_pairs.items():
+) -> tuple[list[str], list[str]]:
+    """Lines that read what force sensors read, and what they give."""
+    lines, felt = [], []
+    for first, second in plan.sensed_pairs.values():
         (a, la), (b, lb) = place[first], place[second]
-        lines.append(
-            f'    seen["{name}.normal_force_N"] = sum('
-            f"c[9] for c in p.getContactPoints({a}, {b}, {la}, {lb}))"
-        )
-    for name, sensed in plan.sensed_joints.items():
+        felt.append(f"sum(c[9] for c in p.getContactPoints({a}, {b}, {la}, {lb}))")
+    for sensed in plan.sensed_joints.values():
         body, link = joint[sensed]
         held = plan.scenario.joints[sensed]
-        lines.append(f"    *_, reaction, motor = p.getJointState({body}, {link})")
+        read = f"p.getJointState({body}, {link})"
         if held.type == "slider":
             x, y, z = (number(a) for a in mount_of(plan.scenario, held).axis)
-            lines.append("    # the friction of a slider acts as the force of a motor")
-            lines.append(
-                f'    seen["{name}.force_N"] = np.array(reaction[:3])'
-                f" + motor * np.array(({x}, {y}, {z}))"
-            )
+            lines.append(f"*_, reaction, motor = {read}  # friction acts as the force of a motor")
+            felt.append(f"np.array(reaction[:3]) + motor * np.array(({x}, {y}, {z}))")
         else:
-            lines.append(f'    seen["{name}.force_N"] = reaction[:3]')
-    return [*lines, "    return seen"]
+            felt.append(f"{read}[2][:3]")
+    return lines, felt
 
 
 SCRIPT = PybulletScript()

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 from simcompare.backend import EngineBackend
 from simcompare.backends._pymunk_forces import _carried_by
 from simcompare.backends._pymunk_joints import Slider
-from simcompare.scripts.contract import Parts, Plan, Traced, joint_parts, now_of_one, traced
+from simcompare.scripts.contract import Parts, Plan, Traced, traced
+from simcompare.scripts.reading import Group, Reading, reading
 from simcompare.scripts.source import Style
 from simcompare.scripts.text import number
 from simcompare.scripts.trace import Dialect
@@ -25,6 +25,16 @@ _SLIDE = (
     "    # the axis as it will be when the next step's forces act, and the mean rate until then",
     "    ax, az = np.cos(angle + ahead_s * spin), np.sin(angle + ahead_s * spin)",
     "    return place, ((ax - x) * dx + (az - z) * dz) / ahead_s + ax * vx + az * vz, (ax, az)",
+)
+
+
+#: the same where no parent can move
+_SLIDE_FIXED = (
+    "def slide(parent, child, heading, start):",
+    '    """Coordinate and rate of a slider along a fixed axis, and that axis."""',
+    "    (dx, dz), (vx, vz) = child.position - parent.position, child.velocity",
+    "    x, z = np.cos(parent.angle + heading), np.sin(parent.angle + heading)",
+    "    return x * dx + z * dz - start, x * vx + z * vz, (x, z)",
 )
 
 
@@ -54,19 +64,27 @@ class PymunkScript:
         scene = traced(backend, engine, dialect, plan)
         held = scene.simulation._scene
         _name_all(scene, held)
-        taken = {"pymunk", "slide", "impulse", "half", "x", "z"}
+        taken = {"pymunk", "slide", "normal_force", "joint_force"}
         wanted = [held.space, *held.bodies.values()]
         writer = scene.writer(Style(tidy=_tidy), wanted, taken)
         lines = writer.lines()
         body = {name: writer.text(scene.ref(one)) for name, one in held.bodies.items()}
         sliders = [j for j in held.joints.values() if isinstance(j, Slider)]
+        helpers: list[str] = []
+        if sliders:
+            fixed = all(joint.fixed_parent for joint in sliders)
+            helpers += _SLIDE_FIXED if fixed else _SLIDE
+        if plan.sensed_pairs:
+            helpers += [*["", ""][: 2 * len(helpers)], *_NORMAL]
+        after = "map(joint_force, carried, before, momentum())"
+        joint_forces = [f"*{after}"] if plan.sensed_joints else []
         return Parts(
             imports=["import pymunk"],
-            helpers=_SLIDE if sliders else (),
-            scene=lines,
-            now=_now(plan, held, body),
+            helpers=helpers,
+            scene=[*lines, *_momentum(plan, body)],
+            reading=_read(plan, held, body),
             step=f"{writer.text(scene.ref(held.space))}.step(step_s)",
-            forces=_forces(plan, body),
+            felt=[*_impulses(plan, body), *joint_forces],
             drive=[*_drive(plan, held, body), *_drag(plan, body)],
             lead=1,
             before=["before = momentum()"] if plan.sensed_joints else [],
@@ -85,50 +103,25 @@ def _name_all(scene: Traced, held: Any) -> None:
             scene.name(constraint, f"{name}_{kind}")
 
 
-def _now(plan: Plan, held: Any, body: dict[str, str]) -> list[str]:
-    note = "Motion of all bodies; y of pymunk is z of the world, and its angles are about -y."
-    sliders = any(isinstance(joint, Slider) for joint in held.joints.values())
-    if len(plan.scenario.moving_bodies()) == 1 and not sliders:
-        (name,) = plan.scenario.moving_bodies()
-        one = body[name]
-        seen = [
+def _read(plan: Plan, held: Any, body: dict[str, str]) -> Reading:
+    """Angles of pymunk are about -y, as its y is z of the world."""
+    moving = Group(
+        ("body",),
+        {name: (body[name],) for name in plan.scenario.moving_bodies()},
+        [
             "(x, 0, z)", "(np.cos(half), 0, np.sin(half), 0)", "(vx, 0, vz)",
-            f"(0, -{one}.angular_velocity, 0)",
-        ]  # fmt: skip
-        for joint_name in joint_parts(plan):
-            joint = held.joints[joint_name]
-            pair = body[joint.joint.parent], body[joint.joint.child]
-            seen += [_angle(joint, *pair), _rate(joint, *pair)]
-        read = f"(x, z), (vx, vz), half = {one}.position, {one}.velocity, -{one}.angle / 2"
-        return now_of_one(plan, note.replace("all bodies", "the body"), [read], seen)
-    moving = ", ".join(f'"{name}": {body[name]}' for name in plan.scenario.moving_bodies())
-    lines = [
-        f"bodies = {{{moving}}}",
-        "",
-        "",
-        "def now():",
-        f'    """{note}"""',
-        "    seen = {}",
-        "    for name, body in bodies.items():",
-        "        (x, z), (vx, vz), half = body.position, body.velocity, -body.angle / 2",
-        '        seen[f"{name}.position_m"] = x, 0, z',
-        '        seen[f"{name}.orientation_wxyz"] = np.cos(half), 0, np.sin(half), 0',
-        '        seen[f"{name}.velocity_m_s"] = vx, 0, vz',
-        '        seen[f"{name}.rate_rad_s"] = 0, -body.angular_velocity, 0',
-    ]
-    for name, (place, rate) in joint_parts(plan).items():
+            "(0, -body.angular_velocity, 0)",
+        ],
+        ["(x, z), (vx, vz), half = body.position, body.velocity, -body.angle / 2"],
+    )  # fmt: skip
+    joints = []
+    for name in plan.scenario.movable_joints():
         joint = held.joints[name]
-        parent, child = body[joint.joint.parent], body[joint.joint.child]
-        if isinstance(joint, Slider):
-            lines.append(
-                f'    seen["{place}"], seen["{rate}"], _ = {_slide_of(joint, parent, child)})'
-            )
-        else:
-            lines += [
-                f'    seen["{place}"] = {_angle(joint, parent, child)}',
-                f'    seen["{rate}"] = {_rate(joint, parent, child)}',
-            ]
-    return [*lines, "    return seen"]
+        pair = body[joint.joint.parent], body[joint.joint.child]
+        seen = [_angle(joint, *pair), _rate(joint, *pair)] if not isinstance(joint, Slider) else [
+            f"*{_slide_of(joint, *pair)})[:2]"]
+        joints.append(Group((), {name: ()}, seen))
+    return reading([moving], joints)
 
 
 def _slide_of(joint: Any, parent: str, child: str) -> str:
@@ -150,6 +143,7 @@ def _rate(joint: Any, parent: str, child: str) -> str:
 def _drive(plan: Plan, held: Any, body: dict[str, str]) -> list[str]:
     """Efforts of the next step: motions are read before any of them is given."""
     read, push = [], []
+    fixed = all(j.fixed_parent for j in held.joints.values() if isinstance(j, Slider))
     for effort in plan.efforts:
         joint, name = held.joints[effort.joint], effort.joint
         parent, child = body[joint.joint.parent], body[joint.joint.child]
@@ -158,7 +152,8 @@ def _drive(plan: Plan, held: Any, body: dict[str, str]) -> list[str]:
         if isinstance(joint, Slider):
             axis = f"axis_{name}" if many else "axis"
             moved = "q, v" if joint.senses else "*_"
-            read.append(f"{moved}, {axis} = {_slide_of(joint, parent, child)}, step_s)")
+            ahead = ", step_s" if not fixed else ""
+            read.append(f"{moved}, {axis} = {_slide_of(joint, parent, child)}{ahead})")
             read.append(f"{given} = {effort.text('q', 'v')}")
             push.append(f"{child}.force += ({given} * {axis}[0], {given} * {axis}[1])")
             if not joint.fixed_parent:
@@ -187,73 +182,73 @@ def _drag(plan: Plan, body: dict[str, str]) -> list[str]:
     return lines
 
 
-def _forces(plan: Plan, body: dict[str, str]) -> Sequence[str]:
-    if not plan.force_sensors:
-        return []
+def _impulses(plan: Plan, body: dict[str, str]) -> list[str]:
+    """Source of the normal forces between bodies."""
     lines = []
+    for name, (first, second) in plan.sensed_pairs.items():
+        if plan.scenario.bodies[first].fixed:
+            first, second = second, first
+        lines.append(f"normal_force({body[first]}, {body[second]})")
+    return lines
+
+
+_NORMAL = (
+    "def normal_force(first, second):",
+    '    """Sum over the contacts between two bodies in the last step."""',
+    "    found = []",
+    "    first.each_arbiter(lambda a: found.append((a.bodies, a.total_impulse.dot(a.normal))))",
+    "    return sum(abs(impulse) for bodies, impulse in found if second in bodies) / step_s",
+)
+
+
+def _carried(plan: Plan) -> dict[str, list[str]]:
+    """Joints whose force is sensed -> bodies that hang on it."""
     scenario = plan.scenario
-    carried = {
-        name: _carried_by(scenario, scenario.joints[joint].child)
+    return {
+        name: list(_carried_by(scenario, scenario.joints[joint].child))
         for name, joint in plan.sensed_joints.items()
     }
-    gx, _, gz = scenario.world.gravity_m_s2
-    touching = any(scenario.bodies[one].shapes for names in carried.values() for one in names)
-    if carried:
+
+
+def _momentum(plan: Plan, body: dict[str, str]) -> list[str]:
+    """Functions that tell the force through a joint from what hangs on it."""
+    carried = _carried(plan)
+    if not carried:
+        return []
+    gx, _, gz = plan.scenario.world.gravity_m_s2
+    touching = any(plan.scenario.bodies[b].shapes for names in carried.values() for b in names)
+    inside = ", ".join(f"({', '.join(body[n] for n in names)},)" for names in carried.values())
+    lines = [
+        f"carried = ({inside},)  # what hangs on each joint whose force is sensed",
+        "",
+        "",
+        "def momentum():",
+        "    return [[sum(b.mass * b.velocity[i] for b in c) for i in (0, 1)] for c in carried]",
+        "",
+        "",
+        "def joint_force(group, before, after):",
+        '    """What changed the momentum of a group, less weight'
+        + (' and contacts."""' if touching else '."""'),
+        "    fx, fz = ((b - a) / step_s for a, b in zip(before, after))",
+        "    for body in group:",
+        f"        fx, fz = fx - body.mass * {number(gx)}, fz - body.mass * {number(gz)}"
+        if gx
+        else f"        fz -= body.mass * {number(gz)}",
+    ]
+    if touching:
         lines += [
-            "carried = {"
-            + ", ".join(
-                f'"{name}": [{", ".join(body[one] for one in names)}]'
-                for name, names in carried.items()
-            )
-            + "}",
-            "",
-            "",
-            "def momentum():",
-            '    """Momentum of all that hangs on each sensed joint."""',
-            "    return {n: [sum(b.mass * b.velocity[i] for b in c) for i in (0, 1)]"
-            " for n, c in carried.items()}",
+            "        pushes = []",
+            "        body.each_arbiter(lambda a: pushes.append(a.total_impulse))",
+            "        fx -= sum(x for x, _ in pushes) / step_s",
+            "        fz -= sum(z for _, z in pushes) / step_s",
         ]
-    lines += ["", "", "def forces():"]
-    if carried:
-        lines += [
-            '    """Force through a joint: what changed the momentum, less weight'
-            + (' and contacts."""' if touching else '."""'),
-        ]
-    else:
-        lines += ['    """Normal force between bodies in the last step."""']
-    lines += ["    seen = {}"]
-    for name, pair in plan.sensed_pairs.items():
-        first, second = pair
-        if scenario.bodies[first].fixed:
-            first, second = second, first
-        lines += [
-            "    impulses = []",
-            f"    {body[first]}.each_arbiter(lambda a: impulses.append("
-            f"abs(a.total_impulse.dot(a.normal)) if {body[second]} in a.bodies else 0))",
-            f'    seen["{name}.normal_force_N"] = sum(impulses) / step_s',
-        ]
-    if carried:
-        lines += [
-            "    after = momentum()",
-            "    for name, group in carried.items():",
-            "        fx, fz = ((b - a) / step_s for a, b in zip(before[name], after[name]))",
-            "        for body in group:",
-            f"            fx, fz = fx - body.mass * {number(gx)}, fz - body.mass * {number(gz)}"
-            if gx
-            else f"            fz -= body.mass * {number(gz)}",
-        ]
-        if touching:
-            lines += [
-                "            pushes = []",
-                "            body.each_arbiter(lambda a: pushes.append(a.total_impulse))",
-                "            fx -= sum(x for x, _ in pushes) / step_s",
-                "            fz -= sum(z for _, z in pushes) / step_s",
-            ]
-        lines += [
-            "        c, s = np.cos(group[0].angle), np.sin(group[0].angle)",
-            '        seen[f"{name}.force_N"] = c * fx + s * fz, 0, c * fz - s * fx',
-        ]
-    return [*lines, "    return seen"]
+    return [
+        *lines,
+        "    c, s = np.cos(group[0].angle), np.sin(group[0].angle)",
+        "    return c * fx + s * fz, 0, c * fz - s * fx",
+        "",
+        "",
+    ]
 
 
 SCRIPT = PymunkScript()

@@ -6,23 +6,26 @@ import ast
 import json
 import subprocess
 import sys
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import simcompare
 from simcompare import catalogue, engines
 from simcompare.drop_plan import drop_plans
-from simcompare.errors import InputError
-from simcompare.scripts import write
+from simcompare.errors import InputError, UnknownName
+from simcompare.scripts import expected, write
 from simcompare.settings import CONTACT_LEVELS, Settings
 from simcompare.trajectory import BODY_SIGNALS
 
 LEVELS = [level for level in write.LEVELS if level in CONTACT_LEVELS]
 RUNNER = Path(__file__).with_name("script_runner.py")
 PHASE = 0.37
-#: lines that are not blank, of a scene with one moving body and of others
-MOST_LINES = (76, 144)
+#: lines of a scene with one moving body, and of others
+MOST_LINES = (60, 120)
+MOST_SIGNS = 100
 
 
 def save(folder, made, arg=None):
@@ -43,36 +46,66 @@ def run_all(folder):
     return json.loads(done.stdout.splitlines()[-1])
 
 
+@dataclass
+class Written:
+    """All scripts of an engine.
+
+    Attributes:
+        engine: its name.
+        folder: where they are.
+        made: (scenario, level) -> script.
+        own: (scenario, level) -> the scene of simcompare's own run at phase 0, and that run, which
+            the numbers in the script are of.
+        said: name -> what the script printed.
+    """
+
+    engine: str
+    folder: Path
+    made: dict = field(default_factory=dict)
+    own: dict = field(default_factory=dict)
+    said: dict = field(default_factory=dict)
+
+
 @pytest.fixture(scope="module", params=engines.names())
 def written(request, tmp_path_factory):
-    """All scripts of an engine: folder, (scenario, level) -> script, what they printed."""
     engine = request.param
     folder = tmp_path_factory.mktemp(engine)
-    made = {}
-    for scenario in catalogue.names():
-        for level in LEVELS:
-            try:
-                name = f"{scenario}_{level}"
-                one = write.script(scenario, engine=engine, contact=level, name=name)
-            except InputError:  # the engine refuses it, see test_backends
-                continue
-            made[scenario, level] = one
-            save(folder, one)
+    found = Written(engine, folder)
+    runs = []
+
+    def noted(job):
+        runs.append((job, run(job)))
+        return runs[-1][1]
+
+    run = expected._run
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(expected, "_run", noted)
+        for scenario in catalogue.names():
+            for level in LEVELS:
+                runs.clear()
+                try:
+                    name = f"{scenario}_{level}"
+                    one = write.script(scenario, engine=engine, contact=level, name=name)
+                except InputError:  # the engine refuses it, see test_backends
+                    continue
+                found.made[scenario, level] = one
+                found.own[scenario, level] = runs[len(runs) // 2]
+                save(folder, one)
     for level in LEVELS:
         one = write.script("ball", engine=engine, contact=level, name=f"phase_{level}")
         save(folder, one, PHASE)
-    return engine, folder, made, run_all(folder)
+    found.said = run_all(folder)
+    return found
 
 
 def test_each_script_runs_without_simcompare(written):
-    _, _, made, said = written
+    said = written.said
     assert {name: one["error"] for name, one in said.items() if "error" in one} == {}
-    assert len(made) >= 2 * len(LEVELS)
+    assert len(written.made) >= 2 * len(LEVELS)
 
 
-def assert_same_motion(engine, folder, name, scenario, level):
+def assert_same_motion(engine, folder, name, scenario, own):
     stored = np.load(folder / f"{name}_motion.npz")
-    own = engines.get(engine).simulate(scenario, Settings(level))
     assert np.array_equal(stored["t"], own.time_s)
     free, joints = scenario.free_bodies(), scenario.movable_joints()
     # what an engine reads of links is set beside the kinematics of the joints' coordinates; DART's
@@ -94,15 +127,16 @@ def assert_same_motion(engine, folder, name, scenario, level):
 
 
 def test_scripts_move_as_simcompares_own_runs(written):
-    engine, folder, made, said = written
-    for scenario, level in made:
-        if "error" not in said[f"{scenario}_{level}"]:
-            file = catalogue.load(scenario)
-            assert_same_motion(engine, folder, f"{scenario}_{level}", file.resolve(), level)
+    for (scenario, level), (job, own) in written.own.items():
+        name, scene = f"{scenario}_{level}", catalogue.load(scenario).resolve()
+        assert (job.engine, job.settings.contact) == (written.engine, level)
+        assert job.scenario.parameters == scene.parameters
+        if "error" not in written.said[name]:
+            assert_same_motion(written.engine, written.folder, name, scene, own)
 
 
 def test_the_phase_shifts_the_dithered_parameter(written):
-    engine, folder, _, said = written
+    engine, folder, said = written.engine, written.folder, written.said
     file = catalogue.load("ball")
     nominal = file.resolve()
     dither = nominal.dither
@@ -123,12 +157,14 @@ def test_the_phase_shifts_the_dithered_parameter(written):
 
 def test_what_a_script_measures_is_what_simcompare_measures(written):
     """Where nothing is dithered, so that both are of one run."""
-    _, _, made, said = written
     compared = 0
-    for scenario, level in made:
+    for scenario, level in written.made:
+        lines = written.said[f"{scenario}_{level}"]["out"].splitlines()
+        lines = [line for line in lines if "closed form" in line]
+        assert lines, f"{scenario}, {level}: prints no measure"
         if catalogue.load(scenario).resolve().dither is not None:
             continue
-        for line in said[f"{scenario}_{level}"]["out"].splitlines():
+        for line in lines:
             head, _, rest = line.partition("closed form")
             here, told = head.split()[-1], rest.split()[-1]
             if told == "–":
@@ -142,12 +178,13 @@ def test_what_a_script_measures_is_what_simcompare_measures(written):
 
 
 def test_scripts_are_short_and_import_only_engine_and_numpy(written):
-    engine, _, made, _ = written
-    module = engines.get(engine).module
-    for (scenario, level), one in made.items():
-        lines = [line for line in one.text.splitlines() if line.strip()]
+    module = engines.get(written.engine).module
+    for (scenario, level), one in written.made.items():
+        lines = one.text.splitlines()
         most = MOST_LINES[len(one.bodies) > 1]
         assert len(lines) <= most, f"{scenario}, {level}: {len(lines)} lines"
+        wide = [line for line in lines if len(line) > MOST_SIGNS]
+        assert wide == [], f"{scenario}, {level}"
         imported = {
             alias.name
             for node in ast.walk(ast.parse(one.text))
@@ -155,6 +192,34 @@ def test_scripts_are_short_and_import_only_engine_and_numpy(written):
             for alias in node.names
         }
         assert imported <= {"sys", "numpy", module}, f"{scenario}, {level}"
+
+
+def test_a_ball_tells_the_restitution_of_each_impact(written):
+    for level in LEVELS:
+        first, second = written.said[f"ball_{level}"]["out"].splitlines()[:2]
+        assert first.startswith("restitution of each impact: ")
+        each = np.array(first.split()[4:], dtype=float)
+        assert each.mean() == pytest.approx(float(second.split()[2]), abs=1e-4)
+    assert each[0] == pytest.approx(0.8, abs=0.03)  # what the numbers were tuned for
+
+
+def test_python_gets_the_same_text(call):
+    words = ("--format", "script", "--engine", "pymunk", "--contact", "tuned")
+    code, out, err = call("export", "ball", *words)
+    assert (code, err) == (0, "")
+    text = simcompare.export("ball", format="script", engine="pymunk", contact="tuned")
+    assert text == out
+
+
+def test_python_is_told_what_a_script_cannot():
+    with pytest.raises(InputError, match="engine is for"):
+        simcompare.export("ball", engine="mujoco")
+    with pytest.raises(InputError, match="beside it"):
+        simcompare.export("motor_step", format="script", engine="pymunk")
+    with pytest.raises(InputError, match="name, folder or file"):
+        simcompare.export(catalogue.load("ball").resolve(), format="script", engine="pymunk")
+    with pytest.raises(UnknownName, match="script"):
+        simcompare.export("ball", format="scrypt")
 
 
 def test_drag_acts_in_a_script_too(tmp_path):

@@ -15,21 +15,23 @@ from simcompare.drives import JointLaw
 from simcompare.errors import Unsupported
 from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario, Sensor
 from simcompare.scripts.merge import merged
+from simcompare.scripts.reading import Reading
 from simcompare.scripts.source import Style, Writer
 from simcompare.scripts.text import number
 from simcompare.scripts.trace import Dialect, Event, Expression, Recorder, Result, expression_of
 from simcompare.settings import Settings
-from simcompare.trajectory import BODY_SIGNALS
 
 #: names that the script uses itself
 RESERVED = frozenset(
     # of the loop
-    ("np", "sys", "phase", "step_s", "steps", "inputs", "k", "rows", "now", "forces", "motion", "t",
-     "seen", "name", "body", "bodies", "link", "joint", "before", "after", "momentum", "carried",
-     "q", "v", "x", "z", "place", "turn", "velocity", "rate", "torque", "force", "axis", "drag",
+    ("np", "sys", "phase", "step_s", "steps", "inputs", "k", "rows", "signals", "motion", "t",
+     "seen", "felt", "half", "name", "body", "bodies", "link", "joint", "before", "momentum",
+     "carried", "q", "v", "x", "z", "place", "turn", "velocity", "rate", "torque", "force", "axis",
+     "drag", "update", "reaction", "motor", "part", "parts",
      # of what is measured
      "value", "exact", "run", "turned", "specific_force", "gyroscope", "gone", "angle_between",
-     "rise", "low", "flights", "a", "b", "i", "start", "end", "speed", "e", "true", "impacts",
+     "rise", "low", "flights", "curve", "curves", "down", "ends", "pair", "roots", "span",
+     "a", "b", "i", "start", "end", "speed", "e", "true", "impacts",
      "late", "moving", "rest_s", "apart", "told", "error", "still", "rest", "valid", "yaw", "w",
      "y", "f", "ratio", "omega", "s", "waves", "fits", "read", "moved", "felt", "u", "fade",
      "slope", "bend", "shaken", "size", "angle", "size_error", "turned_by", "below", "cutoff",
@@ -106,6 +108,12 @@ class Plan:
         return {name: sensor.pair for name, sensor in found if sensor.pair is not None}
 
     @property
+    def force_signals(self) -> list[str]:
+        """What the engine's sensors read: normal forces, then forces through joints."""
+        normals = [f"{name}.normal_force_N" for name in self.sensed_pairs]
+        return [*normals, *(f"{name}.force_N" for name in self.sensed_joints)]
+
+    @property
     def drags(self) -> dict[str, float]:
         """Bodies with air drag -> c in F = -c·|v|·v [kg/m]."""
         factors = {
@@ -124,8 +132,9 @@ class Parts:
         imports: how it is imported.
         helpers: functions that the scene needs.
         scene: what builds the scene.
-        now: the function ``now()`` that returns what is seen: signal -> numbers.
-        forces: the function ``forces()`` that returns what force sensors read in the last step.
+        reading: what reads one sample.
+        forces: what reads the force sensors after a step.
+        felt: what these read, in the order of :attr:`Plan.force_signals`.
         drive: what comes before each engine step ``k``.
         step: the engine step.
         lead: 0 where the forces of a step act at its start, 1 where at its end.
@@ -134,10 +143,11 @@ class Parts:
 
     imports: Sequence[str]
     scene: Sequence[str]
-    now: Sequence[str]
+    reading: Reading
     step: str
     helpers: Sequence[str] = ()
     forces: Sequence[str] = ()
+    felt: Sequence[str] = ()
     drive: Sequence[str] = ()
     lead: int = 0
     before: Sequence[str] = ()
@@ -177,6 +187,12 @@ class Traced:
         found = expression_of(value)
         if isinstance(found, Result):
             self._names.setdefault((self._place(found), found.index), name)
+
+    def name_beside(self, value: Any, index: int, name: str) -> None:  # noqa: ANN401
+        """Wants a name for another member of the call that returned something."""
+        found = expression_of(value)
+        if isinstance(found, Result):
+            self._names.setdefault((self._place(found), index), name)
 
     def name_call(self, call: Event, name: str) -> None:
         """Wants a name for what a call returned."""
@@ -240,27 +256,3 @@ def joint_parts(plan: Plan) -> Mapping[str, tuple[str, str]]:
         name: (f"{name}.{MOVABLE[joint.type][0]}", f"{name}.{MOVABLE[joint.type][1]}")
         for name, joint in plan.scenario.movable_joints().items()
     }
-
-
-def now_of_one(plan: Plan, note: str, reads: Sequence[str], seen: Sequence[str]) -> list[str]:
-    """The function ``now()`` where one body moves.
-
-    Args:
-        plan: what is to be written.
-        note: what is to be known of it.
-        reads: what is read first.
-        seen: position, orientation, velocity and rate, then coordinates and rates of joints.
-    """
-    (body,) = plan.scenario.moving_bodies()
-    names = [f"{body}.{part}" for part in BODY_SIGNALS]
-    names += [signal for pair in joint_parts(plan).values() for signal in pair]
-    return [
-        "",
-        "",
-        "def now():",
-        f'    """{note}"""',
-        *(f"    {line}" for line in reads),
-        "    return {",
-        *(f'        "{name}": {text},' for name, text in zip(names, seen, strict=True)),
-        "    }",
-    ]

@@ -63,6 +63,9 @@ class Measuring:
         functions: functions that they need.
         stored: arrays for the file of inputs.
         taken: names in use.
+        recorded: signals that are in ``motion``.
+        wanted: values that the next measure is to give, under its own names.
+        prints: lines that print more than one number.
     """
 
     scenario: Scenario
@@ -71,11 +74,13 @@ class Measuring:
     lines: list[str] = field(default_factory=list)
     functions: dict[str, tuple[str, ...]] = field(default_factory=dict)
     stored: dict[str, Array] = field(default_factory=dict)
+    wanted: frozenset[str] = frozenset()
+    prints: list[str] = field(default_factory=list)
     _probes: dict[str, str] = field(default_factory=dict)
     _signals: dict[str, str] = field(default_factory=dict)
 
-    def probe(self, name: str) -> str:
-        """The variable that holds what a probe sees."""
+    def probe(self, name: str, wanted: str | None = None) -> str:
+        """The variable that holds what a probe sees; ``wanted`` is what it is best called."""
         if name not in self._probes:
             probe = self.scenario.probes[name]
             text, width = self.signal(probe.observe)
@@ -83,7 +88,7 @@ class Measuring:
                 text += f"[:, {probe.component}]"
             if probe.offset:
                 text += f" {'-' if probe.offset < 0 else '+'} {number(abs(probe.offset))}"
-            variable = unused(name, self.taken)
+            variable = wanted or unused(name, self.taken)
             self.taken.add(variable)
             self.lines.append(f"{variable} = {text}")
             self._probes[name] = variable

@@ -104,56 +104,56 @@ def _numbers(truth: Truth, series: str, count: int) -> list[str]:
     return lines
 
 
-_THROWN = (
-    "    curve = np.polyfit(t[i], {z}[i], 2)",
-    "    start, end = np.sort(np.roots(curve).real)",
-    "    flights.append((start, end, *[curve[0] * (start - end)] * 2))",
-    "start, end, up, down = np.array(flights).T",
-)
-#: air drag bends the parabola
-_DRAGGED = (
-    "    curve = np.polyfit(t[i] - t[i[0]], {z}[i], 5)",
-    "    roots = np.roots(curve)",
-    "    roots = roots.real[abs(roots.imag) < 1e-9]",
-    "    span = t[i[-1]] - t[i[0]]",
-    "    ends = max(roots[roots <= 0], default=0), min(roots[roots >= span], default=span)",
-    "    flights.append((*(t[i[0]] + np.array(ends)), *abs(np.polyval(np.polyder(curve), ends))))",
-    "start, end, up, down = np.array(flights).T",
-)
-
-
 def _bounces(m: Measuring, measure: Measure, truth: Truth) -> Mapping[str, str]:
-    z = m.probe(measure.probe)
+    m.probe(measure.probe, "z")
     bodies = m.scenario.moving_bodies().values()
     dragged = any(body.drag is not None and body.drag.factor_kg_m > 0 for body in bodies)
+    count = ":" if truth.first is None else f":{len(truth.first.series['restitution'])}"
     m.lines += [
-        f"low = np.flatnonzero(({z}[1:-1] < {z}[:-2]) & ({z}[1:-1] <= {z}[2:])) + 1",
-        "flights = []  # each of at least 12 samples: start, end, speeds at the floor there",
-        f"for a, b in zip([0, *(low + 2)], [*(low - 1), len({z}) - 1]):",
-        f"    i = a + np.flatnonzero({z}[a:b] > 0)",
-        f"    if len(i) < 12 or np.ptp({z}[i]) <= 1e-6 * np.ptp({z}):",
-        "        break",
+        "low = np.flatnonzero((z[1:-1] < z[:-2]) & (z[1:-1] <= z[2:])) + 1",
+        "flights = [i[2:-1][z[i[2:-1]] > 0] for i in np.split(np.arange(len(z)), low)]",
+        "flights = [i for i in flights if len(i) > 11 and np.ptp(z[i]) > 1e-6 * np.ptp(z)]",
         *(_DRAGGED if dragged else _THROWN),
         "e = up[1:] / down[:-1] if len(up) > 1 else np.zeros(1)",
     ]
-    m.lines = [line.replace("{z}", z) for line in m.lines]
-    found = {"penetration": f"max(0, -{z}.min())", "resolved_bounces": "len(flights) - 1"}
-    found["restitution"] = "e.mean()"
-    if truth.first is not None:
-        found["restitution"] = f"e[:{len(truth.first.series['restitution'])}].mean()"
+    found = {"penetration": "max(0, -z.min())", "resolved_bounces": "len(flights) - 1"}
+    found["restitution"] = f"e[{count}].mean()"
+    found["energy_gain"] = "max(0, (e**2 - 1).max())"
+    if "restitution" in m.wanted:
+        m.prints.append(f'print("restitution of each impact:", *e[{count}].round(4))')
+    if "impact_time_error" in m.wanted and truth.first is not None:
         speeds = truth.first.series["impact_speed"][:TIMED_IMPACTS]
         needed = int(np.count_nonzero(speeds >= SLOW_PART * speeds[0]))
-        m.lines += [*_numbers(truth, "impact_time", TIMED_IMPACTS)]
+        m.lines += [*([] if dragged else _TIMED), *_numbers(truth, "impact_time", TIMED_IMPACTS)]
         m.lines.append("impacts = np.append((end[:-1] + start[1:]) / 2, end[-1])[: len(true)]")
         error = "abs(impacts - true[: len(impacts)]).max()"
         m.lines.append(f"late = {error} if len(impacts) >= {needed} else np.nan")
         found["impact_time_error"] = "late"
-    m.lines.append(f"moving = np.flatnonzero(abs({z} - {z}[-1]) > 0.001 * np.ptp({z}))")
-    late = len(sample_times(m.scenario)) // 200 + 1
-    m.lines.append(f"rest_s = t[moving[-1] + 1] if moving[-1] + {late} < len(t) else np.nan")
-    found["settling_time"] = "rest_s"
-    found["energy_gain"] = "max(0, (e**2 - 1).max())"
+    if "settling_time" in m.wanted:
+        m.lines.append("moving = np.flatnonzero(abs(z - z[-1]) > 0.001 * np.ptp(z))")
+        late = len(sample_times(m.scenario)) // 200 + 1
+        m.lines.append(f"rest_s = t[moving[-1] + 1] if moving[-1] + {late} < len(t) else np.nan")
+        found["settling_time"] = "rest_s"
     return found
+
+
+_THROWN = (
+    "curves = np.array([np.polyfit(t[i], z[i], 2) for i in flights])",
+    "up = down = np.sqrt(curves[:, 1] ** 2 - 4 * curves[:, 0] * curves[:, 2])  # at the floor",
+)
+_TIMED = ("start, end = np.sort([np.roots(curve).real for curve in curves]).T",)
+#: air drag bends the parabola
+_DRAGGED = (
+    "ends = []  # of each flight: start, end, speeds at the floor there",
+    "for i in flights:",
+    "    curve = np.polyfit(t[i] - t[i[0]], z[i], 5)",
+    "    roots = np.roots(curve)",
+    "    roots = roots.real[abs(roots.imag) < 1e-9]",
+    "    span = t[i[-1]] - t[i[0]]",
+    "    pair = max(roots[roots <= 0], default=0), min(roots[roots >= span], default=span)",
+    "    ends.append((*(t[i[0]] + np.array(pair)), *abs(np.polyval(np.polyder(curve), pair))))",
+    "start, end, up, down = np.array(ends).T",
+)
 
 
 def _drift(m: Measuring, measure: Measure, truth: Truth) -> Mapping[str, str]:
@@ -162,7 +162,7 @@ def _drift(m: Measuring, measure: Measure, truth: Truth) -> Mapping[str, str]:
     if truth.first is not None:
         places = _places(m, _window.evenly(len(sample_times(m.scenario)), measure.options["count"]))
         pairs = [
-            f"{v}[{places}] - {_table(m, f'{v}_true', truth, s)}"
+            f"{v if places == ':' else f'{v}[{places}]'} - {_table(m, f'{v}_true', truth, s)}"
             for v, s in ((x, "path_x"), (y, "path_y"))
         ]
         m.lines.append(f"apart = np.hypot({', '.join(pairs)})")
@@ -197,7 +197,6 @@ def _pressure_height(m: Measuring, measure: Measure, truth: Truth) -> Mapping[st
 def _joint_angle(m: Measuring, measure: Measure, _: Truth) -> Mapping[str, str]:
     options, also = measure.options, measure.also
     angle = m.probe(measure.probe)
-    seen = {role: m.probe(also[role]) for role in also}
     m.function(
         "angle_between",
         (
@@ -206,31 +205,36 @@ def _joint_angle(m: Measuring, measure: Measure, _: Truth) -> Mapping[str, str]:
             "    return np.arctan2(bz * ax - bx * az, ax * bx + az * bz)",
         ),
     )
-    first, second = ((seen[f"{s}_x"], seen[f"{s}_z"]) for s in ("first", "second"))
+    sides = ("first", "second")
+    first, second = ((m.probe(also[f"{s}_x"]), m.probe(also[f"{s}_z"])) for s in sides)
     m.lines += [
         f"told = angle_between({', '.join((*first, *second))})",
         f"error = abs((told - {angle} + np.pi) % (2 * np.pi) - np.pi)",
-        f"still = t <= {number(options['still_until_s'])} * (1 + 1e-9)",
-        f"moving = t > {number(options['moving_from_s'])} * (1 + 1e-9)",
-        "moving[-3:] = False",
     ]
-    if options["first_lever_m"] or options["second_lever_m"]:
+    if "static_error" in m.wanted:
+        m.lines.append(f"still = t <= {number(options['still_until_s'])} * (1 + 1e-9)")
+    if m.wanted != {"static_error"}:
+        m.lines.append(f"moving = t > {number(options['moving_from_s'])} * (1 + 1e-9)")
+        m.lines.append("moving[-3:] = False")
+    if "corrected_error" in m.wanted and (options["first_lever_m"] or options["second_lever_m"]):
         parts = []
-        for side, (x, z) in (("first", first), ("second", second)):
-            lever, rate = number(options[f"{side}_lever_m"]), seen[f"{side}_rate"]
+        for side, (x, z) in zip(sides, (first, second), strict=True):
+            lever, rate = number(options[f"{side}_lever_m"]), m.probe(also[f"{side}_rate"])
             parts += [f"{x} - np.gradient({rate}, t, edge_order=2) * {lever}"]
             parts += [f"{z} + {rate}**2 * {lever}"]
         m.lines += [
-            "rest = angle_between(", *(f"    {part}," for part in parts), ")",
+            f"rest = angle_between({', '.join(parts)})",
             f"rest = abs((rest - {angle} + np.pi) % (2 * np.pi) - np.pi)",
-        ]  # fmt: skip
-    else:
+        ]
+    elif "corrected_error" in m.wanted:
         m.lines.append("rest = error")
-    g, gate = number(options["gravity_m_s2"]), number(options["gate"] * options["gravity_m_s2"])
-    m.lines += [
-        f"valid = abs(np.hypot({', '.join(first)}) - {g}) < {gate}",
-        f"valid &= abs(np.hypot({', '.join(second)}) - {g}) < {gate}",
-    ]
+    if m.wanted & {"gated_error", "valid_fraction"}:
+        g = number(options["gravity_m_s2"])
+        gate = number(options["gate"] * options["gravity_m_s2"])
+        m.lines += [
+            f"valid = abs(np.hypot({', '.join(first)}) - {g}) < {gate}",
+            f"valid &= abs(np.hypot({', '.join(second)}) - {g}) < {gate}",
+        ]
     return {
         "static_error": "error[still].max()", "moving_error": "error[moving].max()",
         "corrected_error": "rest[moving].max()", "gated_error": "error[moving & valid].max()",

@@ -8,7 +8,7 @@ import numpy as np
 
 from simcompare.scenario import Measure
 from simcompare.scripts.measuring import Measuring, Snippet, Truth
-from simcompare.scripts.text import number, wrapped
+from simcompare.scripts.text import number
 
 
 def _list(values: object) -> str:
@@ -64,9 +64,9 @@ def _judged(m: Measuring, truth: Truth) -> Mapping[str, str]:
     series, count = truth.first.series, int(truth.first.values["judged_frequencies"] or 0)
     m.lines += [
         "size, angle = abs(np.array(ratio)), np.degrees(np.angle(ratio))",
-        *wrapped("true = ", _list(series["amplitude"][:count])),
+        f"true = {_list(series['amplitude'][:count])}",
         f"size_error = abs(size[:{count}] / true - 1)",
-        *wrapped("true = ", _list(series["phase"][:count])),
+        f"true = {_list(series['phase'][:count])}",
         f"turned_by = angle[:{count}] - true",
         "below = np.append(np.flatnonzero(size < 0.5**0.5), 0)[0]  # the cutoff is just before it",
         "x, y = -np.log(size[below - 1 : below + 1]), np.log(f[below - 1 : below + 1])",
@@ -89,25 +89,34 @@ def _swings(m: Measuring, measure: Measure) -> None:
     level = measure.options["level"]
     shifted = f" - {number(level)}" if level else ""
     m.lines += [
-        f"away = {angle}{shifted}",
+        *([f"away = {angle}{shifted}"] if shifted or angle != "away" else []),
         "up = np.flatnonzero(away[:-1] * away[1:] <= 0)  # it passes its rest, up or down",
         line,
-        "tops = np.array([abs(away[a : b + 1]).max() for a, b in zip(up[:-1], up[1:])])",
     ]
+
+
+def _tops(m: Measuring) -> None:
+    """The largest angle of each half swing, once."""
+    line = "tops = np.array([abs(away[a : b + 1]).max() for a, b in zip(up[:-1], up[1:])])"
+    if line not in m.lines:
+        m.lines.append(line)
 
 
 def _period(m: Measuring, measure: Measure, truth: Truth) -> Mapping[str, str]:
     del truth
     _swings(m, measure)
+    m.lines.append("period = passes[2:] - passes[:-2]")
+    found = {"mean_period": "period.mean() if len(period) else np.nan"}
+    if m.wanted == {"mean_period"}:
+        return found
+    _tops(m)
     m.lines += [
-        "period = passes[2:] - passes[:-2]",
         "a, b = np.ones(len(tops)), np.cos(tops / 2)",
         "for _ in range(6):  # the mean of Gauss: a large swing takes 1 / a times as long",
         "    a, b = (a + b) / 2, np.sqrt(a * b)",
         "small = period / ((1 / a[:-1] + 1 / a[1:]) / 2)",
     ]
-    return {
-        "mean_period": "period.mean() if len(period) else np.nan",
+    return found | {
         "small_angle_period": "small.mean() if len(small) else np.nan",
         "period_scatter": "small.std(ddof=1) if len(small) > 1 else np.nan",
     }
@@ -116,6 +125,7 @@ def _period(m: Measuring, measure: Measure, truth: Truth) -> Mapping[str, str]:
 def _decay(m: Measuring, measure: Measure, truth: Truth) -> Mapping[str, str]:
     del truth
     _swings(m, measure)
+    _tops(m)
     m.lines.append("swings = (len(tops) - 2) / 2")
     enough = "if len(tops) >= 4 else np.nan"
     return {

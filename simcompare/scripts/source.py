@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from simcompare.scripts.merge import Varying
-from simcompare.scripts.text import number, unused, wrapped
+from simcompare.scripts.rolling import Statement, rolled
+from simcompare.scripts.text import number, unused
 from simcompare.scripts.trace import Assign, Attribute, Call, Event, Expression, Result, Root
 
 
@@ -28,6 +29,7 @@ class Helper:
         receiver: whether the object that is called, and the call's own arguments, come first.
         swallowed: calls on the result that the function makes too.
         nested: one of them, on whose result setters count as well.
+        order: of the setters whose arguments are told by their places, if not as they are called.
         least: uses from which on it is worth its lines.
     """
 
@@ -38,6 +40,7 @@ class Helper:
     receiver: bool = False
     swallowed: frozenset[str] = frozenset()
     nested: str = ""
+    order: tuple[str, ...] = ()
     least: int = 2
 
 
@@ -49,11 +52,13 @@ class Style:
         helpers: functions that stand for several calls.
         hidden: functions whose results are not written as arguments.
         tidy: last touch on the arguments of a call, by its name.
+        names: last part of a call's name, or a keyword -> names of its arguments in loops.
     """
 
     helpers: tuple[Helper, ...] = ()
     hidden: frozenset[str] = frozenset()
     tidy: Callable[[str, list[Any], dict[str, Any]], None] = lambda *_: None
+    names: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
 
 @dataclass
@@ -108,6 +113,7 @@ class Writer:
             assert isinstance(event.target, Attribute)
             placed += [event.target.owner, *event.args]
         named: dict[str, Any] = {}
+        told: list[tuple[str, Any]] = []
         owners = [event]
         for later in self.events:
             if not isinstance(later, Call) or not isinstance(later.target, Attribute):
@@ -124,9 +130,11 @@ class Writer:
                 continue
             self._inside.add(id(later))
             if not keyword:
-                placed.append(later.args[0])
+                told.append((name, later.args[0]))
             elif not later.idle:
                 named[keyword] = later.args[0]
+        told.sort(key=lambda one: [*helper.order, one[0]].index(one[0]))
+        placed += [value for _, value in told]
         self._folded[id(event)] = helper, placed, named
 
     def _need_all(self, event: Event) -> None:
@@ -154,32 +162,31 @@ class Writer:
                 self._need(member, times)
 
     def lines(self) -> list[str]:
-        """All statements, wrapped."""
+        """All statements, wrapped, and repeated ones in loops."""
         found = []
         for event in self.events:
             if id(event) not in self._needed:
                 continue
             if isinstance(event, Assign):
-                found += wrapped(
-                    f"{self.text(event.owner)}.{event.attribute} = ", self.text(event.value)
-                )
+                head = f"{self.text(event.owner)}.{event.attribute} = "
+                found.append(Statement(head, self.text(event.value)))
                 continue
             uses = {index: n for (i, index), n in self._uses.items() if i == id(event) and n}
             if event.pure and uses == {None: 1} and self._name_for(event, None) is None:
                 continue  # written where it is used
-            found += self._statement(event, uses)
-        return found
+            found.append(self._statement(event, uses))
+        return rolled(found, self.style.names, set(self._assigned.values()))
 
-    def _statement(self, event: Call, uses: Mapping[int | None, int]) -> list[str]:
-        call = self._call(event)
-        if not uses:
-            return wrapped("", *call)
+    def _statement(self, event: Call, uses: Mapping[int | None, int]) -> Statement:
+        call, args = self._call(event)
+        head = ""
         if None in uses:
-            name = self._assign(event, None)
-            return wrapped(f"{name} = ", *call)
-        last = max(index for index in uses if index is not None)
-        members = [self._assign(event, i) if i in uses else "_" for i in range(last + 1)]
-        return wrapped(f"{', '.join(members)} = ", *call)
+            head = f"{self._assign(event, None)} = "
+        elif uses:
+            last = max(index for index in uses if index is not None)
+            members = [self._assign(event, i) if i in uses else "_" for i in range(last + 1)]
+            head = f"{', '.join(members)} = "
+        return Statement(head, call, tuple(args))
 
     def _name_for(self, event: Call, index: int | None) -> str | None:
         return self.names.get((self._place[id(event)], index))

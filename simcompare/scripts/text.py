@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import keyword
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 
 #: longest line that is written
 WIDTH = 100
+#: a line may be broken before these
+_SIGNS = (" + ", " - ", " * ", " / ", " ** ", " for ")
+#: but not where they come so early
+_SHORT = 12
 
 
 def number(value: float) -> str:
@@ -32,55 +36,65 @@ def unused(wanted: str, taken: set[str]) -> str:
     return name
 
 
-def wrapped(head: str, call: str, args: Sequence[str] | None = None) -> list[str]:
-    """A statement in lines that are not too long, broken between arguments."""
-    if args is None:
-        inner = re.fullmatch(r"([\w.=]*)([(\[{])(.*)([)\]}])", call)
-        whole = head + call
-        if len(whole) <= WIDTH or inner is None:
-            return [whole]
-        name, opening, text, closing = inner.groups()
-        return _broken(head + name + opening, list(split(text)), closing)
-    whole = f"{head}{call}({', '.join(args)})"
-    return [whole] if len(whole) <= WIDTH else _broken(f"{head}{call}(", args, ")")
+def called(call: str, args: Sequence[str]) -> str:
+    """Source of a call."""
+    return f"{call}({', '.join(args)})"
 
 
-def _broken(start: str, args: Sequence[str], end: str) -> list[str]:
-    lines = [start]
-    row = "   "
-    for arg in args:
-        if len(arg) + 5 > WIDTH and arg[-1] in ")]":
-            nested = wrapped("", arg)
-            lines += [row] if row.strip() else []
-            lines += [f"    {line}" for line in nested[:-1]] + [f"    {nested[-1]},"]
-            row = "   "
-            continue
-        if len(row) + len(arg) + 2 > WIDTH and row.strip():
-            lines.append(row)
-            row = "   "
-        row += f" {arg},"
-    return [*lines, *([row] if row.strip() else []), end]
+def filled(text: str, *, indent: str = "") -> list[str]:
+    """A statement in as few lines as it needs, broken inside brackets."""
+    lines, start, room, margin = [], 0, WIDTH - len(indent), indent
+    assigned = re.match(r"[\w, ]+ = ", text)
+    if len(text) > room and assigned and not _commas(text, 0, room):
+        head = len(assigned.group())
+        if text[head] != "(" or 0 in _depths(text)[head:-1]:
+            text = f"{text[:head]}({text[head:]})"
+    while len(text) - start > room:
+        place = _break(text, start, room)
+        if place is None:
+            break
+        lines.append(margin + text[start:place].rstrip())
+        start, margin = place, indent + " " * (8 if text.endswith(":") else 4)
+        room = WIDTH - len(margin)
+    return [*lines, margin + text[start:]]
 
 
-def split(text: str) -> Iterator[str]:
-    """Parts between the commas that are in no bracket."""
-    depth, part = 0, ""
+def _break(text: str, start: int, room: int) -> int | None:
+    """Where a line is best broken: where few brackets are open, unless it is short then; late."""
+    depth, breaks = _depths(text), _breaks(text, start, room)
+    if not breaks:
+        return None
+    late = [place for place in breaks if place - start > room / 3] or breaks[-1:]
+    return min(late, key=lambda place: (depth[place - 1], text[place] in "*/", -place))
+
+
+def _breaks(text: str, start: int, room: int) -> list[int]:
+    """Places at which a line may end: after commas, else before operators, else after brackets."""
+    depth = _depths(text)
+    inside = [i for i in range(start + 1, min(start + room + 1, len(text))) if depth[i - 1] > 0]
+    found = [i for i in inside if text[i - 1 :].startswith(_SIGNS) and i - start > _SHORT]
+    return _commas(text, start, room) or found or [i for i in inside if text[i - 1] in "(["]
+
+
+def _commas(text: str, start: int, room: int) -> list[int]:
+    """Places after commas inside brackets, but for those of a slice."""
+    depth, end = _depths(text), min(start + room + 1, len(text))
+    return [
+        i
+        for i in range(start + 3, end)
+        if text[i - 2 : i] == ", " and depth[i - 1] > 0 and text[i - 3] != ":"
+    ]
+
+
+def _depths(text: str) -> list[int]:
+    """How many brackets are open at each sign; -1 inside quotes."""
+    found, depth, quote = [], 0, ""
     for sign in text:
+        if quote:
+            quote = "" if sign == quote else quote
+            found.append(-1)
+            continue
+        quote = sign if sign in "\"'" else ""
         depth += (sign in "([{") - (sign in ")]}")
-        if sign == "," and depth == 0:
-            yield part.strip()
-            part = ""
-        else:
-            part += sign
-    if part.strip():
-        yield part.strip()
-
-
-def dictionary(entries: Mapping[str, str]) -> str:
-    """A dictionary of names and source."""
-    return "{" + ", ".join(f'"{name}": {text}' for name, text in entries.items()) + "}"
-
-
-def names_of(names: Sequence[str]) -> str:
-    """A tuple of texts."""
-    return "(" + ", ".join(f'"{name}"' for name in names) + (",)" if len(names) == 1 else ")")
+        found.append(depth)
+    return found
