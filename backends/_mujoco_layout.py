@@ -21,7 +21,7 @@ _DEFAULTS = {
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
 
 
-def laid_out(engine: Any, first: str, last: str) -> list[str]:  # noqa: ANN401
+def laid_out(engine: Any, first: str, last: str) -> list[str]:
     """A model's text in lines, whose numbers follow the phase where they differ.
 
     Args:
@@ -42,12 +42,12 @@ def laid_out(engine: Any, first: str, last: str) -> list[str]:  # noqa: ANN401
     return _lines(root, "")
 
 
-def _same(engine: Any, one: str, other: str) -> bool:  # noqa: ANN401
+def _same(engine: Any, one: str, other: str) -> bool:
     """Whether two texts become the same model, bit for bit."""
     return np.array_equal(_compiled(engine, one), _compiled(engine, other))
 
 
-def _compiled(engine: Any, text: str) -> NDArray[np.uint8]:  # noqa: ANN401
+def _compiled(engine: Any, text: str) -> NDArray[np.uint8]:
     model = engine.MjModel.from_xml_string(text)
     held = np.zeros(engine.mj_sizeModel(model), dtype=np.uint8)
     engine.mj_saveModel(model, None, held)

@@ -11,6 +11,7 @@ from simcompare.scripts.contract import Parts, Plan
 from simcompare.scripts.reading import Group, Reading, reading
 from simcompare.scripts.text import number
 
+
 class MujocoScript:
     """Writes scripts that import mujoco."""
 

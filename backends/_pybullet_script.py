@@ -15,7 +15,6 @@ from simcompare.scripts.source import Style
 from simcompare.scripts.text import WIDTH, identifier, number
 from simcompare.scripts.trace import Dialect
 
-
 #: names of arguments in loops
 _NAMES = {
     "changeDynamics": ("body", "link"),

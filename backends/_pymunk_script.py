@@ -118,8 +118,11 @@ def _read(plan: Plan, held: Any, body: dict[str, str]) -> Reading:
     for name in plan.scenario.movable_joints():
         joint = held.joints[name]
         pair = body[joint.joint.parent], body[joint.joint.child]
-        seen = [_angle(joint, *pair), _rate(joint, *pair)] if not isinstance(joint, Slider) else [
-            f"*{_slide_of(joint, *pair)})[:2]"]
+        seen = (
+            [_angle(joint, *pair), _rate(joint, *pair)]
+            if not isinstance(joint, Slider)
+            else [f"*{_slide_of(joint, *pair)})[:2]"]
+        )
         joints.append(Group((), {name: ()}, seen))
     return reading([moving], joints)
 
@@ -185,7 +188,7 @@ def _drag(plan: Plan, body: dict[str, str]) -> list[str]:
 def _impulses(plan: Plan, body: dict[str, str]) -> list[str]:
     """Source of the normal forces between bodies."""
     lines = []
-    for name, (first, second) in plan.sensed_pairs.items():
+    for first, second in plan.sensed_pairs.values():
         if plan.scenario.bodies[first].fixed:
             first, second = second, first
         lines.append(f"normal_force({body[first]}, {body[second]})")

@@ -232,9 +232,9 @@ def _table(
             measuring.taken.add(variable)
             lines.append(f"{variable} = {value}")
             value = variable
-        line = f'print(f"{start}{{{value}:<12.7g}}{end}")'
+        line = f'print(f"{start}{{{value}:<14.7g}}{end}")'
         if len(line) > WIDTH:
-            lines += [f'print(f"{start}{{{value}:<12.7g}}"', f'    "{end}")']
+            lines += [f'print(f"{start}{{{value}:<14.7g}}"', f'    "{end}")']
         else:
             lines.append(line)
     return [*measuring.prints, *lines]
