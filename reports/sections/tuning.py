@@ -37,7 +37,7 @@ class Tuning(Section):
         if not sources:
             return None
         groups = [
-            Group(_title(source["name"], record), _rows(source["name"], record))
+            Group(_title(source, record), _rows(source["name"], record))
             for source in sources
             for record in source["tuning"]
         ]
@@ -51,12 +51,27 @@ class Tuning(Section):
         return parts_of([], [of_engines(_COLUMNS, groups, note)])
 
 
-def _title(engine: str, record: Mapping[str, Any]) -> str:
+def _title(source: Mapping[str, Any], record: Mapping[str, Any]) -> str:
     pairs = ", ".join("-".join(pair) for pair in record["pairs"])
-    typed = ", ".join(numbers.plain(value, 6) for value in record["numbers"])
-    return (
-        f"{engine}: {typed} for {numbers.plain(record['restitution'])} between {pairs}, at a step"
-        f" of {numbers.plain(1e3 * record['step_s'])} ms"
+    said = (
+        f"{source['name']}: {_typed(source, record)} for {numbers.plain(record['restitution'])}"
+        f" between {pairs}, at a step of {numbers.plain(1e3 * record['step_s'])} ms"
+    )
+    if record.get("stall_speed_m_s"):
+        said += f"; hops of {numbers.plain(record['stall_speed_m_s'], 2)} m/s never die out"
+    return said
+
+
+def _typed(source: Mapping[str, Any], record: Mapping[str, Any]) -> str:
+    """The numbers under the names of the engine's own parameters."""
+    names = {
+        row["set_value"]: row["engine_parameter"]
+        for row in source["audit"]
+        if row["quantity"].endswith("restitution")
+    }
+    return ", ".join(
+        f"{names[value]} = {numbers.plain(value, 6)}" if value in names else numbers.plain(value, 6)
+        for value in record["numbers"]
     )
 
 
