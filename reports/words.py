@@ -68,7 +68,11 @@ def _given(run: Run, mode: str) -> str | None:
     agree = sum(got == of and of > 0 for got, of in met)
     what = "the one tolerance" if number == 1 else f"all {number} tolerances"
     how = _HOW.get(mode, f"In the level {mode}")
+    if mode == ASSISTED and run.record.get("assist") == "none":
+        how = "With none of our helps (assisted)"
     meet = "meets" if len(names) == 1 or agree in (0, 1) else "meet"
+    if len(names) == 1 and not agree:
+        return f"{how}, the one engine does not meet {what} of the {TRUTH}{_worst(run, mode)}."
     return f"{how}, {count_of(agree, len(names))} {meet} {what} of the {TRUTH}{_worst(run, mode)}."
 
 

@@ -84,6 +84,7 @@ def run(
     chosen = engines.select(engine)
     modes, fit = _modes(contact)
     helps = chosen_helps(assist, engine)
+    _check_used(modes, helps, judge)
     judged = _judged(judge, fit)
     file = catalogue.load(scenario)
     table = _table(file, against)
@@ -248,6 +249,8 @@ def _modes(contact: str | Sequence[str]) -> tuple[list[str], FitFile | None]:
     for mode in (OLD_LEVELS.get(level, level) for level in asked):
         path = None if mode in CONTACT_LEVELS else fit_file.find(mode)
         if path is not None:
+            if fit is not None:
+                raise InputError("--contact", [f"{mode} is a second fit; a run takes one"])
             fit = fit_file.read(path)
             modes.append(fit_file.FITTED)
         elif mode in CONTACT_LEVELS:
@@ -276,6 +279,21 @@ def chosen_helps(assist: str | Sequence[str], engine: str) -> frozenset[str] | N
     if faults:
         raise InputError("--assist", faults)
     return helps
+
+
+def _check_used(
+    levels: Sequence[str], helps: frozenset[str] | None, judge: str | Sequence[str]
+) -> None:
+    """Refuses options that would do nothing.
+
+    Raises:
+        InputError: helps without a level that takes them, or a level to judge that is not run.
+    """
+    if helps is not None and ASSISTED not in levels:
+        raise InputError("--assist", [f"is for the level {ASSISTED}; name it in --contact"])
+    asked = [part.strip() for part in judge.split(",")] if isinstance(judge, str) else list(judge)
+    if TUNED in asked and not {TUNED, "fitted"} & {*levels}:
+        raise InputError("--judge", [f"{TUNED} is not among the levels that run; see --contact"])
 
 
 def _judged(judge: str | Sequence[str], fit: FitFile | None) -> list[str]:

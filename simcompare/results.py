@@ -50,13 +50,13 @@ class Run:
         """0 fine, 1 a tolerance failed, 3 an engine is broken or none of those asked for ran.
 
         With ``all``, an engine that is not installed is a row with its reason and no failure. What
-        an engine does by itself is no failure either, unless that level was to be judged. A step at
-        which none of those asked for can do what is asked is the user's to change: 2.
+        an engine does by itself is no failure either, unless that level was to be judged. A step
+        or value at which none of those asked for can do what is asked is the user's to change: 2.
         """
         statuses = {source["status"] for source in self.record["sources"]}
         named = self.record["engines_asked"] != "all"
         if statuses == {UNSUPPORTED} and any(
-            source.get("longest_step_s") for source in self.record["sources"]
+            source.get("out_of_reach") for source in self.record["sources"]
         ):
             return 2
         if FAILED in statuses or OK not in statuses or (named and MISSING in statuses):

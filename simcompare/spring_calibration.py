@@ -180,7 +180,7 @@ def calibrate_spring(
     possible = (
         "none was found at shorter steps either"
         if math.isnan(longest_s)
-        else f"the longest step that has one is {longest_s * 1e3:.3g} ms"
+        else f"the longest step below it that has one is {longest_s * 1e3:.3g} ms"
     )
     raise CannotCalibrate(
         f"no spring and damper gives a restitution of {e:g} at {speeds_m_s[0]:.3g} m/s with a step"
@@ -216,23 +216,19 @@ def _longest_step(
         model = search.on(SteppedDashpot(step_s, gravity_m_s2), step_s)
         return model.is_steady(model.softest())
 
-    high, low = search.step_s, search.step_s / 2
-    while not is_possible(low):
-        high, low = low, low / 2
-        if low < search.step_s / _SHORTEST:
-            return math.nan
-    for _ in range(5):
-        middle = math.sqrt(low * high)
-        low, high = (middle, high) if is_possible(middle) else (low, middle)
-    for attempt in range(20):
-        step_s = _two_digits_down(low * 0.95**attempt)
-        if drops_at is None:
+    # from the step that was asked for downwards, by two digits at a time: between two steps that
+    # have a spring there may be one that has none
+    step_s = _two_digits_down(search.step_s * (1 - 1e-9))
+    while step_s > search.step_s / 1000:
+        if is_possible(step_s) and (
+            drops_at is None
+            or _in_engine(search.on(drops_at(step_s), step_s), gravity_m_s2) is not None
+        ):
             return step_s
-        if _in_engine(search.on(drops_at(step_s), step_s), gravity_m_s2) is not None:
-            return step_s
+        step_s = _two_digits_down(step_s * (1 - 1e-9))
     return math.nan
 
 
 def _two_digits_down(value: float) -> float:
     unit = 10.0 ** (math.floor(math.log10(value)) - 1)
-    return math.floor(value / unit * (1 + 1e-12)) * unit
+    return round(math.floor(value / unit * (1 + 1e-12)) * unit, 12)

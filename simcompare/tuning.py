@@ -131,11 +131,12 @@ def calibrate(backend: Tunable, engine: ModuleType, plan: DropPlan) -> Calibrati
     )
     depth_m = found.at[0].penetration_m if found.at else 0.0
     if depth_m > DEPTH * plan.size_m:
-        longest_ms = 0.98e3 * plan.step_s * DEPTH * plan.size_m / depth_m
+        # in a step it goes no further than this
+        longest_ms = math.floor(1e5 * DEPTH * plan.size_m / plan.speed_m_s) / 100
         raise CannotCalibrate(
             f"in a step of {1e3 * plan.step_s:.3g} ms a body at {plan.speed_m_s:.3g} m/s goes"
             f" {1e3 * depth_m:.3g} mm deep, more than half its size of {1e3 * plan.size_m:.3g} mm;"
-            f" the longest step is {math.floor(100 * longest_ms) / 100:g} ms",
+            f" with a step of {longest_ms:g} ms it does not",
             longest_ms / 1e3,
         )
     return found
@@ -236,13 +237,20 @@ def _cached(backend: Tunable, engine: ModuleType, plan: DropPlan) -> Calibration
     with contextlib.suppress(OSError):  # where nothing can be kept, it is found again
         path.parent.mkdir(parents=True, exist_ok=True)
         part = path.with_suffix(f".{os.getpid()}")
-        part.write_text(json.dumps(asdict(found)), encoding="utf-8")
-        part.replace(path)
+        text = json.dumps(asdict(found))
+        part.write_text(f"{_digest(text)}\n{text}", encoding="utf-8")
+        try:
+            part.replace(path)
+        except OSError:
+            part.unlink()
     return found
 
 
 def _read(path: Path) -> Calibration:
-    plain = json.loads(path.read_text(encoding="utf-8"))
+    digest, _, text = path.read_text(encoding="utf-8").partition("\n")
+    if digest != _digest(text):  # changed, or cut off
+        raise ValueError(path)
+    plain = json.loads(text)
     for name in ("at", "checks"):
         plain[name] = tuple(
             calibration.AtSpeed(**{part: float(value) for part, value in one.items()})
@@ -250,6 +258,10 @@ def _read(path: Path) -> Calibration:
         )
     numbers = tuple(float(value) for value in plain.pop("numbers"))
     return Calibration(numbers=numbers, **plain)
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _key(backend: Tunable, plan: DropPlan) -> str | None:

@@ -149,7 +149,7 @@ def test_a_step_at_which_an_engine_cannot_is_a_row_with_what_is_possible():
     run = simcompare.run("ball", engine="mujoco", contact="tuned", step="4ms", seeds=1)
     (source,) = run.record["sources"]
     assert source["status"] == "unsupported"
-    assert "longest step that has one is" in source["reason"]
+    assert "longest step below it that has one is" in source["reason"]
     assert source["reason"].startswith("mujoco")
     assert 0.001 < source["longest_step_s"] < 0.004
     assert run.exit_code == 2

@@ -191,14 +191,14 @@ def test_an_engine_that_cannot_is_a_row_with_its_longest_step(tmp_path, call):
     assert code == 0, err
     rows = {source["name"]: source for source in json.loads(out)["sources"]}
     assert rows["mujoco"]["status"] == "unsupported"
-    assert "the longest step that has one is" in rows["mujoco"]["reason"]
+    assert "the longest step below it that has one is" in rows["mujoco"]["reason"]
     assert rows["pymunk"]["status"] == "ok"
     code, out, err = call(
         "fit", "ball", "-r", drop, "--engine", "mujoco", "--step", "4ms", "--no-report",
         "-o", tmp_path / "runs",
     )  # fmt: skip
     assert code == 2
-    assert "the longest step that has one is" in out
+    assert "the longest step below it that has one is" in out
     assert "Traceback" not in err
 
 

@@ -43,7 +43,7 @@ class Tuning(Section):
         ]
         note = (
             "Each row is the mean over 25 drops that fall at even phases of the step, and after ±"
-            " their standard deviation: how far one drop may be off. The numbers were solved for"
+            " their standard deviation, by which single drops differ. The numbers were solved for"
             f" the first speed alone, so that row reads “{CALIBRATED}”; all others are what the"
             " engine then does, also from half and from double the height. Restitution is speed"
             " after over speed before, both at the floor; how long a contact lasts stands beside."

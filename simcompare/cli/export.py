@@ -54,10 +54,11 @@ def export(
     from simcompare import exporters
     from simcompare.cli import console
 
-    if contact_values:
-        typer.echo(_contact_values(fit), nl=False)
-        return
     options = {"--engine": engine, "--step": step, "--contact": contact}
+    if contact_values:
+        given = {**options, "--set": settings or None, "--preset": preset}
+        _print_contact_values(scenario, fit, given, out)
+        return
     if format == SCRIPT:
         _script(
             {"scenario": scenario, "engine": engine, "step": step, "contact": contact,
@@ -149,13 +150,27 @@ def _write_inputs(path: Path, inputs: Mapping[str, Any]) -> Path:
     return path
 
 
-def _contact_values(fit: str | None) -> str:
+def _print_contact_values(
+    scenario: str, fit: str | None, options: Mapping[str, object], out: Path | None
+) -> None:
+    """Prints, or writes, the contact values of a fit, which has all else in it."""
+    from simcompare import catalogue
     from simcompare.errors import InputError
     from simcompare.fitting import fit_file
 
     if fit is None:
         raise InputError("--contact-values", ["needs a fit; give --fit fit.json"])
-    return fit_file.contact_values(fit_file.find(fit) or Path(fit))
+    given = [name for name, value in options.items() if value is not None]
+    if given:
+        cure = "the values are those of the fit; fit with another --step for another step"
+        raise InputError("--contact-values", [f"takes no {name}: {cure}" for name in given])
+    path = fit_file.find(fit) or Path(fit)
+    fit_file.read(path).base(catalogue.load(scenario))  # is it of this scenario?
+    text = fit_file.contact_values(path)
+    if out is None:
+        typer.echo(text, nl=False)
+    else:
+        typer.echo(str(_write(out, f"{scenario}_contact_values.txt", text)))
 
 
 def _write(out: Path, name: str, text: str) -> Path:

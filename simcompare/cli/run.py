@@ -121,7 +121,10 @@ def _print(result: Run, written: Path | None) -> None:
 def _levels(record: Mapping[str, Any]) -> str:
     """What the levels of the table are, in a sentence each."""
     asked = dict.fromkeys(source["contact"] for source in record["sources"])
-    return "\n".join(f"{level}: {_LEVELS[level]}" for level in asked if level in _LEVELS)
+    said = dict(_LEVELS)
+    if record.get("assist") == "none":
+        said["assisted"] = "here with none of our helps, so the same as tuned."
+    return "\n".join(f"{level}: {said[level]}" for level in asked if level in said)
 
 
 #: level -> what stands in its rows
@@ -130,6 +133,7 @@ _LEVELS = {
     "coefficients": "as it comes, with the scenario's restitution and friction; not judged.",
     "tuned": "the engine in a plain loop, everything typed in; what it misses is its own.",
     "assisted": "the same with our helps (the report names them, and what each changes).",
+    "fitted": "with the parameters and numbers of the fit, at the level that it was made for.",
 }
 
 

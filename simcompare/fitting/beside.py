@@ -20,7 +20,7 @@ from simcompare.trajectory import Array, Trajectory
 #: impacts after the measured ones that the closed form goes on for
 _MORE = 3
 #: what a camera and a clock add to the closed form; a simulation has none of it
-_NO_CLOCK = {"release_time_s": 0.0, "clock_skew": 0.0, "floor_m": 0.0, "scale": 1.0}
+NO_CLOCK = {"release_time_s": 0.0, "clock_skew": 0.0, "floor_m": 0.0, "scale": 1.0}
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def scenes(
 
 def ends_s(closed: Mapping[str, Array | float], count: int) -> float:
     """Time from release to the apex after so many impacts [s]."""
-    found = bounce_models.bounces(MODELS["constant"], {**closed, **_NO_CLOCK}, count)
+    found = bounce_models.bounces(MODELS["constant"], {**closed, **NO_CLOCK}, count)
     return float(np.ravel(found.apex_s)[-1])
 
 
@@ -116,7 +116,7 @@ def beside(
         run: what the engine did.
         count: impacts that were measured.
     """
-    own = {**closed, **_NO_CLOCK, "drop_height_m": scene.parameters[roles.height],
+    own = {**closed, **NO_CLOCK, "drop_height_m": scene.parameters[roles.height],
            "restitution": scene.parameters[roles.restitution]}  # fmt: skip
     measure = measure_of(scene)
     seen = measures.take(measure, scene, run)

@@ -210,7 +210,6 @@ def contact_values(path: Path) -> str:
         InputError: the file is no fit.
     """
     fit = read(path)
-    tree = json.loads(path.read_text(encoding="utf-8"))
     how = (
         f"for a plain loop of one fixed step of {1e3 * fit.engine_step_s:.6g} ms"
         if fit.contact == TUNED
@@ -220,12 +219,34 @@ def contact_values(path: Path) -> str:
     lines = [
         f"# {fit.scenario}, fitted at {fit.speed_m_s[0]:.2f} to {fit.speed_m_s[1]:.2f} m/s, {how}"
     ]
-    for source in tree["sources"]:
-        if source.get("status") != "ok":
-            name, why = source["name"], source.get("reason") or source.get("status") or "failed"
-            lines.append(f"# {name}: {str(why).removeprefix(f'{name}: ')}")
-        lines += [_line(source, row) for row in source.get("native", ()) if _held(row) is not None]
+    drag = {name: value for name, value in fit.closed.items() if "drag" in name and value}
+    lines += [
+        f"# fitted with air drag, {name} = {value:.6g}: a force -c·|v|·v of your own in each step"
+        for name, value in drag.items()
+    ]
+    try:
+        for source in json.loads(path.read_text(encoding="utf-8"))["sources"]:
+            if source.get("status") != "ok":
+                name, why = source["name"], source.get("reason") or source.get("status") or "failed"
+                lines.append(f"# {name}: {str(why).removeprefix(f'{name}: ')}")
+            rows = [row for row in source.get("native", ()) if _held(row) is not None]
+            lines += [_line(source, row) for row in rows]
+    except (KeyError, TypeError, AttributeError) as error:
+        raise _damaged(path, error) from None
     return "\n".join(lines) + "\n"
+
+
+def _damaged(path: Path, error: Exception) -> InputError:
+    """What is said of a file that is no fit, or was changed by hand."""
+    if isinstance(error, FileNotFoundError | IsADirectoryError):
+        return InputError(
+            str(path), ["there is no such file; expected a fit.json of simcompare fit"]
+        )
+    said = f"a key is missing: {error}" if isinstance(error, KeyError) else str(error)
+    return InputError(
+        str(path),
+        [f"is no fit of simcompare fit, or is damaged ({said}); fit again and take its fit.json"],
+    )
 
 
 def _held(row: Mapping[str, Any]) -> float | None:
@@ -281,11 +302,23 @@ def read(path: Path) -> FitFile:
             (float(low), float(high)), step_s, float(tree["valid"].get("engine_step_s", step_s)),
             _first_height(tree),
         )  # fmt: skip
+    except InputError:
+        raise
     except (OSError, ValueError, KeyError, TypeError, AttributeError, UnknownName) as error:
-        raise InputError(
-            str(path),
-            [f"is no fit ({type(error).__name__}: {error}); expected a fit.json of simcompare fit"],
-        ) from None
+        raise _damaged(path, error) from None
+
+
+def _plausible(engine: str, values: Sequence[Any]) -> tuple[float, ...]:
+    """An engine's numbers: one coefficient, or the two of a spring and damper as typed in."""
+    found = tuple(float(value) for value in values)
+    one = len(found) == 1 and 0 < found[0] <= 1
+    two = len(found) == 2 and all(math.isfinite(value) and value < 0 for value in found)
+    if not (one or two):
+        raise ValueError(
+            f"run_with.numbers.{engine}: {list(values)}; expected one number in 0 … 1, or two"
+            " below 0"
+        )
+    return found
 
 
 def _first_height(tree: Mapping[str, Any]) -> float | None:
@@ -302,7 +335,7 @@ def _numbers(tree: Mapping[str, Any]) -> dict[str, tuple[Tuned, ...]]:
             Tuned(
                 tuple((str(first), str(second)) for first, second in record["pairs"]),
                 float(record["restitution"]),
-                tuple(float(value) for value in record["values"]),
+                _plausible(name, record["values"]),
                 float(record["size_m"]),
                 float(record["gravity_m_s2"]),
             )

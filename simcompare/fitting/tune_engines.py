@@ -18,7 +18,7 @@ from simcompare.calibration import PHASES as CALIBRATED
 from simcompare.drop_plan import drop_plans
 from simcompare.errors import SimcompareError
 from simcompare.fitting import bounce_models
-from simcompare.fitting.beside import Bouncing, Part, beside, ends_s, scenes, together
+from simcompare.fitting.beside import NO_CLOCK, Bouncing, Part, beside, ends_s, scenes, together
 from simcompare.fitting.engine_fit import contact_rows
 from simcompare.fitting.likelihood import Fit
 from simcompare.fitting.roles import Roles
@@ -239,6 +239,13 @@ def _impacts(best: Fit, wanted: Wanted, shown: Sequence[Bouncing]) -> list[dict[
     for drop, seen in enumerate(shown):
         values, count = best.problem.values(best.x, drop), len(seen.restitution)
         closed = bounce_models.bounces(best.problem.model, values, count)
+        # what the engines are run with has one restitution; the measured ball may have another law
+        plain = {**values, **NO_CLOCK}
+        law_s = np.ravel(bounce_models.bounces(best.problem.model, plain, count).impact_s)
+        run_with = {**wanted.drops[drop], **NO_CLOCK}
+        run_s = np.ravel(
+            bounce_models.bounces(bounce_models.MODELS["constant"], run_with, count).impact_s
+        )
         for k in range(count):
             law, value = float(np.ravel(closed.restitution)[k]), float(seen.restitution[k])
             scatter = float(seen.u_restitution[k])
@@ -247,6 +254,7 @@ def _impacts(best: Fit, wanted: Wanted, shown: Sequence[Bouncing]) -> list[dict[
                 "speed_m_s": float(np.ravel(closed.speed_m_s)[k]), "closed_form": law,
                 "restitution": value, "u_phase": scatter / math.sqrt(wanted.phases),
                 "scatter": scatter, "deviation": value / law - 1,
-                "late_s": float(seen.late_s[k]), "scatter_s": float(seen.scatter_s[k]),
+                "late_s": float(seen.late_s[k] + run_s[k] - law_s[k]),
+                "scatter_s": float(seen.scatter_s[k]),
             })  # fmt: skip
     return found
