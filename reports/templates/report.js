@@ -2,10 +2,30 @@
 // every figure is drawn from the JSON beside it; one in a closed <details> when that is opened
 (() => {
   const options = { responsive: true, displaylogo: false, displayModeBar: "hover", modeBarButtonsToRemove: ["select2d", "lasso2d"] };
+  // on a telephone panels stand one below the other instead of side by side
+  const stack = (layout) => {
+    const axes = Object.keys(layout).filter((key) => /^xaxis\d*$/.test(key));
+    if (axes.length < 2) return;
+    const part = 1 / axes.length;
+    axes.forEach((key, i) => {
+      const y = layout[`yaxis${key.slice(5)}`], top = 1 - i * part;
+      layout[key].domain = [0, 1];
+      y.domain = [top - 0.68 * part, top];
+      y.showticklabels = true;
+      const head = layout.annotations[i];
+      Object.assign(head, { x: 0, y: top, xanchor: "left", yanchor: "bottom" });
+    });
+    layout.margin = { ...layout.margin, t: 190, r: 12 };
+    layout.height = 260 * axes.length + 200;
+    layout.legend.y = 1 + 34 / (260 * axes.length);
+    return `${layout.height}px`;
+  };
   const draw = (box) => {
     if (box.dataset.drawn) return;
     box.dataset.drawn = "yes";
     const figure = JSON.parse(box.querySelector("script").textContent);
+    const height = box.clientWidth < 640 && stack(figure.layout);
+    if (height) box.style.height = height;
     Plotly.newPlot(box, figure.data, figure.layout, options);
   };
   const hidden = (box) => box.closest("details:not([open])");
