@@ -121,7 +121,9 @@ def test_a_ball_that_dives_through_the_floor_is_no_calibration():
     assert dive.mean == pytest.approx(e, abs=0.02)
     assert dive.scatter < 0.005
     assert dive.penetration_m.max() > 0.3
-    with pytest.raises(CannotCalibrate, match=r"longest step below it that has one is 2 ms") as caught:
+    with pytest.raises(
+        CannotCalibrate, match=r"longest step below it that has one is 2 ms"
+    ) as caught:
         calibrate_spring(MujocoDrops(step_s), e, (first,), step_s, 0.04, G, MujocoDrops)
     longest_s = caught.value.longest_step_s
     found = calibrate_spring(MujocoDrops(longest_s), e, (first,), longest_s, 0.04, G)

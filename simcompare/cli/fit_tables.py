@@ -54,13 +54,18 @@ def _print_tables(found: dict[str, Any]) -> list[str]:
 
 def _print_places(result: Run, folder: Path) -> None:
     """Where the fit is stored, and how it is used."""
-    found, place = result.record["fit"], folder / "fit.json"
-    reuse = f"; reuse it with --contact {place}" if "choice" in found else ""
+    found, place = result.record["fit"], shlex.quote(str(folder / "fit.json"))
+    able = [str(source["name"]) for source in found["sources"] if source["status"] == "ok"]
+    reuse = f"; reuse it with --contact {place}" if "choice" in found and able else ""
     typer.echo(f"Stored in {folder}{reuse}")
-    if found["contact"] == TUNED:
-        asked = shlex.quote(str(result.record["scenario_asked"]))
-        values = f"simcompare export {asked} --fit {place} --contact-values"
-        typer.echo(f"All settings to type in: {values}")
+    if found["contact"] == TUNED and able:
+        name = str(result.record["scenario"])
+        export = (
+            f"simcompare export {shlex.quote(str(result.record['scenario_asked']))} --fit {place}"
+        )
+        typer.echo(f"All settings to type in: {export} --contact-values")
+        script = f"--format script --engine {able[0]} -o {name}_{able[0]}.py"
+        typer.echo(f"As a script that needs no simcompare: {export} {script}")
 
 
 def _print_waves(found: dict[str, Any]) -> None:
