@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from simcompare import ablation, catalogue, engines, measures, run_record, units
+from simcompare import ablation, catalogue, engines, levels, measures, run_record, units
 from simcompare.against import Match, matches
 from simcompare.compare import Repeat, Score, scores_of
 from simcompare.drives import input_values
 from simcompare.drop_plan import drop_plans
-from simcompare.errors import InputError, OutputError, SimcompareError, UnknownName
-from simcompare.helps import ALL, HELPS, NONE, chosen, known
+from simcompare.errors import InputError, OutputError, SimcompareError
+from simcompare.helps import ALL, NONE, known
 from simcompare.jobs import FAILED, OK, Job, Outcome
 from simcompare.results import TRUTH, Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Interrupted, Progress, run_jobs
@@ -23,7 +23,6 @@ from simcompare.settings import (
     ASSISTED,
     CONTACT_LEVELS,
     DEFAULT,
-    OLD_LEVELS,
     TUNED,
     DropPlan,
     Settings,
@@ -82,10 +81,10 @@ def run(
         SimcompareError: faults of the arguments or of a file, or nowhere to store the run.
     """
     chosen = engines.select(engine)
-    modes, fit = _modes(contact)
-    helps = chosen_helps(assist, engine)
-    _check_used(modes, helps, judge)
-    judged = _judged(judge, fit)
+    modes, fit = levels.chosen_levels(contact)
+    helps = levels.chosen_helps(assist, engine)
+    levels.check_used(modes, helps, judge)
+    judged = levels.judged_levels(judge, fit)
     file = catalogue.load(scenario)
     table = _table(file, against)
     values = {**({} if fit is None else fit.base(file)), **file.read_settings(set or {})}
@@ -238,72 +237,6 @@ def _check_step(scenario: Scenario, step_s: float) -> None:
                 f" use {shortest / parts:.2g} s to {longest / parts:.2g} s"
             ],
         )
-
-
-def _modes(contact: str | Sequence[str]) -> tuple[list[str], FitFile | None]:
-    """Contact levels, and the fit where one of them is a file."""
-    from simcompare.fitting import fit_file
-
-    asked = [part.strip() for part in contact.split(",")] if isinstance(contact, str) else contact
-    modes, fit = [], None
-    for mode in (OLD_LEVELS.get(level, level) for level in asked):
-        path = None if mode in CONTACT_LEVELS else fit_file.find(mode)
-        if path is not None:
-            if fit is not None:
-                raise InputError("--contact", [f"{mode} is a second fit; a run takes one"])
-            fit = fit_file.read(path)
-            modes.append(fit_file.FITTED)
-        elif mode in CONTACT_LEVELS:
-            modes.append(mode)
-        else:
-            raise UnknownName("contact level or fit", mode, CONTACT_LEVELS)
-    return list(dict.fromkeys(modes)), fit
-
-
-def chosen_helps(assist: str | Sequence[str], engine: str) -> frozenset[str] | None:
-    """The helps that were asked for; ``None``: all that an engine takes.
-
-    Raises:
-        InputError: an engine that was named takes one of them not; says which it takes.
-    """
-    helps = chosen(assist)
-    if helps == frozenset(HELPS):
-        return None
-    faults = []
-    for name in [] if engine == "all" else engines.select(engine):
-        takes: frozenset[str] = getattr(engines.get(name), "helps", frozenset())
-        if helps - takes:
-            faults.append(
-                f"{name} takes no {known(helps - takes)}; it takes {known(takes) or 'none'}"
-            )
-    if faults:
-        raise InputError("--assist", faults)
-    return helps
-
-
-def _check_used(
-    levels: Sequence[str], helps: frozenset[str] | None, judge: str | Sequence[str]
-) -> None:
-    """Refuses options that would do nothing.
-
-    Raises:
-        InputError: helps without a level that takes them, or a level to judge that is not run.
-    """
-    if helps is not None and ASSISTED not in levels:
-        raise InputError("--assist", [f"is for the level {ASSISTED}; name it in --contact"])
-    asked = [part.strip() for part in judge.split(",")] if isinstance(judge, str) else list(judge)
-    if TUNED in asked and not {TUNED, "fitted"} & {*levels}:
-        raise InputError("--judge", [f"{TUNED} is not among the levels that run; see --contact"])
-
-
-def _judged(judge: str | Sequence[str], fit: FitFile | None) -> list[str]:
-    """Levels whose failures count; those of a fit for a plain loop where "tuned" does."""
-    asked = [part.strip() for part in judge.split(",")] if isinstance(judge, str) else list(judge)
-    for level in asked:
-        if level not in (TUNED, ASSISTED):
-            raise UnknownName("level that is judged", level, (TUNED, ASSISTED))
-    plain = fit is not None and fit.contact == TUNED and TUNED not in asked
-    return sorted({*asked, ASSISTED, *(() if plain else ("fitted",))})
 
 
 def _jobs(

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from simcompare import catalogue, engines, experiment, run_record
+from simcompare import catalogue, engines, experiment, levels, run_record
 from simcompare.compare import INFO, Score
 from simcompare.errors import InputError
 from simcompare.fittable import WAVEFORM
@@ -108,7 +108,7 @@ def fit(
             mapping=mapping, step=step, time_limit_s=time_limit_s, progress=progress,
         )  # fmt: skip
         return _saved(done, out)
-    helps = experiment.chosen_helps(NONE if assist is None else assist, engine)
+    helps = levels.chosen_helps(NONE if assist is None else assist, engine)
     given = given_of(file, set, preset)
     step_s = None if step is None else experiment.sample_step_s(file, given, None, step)
     roles = roles_of(file, given)
