@@ -24,6 +24,7 @@ from simcompare.settings import Settings
 
 
 def audit_of(engine: ModuleType, model: Any, scenario: Scenario, settings: Settings) -> Audit:
+    """Everything that was set, and what the model holds."""
     audit = Audit("mujoco")
     world = scenario.world
     step_s = world.engine_step_s

@@ -132,15 +132,18 @@ def _round(radius_m: float, length_m: float) -> dict[str, object]:
 
 
 def xyzw(orientation_wxyz: Quaternion) -> Quaternion:
+    """A quaternion in PyBullet's order."""
     w, x, y, z = orientation_wxyz
     return x, y, z, w
 
 
 def plus(one: Vector, other: Vector) -> Vector:
+    """Sum of two vectors."""
     x, y, z = (a + b for a, b in zip(one, other, strict=True))
     return x, y, z
 
 
 def minus(one: Vector, other: Vector) -> Vector:
+    """Difference of two vectors."""
     x, y, z = (a - b for a, b in zip(one, other, strict=True))
     return x, y, z

@@ -252,3 +252,43 @@ def test_velocities_are_labelled_where_they_are_not_the_samples_own(engine):
         fall.signals["ball.velocity_m_s"][early, 2][1:],
         -9.80665 * (fall.time_s[early][1:] + offset_s), atol=1e-9,
     )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--judge", "tuned", "--contact", "default"], "tuned is not among the levels that run"),
+        (["--assist", "landing", "--contact", "tuned"], "is for the level assisted"),
+        (["--contact", "a.json,b.json"], "a.json: there is no such file; expected a fit.json"),
+    ],
+)
+def test_options_that_would_do_nothing_are_refused(call, words, told):
+    code, _, err = call("run", "ball", "--engine", "pymunk", "--no-report", *words)
+    assert code == 2
+    assert told in err
+
+
+def test_a_value_out_of_reach_is_the_users_to_change(call):
+    code, out, _ = call(
+        "run", "ball", "--engine", "mujoco", "--contact", "tuned", "--set", "restitution=0.01",
+        "--seeds", "1", "--no-report",
+    )  # fmt: skip
+    assert code == 2
+    assert "no spring and damper is calibrated for a restitution of 0.01" in " ".join(out.split())
+
+
+def test_a_damaged_cache_is_found_again(monkeypatch, tmp_path):
+    monkeypatch.setenv("SIMCOMPARE_CACHE", str(tmp_path))
+
+    def number():
+        found = simulate("pymunk", scene("ball"), Settings(TUNED))
+        return found.tuning[0]["numbers"]
+
+    sought = number()
+    (path,) = (tmp_path / "calibrations").glob("*.json")
+    whole = path.read_text()
+    path.write_text(whole.replace("0.8", "0.5"))
+    assert number() == sought
+    assert path.read_text() == whole
+    path.write_text("")
+    assert number() == sought

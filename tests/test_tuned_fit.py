@@ -281,3 +281,27 @@ def test_some_helps_are_taken_and_written_down(tmp_path):
     fit = fit_file.read(run.folder / "fit.json")
     assert fit.contact == "assisted"
     assert "--assist" in run.record["command"]
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "told"),
+    [
+        (("run_with", "numbers", "pymunk", 0, "values"), [-1], "expected one number in 0 … 1"),
+        (("run_with", "numbers", "pymunk", 0, "values"), [], "expected one number in 0 … 1"),
+        (("run_with", "numbers"), None, "is damaged"),
+        (("valid",), None, "is damaged"),
+        (("sources",), None, "is damaged"),
+    ],
+)
+def test_a_fit_changed_by_hand_is_one_sentence(call, found, tmp_path, place, value, told):
+    tree = json.loads((found.folder / "fit.json").read_text(encoding="utf-8"))
+    part = tree
+    for key in place[:-1]:
+        part = part[key]
+    part[place[-1]] = value
+    path = tmp_path / "fit.json"
+    path.write_text(json.dumps(tree), encoding="utf-8")
+    code, _, err = call("export", "ball", "--contact-values", "--fit", path)
+    assert code == 2
+    assert "fit.json" in err
+    assert told in err
