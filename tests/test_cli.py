@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 import simcompare
-from simcompare.cli import complete, console
+from simcompare import notation
+from simcompare.cli import complete
 from simcompare.cli.console import pairs
 from simcompare.errors import InputError
 
@@ -299,13 +300,13 @@ def test_doctor_examines_every_engine(call, add_engine, monkeypatch):
     ],
 )
 def test_a_number_is_shown_to_the_digit_that_its_uncertainty_leaves(value, u, shown):
-    assert console.number(value, u) == shown
+    assert notation.number(value, u) == shown
 
 
 @pytest.mark.parametrize("value", [123.456, 0.000500277, -3.25, 8e5])
 @pytest.mark.parametrize("u", [1e-3, 1e-6, 1e-9, 1e-10, 1e-12, 1e-15])
 def test_a_small_uncertainty_never_rounds_the_value_away(value, u):
-    shown = float(console.number(value, u).split("(")[0])
+    shown = float(notation.number(value, u).split("(")[0])
     assert shown == pytest.approx(value, rel=1e-5, abs=u)
 
 

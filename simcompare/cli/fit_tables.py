@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from simcompare import notation
 from simcompare.cli import console
 from simcompare.settings import TUNED
 
@@ -96,7 +97,7 @@ def _print_waves(found: dict[str, Any]) -> None:
 
 
 def _cells(parameters: dict[str, Any], names: list[str]) -> list[str]:
-    return [console.number(parameters[name]["value"], parameters[name]["u"]) for name in names]
+    return [notation.number(parameters[name]["value"], parameters[name]["u"]) for name in names]
 
 
 def _print_holdout(held: list[dict[str, Any]]) -> None:
@@ -110,7 +111,8 @@ def _print_holdout(held: list[dict[str, Any]]) -> None:
             found = [row["engines"][n]["values"][i:] for n in engines if n in row["engines"]]
             scores = [own[0]["e_n"] if own else None for own in found]
             made.add_row(
-                row["stream"], value["measure"], console.number(value["measured"], value["u_data"]),
+                row["stream"], value["measure"],
+                notation.number(value["measured"], value["u_data"]),
                 *("–" if score is None else f"{score:+.2f}" for score in scores),
             )  # fmt: skip
     console.show_table(made)
@@ -125,7 +127,7 @@ def _print_choice(found: dict[str, Any]) -> None:
         told = "–" if value is None else f"{value:.1f}"
         made.add_row(
             row["text"], f"{row['unknowns']:.1f}", f"{row['chi2']:.1f}", told, f"{row['bic']:.1f}",
-            f"{row['weight']:.2f}", console.number(e["value"], e["u"]),
+            f"{row['weight']:.2f}", notation.number(e["value"], e["u"]),
         )  # fmt: skip
     console.show_table(made)
 
@@ -147,18 +149,18 @@ def _print_tuned(found: dict[str, Any]) -> None:
         made.add_row(
             name,
             "\n".join(
-                f"{row['name']} = {console.number(row['value'], row['u'] or None)} {row['unit']}"
+                f"{row['name']} = {notation.number(row['value'], row['u'] or None)} {row['unit']}"
                 .removesuffix(" 1") for row in source["numbers"]
             ),
-            console.number(first["restitution"], first["u_phase"]), f"{first['scatter']:.2g}",
-            console.number(mean["value"], mean["u"]),
+            notation.number(first["restitution"], first["u_phase"]), f"{first['scatter']:.2g}",
+            notation.number(mean["value"], mean["u"]),
             f"{1e3 * contact['penetration_m']:.3g}",
             "–" if contact["contact_s"] is None else f"{1e3 * contact['contact_s']:.3g}",
             f"{1e3 * last['late_s']:.3g} ({last['number']})", f"{source['wall_s']:.2f}",
         )  # fmt: skip
     goal, mean = found["tuned_to"], found["tuned_mean"]
     made.add_row(
-        "closed form", "", console.number(goal["restitution"], goal["u"]), "",
+        "closed form", "", notation.number(goal["restitution"], goal["u"]), "",
         "" if mean is None else f"{mean:.6g}", "", "", "", "",
     )  # fmt: skip
     console.show_table(made)
@@ -184,11 +186,11 @@ def _print_engines(found: dict[str, Any]) -> None:
         effective = source["effective"]["restitution"]
         made.add_row(
             f"{source['name']} {source['version'] or ''}", source["contact"],
-            *(console.number(row["value"], row["u"]) for row in rows),
-            console.number(effective["value"], effective["u"]),
+            *(notation.number(row["value"], row["u"]) for row in rows),
+            notation.number(effective["value"], effective["u"]),
             str(source["simulations"]), f"{source['wall_s']:.2f}",
         )  # fmt: skip
     none = {"value": None, "u": None}
-    cells = [console.number(*(closed.get(n, none)[key] for key in ("value", "u"))) for n in names]
+    cells = [notation.number(*(closed.get(n, none)[key] for key in ("value", "u"))) for n in names]
     made.add_row("closed form", "", *cells, "", "", "")
     console.show_table(made)

@@ -88,6 +88,7 @@ def _write_report(result: Run) -> Path | None:
 
 
 def _print(result: Run, written: Path | None) -> None:
+    from simcompare import notation
     from simcompare.cli import console
 
     record = result.record
@@ -100,7 +101,7 @@ def _print(result: Run, written: Path | None) -> None:
         made.add_row(*_row(result, source, judged))
     truths = {s.measure: s.truth for s in result.scores if s.index is None and s.truth is not None}
     if record["truth"] is not None and truths:
-        cells = [console.number(truths.get(name)) for name in judged]
+        cells = [notation.number(truths.get(name)) for name in judged]
         made.add_row(record["truth"], "", *cells, "")
     console.show_table(made)
     if record["repeats"] > 1:
@@ -149,7 +150,7 @@ def _print_remarks(record: Mapping[str, Any]) -> None:
 
 
 def _row(result: Run, source: dict[str, Any], judged: list[str]) -> list[str]:
-    from simcompare.cli import console
+    from simcompare import notation
     from simcompare.compare import FAIL, PASS
 
     start = [f"{source['name']} {source['version'] or ''}", source["contact"]]
@@ -161,7 +162,7 @@ def _row(result: Run, source: dict[str, Any], judged: list[str]) -> list[str]:
         if score.index is None
         and (score.source, score.contact) == (source["name"], source["contact"])
     }
-    cells = [console.number(own[n].value, own[n].u) if n in own else "–" for n in judged]
+    cells = [notation.number(own[n].value, own[n].u) if n in own else "–" for n in judged]
     verdicts = [score.verdict for score in own.values()]
     failed = [score.measure for score in own.values() if score.verdict == FAIL]
     verdict = f"fail: {', '.join(failed)}" if failed else "pass" if PASS in verdicts else "info"
@@ -169,14 +170,15 @@ def _row(result: Run, source: dict[str, Any], judged: list[str]) -> list[str]:
 
 
 def _measured(match: dict[str, Any]) -> str:
-    from simcompare.cli import console
+    from simcompare import notation
 
     if match["low"] is not None:
         return f"{match['low']:.5g} to {match['high']:.5g}"
-    return console.number(match["measured"], match["u_measured"])
+    return notation.number(match["measured"], match["u_measured"])
 
 
 def _print_against(against: dict[str, Any]) -> None:
+    from simcompare import notation
     from simcompare.cli import console
 
     head = against["head"]
@@ -191,7 +193,7 @@ def _print_against(against: dict[str, Any]) -> None:
             match["source"],
             match["contact"],
             f"{match['quantity']} {match['bounce']} [{match['unit']}]",
-            console.number(match["value"], match["u"]),
+            notation.number(match["value"], match["u"]),
             _measured(match),
             "–" if match["e_n"] is None else f"{match['e_n']:+.2f}".replace("-0.00", "+0.00"),
             inside,

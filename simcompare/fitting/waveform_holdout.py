@@ -91,7 +91,7 @@ def rms_of(case: Case, run: Trajectory, probe: str) -> float:
 
 def _text(model: Model, setup: Setup, rows: Sequence[Mapping[str, Any]]) -> str:
     from simcompare import units
-    from simcompare.cli.console import number
+    from simcompare.notation import number
 
     found = [own for row in rows for own in row["engines"].values()]
     if not found:

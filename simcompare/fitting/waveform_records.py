@@ -264,7 +264,7 @@ def _valid(setup: Setup, step_s: float) -> dict[str, Any]:
 
 
 def _sentences(found: Mapping[str, Any], fitted: Fitted) -> list[str]:
-    from simcompare.cli.console import number
+    from simcompare.notation import number
 
     said = []
     for name, row in found["closed_form"]["parameters"].items():

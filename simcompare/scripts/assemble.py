@@ -208,7 +208,7 @@ def _table(
     measuring: Measuring, expected: Sequence[Expected], lacking: frozenset[str]
 ) -> list[str]:
     """Lines that print what was measured, beside what is expected."""
-    from simcompare.cli.console import number as told
+    from simcompare.notation import number as told
 
     done: dict[int, Mapping[str, str]] = {}
     rows = []
