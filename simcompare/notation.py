@@ -1,4 +1,4 @@
-"""How a value is written with its uncertainty."""
+"""How a value is written with its uncertainty, and a remark as a sentence."""
 
 from __future__ import annotations
 
@@ -23,3 +23,8 @@ def number(value: float | None, u: float | None = None) -> str:
     if places <= 0:
         return f"{round(value, places):.0f}({digits * 10**-places})"
     return f"{value:.{places}f}({digits})"
+
+
+def sentence(text: str) -> str:
+    """A remark with a capital and a full stop."""
+    return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")

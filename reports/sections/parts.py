@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from simcompare.notation import sentence
 from simcompare.reports.figures import Figure
 from simcompare.reports.tables import Table, printable
 
@@ -16,11 +17,5 @@ def parts_of(
     return {
         "figures": [figure for figure in figures if figure is not None],
         "grids": [table for table in tables if table is not None],
-        "notes": [sentence(note) for note in notes if note],
+        "notes": [sentence(printable(note)) for note in notes if note],
     }
-
-
-def sentence(text: str) -> str:
-    """A remark with a capital and a full stop."""
-    line = printable(text)
-    return line[:1].upper() + line[1:] + ("" if line.endswith(".") else ".")

@@ -8,6 +8,7 @@ from typing import Any
 
 from simcompare.fitting import bounce_models
 from simcompare.fitting.choose import Choice
+from simcompare.notation import sentence
 from simcompare.settings import TUNED
 
 #: significant digits of a number that is typed in; more than its uncertainty knows
@@ -40,8 +41,8 @@ def sentences(found: Mapping[str, Any], choice: Choice) -> list[str]:
             f" χ² = {form['chi2']:.3g} for {form['count']} numbers."
         )
     said += _shown(found)
-    said += [_sentence(text) for text in (*choice.words, *found["identifiability"]["words"])]
-    said += [_sentence(text) for text in best.warnings]
+    said += [sentence(text) for text in (*choice.words, *found["identifiability"]["words"])]
+    said += [sentence(text) for text in best.warnings]
     said.append(found["holdout"]["text"])
     return said
 
@@ -97,7 +98,3 @@ def _digits(value: float, width: float) -> str:
     """A number to a hundredth of an interval, at least four decimals."""
     places = 4 if not 0 < width < math.inf else max(4, 2 - math.floor(math.log10(width)))
     return f"{value:.{min(places, 9)}f}"
-
-
-def _sentence(text: str) -> str:
-    return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")

@@ -14,6 +14,7 @@ from simcompare.fitting.waveform_holdout import rms_of
 from simcompare.fitting.waveform_reference import Fitted
 from simcompare.fitting.waveform_setup import Setup
 from simcompare.helps import ALL
+from simcompare.notation import sentence
 from simcompare.settings import ASSISTED
 from simcompare.trajectory import Array, Trajectory
 from simcompare.validation.cases import DURATION, Case
@@ -284,7 +285,7 @@ def _sentences(found: Mapping[str, Any], fitted: Fitted) -> list[str]:
         " allows, or for an effect that the scenario does not have."
         for name in fitted.estimate.at_bound
     ]
-    said += [_sentence(text) for text in found["identifiability"]["words"]]
+    said += [sentence(text) for text in found["identifiability"]["words"]]
     said += _disagreement(found)
     said.append(found["holdout"]["text"])
     return said
@@ -304,7 +305,3 @@ def _disagreement(found: Mapping[str, Any]) -> list[str]:
                 f" differ by {spread:.2g}{_unit(name)}: their steps differ."
             )
     return said
-
-
-def _sentence(text: str) -> str:
-    return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
