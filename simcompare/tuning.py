@@ -114,10 +114,9 @@ def _finite(values: Mapping[str, float]) -> dict[str, float | None]:
 
 def calibrate(backend: Tunable, engine: ModuleType, plan: DropPlan) -> Calibration:
     """Finds numbers for a plan by dropping a sphere in the engine."""
-    if plan.restitution > calibration.LARGEST and backend.bounces_by != SPRING:
+    is_lossless = plan.restitution > calibration.LARGEST and backend.bounces_by != SPRING
+    if is_lossless or not backend.bounces_by:
         # what hardly loses anything is typed in as it stands, and what comes of it is shown
-        return Calibration(plan.restitution, (plan.restitution,))
-    if not backend.bounces_by:
         return Calibration(plan.restitution, (plan.restitution,))
     e, gravity = plan.restitution, max(plan.gravity_m_s2, LEAST_GRAVITY_M_S2)
     speeds = [plan.speed_m_s * e**k for k in range(IMPACTS)]
@@ -273,17 +272,15 @@ def _key(backend: Tunable, plan: DropPlan) -> str | None:
     if own is None:
         return None
     asked = {**asdict(plan), "pairs": None, "notes": None}
-    digest = hashlib.sha256()
-    for path in sorted(Path(own).parent.glob("*.py")):
-        digest.update(path.read_bytes())
-    parts = [backend.name, backend.version(), digest.hexdigest(), _core(), json.dumps(asked)]
+    code = [_code(Path(own).parent), _code(Path(__file__).parent)]
+    parts = [backend.name, backend.version(), *code, json.dumps(asked)]
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:32]
 
 
 @functools.cache
-def _core() -> str:
-    """Digest of simcompare's own core."""
+def _code(folder: Path) -> str:
+    """Digest of all modules of a folder, read once in a process."""
     digest = hashlib.sha256()
-    for path in sorted(Path(__file__).parent.glob("*.py")):
+    for path in sorted(folder.glob("*.py")):
         digest.update(path.read_bytes())
     return digest.hexdigest()
