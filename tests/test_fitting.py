@@ -110,6 +110,11 @@ def test_the_command_prints_json_with_the_names_of_the_contract(call, tmp_path):
         (["--model", "magic"], "bounce model"),
         (["--unknown", "colour"], "colour"),
         (["--hold-out", "nowhere.wav"], "nowhere.wav"),
+        (["--assist", "magic"], "no help is called 'magic'"),
+        (["--assist", "all,none"], "stands alone"),
+        (["--step", "0"], "is not a time above 0"),
+        (["--step", "1ns"], "samples in"),
+        (["--step", "3s"], "samples in"),
     ],
 )
 def test_bad_requests_are_one_clear_sentence(call, tmp_path, words, message):

@@ -255,24 +255,6 @@ def test_a_damaged_contact_is_refused(found, tmp_path):
             fit_file.read(path)
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["--assist", "magic"], "no help is called 'magic'"),
-        (["--assist", "all,none"], "stands alone"),
-        (["--step", "0"], "is not a time above 0"),
-        (["--step", "1ns"], "samples in"),
-        (["--step", "3s"], "samples in"),
-    ],
-)
-def test_bad_requests_are_one_clear_sentence(call, tmp_path, words, message):
-    drop = stopwatch(tmp_path / "drop.csv")
-    code, _, err = call("fit", "ball", "-r", drop, "--engine", "pymunk", "--no-report", *words)
-    assert code == 2, err
-    assert message in err
-    assert "Traceback" not in err
-
-
 def test_some_helps_are_taken_and_written_down(tmp_path):
     drop = stopwatch(tmp_path / "drop.csv")
     run = simcompare.fit("ball", recordings=[drop], engine="pymunk", out=tmp_path / "runs",
