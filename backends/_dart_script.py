@@ -84,7 +84,7 @@ class DartScript:
         held = scene.simulation._scene
         _name_all(scene, held)
         movable = {name: held.joints[name] for name in plan.scenario.movable_joints()}
-        nodes = {name: held.nodes[name] for name in _asked(plan)}
+        nodes = {name: held.nodes[name] for name in plan.scenario.moving_bodies()}
         shapes = [s for s, owner in held.owners.items() if owner in _touching(plan)]
         roots = scene.simulation._roots
         taken = {"dart", "inertia", "add_shape", "normal_force", "joint"}
@@ -115,11 +115,6 @@ class DartScript:
                 *_drive(plan, joint, follows=scene.simulation._follows),
             ],
         )
-
-
-def _asked(plan: Plan) -> list[str]:
-    """Bodies that the loop reads or pushes."""
-    return list(plan.scenario.moving_bodies())
 
 
 def _touching(plan: Plan) -> set[str]:

@@ -51,7 +51,7 @@ class PybulletScript:
         for name, (uid, link) in held.bodies.items():
             if link == BASE:
                 scene.name(uid, name)
-        for call, name in _shapes(held, scene.events):
+        for call, name in _shapes(scene.events):
             scene.name_call(call, name)
         wanted = [uid for uid, _ in held.bodies.values()]
         writer = scene.writer(style, wanted, {"p"})
@@ -72,14 +72,14 @@ class PybulletScript:
         )
 
 
-def _shapes(held: Any, events: Sequence[Any]) -> list[tuple[Any, str]]:
+def _shapes(events: Sequence[Any]) -> list[tuple[Any, str]]:
     """Calls that made collision shapes, in the order of the bodies that have some."""
     made = [
         event
         for event in events
         if getattr(getattr(event, "target", None), "name", "").startswith("createCollisionShape")
     ]
-    return [(call, f"shape_{i}") for i, call in enumerate(made, start=1)] if held else []
+    return [(call, f"shape_{i}") for i, call in enumerate(made, start=1)]
 
 
 def _links(plan: Plan, place: dict[str, tuple[str, int]]) -> list[str]:

@@ -40,11 +40,11 @@ def assembled(
     It prints what is measured, in order, as far as there is room; the first in any case.
     """
     most = MOST_LINES[len(plan.scenario.moving_bodies()) > 1]
-    chosen: list[Expected] = []
-    text, stored = _text(name, engine, plan, parts, expected[:1], inputs)
-    for one in expected:
+    chosen = list(expected[:1])
+    text, stored = _text(name, engine, plan, parts, chosen, inputs)
+    for one in expected[1:]:
         longer, needed = _text(name, engine, plan, parts, [*chosen, one], inputs)
-        if longer.count("\n") <= most or not chosen:
+        if longer.count("\n") <= most:
             chosen.append(one)
             text, stored = longer, needed
     return text, stored
