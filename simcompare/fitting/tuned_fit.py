@@ -9,6 +9,7 @@ from typing import Any
 
 from simcompare.fitting.beside import Bouncing
 from simcompare.fitting.engine_fit import EngineFit
+from simcompare.fitting.likelihood import COVERAGE
 from simcompare.trajectory import Array
 
 
@@ -83,5 +84,6 @@ class TunedFit(EngineFit):
             value, u = self.restitution
             row = found["restitution"]
             if not math.isclose(value, row["value"], rel_tol=1e-9):
-                row |= {"value": value, "u": u, "interval95": [value - 2 * u, value + 2 * u]}
+                half = COVERAGE * u
+                row |= {"value": value, "u": u, "interval95": [value - half, value + half]}
         return found
