@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import shlex
 
-from simcompare import catalogue
+from simcompare import catalogue, engines
 from simcompare.errors import SimcompareError
 from simcompare.jobs import OK
 from simcompare.reports import runs
@@ -47,6 +47,8 @@ def scripts(run: Run) -> list[str]:
         if source["status"] != OK or source["contact"] not in (DEFAULT, COEFFICIENTS, TUNED):
             continue
         name, level = str(source["name"]), str(source["contact"])
+        if name in engines.names() and not getattr(engines.get(name), "script_module", ""):
+            continue  # it has no writer of scripts
         words = ["simcompare", "export", str(record["scenario_asked"]), "--format", "script"]
         words += ["--engine", name, "--contact", level, *_values(run, _own_values(run))]
         words += ["-o", f"{record['scenario']}_{name}_{level}.py"]

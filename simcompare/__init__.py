@@ -21,7 +21,7 @@ _PUBLIC = {
     "Recording": "simcompare.recording",
     "Scenario": "simcompare.scenario",
     "Trajectory": "simcompare.trajectory",
-    "Settings": "simcompare.backend",
+    "Settings": "simcompare.engine.backend",
     "SimcompareError": "simcompare.errors",
 }
 __all__ = list(_PUBLIC)

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from simcompare.compare import Repeat, Score, scores_of
+from simcompare.engine.helps import HELPS
 from simcompare.errors import SimcompareError
-from simcompare.helps import HELPS
 from simcompare.jobs import UNSUPPORTED, Job, Outcome, does_not_act
 from simcompare.scenario import Scenario
 from simcompare.settings import ASSISTED, Settings

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from simcompare import catalogue, engines, units
+from simcompare.engine.simulation import Controller
 from simcompare.settings import ASSISTED, Settings
-from simcompare.simulation import Controller
 from simcompare.trajectory import Trajectory
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from simcompare.landing import reach_m
-from simcompare.pairs import touching_pairs
+from simcompare.engine.contacts import touching_pairs
+from simcompare.engine.helps.landing import reach_m
 from simcompare.rotations import matrix_of
 from simcompare.scenario import Body, Contact, Scenario
 from simcompare.settings import DropPlan

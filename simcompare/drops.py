@@ -88,7 +88,7 @@ def start_above(
 
 
 def read_drop(
-    height_m: Array, step_s: float, gravity_m_s2: float
+    height_m: Array, step_s: float, gravity_m_s2: float, radius_m: float = 0.0
 ) -> tuple[float, float, float, float]:
     """Restitution, penetration [m], contact time [s] and delay [s] of the first bounce.
 
@@ -100,11 +100,12 @@ def read_drop(
         height_m: height above that of the contact after every step, from the flight before (n,).
         step_s: time between the samples [s].
         gravity_m_s2: acceleration towards the floor [m/s²].
+        radius_m: by which the position that an engine rounds is higher.
     """
     depth_m = max(0.0, -float(height_m.min()))
     fall_m = gravity_m_s2 * step_s**2
     surplus = np.abs(np.diff(height_m, 2) + fall_m)
-    forced = surplus > FREE_PART * fall_m + ROUNDING * float(np.abs(height_m).max())
+    forced = surplus > FREE_PART * fall_m + ROUNDING * (float(np.abs(height_m).max()) + radius_m)
     acted = np.flatnonzero(forced)
     nothing = (math.nan, depth_m, math.nan, math.nan)
     if len(acted) == 0:
@@ -126,9 +127,11 @@ def read_drop(
     return math.sqrt(after[0] / before[0]), depth_m, contact_s, up_s - down_s
 
 
-def read_drops(heights_m: Sequence[Array], step_s: float, gravity_m_s2: float) -> Bounces:
+def read_drops(
+    heights_m: Sequence[Array], step_s: float, gravity_m_s2: float, radius_m: float = 0.0
+) -> Bounces:
     """The same for several drops; the records may differ in length."""
-    rows = np.array([read_drop(height, step_s, gravity_m_s2) for height in heights_m])
+    rows = np.array([read_drop(height, step_s, gravity_m_s2, radius_m) for height in heights_m])
     return Bounces(*rows.T)
 
 

@@ -10,15 +10,17 @@ from typing import TYPE_CHECKING, Any
 from simcompare import ablation, catalogue, engines, levels, measures, run_record, units
 from simcompare.against import Match, matches
 from simcompare.compare import Repeat, Score, scores_of
-from simcompare.drives import input_values
 from simcompare.drop_plan import drop_plans
+from simcompare.engine.drives import input_values
+from simcompare.engine.helps import known
+from simcompare.engine.sensing import complete
+from simcompare.engine.simulation import sample_times
 from simcompare.errors import InputError, OutputError, SimcompareError
-from simcompare.helps import ALL, NONE, known
 from simcompare.jobs import FAILED, OK, Job, Outcome
+from simcompare.levels import ALL, NONE
 from simcompare.results import TRUTH, Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Interrupted, Progress, run_jobs
 from simcompare.scenario import MOST_SAMPLES, Scenario
-from simcompare.sensing import complete
 from simcompare.settings import (
     ASSISTED,
     CONTACT_LEVELS,
@@ -27,7 +29,6 @@ from simcompare.settings import (
     DropPlan,
     Settings,
 )
-from simcompare.simulation import sample_times
 from simcompare.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def run(
         engine: ``"all"`` or names with commas.
         contact: contact levels, a list or a text with commas; also the fit.json of a fit, with
             which each engine runs with its own fitted parameters.
-        assist: our helps in "assisted": "all", "none" or names (see ``simcompare.helps``).
+        assist: our helps in "assisted": "all", "none" or names (see ``simcompare.engine.helps``).
         judge: levels in which a tolerance that is missed is a failure of the run; "assisted"
             always is.
         set: parameters that differ from the file; text may carry a unit ("30cm").

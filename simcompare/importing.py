@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from simcompare import recording_store
-from simcompare.backend import installed_version
+from simcompare.engine.library import installed_version
 from simcompare.errors import InputError
 from simcompare.recording import Provenance, Recording
 

@@ -6,10 +6,11 @@ import math
 from dataclasses import dataclass, field, replace
 
 from simcompare import engines
-from simcompare.backend import Backend, Feature
 from simcompare.calibration import CannotCalibrate
+from simcompare.engine.backend import Backend
+from simcompare.engine.features import Feature
+from simcompare.engine.helps import HELPS
 from simcompare.errors import EngineBroken, EngineMissing, SimcompareError, Unsupported
-from simcompare.helps import HELPS
 from simcompare.scenario import Scenario
 from simcompare.settings import Settings
 from simcompare.trajectory import Trajectory

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from simcompare.shapes import Quaternion
 from simcompare.trajectory import Array
 
 
@@ -38,6 +39,12 @@ def rotate(orientation_wxyz: Array, vectors: Array) -> Array:
     w, u = orientation_wxyz[:, :1], orientation_wxyz[:, 1:]
     t = 2.0 * cross(u, vectors)
     return np.asarray(vectors + w * t + cross(u, t), dtype=float)
+
+
+def xyzw(orientation_wxyz: Quaternion) -> Quaternion:
+    """A quaternion for those who put the scalar last."""
+    w, x, y, z = orientation_wxyz
+    return x, y, z, w
 
 
 def multiply(first_wxyz: Array, second_wxyz: Array) -> Array:

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 from simcompare import measures
 from simcompare.against import Match
-from simcompare.backend import installed_version
 from simcompare.compare import Score
+from simcompare.engine.library import installed_version
 from simcompare.jobs import OK, Outcome
 from simcompare.results import FORMAT
 from simcompare.scenario import Scenario

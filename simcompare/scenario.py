@@ -331,6 +331,16 @@ class Scenario(Frozen):
         """Joints with a coordinate, in the order of the file."""
         return {name: joint for name, joint in self.joints.items() if joint.type in MOVABLE}
 
+    def sensed_joints(self) -> dict[str, str]:
+        """Sensors of the force through a joint -> that joint."""
+        found = self.sensors.items()
+        return {name: one.joint for name, one in found if one.type == "force" and one.joint}
+
+    def sensed_pairs(self) -> dict[str, tuple[str, str]]:
+        """Sensors of the normal force between two bodies -> these."""
+        found = self.sensors.items()
+        return {name: one.pair for name, one in found if one.type == "contact_force" and one.pair}
+
     def contact_of(self, first: str, second: str) -> Contact:
         """Contact of two bodies; a pair that is not named has no restitution and no friction.
 

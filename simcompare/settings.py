@@ -81,15 +81,10 @@ class Settings:
     def __post_init__(self) -> None:
         object.__setattr__(self, "contact", OLD_LEVELS.get(self.contact, self.contact))
 
-    @property
-    def gives_coefficients(self) -> bool:
-        """Whether restitution and friction are given to the engine."""
-        return self.contact != DEFAULT
-
-    @property
-    def gives_all(self) -> bool:
-        """Whether everything that the scenario states is given to the engine."""
-        return self.contact in (TUNED, ASSISTED)
+    def gives(self, level: str) -> bool:
+        """Whether all that a level gives is given to the engine."""
+        known = CONTACT_LEVELS
+        return self.contact in known and known.index(self.contact) >= known.index(level)
 
     def takes(self, help_name: str) -> bool:
         """Whether one of our helps is taken."""

@@ -21,9 +21,9 @@ from simcompare.calibration import (
     solve,
     verified,
 )
-from simcompare.dashpot import damping_ratio, restitution
 from simcompare.drops import Bounces, Drops, even_phases
-from simcompare.stepped_dashpot import SteppedDashpot
+from simcompare.engine.dashpot import damping_ratio, restitution
+from simcompare.engine.stepped_dashpot import SteppedDashpot
 
 #: largest scatter over the phases at the first impact, as part of e
 SCATTER = 0.02

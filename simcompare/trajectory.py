@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from simcompare.audit import AuditRow
+from simcompare.engine.audit import AuditRow
 from simcompare.errors import SimulationDiverged
 
 if TYPE_CHECKING:

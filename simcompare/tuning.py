@@ -25,21 +25,26 @@ from simcompare import calibration, drops
 from simcompare.calibration import Calibration, CannotCalibrate
 from simcompare.drop_plan import drop_plans
 from simcompare.drops import Bounces
+from simcompare.engine.contacts import touching_pairs
+from simcompare.engine.simulation import Simulation
+from simcompare.engine.state import BodyState, State
 from simcompare.errors import SimulationDiverged
-from simcompare.pairs import touching_pairs
 from simcompare.scenario import Scenario
 from simcompare.settings import SPRING, TUNED, DropPlan, PairNumbers, Settings
-from simcompare.simulation import Simulation
 from simcompare.spring_calibration import DEPTH, calibrate_spring
-from simcompare.state import BodyState, State
 from simcompare.trajectory import Array
 
 
 class Tunable(Protocol):
     """What a backend offers to be tuned."""
 
-    name: str
-    bounces_by: str
+    @property
+    def name(self) -> str:
+        """The engine's name."""
+
+    @property
+    def bounces_by(self) -> str:
+        """What stands for a pair's restitution in it."""
 
     def version(self) -> str:
         """Version of the engine."""
@@ -164,7 +169,8 @@ class EngineDrops:
             heights = [self._heights(simulation, speed_m_s, float(phase)) for phase in phases]
         finally:
             simulation.close()
-        return drops.read_drops(heights, self._plan.step_s, self._gravity)
+        radius_m = self._plan.size_m / 2
+        return drops.read_drops(heights, self._plan.step_s, self._gravity, radius_m)
 
     def _heights(self, simulation: Simulation, speed_m_s: float, phase: float) -> Array:
         """Height above the plane at every step, until the sphere has left it again."""
@@ -268,19 +274,22 @@ def _key(backend: Tunable, plan: DropPlan) -> str | None:
 
     ``None`` where the backend has no file, so that a change of it would not be seen.
     """
-    own = getattr(sys.modules.get(type(backend).__module__), "__file__", None)
+    module = sys.modules.get(type(backend).__module__)
+    own = getattr(module, "__file__", None)
     if own is None:
         return None
     asked = {**asdict(plan), "pairs": None, "notes": None}
-    code = [_code(Path(own).parent), _code(Path(__file__).parent)]
+    # beside a module that is in no package may lie anything
+    adapter = Path(own).parent if getattr(module, "__package__", "") else Path(own)
+    code = [_code(adapter), _code(Path(__file__).parent)]
     parts = [backend.name, backend.version(), *code, json.dumps(asked)]
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:32]
 
 
 @functools.cache
 def _code(folder: Path) -> str:
-    """Digest of all modules of a folder, read once in a process."""
+    """Digest of a module, or of all of a folder, read once in a process."""
     digest = hashlib.sha256()
-    for path in sorted(folder.glob("*.py")):
+    for path in [folder] if folder.is_file() else sorted(folder.rglob("*.py")):
         digest.update(path.read_bytes())
     return digest.hexdigest()

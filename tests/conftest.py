@@ -40,7 +40,7 @@ def pytest_runtest_call(item):
 ENGINE = """
 import os, sys, time
 import numpy as np
-from simcompare.backend import Feature, KnownLimit
+from simcompare.kit import Feature, KnownLimit
 from simcompare.trajectory import Trajectory
 {on_import}
 

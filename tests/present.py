@@ -6,21 +6,31 @@ import importlib.util
 import pytest
 
 from simcompare import engines
-from simcompare.backend import EngineBackend
+from simcompare.engine.backend import EngineBackend
+from simcompare.engine.library import SharedLibrary
 from simcompare.errors import EngineMissing
 
 
 def built_in():
-    """Module and name of every engine that this repository has a backend for."""
+    """Library and name of every engine that this repository has a backend for."""
     for name, target in engines.targets().items():
         if target.startswith("simcompare.backends."):
             backend = engines.get(name)
             assert isinstance(backend, EngineBackend)
-            yield backend.module, name
+            yield backend.library, name
 
 
-#: those that are not installed: Python module -> engine
-ABSENT = {m: name for m, name in built_in() if importlib.util.find_spec(m) is None}
+def absent():
+    """What is not installed, Python module or shared library, and the engine that needs it."""
+    for library, name in built_in():
+        if library.version() is None:
+            yield library.name, name
+        elif isinstance(library, SharedLibrary) and importlib.util.find_spec("cffi") is None:
+            yield "cffi", name
+
+
+#: those that are not installed: Python module or shared library -> engine
+ABSENT = dict(absent())
 #: all others
 INSTALLED = [name for name in engines.names() if name not in ABSENT.values()]
 

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from simcompare.audit import Audit
+from simcompare.engine.audit import Audit
 from simcompare.errors import ReadBackMismatch
 
 

@@ -1,14 +1,15 @@
 """What a backend set, it reads back; what was not set shows; what an engine lacks is refused."""
 
 import math
+import re
 
 import numpy as np
 import pytest
 
 from simcompare import catalogue, engines
-from simcompare.audit import Audit
-from simcompare.backend import Feature
-from simcompare.backends.dart_ import DartBackend
+from simcompare.backends.dart.backend import DartBackend
+from simcompare.engine.audit import Audit
+from simcompare.engine.features import Feature
 from simcompare.errors import (
     EngineBroken,
     EngineMissing,
@@ -20,7 +21,14 @@ from simcompare.scenario import Scenario
 from simcompare.settings import ASSISTED, TUNED, PairNumbers, Settings
 
 ENGINES = engines.names()
+
+
 BALL = catalogue.load("ball")
+
+
+def rounding(engine):
+    """Relative rounding of an engine's numbers."""
+    return engines.get(engine).traits.precision
 
 
 def audit_of(engine, contact="assisted"):
@@ -39,12 +47,12 @@ def test_every_physical_value_is_set_and_read_back(engine):
     }.items():
         row = rows[quantity]
         assert row.set_value == pytest.approx(value, rel=1e-12)
-        assert row.read_value == pytest.approx(value, rel=1e-12)
+        assert row.read_value == pytest.approx(value, rel=rounding(engine))
     restitution = [row for row in audit_of(engine) if row.quantity.endswith("restitution")]
     assert restitution
     for row in restitution:
         assert row.scenario_value == 0.8
-        assert row.set_value == row.read_value
+        assert row.set_value == pytest.approx(row.read_value, rel=rounding(engine))
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -59,7 +67,7 @@ def test_default_mode_shows_that_the_restitution_was_not_applied(engine):
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_an_engine_that_keeps_another_value_fails(engine, monkeypatch):
-    from simcompare import audit
+    from simcompare.engine import audit
 
     monkeypatch.setattr(audit.Audit, "_agrees", lambda self, row: row.quantity != "ball.mass_kg")
     with pytest.raises(ReadBackMismatch, match=r"did not take what was set: ball\.mass_kg"):
@@ -119,13 +127,17 @@ def test_an_unknown_contact_mode_is_refused():
 def test_a_missing_engine_says_how_to_get_it(engine, monkeypatch):
     import sys
 
+    from simcompare.engine import library
+
     backend = engines.get(engine)
-    monkeypatch.setitem(sys.modules, backend.module, None)
+    monkeypatch.setitem(sys.modules, backend.library.name, None)
+    monkeypatch.setattr(library, "_opens", lambda file: False)
     monkeypatch.setattr(
         "importlib.import_module",
         lambda name: (_ for _ in ()).throw(ModuleNotFoundError(name=name)),
     )
-    with pytest.raises(EngineMissing, match=rf"pip install 'simcompare\[{engine}\]'"):
+    install = backend.library.install.removeprefix("sudo ")
+    with pytest.raises(EngineMissing, match=rf"cure: .*{re.escape(install)}$"):
         backend.load()
 
 
@@ -138,7 +150,7 @@ def test_an_engine_that_lacks_a_system_library_says_how_to_get_it(monkeypatch):
         DartBackend().load()
 
 
-@pytest.mark.parametrize("engine", [name for name in ENGINES if name != "pymunk"])
+@pytest.mark.parametrize("engine", [name for name in ENGINES if name not in ("pymunk", "box2d")])
 def test_spin_and_velocity_are_in_the_world_frame(engine):
     # turned by 0.6 rad about x and spinning about all axes: a body-frame velocity would show
     scenario = BALL.resolve({}).model_dump()
@@ -149,9 +161,10 @@ def test_spin_and_velocity_are_in_the_world_frame(engine):
     found = engines.get(engine).simulate(Scenario.model_validate(scenario), Settings())
     t = found.time_s[-1]
     moved = found.signals["ball.position_m"][-1] - found.signals["ball.position_m"][0]
-    np.testing.assert_allclose(moved[:2], [0.3 * t, 0.2 * t], rtol=1e-9)
+    rtol = max(1e-9, 100 * rounding(engine))  # of hundreds of steps
+    np.testing.assert_allclose(moved[:2], [0.3 * t, 0.2 * t], rtol=rtol)
     # a sphere keeps its rate in the world's frame
-    np.testing.assert_allclose(found.signals["ball.rate_rad_s"][-1], [1, 2, 3], rtol=1e-9)
+    np.testing.assert_allclose(found.signals["ball.rate_rad_s"][-1], [1, 2, 3], rtol=rtol)
     from scipy.spatial.transform import Rotation
 
     first, last = (
@@ -249,7 +262,9 @@ def test_every_shape_has_its_size(engine, kind):
     sizes = [row for row in found.audit if "size_m" in row.quantity or "length_m" in row.quantity]
     assert sizes
     for row in sizes:
-        assert row.read_value == pytest.approx(row.scenario_value, rel=1e-9)
+        # other shapes that a help builds have sizes of their own
+        wanted = row.set_value if row.scenario_value is None else row.scenario_value
+        assert row.read_value == pytest.approx(wanted, rel=max(1e-9, rounding(engine)))
     # at rest at its own height, to a millimetre: engines let a body sink or float a little
     assert found.signals["ball.position_m"][-1, 2] == pytest.approx(height, abs=1.1e-3)
 

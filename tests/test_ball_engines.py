@@ -5,10 +5,10 @@ import pytest
 
 from simcompare import catalogue, engines
 from simcompare.compare import Repeat, scores_of
+from simcompare.engine.simulation import sample_times
 from simcompare.experiment import repeats_of
 from simcompare.scenarios.ball.reference import reference
 from simcompare.settings import Settings
-from simcompare.simulation import sample_times
 from simcompare.trajectory import Trajectory
 
 ENGINES = engines.names()
@@ -63,7 +63,8 @@ def test_drag_acts_in_every_engine(engine):
 @pytest.mark.parametrize("engine", ENGINES)
 def test_with_its_defaults_the_ball_hardly_bounces(engine):
     found = scores(engine, contact="default")
-    assert found["restitution", None].value < 0.1
+    restitution = found["restitution", None].value  # none where it does not leave the floor
+    assert restitution is None or restitution < 0.1
     assert {score.verdict for score in found.values()} == {"info"}
 
 

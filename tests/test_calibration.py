@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from simcompare.calibration import CannotCalibrate, calibrate_coefficient
-from simcompare.dashpot import damping_ratio
 from simcompare.drops import Bounces, even_phases, read_drop
+from simcompare.engine.dashpot import damping_ratio
+from simcompare.engine.stepped_dashpot import SteppedDashpot
 from simcompare.spring_calibration import SCATTER, calibrate_spring
-from simcompare.stepped_dashpot import SteppedDashpot
 from tests.bare_drops import COEFFICIENT_ENGINES, G, MujocoDrops, bounce_by_bounce
 from tests.present import need
 
@@ -220,4 +220,4 @@ def test_a_calibration_repeats_itself():
 
 def test_the_bare_engines_are_the_ones_that_have_adapters():
     for engine in ("mujoco", *COEFFICIENT_ENGINES):
-        assert importlib.util.find_spec(f"simcompare.backends.{engine}_")
+        assert importlib.util.find_spec(f"simcompare.backends.{engine}.backend")

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import simcompare
-from simcompare import notation
+from simcompare import engines, notation
 from simcompare.cli import complete
 from simcompare.cli.console import pairs
 from simcompare.errors import InputError
@@ -119,12 +119,12 @@ def test_an_engine_that_is_not_installed_is_3_when_it_was_named_and_a_row_with_a
     from simcompare import engines
 
     code = (
-        "from simcompare.backend import EngineBackend, Feature\n"
+        "from simcompare.kit import EngineBackend, Feature, PipPackage\n"
         "class BACKEND(EngineBackend):\n"
-        "    name = 'absent'; module = 'no_such_engine'; distribution = 'no-such-engine'\n"
-        "    install = \"pip install 'simcompare[absent]'\"; known_limits = (); mapping = ''\n"
+        "    name = 'absent'; known_limits = (); mapping = ''\n"
+        "    library = PipPackage('nowhere', \"pip install 'simcompare[absent]'\", ['no-such'])\n"
         "    features = frozenset(Feature)\n"
-        "    def build(self, engine, scenario, settings): raise NotImplementedError\n"
+        "    def make(self, engine, scene): raise NotImplementedError\n"
     )
     add_engine("toy")
     add_engine("absent", code=code)
@@ -436,7 +436,8 @@ def test_completion_answers_and_loads_nothing_heavy(line, expected, tmp_path):
 
 
 def test_completion_offers_each_engine_of_a_list_once():
-    assert complete.engines("pymunk,") == ["pymunk,dart", "pymunk,mujoco", "pymunk,pybullet"]
+    others = [name for name in engines.names() if name != "pymunk"]
+    assert complete.engines("pymunk,") == [f"pymunk,{name}" for name in others]
     assert complete.engines("a") == ["all"]
     assert "all" in complete.engines("")
     assert complete.scenarios("bal") == ["ball"]

@@ -7,7 +7,7 @@ import pytest
 
 import simcompare
 from simcompare import catalogue, engines
-from simcompare.backend import needs
+from simcompare.engine.features import needs
 from simcompare.errors import InputError, UnknownName
 from simcompare.settings import Settings
 
@@ -15,7 +15,7 @@ ENGINES = engines.names()
 SPATIAL = [
     name
     for name in ENGINES
-    if not needs(catalogue.load("robot").resolve()) - engines.get(name).features
+    if not needs(catalogue.load("robot").resolve()).required - engines.get(name).features
 ]
 
 

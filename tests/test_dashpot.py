@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from simcompare import dashpot
+from simcompare.engine import dashpot
 
 
 def integrated(zeta):

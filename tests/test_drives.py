@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from simcompare.drives import Drive, felt_inertia, input_values, laws_of, open_loop
+from simcompare.engine.drives import Drive, felt_inertia, input_values, laws_of, open_loop
 from simcompare.errors import Unsupported
 from simcompare.scenario import Scenario
 

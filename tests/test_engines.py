@@ -9,11 +9,12 @@ import sys
 import pytest
 
 from simcompare import engines
-from simcompare.backend import Backend
+from simcompare.engine.backend import Backend
 from simcompare.errors import EngineBroken, UnknownName
 
-BUILT_IN = ["dart", "mujoco", "pybullet", "pymunk"]
-HEAVY = ["numpy", "pandas", "scipy", "mujoco", "pybullet", "pymunk", "dartpy", "pydantic", "pint"]
+BUILT_IN = ["box2d", "dart", "mujoco", "ode", "pybullet", "pymunk", "rapier"]
+ENGINES = ["mujoco", "pybullet", "pymunk", "dartpy", "cffi", "pyb2d3", "rapier3d"]
+HEAVY = ["numpy", "pandas", "scipy", "pydantic", "pint", *ENGINES]
 
 
 def test_naming_the_engines_imports_nothing_heavy():
@@ -31,7 +32,7 @@ def test_naming_the_engines_imports_nothing_heavy():
 def test_a_built_in_backend_keeps_the_contract_and_its_engine_unloaded(name):
     code = (
         f"import sys; from simcompare import engines; engines.get({name!r});"
-        "print([m for m in ('mujoco', 'pybullet', 'pymunk', 'dartpy') if m in sys.modules])"
+        f"print([m for m in {ENGINES!r} if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
@@ -65,36 +66,28 @@ def test_a_toy_engine_runs_a_toy_scenario_without_touching_the_project(add_engin
 def test_a_toy_engine_over_a_package_gets_the_frame_for_nothing(add_engine, fall, command):
     """Subclassing EngineBackend: refusing, loading, read-back and the recording loop come along."""
     code = (
-        "from simcompare.audit import Audit\n"
-        "from simcompare.backend import EngineBackend, Feature\n"
-        "from simcompare.settings import Settings\n"
-        "from simcompare.simulation import Simulation\n"
-        "import numpy as np\n"
-        "class Falling(Simulation):\n"
-        "    def __init__(self, scenario, audit):\n"
-        "        super().__init__(scenario, audit.finish(), Settings())\n"
-        "        self.z = scenario.bodies['ball'].position_m[2]\n"
-        "        self.t = 0.0\n"
-        "    def advance(self, count): self.t += count * self.scenario.world.step_s\n"
+        "from simcompare.kit import (EngineBackend, Feature, Held, PipPackage,\n"
+        "    ReducedSimulation, Traits)\n"
+        "class Falling(ReducedSimulation):\n"
+        "    def __init__(self, scene):\n"
+        "        super().__init__(scene)\n"
+        "        self.body = scene.scenario.bodies['ball']\n"
+        "        self.place_all()\n"
+        "    def get(self, name): return self.q, self.v\n"
+        "    def put(self, name, q, v): self.q, self.v = list(q or self.q), list(v)\n"
+        "    def take_steps(self, count):\n"
+        "        for _ in range(count):\n"
+        "            self.v[2] += -9.80665 * self.step_now_s\n"
+        "            self.q[2] += self.v[2] * self.step_now_s\n"
         "    def set_engine_step(self, step_s): pass\n"
-        "    def stored_motion(self, body): raise NotImplementedError\n"
-        "    def add_velocity(self, body, change_m_s): raise NotImplementedError\n"
-        "    def place(self, body, state): raise NotImplementedError\n"
-        "    def row(self): return (self.z - 9.80665 * self.t**2 / 2, -9.80665 * self.t)\n"
-        "    def motions(self, rows):\n"
-        "        zero = np.zeros(len(rows))\n"
-        "        turned = np.tile([1.0, 0, 0, 0], (len(rows), 1))\n"
-        "        return {'ball.position_m': np.column_stack((zero, zero, rows[:, 0])),\n"
-        "                'ball.velocity_m_s': np.column_stack((zero, zero, rows[:, 1])),\n"
-        "                'ball.orientation_wxyz': turned, 'ball.rate_rad_s': 0 * turned[:, 1:]}\n"
+        "    def held(self, ask):\n"
+        "        if ask.kind == 'gravity_m_s2': return Held('g', (None, None, -9.80665))\n"
+        "        return Held(ask.kind, ask.value)\n"
         "class Backend(EngineBackend):\n"
-        "    name = 'framed'; module = 'colorsys'; distribution = 'framed_engine'\n"
-        "    install = 'none'; known_limits = (); mapping = 'none'\n"
+        "    name = 'framed'; known_limits = (); mapping = 'none'; traits = Traits(bounces_by='')\n"
+        "    library = PipPackage('colorsys', 'none', ['framed_engine'])\n"
         "    features = frozenset({Feature.FREE_BODY, Feature.SPHERE})\n"
-        "    def build(self, engine, scenario, settings):\n"
-        "        audit = Audit(self.name)\n"
-        "        audit.add('gravity_m_s2.z', -9.80665, 'g', (-9.80665, -9.80665), 'm/s²')\n"
-        "        return Falling(scenario, audit)\n"
+        "    def make(self, engine, scene): return Falling(scene)\n"
         "BACKEND = Backend\n"
     )
     add_engine("framed", code=code)
@@ -102,7 +95,8 @@ def test_a_toy_engine_over_a_package_gets_the_frame_for_nothing(add_engine, fall
     assert done.returncode == 0, done.stdout + done.stderr
     sources = json.loads(done.stdout)["sources"]
     assert [s["status"] for s in sources] == ["ok", "ok", "ok"]
-    assert sources[0]["audit"][0]["read_value"] == -9.80665
+    held = {row["quantity"]: row["read_value"] for row in sources[0]["audit"]}
+    assert held["gravity_m_s2.z"] == -9.80665
     assert sources[0]["version"] == "1.0"
 
 

@@ -128,6 +128,9 @@ def joint_in_world(scenario, joint):
 def bullet():
     import pybullet
 
+    for number in range(64):  # what other tests left open would be taken for the one of this test
+        if pybullet.isConnected(number):
+            pybullet.disconnect(number)
     client = pybullet.connect(pybullet.DIRECT)
     yield pybullet
     pybullet.disconnect(client)

@@ -7,10 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from simcompare import catalogue, measures
-from simcompare.drives import input_values
+from simcompare.engine.drives import input_values
+from simcompare.engine.sensing import complete
+from simcompare.engine.simulation import sample_times
 from simcompare.scenarios.gyroscope import reference as table
-from simcompare.sensing import complete
-from simcompare.simulation import sample_times
 from simcompare.trajectory import Trajectory
 
 CHANGES = [

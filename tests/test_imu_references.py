@@ -13,13 +13,13 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from simcompare import catalogue, engines
+from simcompare.engine.simulation import sample_times
 from simcompare.errors import InputError
 from simcompare.pieces import Pieces
 from simcompare.scenarios.imu_motion import reference as motion
 from simcompare.scenarios.imu_rest import reference as rest
 from simcompare.settings import Settings
 from simcompare.signals import Constant, Sine, Step, Table
-from simcompare.simulation import sample_times
 from simcompare.validation import derive
 
 AXES = ("x", "y", "z", "yaw", "pitch", "roll")

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from simcompare import catalogue, measures
+from simcompare.engine.simulation import sample_times
 from simcompare.measures import joint_angle_estimate as estimate
 from simcompare.scenarios.joint_angle import reference as arms
-from simcompare.simulation import sample_times
 from simcompare.trajectory import Trajectory
 
 G = 9.80665

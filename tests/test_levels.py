@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import simcompare
-from simcompare import catalogue, engines, helps, store
+from simcompare import catalogue, engines, levels, store
+from simcompare.engine.helps import HELPS
 from simcompare.errors import InputError, UnknownName, Unsupported
-from simcompare.helps import HELPS
 from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED, Settings
 
-ENGINES = ("dart", "mujoco", "pybullet", "pymunk")
+ENGINES = ("dart", "mujoco", "ode", "pybullet", "pymunk")
 SCENES = (
     "ball",
     "robot_cylinder",
@@ -174,15 +174,15 @@ def test_the_old_name_of_assisted_is_accepted_and_old_runs_are_read(tmp_path):
 
 
 def test_helps_are_chosen_by_name():
-    assert helps.chosen("all") == frozenset(HELPS)
-    assert helps.chosen("none") == frozenset()
-    assert helps.chosen("landing, rims") == {"landing", "rims"}
+    assert levels.chosen("all") == frozenset(HELPS)
+    assert levels.chosen("none") == frozenset()
+    assert levels.chosen("landing, rims") == {"landing", "rims"}
     with pytest.raises(UnknownName, match="did you mean landing"):
-        helps.chosen("landin")
+        levels.chosen("landin")
     with pytest.raises(InputError, match="stands alone"):
-        helps.chosen("all,landing")
+        levels.chosen("all,landing")
     with pytest.raises(InputError, match="names no help"):
-        helps.chosen(",")
+        levels.chosen(",")
 
 
 def test_a_help_that_an_engine_cannot_take_is_refused_with_those_that_it_takes(call):

@@ -7,14 +7,14 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from simcompare import catalogue, measures
-from simcompare.drives import input_values, laws_of
+from simcompare.engine.drives import input_values, laws_of
+from simcompare.engine.sensing import complete
+from simcompare.engine.simulation import sample_times
 from simcompare.hardware.motors.dc_motor import Housing, Motor
 from simcompare.hardware.sensors import encoder
 from simcompare.measures import Request, encoder_speed, motor_curves
 from simcompare.scenario import Probe
 from simcompare.scenarios.motor_bench import reference as bench
-from simcompare.sensing import complete
-from simcompare.simulation import sample_times
 from simcompare.trajectory import Trajectory
 
 CHANGES = [

@@ -10,13 +10,13 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from simcompare import catalogue, engines
+from simcompare.engine.simulation import sample_times
 from simcompare.measures import Request, drift
 from simcompare.pieces import corners_of
 from simcompare.scenario import Probe
 from simcompare.scenarios.odometry.reference import driven, reference, robot_of
 from simcompare.settings import Settings
 from simcompare.signals import Chirp, Constant, Ramp, Sine, SineSteps, Step, Table
-from simcompare.simulation import sample_times
 from simcompare.trajectory import Trajectory
 from simcompare.validation import derive
 

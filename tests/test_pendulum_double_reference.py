@@ -7,9 +7,9 @@ import pytest
 from scipy.integrate import simpson, solve_ivp
 
 from simcompare import catalogue
+from simcompare.engine.simulation import sample_times
 from simcompare.scenarios.pendulum import reference as single
 from simcompare.scenarios.pendulum_double import reference as double
-from simcompare.simulation import sample_times
 
 FREE = {"upper_damping_N_m_s_rad": 0.0, "lower_damping_N_m_s_rad": 0.0}
 CHANGES = [

@@ -10,8 +10,8 @@ from scipy.integrate import simpson, solve_ivp
 from scipy.special import ellipj, ellipk
 
 from simcompare import catalogue
+from simcompare.engine.simulation import sample_times
 from simcompare.scenarios.pendulum import reference as pendulum
-from simcompare.simulation import sample_times
 
 FREE = {"damping_N_m_s_rad": 0.0, "friction_N_m": 0.0}
 CHANGES = [

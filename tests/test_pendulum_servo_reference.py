@@ -10,10 +10,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from simcompare import catalogue
-from simcompare.drives import laws_of
+from simcompare.engine.drives import laws_of
+from simcompare.engine.simulation import sample_times
 from simcompare.scenarios.pendulum_servo import reference as servo
 from simcompare.signals import Constant, Step, Table
-from simcompare.simulation import sample_times
 
 #: duty cycle for one radian and one unit of the firmware's gain: 4096 marks a turn, the gain is
 #: divided by 256, full duty is 885

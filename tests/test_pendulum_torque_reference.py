@@ -10,11 +10,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from simcompare import catalogue
-from simcompare.drives import laws_of
+from simcompare.engine.drives import laws_of
+from simcompare.engine.simulation import sample_times
 from simcompare.scenarios.pendulum_torque import reference as pendulum
 from simcompare.scenarios.pendulum_torque.reference import Pendulum, motion
 from simcompare.signals import Chirp, Constant, Ramp, Sine, SineSteps, Step, Table
-from simcompare.simulation import sample_times
 
 TIMES = np.arange(3001) / 500
 SIGNALS = {

@@ -366,7 +366,18 @@ def test_wheels_of_rims_roll_straight():
     assert x + 0.02 == pytest.approx(0.5 * acceleration * 1.02 * 1.021, rel=2e-6)
     assert abs(y) < 1e-5
     sizes = [row for row in t.audit if row.quantity == "left_wheel.length_m"]
-    assert [row.read_value for row in sizes] == pytest.approx([0.02, 0.02], rel=1e-12)
+    assert [row.read_value for row in sizes] == pytest.approx([0.002, 0.002], rel=1e-12)
+    assert all("two rims" in row.note and row.scenario_value is None for row in sizes)
+
+
+def test_rims_are_at_the_ends_of_the_cylinder_that_they_stand_for():
+    simulation = BACKEND.open(catalogue.load("robot_cylinder").resolve(), Settings())
+    place = simulation.built.bodies["left_wheel"]
+    one, other = simulation.built.bullet.getCollisionShapeData(*place)
+    simulation.close()
+    outer = one[3][0] / 2 + other[3][0] / 2 + math.dist(one[5], other[5])
+    assert outer == pytest.approx(0.02, rel=1e-12)
+    assert (one[3][1], other[3][1]) == pytest.approx((0.0325, 0.0325), rel=1e-12)
 
 
 @pytest.mark.parametrize("contact", ["assisted", "coefficients", "default"])

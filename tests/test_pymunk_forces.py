@@ -57,7 +57,7 @@ def test_a_load_cell_agrees_with_the_impulse_of_its_constraint():
         },
     }  # fmt: skip
     simulation = engines.get("pymunk").open(scene(bodies, joints, **LOAD_CELL), Settings())
-    (pivot,) = simulation._scene.joints["bolt"].constraints
+    (pivot,) = simulation.built.constraints["bolt"]
     for _ in range(20):
         simulation.step()
         read = np.linalg.norm(simulation.read()["cell.force_N"])

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from simcompare import catalogue, measures
+from simcompare.engine.simulation import sample_times
 from simcompare.errors import InputError
 from simcompare.scenarios.robot import reference as robot
 from simcompare.scenarios.robot.straight import Straight
@@ -17,7 +18,6 @@ from simcompare.scenarios.robot_motor import reference as motor
 from simcompare.scenarios.robot_planar import reference as planar
 from simcompare.scenarios.robot_ramp import reference as ramp
 from simcompare.scenarios.robot_turn import reference as turn
-from simcompare.simulation import sample_times
 from simcompare.trajectory import Trajectory
 from tests.multibody import Robot
 

@@ -39,12 +39,12 @@ NOISY = (
     "print('Python to stdout'); print('Python to stderr', file=sys.stderr)"
 )
 ABSENT = (
-    "from simcompare.backend import EngineBackend, Feature\n"
+    "from simcompare.kit import EngineBackend, Feature, PipPackage\n"
     "class Backend(EngineBackend):\n"
-    "    name = 'absent'; module = 'no_such_engine'; distribution = 'no-such-engine'\n"
-    "    install = \"pip install 'simcompare[absent]'\"; known_limits = (); mapping = ''\n"
+    "    name = 'absent'; known_limits = (); mapping = ''\n"
+    "    library = PipPackage('no_such_engine', \"pip install 'simcompare[absent]'\", ())\n"
     "    features = frozenset(Feature)\n"
-    "    def build(self, engine, scenario, settings): raise NotImplementedError\n"
+    "    def make(self, engine, scene): raise NotImplementedError\n"
     "BACKEND = Backend()\n"
 )
 

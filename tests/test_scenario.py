@@ -10,7 +10,7 @@ import yaml
 from pydantic import ValidationError
 
 from simcompare import scenario_file
-from simcompare.backend import Feature, is_planar, needs
+from simcompare.engine.features import Feature, is_planar, needs
 from simcompare.errors import InputError
 from simcompare.scenario import Body, Scenario, Tolerance
 from simcompare.scenario_checks import dangling_references
@@ -93,7 +93,7 @@ def test_a_robot_loads(robot):
 
 
 def test_what_a_robot_needs_is_derived_from_its_content(robot):
-    assert needs(robot) == {
+    assert needs(robot).required == {
         Feature.SPATIAL,
         Feature.FREE_BODY,
         Feature.PLANE,
@@ -113,7 +113,7 @@ def test_needs_shrink_with_the_content():
     }
     drag = {"coefficient": 0.5, "area_m2": 1.0, "air_density_kg_m3": 0.0}
     scenario = Scenario.model_validate(plain(bodies={"ball": {**ball, "drag": drag}}))
-    assert needs(scenario) == {Feature.FREE_BODY, Feature.SPHERE}, "no air, no drag"
+    assert needs(scenario).required == {Feature.FREE_BODY, Feature.SPHERE}, "no air, no drag"
     drag["air_density_kg_m3"] = 1.2
     contacts = [{"pair": ["ball", "floor"], "restitution": 0.5}]
     bodies = {
@@ -121,7 +121,7 @@ def test_needs_shrink_with_the_content():
         "floor": {"fixed": True, "shapes": [{"type": "plane"}]},
     }
     scenario = Scenario.model_validate(plain(bodies=bodies, contacts=contacts))
-    assert needs(scenario) == {
+    assert needs(scenario).required == {
         Feature.FREE_BODY,
         Feature.SPHERE,
         Feature.PLANE,

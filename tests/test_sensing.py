@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simcompare import sensing
-from simcompare.kinematics import add_children, in_order
+from simcompare.engine import sensing
+from simcompare.engine.kinematics import add_children, in_order
 from simcompare.rotations import (
     conjugate,
     multiply,

@@ -10,6 +10,11 @@ from simcompare.settings import Settings
 ENGINES = engines.names()
 
 
+def rounding(engine):
+    """How far places of about a metre may be off by rounding alone, after many steps [m]."""
+    return max(1e-9, 2 * engines.get(engine).traits.precision)
+
+
 def pushed(**joint):
     """A mass of 2 kg on a slider, pushed with 3 N from rest or from 0.5 m/s, without weight."""
     tree = {
@@ -37,7 +42,8 @@ def test_mapped_motion_is_on_the_parabola_and_does_not_run_ahead(engine, rate):
     found = engines.get(engine).simulate(pushed(rate=rate), Settings())
     t = found.time_s
     # half a step of the acceleration would be 7.5 mm/s, and 3.7 mm at the end
-    np.testing.assert_allclose(found.signals["slide.position_m"], rate * t + 0.75 * t**2, atol=1e-9)
+    moved, slack = rate * t + 0.75 * t**2, rounding(engine)
+    np.testing.assert_allclose(found.signals["slide.position_m"], moved, rtol=1e-7, atol=slack)
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -78,7 +84,7 @@ def test_going_back_to_the_start_begins_anew(engine):
     finally:
         simulation.close()
     assert ends[0] == ends[1]
-    assert ends[0][0] == pytest.approx(0.5 * 0.1 + 0.75 * 0.01, abs=1e-9)
+    assert ends[0][0] == pytest.approx(0.5 * 0.1 + 0.75 * 0.01, abs=rounding(engine))
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -106,5 +112,5 @@ def test_drag_in_free_flight_is_of_second_order(engine):
             fall, (0, 0.4), [0, 0, 5, 3], t_eval=found.time_s[-1:], rtol=1e-11, atol=1e-12
         ).y[:2, 0]
         errors.append(np.abs(found.signals["ball.position_m"][-1, [0, 2]] - truth).max())
-    assert 3.0 < errors[0] / errors[1] < 5.0
+    assert 3.0 < errors[0] / errors[1] < 5.0 or errors[0] < 10 * rounding(engine)
     assert errors[1] < 5e-5

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.helps import HELPS
+from simcompare.engine.helps import HELPS
 from simcompare.reports import numbers, runs
 from simcompare.reports.sections.base import Section
 from simcompare.reports.sections.parts import parts_of

@@ -65,8 +65,17 @@ def _print_places(result: Run, folder: Path) -> None:
             f"simcompare export {shlex.quote(str(result.record['scenario_asked']))} --fit {place}"
         )
         typer.echo(f"All settings to type in: {export} --contact-values")
-        script = f"--format script --engine {able[0]} -o {name}_{able[0]}.py"
-        typer.echo(f"As a script that needs no simcompare: {export} {script}")
+        for writer in [one for one in able if _has_scripts(one)][:1]:
+            script = f"--format script --engine {writer} -o {name}_{writer}.py"
+            typer.echo(f"As a script that needs no simcompare: {export} {script}")
+
+
+def _has_scripts(engine: str) -> bool:
+    """Whether scenes of an engine can be written as scripts."""
+    from simcompare import engines
+
+    backend = engines.get(engine) if engine in engines.names() else None
+    return bool(getattr(backend, "script_module", ""))
 
 
 def _print_waves(found: dict[str, Any]) -> None:

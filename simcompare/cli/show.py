@@ -9,7 +9,7 @@ import typer
 from simcompare.cli import complete
 
 if TYPE_CHECKING:
-    from simcompare.backend import Feature
+    from simcompare.engine.features import Feature
     from simcompare.scenario import Joint
     from simcompare.scenario_file import ScenarioFile
 
@@ -56,7 +56,7 @@ def show(
 
 def _facts(file: ScenarioFile) -> dict[str, Any]:
     from simcompare import catalogue, engines, units
-    from simcompare.backend import needs
+    from simcompare.engine.features import needs
     from simcompare.scenario_checks import recorded_signals
 
     scenario = file.resolve()
@@ -88,8 +88,8 @@ def _facts(file: ScenarioFile) -> dict[str, Any]:
             for name, sensor in scenario.sensors.items()
         },
         "signals": recorded_signals(scenario),
-        "needs": sorted(wanted),
-        "engines": {name: _lacking(name, wanted) for name in engines.names()},
+        "needs": sorted(wanted.required | wanted.optional),
+        "engines": {name: _lacking(name, wanted.required) for name in engines.names()},
         "truth": "closed form or reference in reference.py"
         if catalogue.reference_of(file.path)
         else "none: engines are compared with each other only",

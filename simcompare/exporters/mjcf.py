@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.etree import ElementTree as ET
 
-from simcompare.backends import _mujoco_scene, mujoco_
+from simcompare.backends.mujoco.backend import BACKEND
+from simcompare.backends.mujoco.mjcf import mjcf
+from simcompare.engine.helps.spring_contact import steps_for
 from simcompare.exporters import parts
 from simcompare.exporters.parts import Twin, number
 from simcompare.scenario import Scenario
@@ -26,10 +28,10 @@ def write(scenario: Scenario) -> Twin:
     """
     parts.refuse(scenario, "mjcf", parts.joint_faults(scenario, ball=False, limits=False))
     parts.check_names(scenario, "mjcf", ["world"])
-    root = ET.fromstring(_mujoco_scene.mjcf(scenario, Settings()))
+    root = ET.fromstring(mjcf(BACKEND.scene(scenario, Settings())))
     option = root.find("option")
     if bounces(scenario) and option is not None:
-        option.set("timestep", number(mujoco_.contact_steps(scenario).contact_step_s))
+        option.set("timestep", number(_step_s(scenario)))
     left_out = tuple(_left_out(scenario))
     text = parts.finish(root, scenario, "mjcf", left_out)
     return Twin(
@@ -42,9 +44,14 @@ def bounces(scenario: Scenario) -> bool:
     return any(contact.restitution > 0 for contact in scenario.contacts)
 
 
+def _step_s(scenario: Scenario) -> float:
+    """Step that the contact needs [s]."""
+    return steps_for(scenario, stagger=-0.5).contact_step_s
+
+
 def _left_out(scenario: Scenario) -> Iterator[str]:
     if bounces(scenario):
-        step = mujoco_.contact_steps(scenario).contact_step_s
+        step = _step_s(scenario)
         yield (
             f"steps of {scenario.world.engine_step_s:g} s: the contact that bounces is a spring"
             f" that needs {step:g} s"

@@ -10,8 +10,8 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from simcompare import kinematics
-from simcompare.drives import laws_of
+from simcompare.engine import kinematics
+from simcompare.engine.drives import laws_of
 from simcompare.errors import InputError
 from simcompare.rotations import matrix_of, rotate
 from simcompare.scenario import Body, Contact, DcMotor, Scenario

@@ -15,11 +15,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.etree import ElementTree as ET
 
-from simcompare.drives import JointLaw, laws_of
+from simcompare.engine.contacts import touching_pairs
+from simcompare.engine.drives import JointLaw, laws_of
+from simcompare.engine.kinematics import Mount, mount_of
 from simcompare.exporters import parts
 from simcompare.exporters.parts import Twin, add, number, numbers
-from simcompare.kinematics import Mount, mount_of
-from simcompare.pairs import touching_pairs
 from simcompare.scenario import Body, Joint, Scenario
 from simcompare.shapes import Quaternion, Shape, Vector
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from simcompare import units
-from simcompare.audit import AuditRow
+from simcompare.engine.audit import AuditRow
 from simcompare.fitting.beside import Bouncing
 from simcompare.fitting.likelihood import Fit
 from simcompare.jobs import Outcome
@@ -16,7 +16,7 @@ from simcompare.scenario import Scenario
 from simcompare.trajectory import Trajectory
 
 #: what of an audit a user's own loop needs for the contact
-_CONTACT = ("restitution", "solref", "contact", "sleep", "engine step")
+_CONTACT = ("restitution", "friction", "solref", "contact", "sleep", "engine step")
 
 
 @dataclass(frozen=True)
@@ -95,10 +95,11 @@ class EngineFit:
 
 
 def contact_rows(run: Trajectory) -> tuple[AuditRow, ...]:
-    """What of the audit of a run belongs to the contact."""
+    """What of the audit of a run belongs to the contact, and all that was set besides the scene."""
     return tuple(
         row for row in run.audit
         if any(word in f"{row.quantity} {row.engine_parameter}".lower() for word in _CONTACT)
+        or (row.scenario_value is None and row.set_value is not None)
     )  # fmt: skip
 
 

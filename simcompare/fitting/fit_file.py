@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from simcompare.drop_plan import drop_plans
+from simcompare.engine.helps import HELPS
 from simcompare.errors import InputError, UnknownName
-from simcompare.helps import ALL, HELPS, chosen
+from simcompare.levels import ALL, chosen
 from simcompare.scenario import Scenario
 from simcompare.scenario_file import ScenarioFile
 from simcompare.settings import ASSISTED, TUNED, DropPlan, PairNumbers, Settings

@@ -10,6 +10,7 @@ from typing import Any
 
 from simcompare import catalogue, engines, experiment, levels, run_record
 from simcompare.compare import INFO, Score
+from simcompare.engine.helps import known
 from simcompare.errors import InputError
 from simcompare.fittable import WAVEFORM
 from simcompare.fitting import bounce_models, choose, holding_out, records, waveform_fit
@@ -32,7 +33,7 @@ from simcompare.fitting.problem import SPEED, Prior
 from simcompare.fitting.roles import Roles, roles_of
 from simcompare.fitting.tune_engines import tune_engines
 from simcompare.fitting.wanted import Wanted, wanted_of
-from simcompare.helps import ALL, NONE, known
+from simcompare.levels import ALL, NONE
 from simcompare.results import Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Progress
 from simcompare.scenario import Scenario
@@ -78,7 +79,8 @@ def fit(
         mapping: mapping file for the logs.
         step: the engine's step, which engines are tuned for; the scenario's own where ``None``.
         assist: our helps with which engines are run: "none", for which bounces are fitted if
-            nothing is said, "all", or names (see ``simcompare.helps``); by waveform always "all".
+            nothing is said, "all", or names (``simcompare.engine.helps``); by waveform always
+            "all".
         out: folder in which the run's own folder is made; nothing is stored where ``None``.
         time_limit_s: longest time for one simulation [s].
         progress: called as jobs end.

@@ -13,7 +13,7 @@ from simcompare.fitting.waveform_engines import EngineWaves
 from simcompare.fitting.waveform_holdout import rms_of
 from simcompare.fitting.waveform_reference import Fitted
 from simcompare.fitting.waveform_setup import Setup
-from simcompare.helps import ALL
+from simcompare.levels import ALL
 from simcompare.notation import sentence
 from simcompare.settings import ASSISTED
 from simcompare.trajectory import Array, Trajectory

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from simcompare.engine.sensing import rate_of
 from simcompare.hardware.motors.dc_motor import Housing
 from simcompare.measures import Measured, Request
-from simcompare.sensing import rate_of
 from simcompare.trajectory import Array, Trajectory
 
 #: points of the fitted curves at which their tops are looked for

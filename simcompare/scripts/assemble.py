@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Mapping, Sequence
 
 from simcompare import units
-from simcompare.backend import Backend
+from simcompare.engine.backend import Backend
 from simcompare.scripts.contract import RESERVED, Parts, Plan, joint_parts
 from simcompare.scripts.expected import Expected
 from simcompare.scripts.measuring import Measuring

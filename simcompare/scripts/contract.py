@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any, Protocol, runtime_checkable
 
-from simcompare.backend import EngineBackend
-from simcompare.drives import JointLaw
+from simcompare.engine.backend import EngineBackend
+from simcompare.engine.drives import JointLaw
 from simcompare.errors import Unsupported
-from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, Scenario, Sensor
+from simcompare.scenario import MOVABLE, Scenario
 from simcompare.scripts.merge import merged
 from simcompare.scripts.reading import Reading
 from simcompare.scripts.source import Style, Writer
@@ -86,26 +86,16 @@ class Plan:
     tuning: Sequence[Mapping[str, Any]] = ()
 
     @property
-    def force_sensors(self) -> dict[str, Sensor]:
-        """Sensors that an engine reads by itself."""
-        return {
-            name: sensor
-            for name, sensor in self.scenario.sensors.items()
-            if sensor.type in ("force", "contact_force")
-            and f"{name}.{SENSOR_SIGNALS[sensor.type][0]}" not in self.lacking
-        }
-
-    @property
     def sensed_joints(self) -> dict[str, str]:
-        """Sensors of the force through a joint -> that joint."""
-        found = self.force_sensors.items()
-        return {name: sensor.joint for name, sensor in found if sensor.joint is not None}
+        """Sensors of the force through a joint -> that joint; those that the engine gives."""
+        found = self.scenario.sensed_joints().items()
+        return {name: joint for name, joint in found if f"{name}.force_N" not in self.lacking}
 
     @property
     def sensed_pairs(self) -> dict[str, tuple[str, str]]:
-        """Sensors of the force between two bodies -> these."""
-        found = self.force_sensors.items()
-        return {name: sensor.pair for name, sensor in found if sensor.pair is not None}
+        """Sensors of the normal force between two bodies -> these, likewise."""
+        found = self.scenario.sensed_pairs().items()
+        return {name: pair for name, pair in found if f"{name}.normal_force_N" not in self.lacking}
 
     @property
     def force_signals(self) -> list[str]:
@@ -237,8 +227,9 @@ def script_of(backend: object) -> EngineScript:
     Raises:
         Unsupported: its backend has nothing for that.
     """
-    found = getattr(backend, "script", None)
-    if found is None:
+    method = getattr(backend, "script", None)
+    script: EngineScript | None = None if method is None else method()
+    if script is None:
         name = getattr(backend, "name", "this engine")
         error = Unsupported(
             f"the backend of {name} cannot be written as a script: it has no method script()"
@@ -246,7 +237,6 @@ def script_of(backend: object) -> EngineScript:
         )
         error.exit_code = 2
         raise error
-    script: EngineScript = found()
     return script
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare.drives import Drive
+from simcompare.engine.drives import Drive
 from simcompare.scenario import Scenario
 from simcompare.scripts.contract import Effort
 from simcompare.scripts.text import number

@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from simcompare.drives import input_values
+from simcompare.engine.drives import input_values
+from simcompare.engine.sensing import LAPSE_K_M, PRESSURE_EXPONENT, SEA_LEVEL_K, SEA_LEVEL_PA
+from simcompare.engine.simulation import sample_times
 from simcompare.measures import Measured
 from simcompare.rotations import conjugate
 from simcompare.scenario import SENSOR_SIGNALS, DcMotor, Measure, Scenario
 from simcompare.scripts.efforts import MOST_PIECES
 from simcompare.scripts.text import number, unused
-from simcompare.sensing import LAPSE_K_M, PRESSURE_EXPONENT, SEA_LEVEL_K, SEA_LEVEL_PA
-from simcompare.simulation import sample_times
 from simcompare.trajectory import Array
 
 _TURNED = (

@@ -7,14 +7,14 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from simcompare.engine.sensing import LAPSE_K_M, PRESSURE_EXPONENT, SEA_LEVEL_K, SEA_LEVEL_PA
+from simcompare.engine.simulation import sample_times
 from simcompare.measures import _window
 from simcompare.measures.bounces import SLOW_PART, TIMED_IMPACTS
 from simcompare.scenario import Measure
 from simcompare.scripts.measuring import Measuring, Snippet, Truth
 from simcompare.scripts.snippets_waves import WAVES
 from simcompare.scripts.text import number
-from simcompare.sensing import LAPSE_K_M, PRESSURE_EXPONENT, SEA_LEVEL_K, SEA_LEVEL_PA
-from simcompare.simulation import sample_times
 
 
 def _inside(m: Measuring, measure: Measure) -> str:

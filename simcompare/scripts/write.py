@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import contextlib
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from simcompare import catalogue, engines, experiment
-from simcompare.backend import EngineBackend, refuse
 from simcompare.drop_plan import drop_plans
-from simcompare.errors import InputError, Unsupported
+from simcompare.engine.backend import EngineBackend, refuse
+from simcompare.errors import InputError, SimcompareError, Unsupported
 from simcompare.fitting import fit_file
 from simcompare.scenario import Scenario
 from simcompare.scenario_file import ScenarioFile
@@ -73,7 +74,7 @@ def script(
     """
     if engine is None:
         raise InputError(
-            "--engine", [f"a script is of one engine; give one of {', '.join(engines.names())}"]
+            "--engine", [f"a script is of one engine; give one of {', '.join(_with_scripts())}"]
         )
     chosen = engines.get(engine)
     writer = script_of(chosen)
@@ -177,3 +178,11 @@ def _shifted(file: ScenarioFile, nominal: Scenario) -> Scenario | None:
         return None
     name = nominal.dither.parameter
     return file.vary(nominal, name, nominal.parameters[name] + nominal.dither.span)
+
+
+def _with_scripts() -> Iterator[str]:
+    """Engines whose scenes can be written as scripts."""
+    for name in engines.names():
+        with contextlib.suppress(SimcompareError):
+            script_of(engines.get(name))
+            yield name

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from simcompare import catalogue, measures
-from simcompare.drives import input_values
+from simcompare.engine.drives import input_values
+from simcompare.engine.sensing import complete
+from simcompare.engine.simulation import sample_times
 from simcompare.errors import InputError
 from simcompare.results import TRUTH
 from simcompare.scenario import Scenario
 from simcompare.scenario_file import ScenarioFile
-from simcompare.sensing import complete
-from simcompare.simulation import sample_times
 from simcompare.trajectory import Array, Trajectory
 from simcompare.validation.cases import DURATION, Case
 

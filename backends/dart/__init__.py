@@ -1,0 +1,1 @@
+"""DART: trees of bodies in reduced coordinates."""

@@ -1,0 +1,1 @@
+"""MuJoCo: trees of bodies in reduced coordinates, whose contacts are springs and dampers."""

@@ -1,0 +1,1 @@
+"""PyBullet: Bullet 3, trees of bodies in reduced coordinates."""

@@ -1,0 +1,1 @@
+"""pymunk (Chipmunk): a planar engine, joints are constraints."""

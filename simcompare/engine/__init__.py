@@ -1,0 +1,1 @@
+"""What stands between a scenario and an engine; adapters take it from ``simcompare.kit``."""

@@ -1,0 +1,223 @@
+"""WHO simulates: the contract between a scenario and an engine.
+
+A backend is one file ``backends/<engine>_.py``, or a folder ``backends/<engine>/``, with a
+``BACKEND`` object. It names no scenario, and it loads its engine only when a scene is opened.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+
+from simcompare.engine.audit import Audit
+from simcompare.engine.features import Feature, needs
+from simcompare.engine.helps import LANDING, landing, spring_contact
+from simcompare.engine.read_back import asked, audit_of
+from simcompare.engine.scene import Scene, Traits, make_scene
+from simcompare.engine.speeds import fastest_turn_rad_s
+from simcompare.errors import EngineMissing, Unsupported
+from simcompare.scenario import Scenario
+from simcompare.settings import ASSISTED, CONTACT_LEVELS, DEFAULT, SPRING, TUNED, Settings
+
+if TYPE_CHECKING:
+    from simcompare.engine.library import Library
+    from simcompare.engine.simulation import Simulation
+    from simcompare.scripts.contract import EngineScript
+    from simcompare.trajectory import Trajectory
+
+
+@dataclass(frozen=True)
+class KnownLimit:
+    """A peculiarity of an engine that a user will meet, with a reference.
+
+    Attributes:
+        text: what happens, in one sentence.
+        reference: where it is documented or how it was measured.
+    """
+
+    text: str
+    reference: str
+
+
+@runtime_checkable
+class Backend(Protocol):
+    """What every engine offers; other people's backends need nothing more."""
+
+    name: str
+    features: frozenset[Feature]
+    known_limits: tuple[KnownLimit, ...]
+    mapping: str
+
+    def version(self) -> str:
+        """Version of the installed engine; raises :class:`EngineMissing` where it is absent."""
+
+    def open(self, scenario: Scenario, settings: Settings) -> Simulation:
+        """Builds the scene, reads every value back, and returns it ready to step."""
+
+    def simulate(self, scenario: Scenario, settings: Settings) -> Trajectory:
+        """Runs the scenario to its end and returns what happened."""
+
+
+class EngineBackend(ABC):
+    """A backend on the kit: loading, versions, refusing, read-back and ``simulate`` are here.
+
+    Attributes:
+        name: the engine's name on the command line.
+        library: what it comes as.
+        traits: what it is like.
+        features: what the backend can do.
+        known_limits: what a user should know, each with its reference.
+        mapping: how ``tuned`` and ``assisted`` translate the scenario into the engine's parameters.
+        helps: which of our helps it can take.
+        script_module: module whose ``SCRIPT`` writes scenes as standalone scripts; empty for none.
+    """
+
+    name: str
+    library: Library
+    traits: Traits = Traits()
+    features: frozenset[Feature]
+    known_limits: tuple[KnownLimit, ...]
+    mapping: str
+    helps: frozenset[str] = frozenset()
+    script_module: str = ""
+
+    @property
+    def bounces_by(self) -> str:
+        """What stands for a pair's restitution; see ``Traits``."""
+        return self.traits.bounces_by
+
+    def version(self) -> str:
+        """Version of the installed engine, found without loading it."""
+        found = self.library.version()
+        if found is None:
+            kind = getattr(self.library, "kind", "module")
+            raise EngineMissing(self.name, self.library.name, self.library.install, kind)
+        return found
+
+    def load(self) -> Any:  # noqa: ANN401
+        """Loads the engine.
+
+        Raises:
+            EngineMissing: it is not installed.
+            EngineBroken: it is installed and cannot be loaded; the message quotes why.
+        """
+        return self.library.load(self.name)
+
+    def script(self) -> EngineScript | None:
+        """What writes scenes of this engine as standalone scripts."""
+        if not self.script_module:
+            return None
+        found: EngineScript = importlib.import_module(self.script_module).SCRIPT
+        return found
+
+    def longest_step_s(self, scenario: Scenario) -> float | None:
+        """Longest engine step with which the engine is right in this scene; ``None``: any."""
+        most_rad = self.traits.most_turn_rad
+        turn_rad_s = fastest_turn_rad_s(scenario) if most_rad else 0.0
+        return most_rad / turn_rad_s if most_rad and turn_rad_s else None
+
+    def open(self, scenario: Scenario, settings: Settings) -> Simulation:
+        """Refuses what the engine cannot do, builds the scene and reads every value back."""
+        refuse(self, scenario, settings)
+        if settings.contact == ASSISTED:
+            taken = self.helps if settings.helps is None else self.helps & settings.helps
+            settings = dataclasses.replace(settings, helps=taken)
+        if settings.takes(LANDING):
+            landing.refuse(self.name, scenario)
+            if self.traits.bounces_by == SPRING:
+                spring_contact.refuse(self.name, scenario)
+        self._refuse_long_step(scenario, settings)
+        started = time.perf_counter()
+        engine = self.load()
+        loaded = time.perf_counter()
+        tuning: tuple[Mapping[str, Any], ...] = ()
+        if settings.gives(TUNED) and not settings.takes(LANDING):
+            from simcompare.tuning import tuned
+
+            settings, tuning = tuned(self, engine, scenario, settings)
+        calibrated = time.perf_counter()
+        simulation = self.build(engine, scenario, settings)
+        try:
+            simulation.read_back_start(self.name)
+        except BaseException:
+            simulation.close()
+            raise
+        simulation.tuning = tuning
+        simulation.notes += tuple(note for record in tuning for note in record["notes"])
+        simulation.wall_s = {
+            "import": loaded - started,
+            "tune": calibrated - loaded,
+            "build": time.perf_counter() - calibrated,
+        }
+        return simulation
+
+    def build(self, engine: Any, scenario: Scenario, settings: Settings) -> Simulation:  # noqa: ANN401
+        """Builds the scene in the loaded engine and reads every physical value back.
+
+        Raises:
+            Unsupported: the engine, or a help, cannot do this scene.
+            ReadBackMismatch: the engine holds another value than was set, or does not say.
+        """
+        scene = self.scene(scenario, settings)
+        simulation = self.make(engine, scene)
+        try:
+            simulation.set_up()
+            own = Audit(self.name)
+            simulation.own_parameters(own)
+            answers = [(ask, simulation.held(ask)) for ask in asked(scene)]
+            simulation.audit = audit_of(scene, answers, own.rows)
+        except BaseException:
+            simulation.close()
+            raise
+        return simulation
+
+    def scene(self, scenario: Scenario, settings: Settings) -> Scene:
+        """What is to be built of a scenario; the engine itself is not needed for it.
+
+        Raises:
+            Unsupported: a help cannot be had for this scene.
+        """
+        return make_scene(self.name, self.traits, self.features, scenario, settings)
+
+    @abstractmethod
+    def make(self, engine: Any, scene: Scene) -> Simulation:  # noqa: ANN401
+        """Builds a scene in the loaded engine."""
+
+    def _refuse_long_step(self, scenario: Scenario, settings: Settings) -> None:
+        longest_s, step_s = self.longest_step_s(scenario), scenario.world.engine_step_s
+        if settings.gives(TUNED) and longest_s is not None and step_s > longest_s * (1 + 1e-9):
+            raise Unsupported(
+                f"{self.name} is right in this scene with steps of at most {longest_s:.3g} s, not"
+                f" {step_s:.3g} s; use a shorter --step"
+            )
+
+    def simulate(self, scenario: Scenario, settings: Settings) -> Trajectory:
+        """Runs the scenario to its end through the engine's fastest recording loop."""
+        simulation = self.open(scenario, settings)
+        try:
+            return simulation.run(self.name, self.version())
+        finally:
+            simulation.close()
+
+
+def refuse(backend: Backend, scenario: Scenario, settings: Settings) -> None:
+    """Raises :class:`Unsupported` if the backend lacks what the scenario needs.
+
+    Restitution is needed only where the mode is to apply it.
+    """
+    wanted = needs(scenario).required
+    if settings.contact == DEFAULT:
+        wanted -= {Feature.RESTITUTION, Feature.FRICTION}
+    elif settings.contact not in CONTACT_LEVELS:
+        raise Unsupported(
+            f"{backend.name} knows no contact level {settings.contact!r};"
+            f" known: {', '.join(CONTACT_LEVELS)}"
+        )
+    lacking = sorted(wanted - backend.features)
+    if lacking:
+        raise Unsupported(f"simcompare's backend for {backend.name} has no {', no '.join(lacking)}")

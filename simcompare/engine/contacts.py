@@ -1,0 +1,358 @@
+"""Who touches whom, and with what: one plan of contacts for all engines.
+
+A scenario states restitution and friction for pairs of bodies. Many engines hold them per body and
+combine the two values by a rule of their own; :func:`per_body` finds values that give what is
+wanted, or says that there are none. Who may touch is told by pairs, or as bits where an engine
+filters by these.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Literal
+
+import numpy as np
+
+from simcompare.errors import Unsupported
+from simcompare.scenario import Contact, Scenario
+from simcompare.settings import COEFFICIENTS, Settings
+
+#: how an engine combines the values of two bodies
+Rule = Literal["product", "min", "max", "mean", "root", "harmonic"]
+#: two numbers for a spring that bounces, and two for its friction
+Springs = tuple[tuple[float, float], tuple[float, float]]
+
+
+def touching_pairs(scenario: Scenario) -> list[Contact]:
+    """Contact of every pair that can touch and that the scenario says something about.
+
+    That is: with shapes, not both fixed, not jointed, and named if both move.
+    """
+    named = {frozenset(contact.pair) for contact in scenario.contacts}
+    jointed = {frozenset((joint.parent, joint.child)) for joint in scenario.joints.values()}
+    found = []
+    for (first, a), (second, b) in combinations(scenario.bodies.items(), 2):
+        can_touch = a.shapes and b.shapes and not (a.fixed and b.fixed)
+        pair = frozenset((first, second))
+        told = a.fixed or b.fixed or pair in named
+        if can_touch and told and pair not in jointed:
+            found.append(scenario.contact_of(first, second))
+    return found
+
+
+def jointed_pairs(scenario: Scenario) -> list[tuple[str, str]]:
+    """Pairs of bodies that a joint connects; they never touch."""
+    return [(joint.parent, joint.child) for joint in scenario.joints.values()]
+
+
+def untouching_pairs(scenario: Scenario) -> list[tuple[str, str]]:
+    """Pairs that are not to touch: jointed ones, and moving ones that no contact names."""
+    named = {frozenset(contact.pair) for contact in scenario.contacts}
+    moving = [name for name, body in scenario.moving_bodies().items() if body.shapes]
+    jointed = jointed_pairs(scenario)
+    known = {frozenset(pair) for pair in jointed}
+    return jointed + [
+        pair
+        for pair in combinations(moving, 2)
+        if frozenset(pair) not in named and frozenset(pair) not in known
+    ]
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two bodies that can touch.
+
+    Attributes:
+        bodies: their names.
+        restitution: Newton's coefficient that the scenario states.
+        friction: Coulomb's, likewise.
+        numbers: what stands for the restitution in the engine: one coefficient, or the two numbers
+            of a spring and damper; a spring that does not bounce has the one number 0.
+        friction_spring: the same for its friction where that is a spring too and a help asks for
+            it.
+    """
+
+    bodies: tuple[str, str]
+    restitution: float
+    friction: float
+    numbers: tuple[float, ...]
+    friction_spring: tuple[float, float] | None = None
+
+    @property
+    def name(self) -> str:
+        """Both names in one."""
+        return "-".join(self.bodies)
+
+
+@dataclass(frozen=True)
+class ContactPlan:
+    """Contacts of a scene at one level.
+
+    Attributes:
+        scenario: the scene.
+        touching: pairs that can touch and of which the scenario says something.
+        apart: pairs that must not touch; at the level "default" those on one joint, and the engine
+            decides of all others.
+        are_given: whether restitution and friction are given to the engine.
+    """
+
+    scenario: Scenario
+    touching: tuple[Pair, ...]
+    apart: tuple[tuple[str, str], ...]
+    are_given: bool
+
+    @property
+    def bounces(self) -> bool:
+        """Whether any contact that the scenario names has a restitution."""
+        return any(contact.restitution > 0 for contact in self.scenario.contacts)
+
+    def may_touch(self) -> Iterator[tuple[str, str, Pair | None]]:
+        """All pairs of bodies with shapes that may touch at this level; the first one moves.
+
+        With each is what the scenario says of it, ``None`` where that is nothing.
+        """
+        bodies = {name: body for name, body in self.scenario.bodies.items() if body.shapes}
+        apart = {frozenset(pair) for pair in self.apart}
+        known = {frozenset(pair.bodies): pair for pair in self.touching}
+        for names in combinations(bodies, 2):
+            first, second = sorted(names, key=lambda name: bodies[name].fixed)
+            if not bodies[first].fixed and frozenset(names) not in apart:
+                yield first, second, known.get(frozenset(names))
+
+    def restitution_per_body(self, rule: Rule, engine: str) -> dict[str, float]:
+        """Values whose combinations are the numbers of the pairs; none where none are given.
+
+        Raises:
+            Unsupported: no values give them.
+        """
+        wanted = {pair.bodies: pair.numbers[0] for pair in self.touching}
+        return (
+            per_body(self.scenario, wanted, "restitution", rule, engine) if self.are_given else {}
+        )
+
+    def friction_per_body(self, rule: Rule, engine: str) -> dict[str, float]:
+        """The same for friction.
+
+        Raises:
+            Unsupported: no values give them.
+        """
+        wanted = {pair.bodies: pair.friction for pair in self.touching}
+        return per_body(self.scenario, wanted, "friction", rule, engine) if self.are_given else {}
+
+    def surfaces(
+        self, restitution: Rule, friction: Rule, engine: str
+    ) -> dict[str, dict[str, float]]:
+        """Both values of every body, by name; none of them where none are given.
+
+        Raises:
+            Unsupported: no values give the numbers of the pairs.
+        """
+        bounce = self.restitution_per_body(restitution, engine)
+        grip = self.friction_per_body(friction, engine)
+        return {
+            name: {"restitution": bounce[name], "friction": grip[name]} if self.are_given else {}
+            for name in self.scenario.bodies
+        }
+
+    def by_first_rule(
+        self, kind: Literal["restitution", "friction"], rules: Sequence[Rule], engine: str
+    ) -> tuple[Rule, dict[str, float]]:
+        """Values by the first of an engine's rules by which there are any, and that rule.
+
+        Raises:
+            Unsupported: no rule gives all pairs; told is what is wrong with the last one.
+        """
+        values = self.restitution_per_body if kind == "restitution" else self.friction_per_body
+        *others, last = rules
+        for rule in others:
+            with contextlib.suppress(Unsupported):
+                return rule, values(rule, engine)
+        return last, values(last, engine)
+
+    def bits(self, engine: str, width: int = 32) -> dict[str, tuple[int, int]]:
+        """Category and mask of every body, so that moving bodies touch only where they are named.
+
+        Two bodies touch where each one's category is in the other's mask. Moving bodies that may
+        touch others have a bit of their own; all others share one, and so do fixed bodies.
+
+        Raises:
+            Unsupported: there are more bodies than bits.
+        """
+        bodies, alone, fixed = self.scenario.bodies, 1, 2
+        partners: dict[str, set[str]] = {}
+        for pair in self.touching:
+            first, second = pair.bodies
+            if not (bodies[first].fixed or bodies[second].fixed):
+                partners.setdefault(first, set()).add(second)
+                partners.setdefault(second, set()).add(first)
+        own = {name: fixed << i for i, name in enumerate(partners, start=1)}
+        if len(own) > width - 2:
+            raise Unsupported(
+                f"{engine} keeps at most {width - 2} moving bodies apart that may touch others,"
+                f" not {len(own)}"
+            )
+        everything = (1 << width) - 1
+        return {
+            name: (fixed, everything)
+            if body.fixed
+            else (own.get(name, alone), fixed | sum(own[n] for n in partners.get(name, ())))
+            for name, body in bodies.items()
+        }
+
+
+def plan_contacts(
+    scenario: Scenario, settings: Settings, springs: Mapping[tuple[str, str], Springs]
+) -> ContactPlan:
+    """The contacts of a scene, with as much of them as the level gives.
+
+    Args:
+        scenario: the scene.
+        settings: level and numbers.
+        springs: numbers that a help asks for in place of those of the settings.
+    """
+    touching = []
+    for contact in touching_pairs(scenario):
+        numbers, sideways = springs.get(contact.pair, (settings.numbers_of(contact), None))
+        touching.append(
+            Pair(contact.pair, contact.restitution, contact.friction, numbers, sideways)
+        )
+    given = settings.gives(COEFFICIENTS)
+    apart = untouching_pairs(scenario) if given else jointed_pairs(scenario)
+    return ContactPlan(scenario, tuple(touching), tuple(apart), given)
+
+
+def combined(first: float, second: float, rule: Rule) -> float:
+    """What an engine makes of the values of two bodies."""
+    match rule:
+        case "product":
+            return first * second
+        case "min":
+            return min(first, second)
+        case "max":
+            return max(first, second)
+        case "mean":
+            return (first + second) / 2
+        case "root":
+            return math.sqrt(first * second)
+        case _:
+            return 2 * first * second / (first + second) if first + second else 0.0
+
+
+_TOLD = {
+    "product": "multiplies", "min": "takes the smaller", "max": "takes the larger",
+    "mean": "takes the mean", "root": "takes the root of the product",
+    "harmonic": "takes the harmonic mean",
+}  # fmt: skip
+
+
+def per_body(
+    scenario: Scenario,
+    wanted: Mapping[tuple[str, str], float],
+    prop: str,
+    rule: Rule,
+    engine: str,
+) -> dict[str, float]:
+    """Values of all bodies whose combinations are those of the pairs.
+
+    Args:
+        scenario: the scene.
+        wanted: pair -> value.
+        prop: what the values are, for the message.
+        rule: how the engine combines two of them.
+        engine: its name, for the message.
+
+    Raises:
+        Unsupported: no values give all of them.
+    """
+    values = _candidates(scenario, wanted, rule)
+    for (first, second), value in wanted.items():
+        if abs(value - combined(values[first], values[second], rule)) > 1e-12:
+            raise Unsupported(
+                f"{engine} holds {prop} per body and {_TOLD[rule]}: no values give"
+                f" {first}-{second} = {value:g} together with the other pairs"
+            )
+    return values
+
+
+def _candidates(
+    scenario: Scenario, wanted: Mapping[tuple[str, str], float], rule: Rule
+) -> dict[str, float]:
+    """The values that give all pairs, if any do."""
+    match rule:
+        case "product":
+            return _factors(scenario, wanted)
+        case "root":
+            squares = {pair: value * value for pair, value in wanted.items()}
+            return _factors(scenario, squares)
+        case "min" | "max":
+            # no body may hold less than its largest pair, or more than its smallest
+            pick, own = (max, min)[rule == "max"], {n: list[float]() for n in scenario.bodies}
+            for pair, value in wanted.items():
+                for name in pair:
+                    own[name].append(value)
+            return {name: pick(found, default=0.0) for name, found in own.items()}
+        case _:
+            return _means(scenario, wanted, rule)
+
+
+def _factors(scenario: Scenario, pairs: Mapping[tuple[str, str], float]) -> dict[str, float]:
+    """Per-body values whose products are those of the pairs.
+
+    Fixed bodies hold 1 and moving bodies the value of their pairs with fixed ones, so what is set
+    is what the scenario says; two bodies that touch nothing fixed share theirs equally.
+    """
+    values = {name: 1.0 for name, body in scenario.bodies.items() if body.fixed}
+    for pair, wanted in pairs.items():
+        moving = [name for name in pair if not scenario.bodies[name].fixed]
+        if len(moving) == 1:
+            values.setdefault(moving[0], wanted)
+    for pair, wanted in pairs.items():
+        _share(values, pair, wanted)
+    for name in scenario.bodies:  # those that touch nothing
+        values.setdefault(name, 0.0)
+    return values
+
+
+def _share(values: dict[str, float], pair: tuple[str, str], wanted: float) -> None:
+    """Gives the bodies of a pair that have no value yet one that fits."""
+    first, second = pair
+    if first not in values and second not in values:
+        values[first] = values[second] = math.sqrt(wanted)
+    for name, other in ((first, second), (second, first)):
+        if name not in values:
+            values[name] = wanted / values[other] if values[other] > 0 else 0.0
+
+
+def _means(
+    scenario: Scenario, wanted: Mapping[tuple[str, str], float], rule: Rule
+) -> dict[str, float]:
+    """Values with these means, or harmonic means: the smallest that solve the linear equations."""
+    names = list(scenario.bodies)
+    if not wanted:
+        return dict.fromkeys(names, 0.0)
+    if rule == "harmonic" and not all(wanted.values()):
+        return dict.fromkeys(names, 0.0)  # right where all pairs are 0
+    rows = np.array([[float(name in pair) for name in names] for pair in wanted])
+    sums = np.array([2 / v if rule == "harmonic" else 2 * v for v in wanted.values()])
+    found = np.linalg.lstsq(rows, sums, rcond=None)[0]
+    if rule == "harmonic":
+        found = np.where(found > 0, 1 / np.where(found > 0, found, 1.0), 0.0)
+    # a negative value has no meaning in an engine, and is found not to fit
+    return dict(zip(names, np.maximum(found, 0.0).tolist(), strict=True))
+
+
+def refuse_offsets(scenario: Scenario, engine: str, shapes: int | None = None) -> None:
+    """Refuses what a backend does not build: offset centres of mass, and more shapes than it can.
+
+    Raises:
+        Unsupported: a body has one; names it.
+    """
+    for name, body in scenario.bodies.items():
+        if any(body.center_of_mass_m):
+            raise Unsupported(f"{engine}: the centre of mass of {name} is not at its origin")
+        if shapes is not None and len(body.shapes) > shapes:
+            raise Unsupported(f"{engine}: {name} has more than {shapes} shape")

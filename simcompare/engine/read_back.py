@@ -1,0 +1,214 @@
+"""What is asked of an engine after a scene was built, and how its answers become the audit.
+
+The core asks for every physical value of a scene, and an adapter answers each: with what its engine
+holds, or with a reason why that cannot be read. What is not answered is a fault of the adapter, so
+nothing can be left out without a word.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from simcompare.engine.audit import Audit, AuditRow
+from simcompare.errors import ReadBackMismatch
+from simcompare.settings import SPRING, TUNED
+from simcompare.shapes import sizes_m
+
+if TYPE_CHECKING:
+    from simcompare.engine.scene import Scene
+
+#: what acts on a joint: the part of its law -> unit on a hinge and on a slider
+LAW_UNITS = {
+    "stiffness": ("N·m/rad", "N/m"), "damping": ("N·m·s/rad", "N·s/m"),
+    "friction": ("N·m", "N"), "armature": ("kg·m²", "kg"),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Asked:
+    """One physical value of a scene.
+
+    Attributes:
+        kind: what it is: "step_s", "gravity_m_s2"; of a body "mass_kg", "inertia_kg_m2" (principal
+            moments), "position_m", "center_of_mass_m", "size_m" (of one shape); of a joint
+            "anchor_m" (in the parent's frame), "axis" (in the child's frame), "stiffness", "rest",
+            "damping", "friction", "armature"; of a pair "restitution", "friction".
+        of: the body, joint or pair, empty for the world.
+        value: what the scenario states, one number for each of ``parts``.
+        parts: what tells the numbers apart in their names, such as ".x".
+        unit: of all of them.
+        bodies: of a pair.
+        index: which shape of a body.
+        is_given: whether this level gives it to the engine; else the engine's own is shown.
+        owner: what it belongs to: "world", "body", "joint" or "pair".
+        is_stated: whether the scenario states it; else it is of a shape that a help builds.
+        put: what is to be given where that is something else than is stated: moments of inertia
+            with an armature in them, a coefficient that was sought for this step.
+    """
+
+    kind: str
+    of: str
+    value: tuple[float, ...]
+    parts: tuple[str, ...] = ("",)
+    unit: str = "1"
+    bodies: tuple[str, str] = ("", "")
+    index: int = 0
+    is_given: bool = True
+    owner: str = "body"
+    is_stated: bool = True
+    put: tuple[float, ...] | None = None
+
+    @property
+    def quantity(self) -> str:
+        """Its name in the audit, without the parts."""
+        if self.owner == "pair":
+            return f"{self.of} {self.kind}"
+        if self.kind == "step_s":
+            return f"engine {self.kind}"
+        return f"{self.of}.{self.kind}" if self.of else self.kind
+
+
+@dataclass(frozen=True)
+class Held:
+    """An answer: what the engine holds.
+
+    Attributes:
+        parameter: what the engine calls it.
+        value: what it holds, in the order of :attr:`Asked.parts`; ``None`` in place of a part that
+            it does not have, and for all where it cannot be read.
+        put: what it was given where that is something else than :attr:`Asked.put`.
+        note: why it was set so, or why it cannot be read.
+        unit: where it is another one.
+    """
+
+    parameter: str
+    value: float | Sequence[float | None] | None
+    put: float | Sequence[float] | None = None
+    note: str = ""
+    unit: str = ""
+
+
+def unreadable(parameter: str, note: str) -> Held:
+    """The answer for what was set and has no getter."""
+    return Held(parameter, None, note=note)
+
+
+#: an adapter's answer: one value, or several that stand for the one that is asked for
+Answer = Held | Sequence[Held]
+#: what an engine holds of one thing, by :attr:`Asked.kind`; of "size_m" one answer for each shape
+Table = Mapping[str, Answer]
+
+
+def asked(scene: Scene) -> Iterator[Asked]:
+    """Every physical value of a scene."""
+    scenario = scene.scenario
+    yield Asked("step_s", "", (scenario.world.engine_step_s,), unit="s", owner="world")
+    yield Asked("gravity_m_s2", "", scenario.world.gravity_m_s2, _XYZ, "m/s²", owner="world")
+    free = scenario.free_bodies()
+    for name, body in scenario.moving_bodies().items():
+        assert body.mass_kg is not None
+        assert body.inertia_kg_m2 is not None
+        yield Asked("mass_kg", name, (body.mass_kg,), unit="kg")
+        put = (*np.diag(scene.inertia(name)).tolist(),) if scene.armature_on(name) else None
+        yield Asked("inertia_kg_m2", name, body.inertia_kg_m2, _PRINCIPAL, "kg·m²", put=put)
+        if name in free:  # those on joints are compared where they are at the start
+            yield Asked("position_m", name, body.position_m, _XYZ, "m")
+        if any(body.center_of_mass_m):
+            yield Asked("center_of_mass_m", name, body.center_of_mass_m, _XYZ, "m")
+        stated = tuple(body.shapes) == tuple(scene.shapes[name])
+        for i, shape in enumerate(scene.shapes[name]):
+            sizes = sizes_m(shape)
+            parts, values = tuple(f".{part}" for part in sizes), tuple(sizes.values())
+            if sizes:
+                yield Asked("size_m", name, values, parts, "m", index=i, is_stated=stated)
+    yield from _joints(scene)
+    for pair in scene.contacts.touching:
+        given = scene.contacts.are_given
+        # a spring and damper is no coefficient, so it is given only with everything else
+        bounces = given and (scene.traits.bounces_by != SPRING or scene.gives(TUNED))
+        for kind, value, put, is_given in (
+            ("restitution", pair.restitution, pair.numbers[:1], bounces),
+            ("friction", pair.friction, None, given),
+        ):
+            yield Asked(
+                kind, pair.name, (value,), bodies=pair.bodies, is_given=is_given, owner="pair",
+                put=put,
+            )  # fmt: skip
+
+
+_XYZ = (".x", ".y", ".z")
+_PRINCIPAL = (".1", ".2", ".3")
+
+
+def _joints(scene: Scene) -> Iterator[Asked]:
+    for name, joint in scene.joints.items():
+        yield Asked("anchor_m", name, joint.joint.anchor_m, _XYZ, "m", owner="joint")
+        if not joint.is_movable:
+            continue
+        yield Asked("axis", name, joint.mount.axis, _XYZ, owner="joint")
+        for part, units in LAW_UNITS.items():
+            value = getattr(joint.law, part)
+            if value:
+                unit = units[joint.joint.type == "slider"]
+                yield Asked(part, name, (value,), unit=unit, owner="joint")
+        if joint.law.stiffness and joint.law.rest:
+            yield Asked("rest", name, (joint.law.rest,), unit="SI", owner="joint")
+
+
+def audit_of(
+    scene: Scene, answers: Sequence[tuple[Asked, Answer | None]], own: Sequence[AuditRow]
+) -> tuple[AuditRow, ...]:
+    """All rows: what was asked for, then the engine's own parameters.
+
+    Raises:
+        ReadBackMismatch: the engine holds another value than was set, or an answer is missing; all
+            of them are named.
+    """
+    silent = [ask for ask, answer in answers if answer is None]
+    if silent:
+        raise ReadBackMismatch(
+            scene.engine,
+            [f"{ask.quantity}: the adapter does not say what the engine holds" for ask in silent],
+        )
+    audit = Audit(scene.engine, relative=scene.traits.precision)
+    for ask, answer in answers:
+        assert answer is not None
+        for held in (answer,) if isinstance(answer, Held) else answer:
+            _add(audit, ask, held, scene.traits.precision)
+    audit.rows += own
+    return audit.finish()
+
+
+#: what is placed: rounding about 0 is no difference there
+_PLACES = ("anchor_m", "axis", "position_m", "center_of_mass_m")
+_ROUNDING = 1e-12
+
+
+def _add(audit: Audit, ask: Asked, held: Held, precision: float) -> None:
+    values = _parts_of(ask, held.value)
+    to_give = ask.value if ask.put is None else ask.put
+    puts = _parts_of(ask, to_give if held.put is None else held.put)
+    slack = max(_ROUNDING, precision * max(map(abs, ask.value))) if ask.kind in _PLACES else 0.0
+    for part, wanted, put, value in zip(ask.parts, ask.value, puts, values, strict=True):
+        if value is None and held.value is not None:
+            continue  # the engine has no such part
+        assert put is not None
+        quantity = f"{ask.of}{part}" if ask.kind == "size_m" else f"{ask.quantity}{part}"
+        clean = put if value is not None and abs(put - value) < slack else value
+        audit.add(
+            quantity, wanted if ask.is_stated else None, held.parameter,
+            (put if ask.is_given else None, clean),
+            held.unit or ask.unit, held.note if ask.is_given else "engine's default",
+        )  # fmt: skip
+
+
+def _parts_of(ask: Asked, values: float | Sequence[float | None] | None) -> Sequence[float | None]:
+    """One value for each part of what was asked for; engines like to give arrays."""
+    plain = values.tolist() if isinstance(values, np.ndarray | np.generic) else values
+    parts = plain if isinstance(plain, Sequence) else [plain] * len(ask.parts)
+    assert len(parts) == len(ask.parts), f"{ask.quantity} has {len(ask.parts)} parts"
+    return parts

@@ -1,0 +1,218 @@
+"""One open scene in an engine: the stepping form, and the recording loop built on it.
+
+An adapter takes one of the bases (``reduced``, ``planar``, ``spatial``), which bring most of its
+hooks; what is left for it is to build, step, push, and say what it holds.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from simcompare.engine.drives import checked_inputs, input_values
+from simcompare.engine.helped import HelpedSimulation
+from simcompare.engine.helps import HELPS
+from simcompare.engine.sensing import complete
+from simcompare.engine.short_turns import note_of_turns, refuse_slowed
+from simcompare.errors import InputError
+from simcompare.scenario import SENSOR_SIGNALS, Scenario
+from simcompare.trajectory import Array, Trajectory
+
+#: what a controller reads: every signal now, a number or a tuple of its components
+Readings = Mapping[str, float | tuple[float, ...]]
+#: called as controller(time_s, readings) before each recorded step; returns inputs by name
+Controller = Callable[[float, Readings], Mapping[str, float]]
+
+
+class Simulation(HelpedSimulation):
+    """An opened scene. Engines implement the small hooks; all else is here or comes with it."""
+
+    # --- the stepping form --------------------------------------------------------------------
+
+    def step(self, inputs: Mapping[str, float] | None = None) -> None:
+        """Advances by one recorded step.
+
+        Args:
+            inputs: values of inputs during this step; those left out follow their signals.
+
+        Raises:
+            InputError: values that are not finite numbers, or no mapping.
+            UnknownName: an input that the scenario does not have.
+        """
+        self.ensure_open()
+        self._take_step(checked_inputs(self.scenario, self.time_s, inputs))
+
+    def read(self) -> Readings:
+        """Every signal now, as a controller sees it.
+
+        Forces are those at the start of the last recorded step, or at its end where an engine tells
+        those, and 0 before the first one. What needs an acceleration feels none in the first three
+        samples.
+        """
+        self.ensure_open()
+        if not self._recent:
+            self._remember(self._row_now(), {})
+        times = np.array([time for time, _, _ in self._recent])
+        rows = np.array([row for _, row, _ in self._recent], dtype=float)
+        inputs = {
+            name: np.array([held.get(name, value) for (_, _, held), value in zip(
+                self._recent, values.tolist(), strict=True)])
+            for name, values in input_values(self.scenario, times).items()
+        }  # fmt: skip
+        signals = self.signals(rows, times, inputs, lagging=False)
+        return {
+            name: float(values[-1]) if values.ndim == 1 else tuple(values[-1].tolist())
+            for name, values in signals.items()
+        }
+
+    def _take_step(self, inputs: dict[str, float] | None) -> Sequence[float]:
+        """One recorded step and its row."""
+        if self._drive is not None:
+            self._drive.hold(inputs)
+        if self._landing is None:
+            self._stagger_start()
+            row: Sequence[float] = self.record(1)[0]
+        elif self._landing.free_steps(self) >= 1:
+            self.use_step(self._whole_step_s, frozenset())
+            self.advance(1)
+            row = self.row()
+        else:
+            self._landing.step(self)
+            row = self.row()
+        self._count += 1
+        self.check()
+        self._remember(row, inputs or {})
+        return row
+
+    def _row_now(self) -> Sequence[float]:
+        return (*self.row(), *[0.0] * self._force_columns)
+
+    def _remember(self, row: Sequence[float], inputs: dict[str, float]) -> None:
+        self._recent.append((self.time_s, row, inputs))
+
+    # --- the whole run ------------------------------------------------------------------------
+
+    def run(self, source: str, version: str, controller: Controller | None = None) -> Trajectory:
+        """Records the scenario from its start to its end.
+
+        Args:
+            source: name of the engine.
+            version: its version.
+            controller: gives the inputs of each recorded step; without one they follow the
+                scenario's signals.
+        """
+        self.ensure_open()
+        if self._count:
+            raise InputError(
+                f"run of {self.scenario.name} in {self.scene.engine}",
+                [f"the simulation is at t = {self.time_s:g} s already; open a new one"],
+            )
+        started = time.perf_counter()
+        times = sample_times(self.scenario)
+        inputs = input_values(self.scenario, times)
+        blocks: list[list[Sequence[float]] | Array] = [[self._row_now()]]
+        if controller is None:
+            blocks += self._record_all(len(times) - 1)
+        else:
+            blocks.append(self._controlled(len(times) - 1, controller, inputs))
+        if self._force_sensors and not self._forces_at_end:
+            # the forces at the last sample are those of a step that begins there
+            end = self.save()
+            blocks.append(self.record(1))
+            self.restore(end)
+        self.check()
+        rows = np.concatenate([np.asarray(block, dtype=float) for block in blocks])
+        stepped = {"step": time.perf_counter() - started}
+        signals = self.signals(rows, times, inputs)
+        refuse_slowed(self.scene, signals, self.step_s, times)
+        self.notes += note_of_turns(self.scene, signals, self.step_s / self.inner_steps)
+        return Trajectory(
+            source=source,
+            time_s=times,
+            signals=signals,
+            version=version,
+            wall_s={**self.wall_s, **stepped},
+            audit=self.audit,
+            notes=(*self.notes, *(f"{name}: {why}" for name, why in self.lacks.items())),
+            helps=tuple(name for name in HELPS if name in self.helps),
+            velocity_offset_s=self.velocity_offset_s,
+            tuning=self.tuning,
+            lacks=self.lacks,
+        )
+
+    def _record_all(self, count: int) -> list[list[Sequence[float]] | Array]:
+        if self._landing is None:
+            self._stagger_start()
+            whole = self.record(count)
+            self._count += count
+            return [whole]
+        blocks: list[list[Sequence[float]] | Array] = []
+        done = 0
+        while done < count:
+            free = self._landing.free_steps(self)
+            if free:
+                taken = min(free, count - done)
+                self.use_step(self._whole_step_s, frozenset())
+                blocks.append(self.record(taken))
+            else:
+                taken = 1
+                self._landing.step(self)
+                blocks.append([self.row()])
+            done += taken
+        self._count += count
+        return blocks
+
+    def _controlled(
+        self, count: int, controller: Controller, inputs: dict[str, Array]
+    ) -> list[Sequence[float]]:
+        """Steps with a controller in the loop; writes what it gave into the recorded inputs."""
+        rows = []
+        for k in range(count):
+            answer = controller(self.time_s, self.read())
+            if answer is None:
+                raise InputError(
+                    f"inputs at t = {self.time_s:g} s",
+                    ["the controller returned nothing; expected a mapping of input -> number"],
+                )
+            given = checked_inputs(self.scenario, self.time_s, answer)
+            for name, value in (given or {}).items():
+                inputs[name][k:] = value
+            rows.append(self._take_step(given))
+        return rows
+
+    def signals(
+        self, rows: Array, time_s: Array, inputs: Mapping[str, Array], *, lagging: bool = True
+    ) -> dict[str, Array]:
+        """Every signal of a trajectory from the rows of an engine.
+
+        Args:
+            rows: what was recorded (n, k), one row more where forces lag.
+            time_s: sample times (n,).
+            inputs: values of the inputs at these times.
+            lagging: whether each row holds the forces of the sample before it, as in a whole run.
+        """
+        count = len(time_s)
+        width = rows.shape[1] - self._force_columns
+        found = self.motions(rows[:count, :width])
+        forces = rows[:, width:]
+        if lagging and self._force_columns:
+            # where they act at a step's start, the step after a sample holds them
+            forces = np.vstack((forces[1:2], forces[1:])) if self._forces_at_end else forces[1:]
+        column, first = 0, self._first_forces if lagging else None
+        for name, sensor in self._force_sensors.items():
+            part, size = SENSOR_SIGNALS[sensor.type]
+            block = forces[:count, column : column + size].copy()
+            if first is not None:
+                block[0] = first[column : column + size]
+            found[f"{name}.{part}"] = block if size > 1 else block[:, 0].copy()
+            column += size
+        complete(self.scenario, time_s, found, inputs)
+        return found
+
+
+def sample_times(scenario: Scenario) -> Array:
+    """Times of all samples of a scenario [s], the start included."""
+    count = round(scenario.world.duration_s / scenario.world.step_s)
+    return np.asarray(np.arange(count + 1) * scenario.world.step_s, dtype=float)

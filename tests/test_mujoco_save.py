@@ -1,0 +1,119 @@
+"""MuJoCo goes back to what was saved and on from there bit for bit, its solver's memory too."""
+
+import numpy as np
+import pytest
+
+from simcompare import catalogue, engines
+from simcompare.scenario import Scenario
+from simcompare.settings import ASSISTED, CONTACT_LEVELS, TUNED, Settings
+
+pytest.importorskip("mujoco")
+
+MUJOCO = engines.get("mujoco")
+EDGE = 0.04
+
+
+def box(place, **more):
+    return {
+        "mass_kg": 0.1, "inertia_kg_m2": [2.7e-5, 2.7e-5, 2.7e-5],
+        "position_m": [0.002 * place, 0, EDGE * (place + 0.5)],
+        "shapes": [{"type": "box", "size_m": [EDGE, EDGE, EDGE]}], **more,
+    }  # fmt: skip
+
+
+def tower(air_density_kg_m3=0.0):
+    """Three boxes on one another, of which the lowest slides, and beside them a driven wheel."""
+    drag = {"coefficient": 1, "area_m2": EDGE**2, "air_density_kg_m3": air_density_kg_m3}
+    wheel = {"mass_kg": 0.1, "inertia_kg_m2": [1e-4, 1e-4, 1e-4], "position_m": [0, 1, 1]}
+    axle = {
+        "type": "hinge", "parent": "wall", "child": "wheel", "axis": [0, 1, 0],
+        "anchor_m": [0, 1, 1], "damping": 1e-3, "friction": 1e-3, "stiffness": 0.1,
+    }  # fmt: skip
+    tree = {
+        "name": "tower", "title": "Tower", "question": "Where does it fall?",
+        "world": {"duration_s": 0.2, "step_s": 0.001},
+        "bodies": {
+            "floor": {"fixed": True, "shapes": [{"type": "plane"}]}, "wall": {"fixed": True},
+            "low": box(0, velocity_m_s=[0.8, 0.1, 0], rate_rad_s=[0, 0, 2], drag=drag),
+            "mid": box(1), "top": box(2), "wheel": wheel,
+        },
+        "joints": {"axle": axle},
+        "inputs": {"u": {"signal": "ramp", "end": 0.05, "end_s": 0.2}},
+        "actuators": {"motor": {"type": "torque", "joint": "axle", "input": "u"}},
+        "contacts": [
+            {"pair": ["low", "floor"], "friction": 0.4}, {"pair": ["mid", "low"], "friction": 0.3},
+            {"pair": ["top", "mid"], "friction": 0.3},
+        ],
+        "sensors": {"scale": {"type": "contact_force", "pair": ["low", "floor"]},
+                    "bearing": {"type": "force", "joint": "axle"}},
+    }  # fmt: skip
+    return Scenario.model_validate(tree)
+
+
+def stepped(simulation, count):
+    """Everything that is read after each of some steps."""
+    found = []
+    for _ in range(count):
+        simulation.step()
+        found.append(np.hstack(list(simulation.read().values())))
+    return np.array(found)
+
+
+def recorded(simulation, count):
+    """Motion and forces of some steps, which are taken in one native call where none has drag."""
+    return np.asarray(simulation.record(count), dtype=float)
+
+
+@pytest.mark.parametrize("level", CONTACT_LEVELS)
+@pytest.mark.parametrize("air_density_kg_m3", [0.0, 1.2])
+@pytest.mark.parametrize("go_on", [stepped, recorded])
+def test_boxes_that_slide_on_one_another_go_on_as_before(level, air_density_kg_m3, go_on):
+    simulation = MUJOCO.open(tower(air_density_kg_m3), Settings(level))
+    stepped(simulation, 30)
+    saved = simulation.save()
+    first = go_on(simulation, 40)
+    assert (np.ptp(first, axis=0) > 1e-3).sum() > 10, "much moves, and forces change"
+    for wandered in (1, 25):
+        recorded(simulation, wandered)
+        simulation.restore(saved)
+        assert simulation.time_s == pytest.approx(0.03)
+        assert np.array_equal(go_on(simulation, 40), first)
+    simulation.close()
+
+
+def test_a_token_is_good_for_a_simulation_that_was_put_elsewhere():
+    simulation = MUJOCO.open(tower(), Settings(TUNED))
+    start = simulation.state
+    stepped(simulation, 30)
+    saved = simulation.save()
+    first = stepped(simulation, 10)
+    simulation.set_state(start)
+    stepped(simulation, 5)
+    simulation.restore(saved)
+    assert np.array_equal(stepped(simulation, 10), first)
+    simulation.close()
+
+
+def test_a_plain_state_forgets_what_the_solver_remembers():
+    """Two ways to the same state go on alike, bit for bit."""
+    simulation = MUJOCO.open(tower(), Settings(TUNED))
+    stepped(simulation, 30)
+    state = simulation.state
+    simulation.set_state(state)
+    first = stepped(simulation, 10)
+    simulation.set_state(state)
+    assert np.array_equal(stepped(simulation, 10), first)
+    simulation.close()
+
+
+def test_a_ball_that_is_saved_within_an_impact_bounces_as_before():
+    simulation = MUJOCO.open(catalogue.load("ball").resolve({}), Settings(ASSISTED))
+    while simulation.read()["ball.velocity_m_s"][2] < 1:  # it falls
+        before = simulation.save()
+        simulation.step()
+    bounced = stepped(simulation, 20)
+    simulation.restore(before)  # the impact is within the next step
+    assert simulation.read()["ball.velocity_m_s"][2] < -1
+    simulation.step()
+    assert np.array_equal(stepped(simulation, 20), bounced)
+    simulation.close()
