@@ -1,4 +1,4 @@
-"""Which engines there are: one file each in ``backends/``, and other packages' entry points.
+"""Which engines there are: a file or folder each in ``backends/``, and other packages' entries.
 
 Names are found without importing anything; a backend is imported when it is asked for.
 """
@@ -8,13 +8,15 @@ from __future__ import annotations
 import functools
 import importlib
 import importlib.metadata
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from simcompare.errors import EngineBroken, UnknownName
+from simcompare import elsewhere
+from simcompare.errors import EngineBroken, EngineElsewhere, UnknownName
 
 if TYPE_CHECKING:
-    from simcompare.backend import Backend
+    from simcompare.engine.backend import Backend
 
 ENTRY_POINT_GROUP = "simcompare.backends"
 _FOLDER = Path(__file__).parent / "backends"
@@ -22,11 +24,14 @@ _FOLDER = Path(__file__).parent / "backends"
 
 @functools.cache
 def _built_in() -> dict[str, str]:
-    """Engine -> ``module:attribute`` for every file ``<engine>_.py`` of the backends' folder."""
-    return {
-        path.stem[:-1]: f"simcompare.backends.{path.stem}:BACKEND"
-        for path in sorted(_FOLDER.glob("[a-z]*_.py"))
-    }
+    """Engine -> ``module:attribute`` for every file ``<engine>_.py`` of the backends' folder.
+
+    An engine that needs more files has a folder of its name, and its object in ``backend.py``.
+    """
+    files = {path.stem[:-1]: path.stem for path in _FOLDER.glob("[a-z]*_.py")}
+    folders = {path.parent.name for path in _FOLDER.glob("[a-z]*/backend.py")}
+    found = files | {name: f"{name}.backend" for name in folders}
+    return {name: f"simcompare.backends.{found[name]}:BACKEND" for name in sorted(found)}
 
 
 def targets() -> dict[str, str]:
@@ -47,12 +52,12 @@ def get(name: str) -> Backend:
     """The backend of that name.
 
     Raises:
-        UnknownName: no such engine; names the nearest.
+        UnknownName: no such engine; names the nearest, or tells why it cannot run here.
         EngineBroken: the backend's own code cannot be imported.
     """
     known = targets()
     if name not in known:
-        raise UnknownName("engine", name, known)
+        raise _unknown(name, known)
     module, _, attribute = known[name].partition(":")
     try:
         found = getattr(importlib.import_module(module), attribute)
@@ -78,5 +83,19 @@ def select(text: str) -> list[str]:
     known = names()
     for name in wanted or [text]:
         if name not in known:
-            raise UnknownName("engine", name, [*known, "all"])
+            raise _unknown(name, [*known, "all"])
     return list(dict.fromkeys(wanted))
+
+
+def _unknown(name: str, known: Iterable[str]) -> UnknownName:
+    """The error for a name that is no backend's; some are those of engines that run elsewhere."""
+    engine = elsewhere.find(name)
+    if engine is None:
+        return UnknownName("engine", name, known)
+    cures = [
+        *engine.lines(),
+        "simcompare doctor tells how the results come back",
+        f"engines of simcompare: {', '.join(names())}",
+    ]
+    why = f"{engine.why} [{engine.why_reference}]"
+    return EngineElsewhere(name, engine.title, why, cures, known)

@@ -89,6 +89,25 @@ class SignalLacking(UnknownName):
         self.args = (f"{source} does not give {signal}: {reason}",)
 
 
+class EngineElsewhere(UnknownName):
+    """An engine that simcompare cannot run; a user who has it can carry scenes there.
+
+    Args:
+        name: the name that was given.
+        title: the engine's full name.
+        why: why it cannot run.
+        cures: what can be done, a sentence or a command each.
+        known: the engines that can run.
+    """
+
+    def __init__(
+        self, name: str, title: str, why: str, cures: Sequence[str], known: Iterable[str]
+    ) -> None:
+        super().__init__("engine", name, known)
+        lines = "".join(f"\n  - {cure}" for cure in cures)
+        self.args = (f"{title} cannot run here. {why}{lines}",)
+
+
 class OutputError(SimcompareError):
     """The results could not be written; nothing half-written is left behind."""
 
@@ -104,14 +123,15 @@ class EngineMissing(BackendError):
 
     Args:
         engine: name of the engine.
-        module: the Python module that was not found.
+        module: what was not found.
         install: the command that cures it.
+        kind: what that is, a "module" of Python, a "library" of the system or a "program".
     """
 
-    def __init__(self, engine: str, module: str, install: str) -> None:
+    def __init__(self, engine: str, module: str, install: str, kind: str = "module") -> None:
         self.engine, self.module, self.install = engine, module, install
         super().__init__(
-            f"{engine} is not installed (no module {module!r}); cure: {to_paste(install)}"
+            f"{engine} is not installed (no {kind} {module!r}); cure: {to_paste(install)}"
         )
 
 

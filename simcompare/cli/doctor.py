@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from simcompare.elsewhere import Elsewhere
 
 
 def doctor(
@@ -10,13 +17,20 @@ def doctor(
 ) -> None:
     """Engines found, versions, features, known limits, a self-test, and what is missing."""
     from simcompare import doctor as examination
+    from simcompare import elsewhere
     from simcompare.cli import console
-    from simcompare.helps import known
+    from simcompare.engine.helps import known
     from simcompare.jobs import FAILED
 
     found = examination.doctor()
+    not_here = elsewhere.others([diagnosis.engine for diagnosis in found])
     if as_json:
-        console.print_json({"engines": [diagnosis.to_dict() for diagnosis in found]})
+        console.print_json(
+            {
+                "engines": [diagnosis.to_dict() for diagnosis in found],
+                "engines_elsewhere": [engine.to_dict() for engine in not_here],
+            }
+        )
     else:
         for diagnosis in found:
             facts = diagnosis.facts
@@ -30,4 +44,23 @@ def doctor(
                 typer.echo(f"  mapping: {facts.mapping}")
             if facts.helps:
                 typer.echo(f"  helps: {known(facts.helps)}")
+        _tell_elsewhere(not_here)
     raise typer.Exit(3 if any(diagnosis.status == FAILED for diagnosis in found) else 0)
+
+
+def _tell_elsewhere(engines: Sequence[Elsewhere]) -> None:
+    """Engines that cannot run here: why, how a scene gets there, and how results come back."""
+    from simcompare import elsewhere
+
+    typer.echo("\nEngines that cannot run here")
+    typer.echo(elsewhere.UNTRIED)
+    for engine in engines:
+        typer.echo(f"{engine.name} ({engine.title})")
+        typer.echo(f"  why: {engine.why} [{engine.why_reference}]")
+        for line in engine.lines():
+            typer.echo(f"  {line}")
+    typer.echo("For all of these:")
+    for sentence, commands in elsewhere.BACK:
+        typer.echo(f"  {sentence}")
+        for command in commands:
+            typer.echo(f"    {command}")

@@ -9,16 +9,19 @@ def list_(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
     """Scenarios, engines and published measurements, a line each."""
-    from simcompare import catalogue, engines
+    from simcompare import catalogue, elsewhere, engines
 
     scenarios = catalogue.summaries()
+    names = engines.names()
+    not_here = elsewhere.names(names)
     if as_json:
         from simcompare.cli.console import print_json
 
         print_json(
             {
                 "scenarios": [{"name": name, "summary": text} for name, text in scenarios],
-                "engines": engines.names(),
+                "engines": names,
+                "engines_elsewhere": not_here,
                 "measurements": _measurements(),
             }
         )
@@ -28,7 +31,9 @@ def list_(
     for name, text in scenarios:
         typer.echo(f"  {name:<{width}} {text}")
     typer.echo("Engines (simcompare doctor):")
-    typer.echo(f"  {', '.join(engines.names())}")
+    typer.echo(f"  {', '.join(names)}")
+    typer.echo("Engines that cannot run here (why, and what to do: simcompare doctor):")
+    typer.echo(f"  {', '.join(not_here)}")
     typer.echo("Published measurements (simcompare run SCENARIO --against NAME):")
     for name in _measurements():
         typer.echo(f"  {name}")
