@@ -5,6 +5,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 ENGINES ?= all
 BIN := $(VENV)/bin
 comma := ,
+engines := $(subst $(comma), ,$(ENGINES))
 # one stamp for every choice of engines
 INSTALLED := $(VENV)/.installed-$(subst $(comma),-,$(ENGINES))
 
@@ -51,9 +52,10 @@ $(BIN)/pip:
 	  { package=$$("$$python" -c 'import sys; print("python3.%d-venv" % sys.version_info[1])'); $(install); }; \
 	echo "$$("$$python" --version), environment in $(VENV)"; "$$python" -m venv $(VENV)
 
-# dartpy's wheel needs libGL, which a machine without a screen may lack
-libraries = $(BIN)/python -c 'import ctypes; ctypes.CDLL("libGL.so.1")' 2>/dev/null || \
-  ! command -v apt-get >/dev/null || { package=libgl1; $(install); }
+# dartpy's wheel needs libGL, which a machine without a screen may lack; ODE is a library itself
+libraries = for needed in libGL.so.1:libgl1 $(if $(filter all ode,$(engines)),libode.so.8:libode8); do \
+    $(BIN)/python -c "import ctypes; ctypes.CDLL('$${needed%:*}')" 2>/dev/null || \
+    ! command -v apt-get >/dev/null || { package=$${needed\#*:}; $(install); }; done
 
 # Gazebo's checker of SDF, for the tests; newer Debian has none, and its tests skip
 checker = ign sdf -d >/dev/null 2>&1 || gz sdf -d >/dev/null 2>&1 || \

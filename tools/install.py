@@ -28,7 +28,7 @@ def main() -> int:
     names, extras = sys.argv[1], sys.argv[2:]
     text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     optional = tomllib.loads(text)["project"]["optional-dependencies"]
-    known = [name for name in optional if (ROOT / "backends" / f"{name}_.py").is_file()]
+    known = [name for name in optional if has_backend(name)]
     engines = known if names == "all" else names.split(",")
     for name in engines:
         if name not in known:
@@ -48,6 +48,12 @@ def main() -> int:
             name, ["--only-binary", ":all:", *optional[name]], cure=how_to_build(optional[name])
         )
     return 0
+
+
+def has_backend(name: str) -> bool:
+    """Whether an extra is an engine's: that has a file of its name, or a folder."""
+    places = (f"{name}_.py", f"{name}/backend.py")
+    return any((ROOT / "backends" / place).is_file() for place in places)
 
 
 def install(what: str, words: list[str], cure: str = "") -> bool:

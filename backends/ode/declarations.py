@@ -1,0 +1,102 @@
+"""What is used of ODE 0.16, in C, as its headers declare it for a build in double precision."""
+
+DECLARATIONS = """
+enum { dContactFDir1 = 0x002, dContactBounce = 0x004, dContactApprox1 = 0x7000, dParamFMax = 5 };
+/* of ours: dContactSoftERP, dContactSoftCFM, dContactSlip1 and dContactSlip2 */
+enum { dContactSoft = 0x318 };
+typedef double dReal;
+typedef dReal dVector3[4];
+typedef dReal dMatrix3[12];
+typedef dReal dQuaternion[4];
+typedef struct dxWorld *dWorldID;
+typedef struct dxSpace *dSpaceID;
+typedef struct dxBody *dBodyID;
+typedef struct dxGeom *dGeomID;
+typedef struct dxJoint *dJointID;
+typedef struct dxJointGroup *dJointGroupID;
+typedef struct { dReal mass; dVector3 c; dMatrix3 I; } dMass;
+typedef struct {
+  int mode; dReal mu, mu2, rho, rho2, rhoN, bounce, bounce_vel, soft_erp, soft_cfm;
+  dReal motion1, motion2, motionN, slip1, slip2;
+} dSurfaceParameters;
+typedef struct {
+  dVector3 pos, normal; dReal depth; dGeomID g1, g2; int side1, side2;
+} dContactGeom;
+typedef struct { dSurfaceParameters surface; dContactGeom geom; dVector3 fdir1; } dContact;
+typedef struct { dVector3 f1, t1, f2, t2; } dJointFeedback;
+int dInitODE2(unsigned int flags);
+int dAllocateODEDataForThread(unsigned int flags);
+int dCheckConfiguration(const char *token);
+typedef void dMessageFunction(int number, const char *text, void *arguments);
+void dSetMessageHandler(dMessageFunction *);
+dWorldID dWorldCreate(void);
+void dWorldDestroy(dWorldID);
+void dWorldSetGravity(dWorldID, dReal x, dReal y, dReal z);
+void dWorldGetGravity(dWorldID, dVector3 gravity);
+void dWorldSetERP(dWorldID, dReal);
+dReal dWorldGetERP(dWorldID);
+void dWorldSetCFM(dWorldID, dReal);
+dReal dWorldGetCFM(dWorldID);
+void dWorldSetContactMaxCorrectingVel(dWorldID, dReal);
+dReal dWorldGetContactMaxCorrectingVel(dWorldID);
+int dWorldStep(dWorldID, dReal step);
+dBodyID dBodyCreate(dWorldID);
+void dBodySetMass(dBodyID, const dMass *);
+void dBodyGetMass(dBodyID, dMass *);
+void dRfromQ(dMatrix3, const dQuaternion);
+void dBodySetPosition(dBodyID, dReal x, dReal y, dReal z);
+dReal *dBodyGetPosition(dBodyID);
+dReal *dBodyGetRotation(dBodyID);
+dReal *dBodyGetQuaternion(dBodyID);
+dReal *dBodyGetLinearVel(dBodyID);
+dReal *dBodyGetAngularVel(dBodyID);
+void dBodyAddForce(dBodyID, dReal x, dReal y, dReal z);
+void dBodyAddTorque(dBodyID, dReal x, dReal y, dReal z);
+void dBodyGetPointVel(dBodyID, dReal x, dReal y, dReal z, dVector3 velocity);
+void dBodySetFiniteRotationMode(dBodyID, int mode);
+int dBodyGetFiniteRotationMode(dBodyID);
+dGeomID dCreateSphere(dSpaceID, dReal radius);
+dGeomID dCreateBox(dSpaceID, dReal x, dReal y, dReal z);
+dGeomID dCreatePlane(dSpaceID, dReal a, dReal b, dReal c, dReal d);
+dGeomID dCreateCylinder(dSpaceID, dReal radius, dReal length);
+dGeomID dCreateCapsule(dSpaceID, dReal radius, dReal length);
+dReal dGeomSphereGetRadius(dGeomID);
+void dGeomBoxGetLengths(dGeomID, dVector3 size);
+void dGeomCylinderGetParams(dGeomID, dReal *radius, dReal *length);
+void dGeomCapsuleGetParams(dGeomID, dReal *radius, dReal *length);
+void dGeomSetBody(dGeomID, dBodyID);
+void dGeomSetPosition(dGeomID, dReal x, dReal y, dReal z);
+void dGeomSetQuaternion(dGeomID, const dQuaternion);
+void dGeomSetOffsetPosition(dGeomID, dReal x, dReal y, dReal z);
+void dGeomSetOffsetQuaternion(dGeomID, const dQuaternion);
+dSpaceID dSimpleSpaceCreate(dSpaceID);
+void dSpaceDestroy(dSpaceID);
+int dCollide(dGeomID, dGeomID, int most, dContactGeom *, int skip);
+dJointGroupID dJointGroupCreate(int);
+void dJointGroupEmpty(dJointGroupID);
+void dJointGroupDestroy(dJointGroupID);
+dJointID dJointCreateContact(dWorldID, dJointGroupID, const dContact *);
+dJointID dJointCreateHinge(dWorldID, dJointGroupID);
+dJointID dJointCreateSlider(dWorldID, dJointGroupID);
+dJointID dJointCreateFixed(dWorldID, dJointGroupID);
+void dJointAttach(dJointID, dBodyID, dBodyID);
+void dJointSetFeedback(dJointID, dJointFeedback *);
+void dJointSetFixed(dJointID);
+void dJointSetHingeAnchor(dJointID, dReal x, dReal y, dReal z);
+void dJointGetHingeAnchor2(dJointID, dVector3 anchor);
+void dJointSetHingeAxis(dJointID, dReal x, dReal y, dReal z);
+void dJointGetHingeAxis(dJointID, dVector3 axis);
+void dJointSetHingeParam(dJointID, int parameter, dReal);
+dReal dJointGetHingeParam(dJointID, int parameter);
+void dJointAddHingeTorque(dJointID, dReal);
+void dJointSetSliderAxis(dJointID, dReal x, dReal y, dReal z);
+void dJointGetSliderAxis(dJointID, dVector3 axis);
+void dJointSetSliderParam(dJointID, int parameter, dReal);
+dReal dJointGetSliderParam(dJointID, int parameter);
+void dJointAddSliderForce(dJointID, dReal);
+/* of ours: two geoms that may touch, and where they do in this step */
+typedef struct {
+  dGeomID first, second; dBodyID on, against; int count;
+  dContact points[16]; dJointFeedback felt[16];
+} Touch;
+"""
