@@ -1,0 +1,1 @@
+"""Box2D 3 through ``pyb2d3``: a planar engine in single precision, joints are soft constraints."""
