@@ -1,0 +1,1 @@
+"""Rapier: bodies in space with coordinates of their own, in single precision."""
