@@ -23,8 +23,9 @@ _TICK_LETTERS = 50
 _NO_SPAN, _DUST = 1e-6, 1e-9
 #: sizes whose ticks read well without a power of ten
 _PLAIN_SIZES = (1e-3, 1e6)
-# Okabe and Ito: told apart by colour-blind readers; yellow is left out, it vanishes on white
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+# Okabe and Ito: told apart by colour-blind readers; yellow is left out, it vanishes on white, and
+# Tol's wine stands in its place
+_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#882255")
 _DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
 _MARKERS = ("circle", "square", "diamond", "triangle-up", "triangle-down", "x", "star")
 
