@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from simcompare.levels import ALL
+from simcompare.assist import ALL
 from simcompare.reports import fitted, numbers, real
 from simcompare.reports.fitted import CLOSED, RESTITUTION, Record
 from simcompare.reports.tables import Column, Group, Table, printable, scale_of

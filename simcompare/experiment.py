@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from simcompare import ablation, catalogue, engines, levels, measures, run_record, units
 from simcompare.against import Match, matches
+from simcompare.assist import ALL, NONE
 from simcompare.compare import Repeat, Score, scores_of
 from simcompare.drop_plan import drop_plans
 from simcompare.engine.drives import input_values
@@ -17,7 +18,6 @@ from simcompare.engine.sensing import complete
 from simcompare.engine.simulation import sample_times
 from simcompare.errors import InputError, OutputError, SimcompareError
 from simcompare.jobs import FAILED, OK, Job, Outcome
-from simcompare.levels import ALL, NONE
 from simcompare.results import TRUTH, Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Interrupted, Progress, run_jobs
 from simcompare.scenario import MOST_SAMPLES, Scenario

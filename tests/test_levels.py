@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import simcompare
-from simcompare import catalogue, engines, levels, store
+from simcompare import assist, catalogue, engines, store
 from simcompare.engine.helps import HELPS
 from simcompare.errors import InputError, UnknownName, Unsupported
 from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED, Settings
@@ -174,15 +174,15 @@ def test_the_old_name_of_assisted_is_accepted_and_old_runs_are_read(tmp_path):
 
 
 def test_helps_are_chosen_by_name():
-    assert levels.chosen("all") == frozenset(HELPS)
-    assert levels.chosen("none") == frozenset()
-    assert levels.chosen("landing, rims") == {"landing", "rims"}
+    assert assist.chosen("all") == frozenset(HELPS)
+    assert assist.chosen("none") == frozenset()
+    assert assist.chosen("landing, rims") == {"landing", "rims"}
     with pytest.raises(UnknownName, match="did you mean landing"):
-        levels.chosen("landin")
+        assist.chosen("landin")
     with pytest.raises(InputError, match="stands alone"):
-        levels.chosen("all,landing")
+        assist.chosen("all,landing")
     with pytest.raises(InputError, match="names no help"):
-        levels.chosen(",")
+        assist.chosen(",")
 
 
 def test_a_help_that_an_engine_cannot_take_is_refused_with_those_that_it_takes(call):

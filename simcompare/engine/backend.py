@@ -27,7 +27,6 @@ from simcompare.settings import ASSISTED, CONTACT_LEVELS, DEFAULT, SPRING, TUNED
 if TYPE_CHECKING:
     from simcompare.engine.library import Library
     from simcompare.engine.simulation import Simulation
-    from simcompare.scripts.contract import EngineScript
     from simcompare.trajectory import Trajectory
 
 
@@ -108,12 +107,11 @@ class EngineBackend(ABC):
         """
         return self.library.load(self.name)
 
-    def script(self) -> EngineScript | None:
+    def script(self) -> Any:  # noqa: ANN401
         """What writes scenes of this engine as standalone scripts."""
         if not self.script_module:
             return None
-        found: EngineScript = importlib.import_module(self.script_module).SCRIPT
-        return found
+        return importlib.import_module(self.script_module).SCRIPT
 
     def longest_step_s(self, scenario: Scenario) -> float | None:
         """Longest engine step with which the engine is right in this scene; ``None``: any."""

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from simcompare.assist import ALL, chosen
 from simcompare.drop_plan import drop_plans
 from simcompare.engine.helps import HELPS
 from simcompare.errors import InputError, UnknownName
-from simcompare.levels import ALL, chosen
 from simcompare.scenario import Scenario
 from simcompare.scenario_file import ScenarioFile
 from simcompare.settings import ASSISTED, TUNED, DropPlan, PairNumbers, Settings

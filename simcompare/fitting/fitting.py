@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from simcompare import catalogue, engines, experiment, levels, run_record
+from simcompare.assist import ALL, NONE
 from simcompare.compare import INFO, Score
 from simcompare.engine.helps import known
 from simcompare.errors import InputError
@@ -33,7 +34,6 @@ from simcompare.fitting.problem import SPEED, Prior
 from simcompare.fitting.roles import Roles, roles_of
 from simcompare.fitting.tune_engines import tune_engines
 from simcompare.fitting.wanted import Wanted, wanted_of
-from simcompare.levels import ALL, NONE
 from simcompare.results import Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Progress
 from simcompare.scenario import Scenario

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from simcompare import units
+from simcompare.assist import ALL
 from simcompare.fitting.identifiability import Identifiability, Language, of_jacobian
 from simcompare.fitting.waveform_engines import EngineWaves
 from simcompare.fitting.waveform_holdout import rms_of
 from simcompare.fitting.waveform_reference import Fitted
 from simcompare.fitting.waveform_setup import Setup
-from simcompare.levels import ALL
 from simcompare.notation import sentence
 from simcompare.settings import ASSISTED
 from simcompare.trajectory import Array, Trajectory

@@ -12,7 +12,6 @@ find the contact only in its second step, and moving backwards there turns frict
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,12 +20,9 @@ from simcompare.engine.helps.landing import starts_in_flight
 from simcompare.engine.kinematics import add_children
 from simcompare.engine.planar_joints import angle_of
 from simcompare.engine.state import BodyState, State
+from simcompare.engine.steppable import Planar, Retractable
 from simcompare.scenario import MOVABLE, Scenario
 from simcompare.trajectory import Array
-
-if TYPE_CHECKING:
-    from simcompare.engine.helped import HelpedSimulation
-    from simcompare.engine.planar import PlanarSimulation
 
 
 def acts(scenario: Scenario, positions_first: bool, *, is_landing: bool) -> bool:
@@ -38,7 +34,7 @@ def acts(scenario: Scenario, positions_first: bool, *, is_landing: bool) -> bool
     return not touching_pairs(scenario) or starts_in_flight(scenario)
 
 
-def begin_before(simulation: HelpedSimulation) -> None:
+def begin_before(simulation: Retractable) -> None:
     """Moves the velocities to half a step before the start, by a step that is taken back.
 
     An engine that divides its steps stores them half an inner step before the start.
@@ -102,7 +98,7 @@ def half_a_step_back(
     return State(start.time_s, bodies, step_s, joints, before)
 
 
-def begin_after(simulation: PlanarSimulation) -> None:
+def begin_after(simulation: Planar) -> None:
     """Moves the velocities to half a step after the start.
 
     Bodies are put where they were a step before the start, so that the step that ends there gives

@@ -7,14 +7,11 @@ weight, and less what contacts gave.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
+from simcompare.engine.steppable import Planar
 from simcompare.scenario import Scenario, Sensor
 
-if TYPE_CHECKING:
-    from simcompare.engine.planar import PlanarSimulation
-
-Planar = tuple[float, float]
+Momentum = tuple[float, float]
 
 
 class MomentumForces:
@@ -30,13 +27,13 @@ class MomentumForces:
         self._gravity, self._bodies = (gx, gz), scenario.bodies
         joints = [sensor.joint for sensor in sensors.values() if sensor.joint is not None]
         self._carried = {name: carried_by(scenario, name) for name in joints}
-        self._before: dict[str, Planar] = {}
+        self._before: dict[str, Momentum] = {}
 
-    def mark(self, simulation: PlanarSimulation) -> None:
+    def mark(self, simulation: Planar) -> None:
         """Remembers the momenta before a step."""
         self._before = {name: self._momentum(simulation, name) for name in self._carried}
 
-    def force(self, simulation: PlanarSimulation, joint: str, step_s: float) -> Planar:
+    def force(self, simulation: Planar, joint: str, step_s: float) -> Momentum:
         """Force of a joint's parent on its child in the last step, in the world's frame."""
         before, after = self._before[joint], self._momentum(simulation, joint)
         fx, fz = (after[0] - before[0]) / step_s, (after[1] - before[1]) / step_s
@@ -49,7 +46,7 @@ class MomentumForces:
                 fx, fz = fx - jx / step_s, fz - jz / step_s
         return fx, fz
 
-    def _momentum(self, simulation: PlanarSimulation, joint: str) -> Planar:
+    def _momentum(self, simulation: Planar, joint: str) -> Momentum:
         x = z = 0.0
         for name in self._carried[joint]:
             (_, _, vx, vz, _, _), mass = simulation.get(name), self._bodies[name].mass_kg
