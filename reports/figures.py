@@ -269,7 +269,8 @@ def style_of(engine: str) -> Style:
     known = engines.names()
     # an engine of somebody else's that is no longer installed still gets a look of its own
     number = known.index(engine) if engine in known else len(known) + sum(map(ord, engine))
-    turn = number // len(_COLOURS)
+    # only the first one is solid: a solid line over dashed ones would hide them
+    turn = 2 * (number // len(_DASHES))
     return Style(
         _COLOURS[number % len(_COLOURS)],
         _DASHES[(number + turn) % len(_DASHES)],
