@@ -10,7 +10,14 @@ import pytest
 
 from simcompare import catalogue, engines
 from simcompare.engine import library
-from simcompare.errors import EngineBroken, EngineMissing, SimulationDiverged, Unsupported
+from simcompare.engine.audit import Audit
+from simcompare.errors import (
+    EngineBroken,
+    EngineMissing,
+    ReadBackMismatch,
+    SimulationDiverged,
+    Unsupported,
+)
 from simcompare.scenario import Scenario
 from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED, Settings
 
@@ -95,6 +102,18 @@ def test_by_default_nothing_slips_and_the_audit_says_that_friction_is_endless():
     bodies = {"floor": FLOOR, "block": block()}
     (row,) = [r for r in begin(scene(bodies), DEFAULT).audit if r.quantity.endswith("friction")]
     assert (row.set_value, row.read_value, row.note) == (None, None, "engine's default: inf")
+
+
+@pytest.mark.parametrize("name", ["mode", "soft_erp", "soft_cfm", "slip1", "slip2"])
+def test_another_surface_than_was_given_is_noticed(name):
+    simulation = begin(catalogue.load("ball").resolve({}))
+    surface = simulation._touches[0][1].points[0].surface
+    setattr(surface, name, getattr(surface, name) * 2)
+    audit = Audit("ode")
+    simulation.own_parameters(audit)
+    with pytest.raises(ReadBackMismatch, match=rf"surface\.{name}"):
+        audit.finish()
+    simulation.close()
 
 
 def test_moving_bodies_touch_where_they_are_named_only():

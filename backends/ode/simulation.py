@@ -113,18 +113,22 @@ class OdeSimulation(SpatialSimulation):
         return held
 
     def _touch(self, names: tuple[str, str], geoms: tuple[Any, Any], pair: Pair | None) -> Any:
-        lib, ends = self._lib, [self._held[name] for name in names]
+        ends, surface = [self._held[name] for name in names], self._surface(names, pair)
+        return self._ffi.new("Touch *", [*geoms, *ends, 0, [[surface]] * 16])
+
+    def _surface(self, names: tuple[str, str], pair: Pair | None) -> dict[str, float]:
+        """What each point of contact of two bodies is given."""
+        if pair is None or not self.scene.contacts.are_given:
+            return {"mu": math.inf}  # it must be set
+        lib = self._lib
         lightest = min(self._bodies[name].mass_kg or 0.0 for name in names if name in self._bodies)
         softness = LANDED_SOFTNESS if self.scene.lands else CONTACT_SOFTNESS
         soft = softness * self.step_s / lightest
-        surface = {"mu": math.inf}  # it must be set
-        if pair is not None and self.scene.contacts.are_given:
-            mode = lib.dContactBounce | lib.dContactApprox1 | self._is_tuned * lib.dContactSoft
-            surface = {
-                "mode": mode, "mu": pair.friction, "bounce": pair.numbers[0],
-                "soft_erp": CONTACT_ERP, "soft_cfm": soft, "slip1": soft, "slip2": soft,
-            }  # fmt: skip
-        return self._ffi.new("Touch *", [*geoms, *ends, 0, [[surface]] * 16])
+        mode = lib.dContactBounce | lib.dContactApprox1 | self._is_tuned * lib.dContactSoft
+        return {
+            "mode": mode, "mu": pair.friction, "bounce": pair.numbers[0],
+            "soft_erp": CONTACT_ERP, "soft_cfm": soft, "slip1": soft, "slip2": soft,
+        }  # fmt: skip
 
     def _own_numbers(self) -> dict[str, float]:
         """ODE's own numbers at this step, by the names of their setters; none by default."""
@@ -272,11 +276,14 @@ class OdeSimulation(SpatialSimulation):
             held = getattr(self._lib, f"dWorldGet{name}")(self._world)
             note = "" if name in put else "engine's default"
             audit.add(name, None, f"dWorldSet{name}", (put.get(name), held), unit, note)
-        if self._is_tuned and self._touches:
-            surface = self._touches[0][1].points[0].surface
-            modes = "dContactBounce | dContactApprox1 | dContactSoft"
-            audit.add("contact", None, "surface.mode", (surface.mode,) * 2, "1", modes)
-            audit.add("contact", None, "surface.soft_erp", (CONTACT_ERP, surface.soft_erp), "1")
-            for name in ("soft_cfm", "slip1", "slip2"):
-                value, note = getattr(surface, name), "by the step and the lighter of two masses"
-                audit.add("contact", None, f"surface.{name}", (value, value), "s/kg", note)
+        if not self._is_tuned or not self._touches:
+            return
+        first, second, pair = next(self.scene.contacts.may_touch())
+        given, surface = self._surface((first, second), pair), self._touches[0][1].points[0].surface
+        modes = "dContactBounce | dContactApprox1 | dContactSoft"
+        softness = "s/kg", "by the step and the lighter of two masses"
+        rows = {"mode": ("1", modes), "soft_erp": ("1", ""), "soft_cfm": softness,
+                "slip1": softness, "slip2": softness}  # fmt: skip
+        for name, (unit, note) in rows.items():
+            values = given.get(name), getattr(surface, name)
+            audit.add("contact", None, f"surface.{name}", values, unit, note)
