@@ -98,15 +98,10 @@ class SpatialSimulation(Simulation):
 
     # --- what follows from them ---------------------------------------------------------------
 
-    def advance(self, count: int) -> None:
-        """Takes engine steps, on a clock by which turns are counted."""
-        if not self._acts:
-            self.take_steps(count)
-            return
-        for _ in range(count):
-            self.act()
-            self.take_steps(1)
-            self._clock_s += self.step_now_s
+    def act(self) -> None:
+        """Gives all that acts in the next engine step, whose end the clock of turns then shows."""
+        super().act()
+        self._clock_s += self.step_now_s
 
     def row(self) -> Sequence[float]:
         """Motion of all moving bodies, then coordinate and rate of all movable joints."""
