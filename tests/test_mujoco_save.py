@@ -3,22 +3,14 @@
 import numpy as np
 import pytest
 
-from simcompare import catalogue, engines
+from simcompare import engines
 from simcompare.scenario import Scenario
-from simcompare.settings import ASSISTED, CONTACT_LEVELS, TUNED, Settings
+from simcompare.settings import CONTACT_LEVELS, TUNED, Settings
+from tests.saving import EDGE, bounces_as_before_the_impact, box, recorded, stepped
 
 pytest.importorskip("mujoco")
 
 MUJOCO = engines.get("mujoco")
-EDGE = 0.04
-
-
-def box(place, **more):
-    return {
-        "mass_kg": 0.1, "inertia_kg_m2": [2.7e-5, 2.7e-5, 2.7e-5],
-        "position_m": [0.002 * place, 0, EDGE * (place + 0.5)],
-        "shapes": [{"type": "box", "size_m": [EDGE, EDGE, EDGE]}], **more,
-    }  # fmt: skip
 
 
 def tower(air_density_kg_m3=0.0):
@@ -48,20 +40,6 @@ def tower(air_density_kg_m3=0.0):
                     "bearing": {"type": "force", "joint": "axle"}},
     }  # fmt: skip
     return Scenario.model_validate(tree)
-
-
-def stepped(simulation, count):
-    """Everything that is read after each of some steps."""
-    found = []
-    for _ in range(count):
-        simulation.step()
-        found.append(np.hstack(list(simulation.read().values())))
-    return np.array(found)
-
-
-def recorded(simulation, count):
-    """Motion and forces of some steps, which are taken in one native call where none has drag."""
-    return np.asarray(simulation.record(count), dtype=float)
 
 
 @pytest.mark.parametrize("level", CONTACT_LEVELS)
@@ -107,13 +85,4 @@ def test_a_plain_state_forgets_what_the_solver_remembers():
 
 
 def test_a_ball_that_is_saved_within_an_impact_bounces_as_before():
-    simulation = MUJOCO.open(catalogue.load("ball").resolve({}), Settings(ASSISTED))
-    while simulation.read()["ball.velocity_m_s"][2] < 1:  # it falls
-        before = simulation.save()
-        simulation.step()
-    bounced = stepped(simulation, 20)
-    simulation.restore(before)  # the impact is within the next step
-    assert simulation.read()["ball.velocity_m_s"][2] < -1
-    simulation.step()
-    assert np.array_equal(stepped(simulation, 20), bounced)
-    simulation.close()
+    bounces_as_before_the_impact(MUJOCO)

@@ -8,19 +8,11 @@ import pytest
 from simcompare import catalogue, engines
 from simcompare.scenario import Scenario
 from simcompare.settings import ASSISTED, CONTACT_LEVELS, TUNED, Settings
+from tests.saving import EDGE, bounces_as_before_the_impact, box, recorded, stepped
 
 pytestmark = pytest.mark.engines("pybullet")
 
 PYBULLET = engines.get("pybullet")
-EDGE = 0.04
-
-
-def box(place, **more):
-    return {
-        "mass_kg": 0.1, "inertia_kg_m2": [2.7e-5, 2.7e-5, 2.7e-5],
-        "position_m": [0.002 * place, 0, EDGE * (place + 0.5)],
-        "shapes": [{"type": "box", "size_m": [EDGE, EDGE, EDGE]}], **more,
-    }  # fmt: skip
 
 
 def scene(bounce=0.0):
@@ -52,20 +44,6 @@ def scene(bounce=0.0):
         "sensors": {"scale": {"type": "contact_force", "pair": ["low", "floor"]},
                     "bearing": {"type": "force", "joint": "axle"}},
     })  # fmt: skip
-
-
-def stepped(simulation, count):
-    """Everything that is read after each of some steps."""
-    found = []
-    for _ in range(count):
-        simulation.step()
-        found.append(np.hstack(list(simulation.read().values())))
-    return np.array(found)
-
-
-def recorded(simulation, count):
-    """Motion and forces of some steps."""
-    return np.asarray(simulation.record(count), dtype=float)
 
 
 @pytest.mark.parametrize(
@@ -143,16 +121,7 @@ def test_a_plain_state_forgets_points_of_contact(level):
 
 
 def test_a_ball_that_is_saved_within_an_impact_bounces_as_before():
-    simulation = PYBULLET.open(catalogue.load("ball").resolve({}), Settings(ASSISTED))
-    while simulation.read()["ball.velocity_m_s"][2] < 1:  # it falls
-        before = simulation.save()
-        simulation.step()
-    bounced = stepped(simulation, 20)
-    simulation.restore(before)  # the impact is within the next step
-    assert simulation.read()["ball.velocity_m_s"][2] < -1
-    simulation.step()
-    assert np.array_equal(stepped(simulation, 20), bounced)
-    simulation.close()
+    bounces_as_before_the_impact(PYBULLET)
 
 
 def test_what_nobody_holds_any_more_is_freed(monkeypatch):
