@@ -5,7 +5,7 @@ Each name is explained in the module that it comes from; CONTRIBUTING.md leads t
 
 from simcompare.engine.audit import Audit
 from simcompare.engine.backend import EngineBackend, KnownLimit
-from simcompare.engine.contacts import Pair, Rule, combined, refuse_offsets, untouching_pairs
+from simcompare.engine.contacts import Pair, Rule, combined, untouching_pairs
 from simcompare.engine.features import JOINTS_AND_FORCES, SPATIAL_RIGID_BODIES, Feature
 from simcompare.engine.helps import (
     CENTRED_EFFORTS,
@@ -69,7 +69,7 @@ __all__ = [
     "Program", "ReducedSimulation", "Rims", "Row", "Rule", "Scenario", "Scene", "SceneJoint",
     "Shape", "SharedLibrary", "SimulationDiverged", "SpatialSimulation", "Table", "Traits", "Turns",
     "Unsupported", "Vector", "angle_of", "combined", "direction", "dot", "fastest_turn_rad_s",
-    "matrix_of", "minus", "mobility", "multiplied", "planar", "plus", "refuse_offsets", "row_of",
+    "matrix_of", "minus", "mobility", "multiplied", "planar", "plus", "row_of",
     "sizes_m", "sweeps_for", "times", "trees", "turned_back", "turned_by", "unreadable",
     "untouching_pairs", "x_turned_to", "xyzw",
 ]  # fmt: skip

@@ -17,7 +17,6 @@ from simcompare.kit import (
     PipPackage,
     Scene,
     Traits,
-    refuse_offsets,
 )
 
 
@@ -122,7 +121,6 @@ class Box2dBackend(EngineBackend):
     )
 
     def make(self, engine: Any, scene: Scene) -> Box2dSimulation:
-        refuse_offsets(scene.scenario, self.name)
         return Box2dSimulation(engine, scene)
 
 

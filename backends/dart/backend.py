@@ -29,7 +29,7 @@ class DartBackend(EngineBackend):
         "dartpy", "pip install 'simcompare[dart]'", ["dartpy"],
         [("libGL.so.1", "sudo apt-get install libgl1")],
     )  # fmt: skip
-    traits = Traits(passive="implicit")
+    traits = Traits(offset_centres=True, passive="implicit")
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL})
     known_limits = (

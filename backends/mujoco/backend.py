@@ -28,7 +28,10 @@ class MujocoBackend(EngineBackend):
     name = "mujoco"
     script_module = "simcompare.backends.mujoco.script"
     library = PipPackage("mujoco", "pip install 'simcompare[mujoco]'", ["mujoco-core", "mujoco"])
-    traits = Traits(bounces_by=SPRING, passive="both", has_armature=True, bounce_step_s=SOFT_STEP_S)
+    traits = Traits(
+        offset_centres=True, bounces_by=SPRING, passive="both", has_armature=True,
+        bounce_step_s=SOFT_STEP_S,
+    )  # fmt: skip
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS})
     known_limits = (

@@ -20,7 +20,6 @@ from simcompare.kit import (
     Scene,
     SharedLibrary,
     Traits,
-    refuse_offsets,
 )
 
 
@@ -136,7 +135,6 @@ class OdeBackend(EngineBackend):
         return _prepared(super().load())
 
     def make(self, engine: Any, scene: Scene) -> OdeSimulation:
-        refuse_offsets(scene.scenario, self.name)
         return OdeSimulation(engine, scene)
 
 

@@ -16,7 +16,6 @@ from simcompare.kit import (
     Rims,
     Scene,
     Traits,
-    refuse_offsets,
 )
 
 #: it has wheels for Python 3.11 and older only; elsewhere pip builds it, for about ten minutes
@@ -33,6 +32,7 @@ class PybulletBackend(EngineBackend):
         ["pybullet"],
     )
     traits = Traits(
+        most_shapes=1,
         wrong_reactions=frozenset({"twice", "stale"}),
         rims=Rims(),
         # at 0 contacts that do not bounce would alternate
@@ -125,7 +125,6 @@ class PybulletBackend(EngineBackend):
     )
 
     def make(self, engine: Any, scene: Scene) -> PybulletSimulation:
-        refuse_offsets(scene.scenario, self.name, shapes=1)
         return PybulletSimulation(engine, scene)
 
 

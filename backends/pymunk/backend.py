@@ -18,7 +18,6 @@ from simcompare.kit import (
     PipPackage,
     Scene,
     Traits,
-    refuse_offsets,
 )
 
 #: longest step during an impact [s]; a longer one at rest would multiply the remembered impulse and
@@ -102,7 +101,6 @@ class PymunkBackend(EngineBackend):
     )
 
     def make(self, engine: Any, scene: Scene) -> PymunkSimulation:
-        refuse_offsets(scene.scenario, self.name)
         return PymunkSimulation(engine, scene)
 
 

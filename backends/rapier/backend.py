@@ -18,7 +18,6 @@ from simcompare.kit import (
     PipPackage,
     Scene,
     Traits,
-    refuse_offsets,
 )
 
 
@@ -126,7 +125,6 @@ class RapierBackend(EngineBackend):
     )
 
     def make(self, engine: Any, scene: Scene) -> RapierSimulation:
-        refuse_offsets(scene.scenario, self.name)
         return RapierSimulation(engine, scene)
 
 

@@ -162,6 +162,7 @@ class EngineBackend(ABC):
             ReadBackMismatch: the engine holds another value than was set, or does not say.
         """
         scene = self.scene(scenario, settings)
+        self._refuse_bodies(scenario)
         simulation = self.make(engine, scene)
         try:
             simulation.set_up()
@@ -185,6 +186,14 @@ class EngineBackend(ABC):
     @abstractmethod
     def make(self, engine: Any, scene: Scene) -> Simulation:  # noqa: ANN401
         """Builds a scene in the loaded engine."""
+
+    def _refuse_bodies(self, scenario: Scenario) -> None:
+        most = self.traits.most_shapes
+        for name, body in scenario.bodies.items():
+            if any(body.center_of_mass_m) and not self.traits.offset_centres:
+                raise Unsupported(f"{self.name}: the centre of mass of {name} is not at its origin")
+            if most is not None and len(body.shapes) > most:
+                raise Unsupported(f"{self.name}: {name} has more than {most} shape")
 
     def _refuse_long_step(self, scenario: Scenario, settings: Settings) -> None:
         longest_s, step_s = self.longest_step_s(scenario), scenario.world.engine_step_s

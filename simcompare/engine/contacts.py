@@ -343,16 +343,3 @@ def _means(
         found = np.where(found > 0, 1 / np.where(found > 0, found, 1.0), 0.0)
     # a negative value has no meaning in an engine, and is found not to fit
     return dict(zip(names, np.maximum(found, 0.0).tolist(), strict=True))
-
-
-def refuse_offsets(scenario: Scenario, engine: str, shapes: int | None = None) -> None:
-    """Refuses what a backend does not build: offset centres of mass, and more shapes than it can.
-
-    Raises:
-        Unsupported: a body has one; names it.
-    """
-    for name, body in scenario.bodies.items():
-        if any(body.center_of_mass_m):
-            raise Unsupported(f"{engine}: the centre of mass of {name} is not at its origin")
-        if shapes is not None and len(body.shapes) > shapes:
-            raise Unsupported(f"{engine}: {name} has more than {shapes} shape")

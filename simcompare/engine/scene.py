@@ -35,6 +35,8 @@ class Traits:
             and damper; empty where it takes the scenario's own number as it stands.
         passive: what it does itself about springs and dampers of joints: "none" of it; "implicit":
             with the rate after a step; "both": also with the rate before it, in an actuator.
+        offset_centres: whether bodies may have centres of mass beside their origins.
+        most_shapes: how many shapes a body may have; ``None``: any number.
         has_armature: whether joints have armatures; else they become a part of moments of inertia.
         wrong_reactions: faults of its forces that a help can mend: "twice", Coriolis and gyroscopic
             terms in forces through joints; "magnitude", which is all that it tells of them;
@@ -54,6 +56,8 @@ class Traits:
     precision: float = 1e-12
     bounces_by: str = COEFFICIENT
     passive: str = "none"
+    offset_centres: bool = False
+    most_shapes: int | None = None
     has_armature: bool = False
     wrong_reactions: frozenset[str] = frozenset()
     most_turn_rad: float | None = None
