@@ -24,11 +24,11 @@ from simcompare.backends import (
     conformance_shapes,
 )
 from simcompare.backends.conformance_scenes import PhysicsCheck, SignalNotGiven
-from simcompare.calibration import CannotCalibrate
 from simcompare.engine.backend import Backend
 from simcompare.engine.features import needs
 from simcompare.errors import ReadBackMismatch, SimulationDiverged, Unsupported
 from simcompare.settings import ASSISTED, TUNED, Settings
+from simcompare.tuning.calibration import CannotCalibrate
 
 #: all scenes, each with its judge
 PHYSICS: tuple[PhysicsCheck, ...] = (

@@ -11,7 +11,6 @@ from simcompare import ablation, catalogue, engines, levels, measures, run_recor
 from simcompare.against import Match, matches
 from simcompare.assist import ALL, NONE
 from simcompare.compare import Repeat, Score, scores_of
-from simcompare.drop_plan import drop_plans
 from simcompare.engine.drives import input_values
 from simcompare.engine.helps import known
 from simcompare.engine.sensing import complete
@@ -30,6 +29,7 @@ from simcompare.settings import (
     Settings,
 )
 from simcompare.trajectory import Trajectory
+from simcompare.tuning.plan import drop_plans
 
 if TYPE_CHECKING:
     from simcompare.fitting.fit_file import FitFile

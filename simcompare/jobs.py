@@ -1,12 +1,17 @@
-"""Jobs: plain picklable values; the same job runs in-process, in a worker or on another machine."""
+"""Jobs: plain picklable values; the same job runs in-process, in a worker or on another machine.
+
+A job simulates a scenario; an inquiry asks an engine something else, such as how its contact
+bounces. Both are work for the engine's own process.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from simcompare import engines
-from simcompare.calibration import CannotCalibrate
 from simcompare.engine.backend import Backend
 from simcompare.engine.features import Feature
 from simcompare.engine.helps import HELPS
@@ -14,6 +19,7 @@ from simcompare.errors import EngineBroken, EngineMissing, SimcompareError, Unsu
 from simcompare.scenario import Scenario
 from simcompare.settings import Settings
 from simcompare.trajectory import Trajectory
+from simcompare.tuning.calibration import CannotCalibrate
 
 #: how a job can end
 OK, UNSUPPORTED, MISSING, FAILED = "ok", "unsupported", "missing", "failed"
@@ -43,6 +49,66 @@ class Job:
     def mode(self) -> str:
         """Contact level under which the result is shown."""
         return self.label or self.settings.contact
+
+    def execute(self) -> Outcome:
+        """Runs it in this process."""
+        return execute(self)
+
+    def failed(self, reason: str, noise: str = "") -> Outcome:
+        """The outcome of a job that never ended."""
+        return Outcome(self, FAILED, reason, noise=noise)
+
+
+@dataclass(frozen=True)
+class Inquiry:
+    """One question to one engine, answered in a process of its own.
+
+    Attributes:
+        engine: name of the engine.
+        ask: the question: called with the engine's backend, its answer can be pickled.
+        about: what it is about, for whoever reads the answers.
+    """
+
+    engine: str
+    ask: Callable[[Backend], Any]
+    about: str = ""
+
+    def execute(self) -> Answer:
+        """Asks in this process."""
+        try:
+            backend = engines.get(self.engine)
+            version = backend.version()
+            return Answer(self, OK, value=self.ask(backend), version=version)
+        except SimcompareError as error:
+            return Answer(self, _status_of(error), str(error))
+        # as in a job, an engine may raise anything
+        except (Exception, SystemExit) as error:  # noqa: BLE001
+            return self.failed(f"{self.engine}: {type(error).__name__}: {error}")
+
+    def failed(self, reason: str, noise: str = "") -> Answer:
+        """The answer to a question that never came back."""
+        return Answer(self, FAILED, reason, noise=noise)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What came of an inquiry.
+
+    Attributes:
+        job: the inquiry.
+        status: "ok", "unsupported", "missing" or "failed".
+        reason: one sentence where the status is not "ok".
+        value: the answer, where the status is "ok".
+        version: the engine's version.
+        noise: what the engine's process printed.
+    """
+
+    job: Inquiry
+    status: str
+    reason: str | None = None
+    value: Any = None
+    version: str | None = None
+    noise: str = ""
 
 
 @dataclass(frozen=True)
@@ -105,16 +171,18 @@ def execute(job: Job) -> Outcome:
         longest_s = error.longest_step_s
         reason = str(error)
         return Outcome(job, UNSUPPORTED, reason, facts=facts, longest_step_s=longest_s)
-    except Unsupported as error:
-        return Outcome(job, UNSUPPORTED, str(error), facts=facts)
-    except EngineMissing as error:
-        return Outcome(job, MISSING, str(error), facts=facts)
     except SimcompareError as error:
-        return Outcome(job, FAILED, str(error), facts=facts)
+        return Outcome(job, _status_of(error), str(error), facts=facts)
     # an engine may raise anything, also SystemExit; it spoils only its own row
     except (Exception, SystemExit) as error:  # noqa: BLE001
         return Outcome(job, FAILED, f"{job.engine}: {type(error).__name__}: {error}", facts=facts)
     return Outcome(job, OK, trajectory=trajectory, facts=facts)
+
+
+def _status_of(error: SimcompareError) -> str:
+    if isinstance(error, Unsupported):
+        return UNSUPPORTED
+    return MISSING if isinstance(error, EngineMissing) else FAILED
 
 
 def does_not_act(help_name: str) -> str:

@@ -12,12 +12,12 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import IO
+from typing import IO, Any, overload
 
 from simcompare.errors import InputError
-from simcompare.jobs import FAILED, Job, Outcome
+from simcompare.jobs import Answer, Inquiry, Job, Outcome
 from simcompare.worker import read_frame, write_frame
 
 #: longest time that one job may take, the engine's import included [s]
@@ -29,6 +29,7 @@ _LONGEST_WAIT_S = 3600.0
 _NOISE_KEPT = 4000
 
 Progress = Callable[[str, int, int], None]
+_Ended = Outcome | Answer
 
 
 @dataclass(eq=False)
@@ -36,14 +37,14 @@ class _Worker:
     """One engine's process and what is still expected of it."""
 
     engine: str
-    jobs: list[Job]
+    jobs: Sequence[Job | Inquiry]
     deadline: float = 0.0
     process: subprocess.Popen[bytes] | None = None
     stderr: IO[bytes] = field(default_factory=tempfile.TemporaryFile)
     done: int = 0
     exit_code: int | None = None
 
-    def start(self, inbox: queue.Queue[tuple[_Worker, tuple[int, Outcome] | None]]) -> None:
+    def start(self, inbox: queue.Queue[tuple[_Worker, tuple[int, _Ended] | None]]) -> None:
         """Starts the process, feeds it, and has a thread put its outcomes into ``inbox``."""
         # the child gets this process' import path, wherever simcompare and the engines come from
         code = f"import sys; sys.path[:] = {sys.path!r}; from simcompare.worker import main; main()"
@@ -57,7 +58,7 @@ class _Worker:
         )
         threading.Thread(target=self._talk, args=(inbox,), daemon=True).start()
 
-    def _talk(self, inbox: queue.Queue[tuple[_Worker, tuple[int, Outcome] | None]]) -> None:
+    def _talk(self, inbox: queue.Queue[tuple[_Worker, tuple[int, _Ended] | None]]) -> None:
         process = self.process
         assert process is not None
         assert process.stdin is not None
@@ -65,7 +66,7 @@ class _Worker:
         # if it died at once, the end of its output says so
         with contextlib.suppress(BrokenPipeError):
             # stdin stays open: its end tells the worker that this process is gone
-            write_frame(process.stdin, pickle.dumps(self.jobs, protocol=5))
+            write_frame(process.stdin, pickle.dumps(list(self.jobs), protocol=5))
         while (payload := read_frame(process.stdout)) is not None:
             inbox.put((self, pickle.loads(payload)))
         inbox.put((self, None))
@@ -114,22 +115,38 @@ class Interrupted(KeyboardInterrupt):
         outcomes: outcomes of all jobs, those that had not finished as failed.
     """
 
-    def __init__(self, outcomes: list[Outcome]) -> None:
+    def __init__(self, outcomes: list[Any]) -> None:
         super().__init__("interrupted")
         self.outcomes = outcomes
 
 
+@overload
 def run_jobs(
     jobs: Iterable[Job],
+    *,
+    time_limit_s: float = ...,
+    processes: int | None = ...,
+    progress: Progress | None = ...,
+) -> list[Outcome]: ...
+@overload
+def run_jobs(
+    jobs: Iterable[Inquiry],
+    *,
+    time_limit_s: float = ...,
+    processes: int | None = ...,
+    progress: Progress | None = ...,
+) -> list[Answer]: ...
+def run_jobs(
+    jobs: Iterable[Job | Inquiry],
     *,
     time_limit_s: float = TIME_LIMIT_S,
     processes: int | None = None,
     progress: Progress | None = None,
-) -> list[Outcome]:
+) -> Any:
     """Runs jobs, each engine's in a process of its own.
 
     Args:
-        jobs: what to run; jobs of one engine run one after another in the given order.
+        jobs: what to run, or to ask; those of one engine run one after another in the given order.
         time_limit_s: longest time for one job [s].
         processes: engines at the same time; as many as there are processors where ``None``.
         progress: called as ``progress(engine, done, total)`` when a job ends.
@@ -143,11 +160,11 @@ def run_jobs(
     """
     if not time_limit_s > 0:
         raise InputError("--time-limit", [f"{time_limit_s:g} s is not a time above 0"])
-    by_engine: dict[str, list[Job]] = {}
+    by_engine: dict[str, list[Job | Inquiry]] = {}
     for job in (ordered := list(jobs)):
         by_engine.setdefault(job.engine, []).append(job)
     waiting = [_Worker(engine, own) for engine, own in by_engine.items()]
-    results: dict[tuple[str, int], Outcome] = {}
+    results: dict[tuple[str, int], _Ended] = {}
     crew = _Crew(waiting, processes or os.cpu_count() or 1, time_limit_s)
     try:
         crew.work(results, progress, len(ordered))
@@ -165,10 +182,10 @@ class _Crew:
         self._waiting, self._processes, self._limit_s = waiting, processes, time_limit_s
         self._running: list[_Worker] = []
         self._all = list(waiting)
-        self._inbox: queue.Queue[tuple[_Worker, tuple[int, Outcome] | None]] = queue.Queue()
+        self._inbox: queue.Queue[tuple[_Worker, tuple[int, _Ended] | None]] = queue.Queue()
 
     def work(
-        self, results: dict[tuple[str, int], Outcome], progress: Progress | None, total: int
+        self, results: dict[tuple[str, int], _Ended], progress: Progress | None, total: int
     ) -> None:
         """Starts workers as places become free and gathers outcomes until all are in."""
         while self._waiting or self._running:
@@ -198,14 +215,14 @@ class _Crew:
             if worker.done == len(worker.jobs):
                 self._close(worker, results, "")
 
-    def _end_late_ones(self, results: dict[tuple[str, int], Outcome]) -> None:
+    def _end_late_ones(self, results: dict[tuple[str, int], _Ended]) -> None:
         now = time.monotonic()
         for worker in [worker for worker in self._running if worker.deadline <= now]:
             worker.stop()
             reason = f"{worker.engine}: no answer within {self._limit_s:g} s; its process was ended"
             self._close(worker, results, reason)
 
-    def _close(self, worker: _Worker, results: dict[tuple[str, int], Outcome], reason: str) -> None:
+    def _close(self, worker: _Worker, results: dict[tuple[str, int], _Ended], reason: str) -> None:
         """Takes a worker off the list; the jobs that it still owes have failed for ``reason``."""
         self._running.remove(worker)
         worker.leave()
@@ -215,9 +232,7 @@ class _Crew:
         for index, job in enumerate(worker.jobs):
             found = results.get((worker.engine, index))
             results[worker.engine, index] = (
-                Outcome(job, FAILED, reason, noise=noise)
-                if found is None
-                else replace(found, noise=noise)
+                job.failed(reason, noise) if found is None else replace(found, noise=noise)
             )
         worker.stderr.close()
 
@@ -228,12 +243,11 @@ class _Crew:
 
 
 def _collect(
-    by_engine: dict[str, list[Job]],
-    ordered: list[Job],
-    results: dict[tuple[str, int], Outcome],
-) -> list[Outcome]:
+    by_engine: dict[str, list[Job | Inquiry]],
+    ordered: list[Job | Inquiry],
+    results: dict[tuple[str, int], _Ended],
+) -> list[Any]:
     places = {id(job): (job.engine, i) for own in by_engine.values() for i, job in enumerate(own)}
     return [
-        results.get(places[id(job)], Outcome(job, FAILED, "interrupted before it ran"))
-        for job in ordered
+        results.get(places[id(job)], job.failed("interrupted before it ran")) for job in ordered
     ]

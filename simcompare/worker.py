@@ -12,7 +12,7 @@ import sys
 import threading
 from typing import IO
 
-from simcompare.jobs import FAILED, Job, Outcome, execute
+from simcompare.jobs import Inquiry, Job
 
 HEADER = struct.Struct("<Q")
 
@@ -22,19 +22,19 @@ def main() -> None:
     results = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     payload = read_frame(sys.stdin.buffer)
-    jobs: list[Job] = pickle.loads(payload) if payload is not None else []
+    jobs: list[Job | Inquiry] = pickle.loads(payload) if payload is not None else []
     threading.Thread(target=_end_with_parent, daemon=True).start()
     for index, job in enumerate(jobs):
         write_frame(results, _pickled(index, job))
 
 
-def _pickled(index: int, job: Job) -> bytes:
-    outcome = execute(job)
+def _pickled(index: int, job: Job | Inquiry) -> bytes:
+    outcome = job.execute()
     try:
         return pickle.dumps((index, outcome), protocol=5)
     except Exception as error:  # noqa: BLE001  (a backend may have put anything into its result)
         reason = f"{job.engine}: its result cannot be sent: {type(error).__name__}: {error}"
-        return pickle.dumps((index, Outcome(job, FAILED, reason)), protocol=5)
+        return pickle.dumps((index, job.failed(reason)), protocol=5)
 
 
 def _end_with_parent() -> None:

@@ -14,11 +14,11 @@ import pytest
 
 import simcompare
 from simcompare import catalogue, engines
-from simcompare.drop_plan import drop_plans
 from simcompare.errors import InputError, UnknownName
 from simcompare.scripts import expected, write
 from simcompare.settings import CONTACT_LEVELS, Settings
 from simcompare.trajectory import BODY_SIGNALS
+from simcompare.tuning.plan import drop_plans
 
 LEVELS = [level for level in write.LEVELS if level in CONTACT_LEVELS]
 RUNNER = Path(__file__).with_name("script_runner.py")

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import simcompare
-from simcompare.drops import even_phases
 from simcompare.errors import InputError
 from simcompare.fitting import fit_file
+from simcompare.tuning.drops import even_phases
 from tests.bare_drops import COEFFICIENT_ENGINES, MujocoDrops
 from tests.present import INSTALLED, need
 from tests.test_fitting import E, stopwatch

@@ -135,7 +135,7 @@ class EngineBackend(ABC):
         loaded = time.perf_counter()
         tuning: tuple[Mapping[str, Any], ...] = ()
         if settings.gives(TUNED) and not settings.takes(LANDING):
-            from simcompare.tuning import tuned
+            from simcompare.tuning.tuned import tuned
 
             settings, tuning = tuned(self, engine, scenario, settings)
         calibrated = time.perf_counter()

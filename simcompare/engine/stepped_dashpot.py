@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from simcompare.drops import Bounces
 from simcompare.trajectory import Array
+from simcompare.tuning.drops import Bounces
 
 
 @dataclass(frozen=True)

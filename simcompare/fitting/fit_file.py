@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from simcompare.assist import ALL, chosen
-from simcompare.drop_plan import drop_plans
 from simcompare.engine.helps import HELPS
 from simcompare.errors import InputError, UnknownName
 from simcompare.scenario import Scenario
 from simcompare.scenario_file import ScenarioFile
 from simcompare.settings import ASSISTED, TUNED, DropPlan, PairNumbers, Settings
+from simcompare.tuning.plan import drop_plans
 
 #: contact level of engines with parameters from a fit
 FITTED = "fitted"

@@ -14,8 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from simcompare.calibration import PHASES as CALIBRATED
-from simcompare.drop_plan import drop_plans
 from simcompare.errors import SimcompareError
 from simcompare.fitting import bounce_models
 from simcompare.fitting.beside import NO_CLOCK, Bouncing, Part, beside, ends_s, scenes, together
@@ -29,6 +27,8 @@ from simcompare.runner import TIME_LIMIT_S, Progress, run_jobs
 from simcompare.scenario import Scenario
 from simcompare.settings import TUNED, PairNumbers, Settings
 from simcompare.trajectory import Array, Trajectory
+from simcompare.tuning.calibration import PHASES as CALIBRATED
+from simcompare.tuning.plan import drop_plans
 
 #: part by which the last number is changed to see what the restitution makes of it
 _CHANGE = 0.01

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from simcompare import catalogue, engines, experiment
-from simcompare.drop_plan import drop_plans
 from simcompare.engine.backend import EngineBackend, refuse
 from simcompare.errors import InputError, SimcompareError, Unsupported
 from simcompare.fitting import fit_file
@@ -21,7 +20,8 @@ from simcompare.scripts.efforts import efforts_of
 from simcompare.scripts.expected import expected_of
 from simcompare.settings import CONTACT_LEVELS, DEFAULT, TUNED, Settings
 from simcompare.trajectory import Array
-from simcompare.tuning import tuned
+from simcompare.tuning.plan import drop_plans
+from simcompare.tuning.tuned import tuned
 
 #: contact levels that a plain loop with one step can have
 LEVELS = ("default", "coefficients", "tuned")

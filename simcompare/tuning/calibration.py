@@ -8,14 +8,15 @@ first impact. One with a spring and damper gets the stiffest that bounces alike 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from simcompare.drops import Bounces, Drops, even_phases
 from simcompare.errors import Unsupported
 from simcompare.trajectory import Array
+from simcompare.tuning.drops import Bounces, Drops, even_phases
 
 #: phases of the step in the search, and as many others between them in the check
 PHASES = 25
@@ -82,6 +83,17 @@ class Calibration:
     checks: tuple[AtSpeed, ...] = ()
     stall_speed_m_s: float = 0.0
     drops: int = 0
+
+
+def from_plain(plain: Mapping[str, Any]) -> Calibration:
+    """A calibration from the plain values of ``dataclasses.asdict``, also out of JSON."""
+    at, checks = (
+        tuple(AtSpeed(**{name: float(value) for name, value in one.items()}) for one in plain[part])
+        for part in ("at", "checks")
+    )
+    numbers = tuple(float(value) for value in plain["numbers"])
+    restitution, stall_m_s = float(plain["restitution"]), float(plain["stall_speed_m_s"])
+    return Calibration(restitution, numbers, at, checks, stall_m_s, int(plain["drops"]))
 
 
 class Counted:

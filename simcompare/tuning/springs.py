@@ -12,7 +12,9 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from simcompare.calibration import (
+from simcompare.engine.dashpot import damping_ratio, restitution
+from simcompare.engine.stepped_dashpot import SteppedDashpot
+from simcompare.tuning.calibration import (
     PHASES,
     Calibration,
     CannotCalibrate,
@@ -21,9 +23,7 @@ from simcompare.calibration import (
     solve,
     verified,
 )
-from simcompare.drops import Bounces, Drops, even_phases
-from simcompare.engine.dashpot import damping_ratio, restitution
-from simcompare.engine.stepped_dashpot import SteppedDashpot
+from simcompare.tuning.drops import Bounces, Drops, even_phases
 
 #: largest scatter over the phases at the first impact, as part of e
 SCATTER = 0.02

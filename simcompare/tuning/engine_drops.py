@@ -1,0 +1,118 @@
+"""Drops of a sphere on a plane in an engine, each from another phase of the time step."""
+
+from __future__ import annotations
+
+from types import ModuleType
+from typing import Protocol
+
+import numpy as np
+
+from simcompare.engine.simulation import Simulation
+from simcompare.engine.state import BodyState, State
+from simcompare.errors import SimulationDiverged
+from simcompare.scenario import Scenario
+from simcompare.settings import TUNED, DropPlan, PairNumbers, Settings
+from simcompare.trajectory import Array
+from simcompare.tuning import drops
+from simcompare.tuning.drops import Bounces
+
+
+class Tunable(Protocol):
+    """What a backend offers to be tuned."""
+
+    @property
+    def name(self) -> str:
+        """The engine's name."""
+
+    @property
+    def bounces_by(self) -> str:
+        """What stands for a pair's restitution in it."""
+
+    def version(self) -> str:
+        """Version of the engine."""
+
+    def build(self, engine: ModuleType, scenario: Scenario, settings: Settings) -> Simulation:
+        """Builds a scene."""
+
+
+#: weakest gravity with which a drop is read; without any it would have no apex [m/s²]
+LEAST_GRAVITY_M_S2 = 0.1
+#: steps that are recorded at once, and at most
+_CHUNK, _MOST = 48, 1200
+#: free steps after a contact that end a record
+_AFTER = 6
+
+
+class EngineDrops:
+    """Drops of a sphere on a fixed plane, in an engine's plain loop.
+
+    Args:
+        backend: the engine's backend.
+        engine: the imported engine.
+        plan: what is dropped.
+    """
+
+    def __init__(self, backend: Tunable, engine: ModuleType, plan: DropPlan) -> None:
+        self._backend, self._engine, self._plan = backend, engine, plan
+        self._gravity = max(plan.gravity_m_s2, LEAST_GRAVITY_M_S2)
+        self._scene = _scene(plan, self._gravity)
+
+    def __call__(self, numbers: tuple[float, ...], speed_m_s: float, phases: Array) -> Bounces:
+        """Lets the sphere drop once for every phase."""
+        pair = PairNumbers(("body", "ground"), numbers)
+        settings = Settings(TUNED, numbers=(pair,))
+        simulation = self._backend.build(self._engine, self._scene, settings)
+        try:
+            heights = [self._heights(simulation, speed_m_s, float(phase)) for phase in phases]
+        finally:
+            simulation.close()
+        radius_m = self._plan.size_m / 2
+        return drops.read_drops(heights, self._plan.step_s, self._gravity, radius_m)
+
+    def _heights(self, simulation: Simulation, speed_m_s: float, phase: float) -> Array:
+        """Height above the plane at every step, until the sphere has left it again."""
+        step_s, radius = self._plan.step_s, self._plan.size_m / 2
+        height, speed = drops.start_above(speed_m_s, phase, step_s, self._gravity)
+        body = BodyState((0.0, 0.0, height + radius), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, -speed),
+                         (0.0, 0.0, 0.0))  # fmt: skip
+        simulation.set_state(State(0.0, {"body": body}, step_s))
+        found = np.array([height])
+        while len(found) < _MOST:
+            rows = np.asarray(simulation.record(_CHUNK), dtype=float)
+            more = simulation.motions(rows)["body.position_m"][:, 2] - radius
+            if not np.isfinite(more).all():
+                raise SimulationDiverged("the drops that calibrate its contact ran away")
+            found = np.concatenate((found, more))
+            left = np.flatnonzero((found[1:-1] > 0) & (np.diff(found)[1:] > 0))
+            # from some sample on it rises above the plane, for long enough to be read
+            if len(left) and len(found) - left[0] > _AFTER:
+                return found
+            if np.ptp(more) < 1e-12:  # it rests
+                break
+        return found
+
+
+def _scene(plan: DropPlan, gravity_m_s2: float) -> Scenario:
+    moment = 0.4 * plan.mass_kg * (plan.size_m / 2) ** 2
+    return Scenario.model_validate(
+        {
+            "name": "drop",
+            "title": "One bounce",
+            "question": "How fast does it leave?",
+            "world": {
+                "gravity_m_s2": [0, 0, -gravity_m_s2],
+                "duration_s": 1000 * plan.step_s,
+                "step_s": plan.step_s,
+            },
+            "bodies": {
+                "ground": {"fixed": True, "shapes": [{"type": "plane", "normal": [0, 0, 1]}]},
+                "body": {
+                    "mass_kg": plan.mass_kg,
+                    "inertia_kg_m2": [moment] * 3,
+                    "position_m": [0, 0, plan.size_m + plan.speed_m_s * plan.step_s],
+                    "shapes": [{"type": "sphere", "radius_m": plan.size_m / 2}],
+                },
+            },
+            "contacts": [{"pair": ["body", "ground"], "restitution": plan.restitution}],
+        }
+    )

@@ -1,0 +1,110 @@
+"""An engine's numbers for the restitution of every pair of a scene, from drops in that engine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+from types import ModuleType
+from typing import Any
+
+from simcompare.engine.contacts import touching_pairs
+from simcompare.scenario import Scenario
+from simcompare.settings import SPRING, DropPlan, PairNumbers, Settings
+from simcompare.tuning import cache, calibration
+from simcompare.tuning.calibration import Calibration, CannotCalibrate
+from simcompare.tuning.engine_drops import LEAST_GRAVITY_M_S2, EngineDrops, Tunable
+from simcompare.tuning.plan import drop_plans
+from simcompare.tuning.springs import DEPTH, calibrate_spring
+
+#: impacts of a body that bounces on, whose speeds are looked at; the first one is right
+IMPACTS = 4
+
+
+def tuned(
+    backend: Tunable, engine: ModuleType, scenario: Scenario, settings: Settings
+) -> tuple[Settings, tuple[Mapping[str, Any], ...]]:
+    """Settings with numbers for every pair that bounces, and how they were found.
+
+    Raises:
+        Unsupported: no numbers give a restitution at this step; says what is possible.
+    """
+    known = {frozenset(numbers.pair) for numbers in settings.numbers}
+    wanted = {frozenset(contact.pair): contact.restitution for contact in touching_pairs(scenario)}
+    # a plan that was made for another restitution, as in a repeat that varies it, is not for this
+    plans = [*(settings.drops or ()), *drop_plans(scenario)]
+    numbers, records = list(settings.numbers), []
+    for plan in plans:
+        open_pairs = [
+            pair
+            for pair in plan.pairs
+            if frozenset(pair) not in known
+            and math.isclose(wanted.get(frozenset(pair), -1.0), plan.restitution, rel_tol=1e-9)
+        ]
+        if not open_pairs:
+            continue
+        known |= {frozenset(pair) for pair in open_pairs}
+        try:
+            found = _cached(backend, engine, plan)
+        except CannotCalibrate as error:
+            sentence = f"{backend.name}: {error}"
+            raise CannotCalibrate(sentence, error.longest_step_s) from None
+        numbers += [PairNumbers(pair, found.numbers) for pair in open_pairs]
+        records.append(record(plan, found))
+    return replace(settings, numbers=tuple(numbers)), tuple(records)
+
+
+def record(plan: DropPlan, found: Calibration) -> dict[str, Any]:
+    """How numbers were found, as plain values for run.json."""
+    plain: dict[str, Any] = asdict(found)
+    return {
+        "pairs": [list(pair) for pair in plan.pairs],
+        "speed_m_s": plan.speed_m_s,
+        "step_s": plan.step_s,
+        "size_m": plan.size_m,
+        "gravity_m_s2": plan.gravity_m_s2,
+        "notes": list(plan.notes),
+        **{name: value for name, value in plain.items() if not isinstance(value, tuple)},
+        "numbers": list(found.numbers),
+        "at": [_finite(asdict(one)) for one in found.at],
+        "checks": [_finite(asdict(one)) for one in found.checks],
+    }
+
+
+def _finite(values: Mapping[str, float]) -> dict[str, float | None]:
+    return {name: value if math.isfinite(value) else None for name, value in values.items()}
+
+
+def calibrate(backend: Tunable, engine: ModuleType, plan: DropPlan) -> Calibration:
+    """Finds numbers for a plan by dropping a sphere in the engine."""
+    is_lossless = plan.restitution > calibration.LARGEST and backend.bounces_by != SPRING
+    if is_lossless or not backend.bounces_by:
+        # what hardly loses anything is typed in as it stands, and what comes of it is shown
+        return Calibration(plan.restitution, (plan.restitution,))
+    e, gravity = plan.restitution, max(plan.gravity_m_s2, LEAST_GRAVITY_M_S2)
+    speeds = [plan.speed_m_s * e**k for k in range(IMPACTS)]
+    if backend.bounces_by == SPRING:
+        return calibrate_spring(
+            EngineDrops(backend, engine, plan), e, speeds, plan.step_s, plan.size_m, gravity,
+            lambda step_s: EngineDrops(backend, engine, replace(plan, step_s=step_s)),
+        )  # fmt: skip
+    found = calibration.calibrate_coefficient(
+        EngineDrops(backend, engine, plan), e, speeds, plan.step_s, gravity
+    )
+    depth_m = found.at[0].penetration_m if found.at else 0.0
+    if depth_m > DEPTH * plan.size_m:
+        # in a step it goes no further than this
+        longest_ms = math.floor(1e5 * DEPTH * plan.size_m / plan.speed_m_s) / 100
+        raise CannotCalibrate(
+            f"in a step of {1e3 * plan.step_s:.3g} ms a body at {plan.speed_m_s:.3g} m/s goes"
+            f" {1e3 * depth_m:.3g} mm deep, more than half its size of {1e3 * plan.size_m:.3g} mm;"
+            f" with a step of {longest_ms:g} ms it does not",
+            longest_ms / 1e3,
+        )
+    return found
+
+
+def _cached(backend: Tunable, engine: ModuleType, plan: DropPlan) -> Calibration:
+    asked = {**asdict(plan), "pairs": None, "notes": None}  # whatever the pairs are called
+    plain = cache.kept(backend, asked, lambda: asdict(calibrate(backend, engine, plan)))
+    return calibration.from_plain(plain)
