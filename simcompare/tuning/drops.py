@@ -17,6 +17,8 @@ FREE_PART = 0.02
 ROUNDING = 4e-7
 #: free steps in a row that make a flight
 LEAST_FREE = 3
+#: part of v/g that a drop may take, which from one impact to the next is 2
+_THROWN = 1.9
 
 
 @dataclass(frozen=True)
@@ -81,9 +83,14 @@ def start_above(
         phase: part of a step by which the drop takes longer.
         step_s: time step [s].
         gravity_m_s2: acceleration towards the floor [m/s²].
-        steps: whole steps before the impact; slow bodies are released from rest if that is later.
+        steps: whole steps before the impact, fewer where gravity needs fewer to give that speed; a
+            slow body is first on its way up.
     """
-    time_s = min((steps + phase) * step_s, speed_m_s / gravity_m_s2)
+    # thrown up from the floor it would take twice as long as from its apex
+    whole = min(steps, math.floor(_THROWN * speed_m_s / (gravity_m_s2 * step_s)) - 1)
+    time_s = (whole + phase) * step_s
+    if whole < LEAST_FREE:  # too slow for a flight before it
+        time_s = speed_m_s / gravity_m_s2
     return (speed_m_s - gravity_m_s2 * time_s / 2) * time_s, speed_m_s - gravity_m_s2 * time_s
 
 

@@ -50,24 +50,31 @@ class EngineDrops:
         backend: the engine's backend.
         engine: the imported engine.
         plan: what is dropped.
+        level: contact level of everything but the numbers.
     """
 
-    def __init__(self, backend: Tunable, engine: ModuleType, plan: DropPlan) -> None:
-        self._backend, self._engine, self._plan = backend, engine, plan
+    def __init__(
+        self, backend: Tunable, engine: ModuleType, plan: DropPlan, level: str = TUNED
+    ) -> None:
+        self._backend, self._engine, self._plan, self._level = backend, engine, plan, level
         self._gravity = max(plan.gravity_m_s2, LEAST_GRAVITY_M_S2)
         self._scene = _scene(plan, self._gravity)
 
     def __call__(self, numbers: tuple[float, ...], speed_m_s: float, phases: Array) -> Bounces:
         """Lets the sphere drop once for every phase."""
-        pair = PairNumbers(("body", "ground"), numbers)
-        settings = Settings(TUNED, numbers=(pair,))
-        simulation = self._backend.build(self._engine, self._scene, settings)
+        simulation = self.build(numbers)
         try:
             heights = [self._heights(simulation, speed_m_s, float(phase)) for phase in phases]
         finally:
             simulation.close()
         radius_m = self._plan.size_m / 2
         return drops.read_drops(heights, self._plan.step_s, self._gravity, radius_m)
+
+    def build(self, numbers: tuple[float, ...]) -> Simulation:
+        """The sphere above the plane, with these numbers."""
+        pair = PairNumbers(("body", "ground"), numbers)
+        settings = Settings(self._level, numbers=(pair,))
+        return self._backend.build(self._engine, self._scene, settings)
 
     def _heights(self, simulation: Simulation, speed_m_s: float, phase: float) -> Array:
         """Height above the plane at every step, until the sphere has left it again."""
