@@ -60,7 +60,10 @@ def _show_request(rows: Sequence[Tuned]) -> None:
         typer.echo(notation.sentence(note))
     (first, *others) = rows
     if others:
-        typer.echo("--snippet prints the lines to copy, --engine NAME all speeds.")
+        typer.echo(
+            "±: standard deviation over where in a step the impact falls. --snippet prints the"
+            " lines to copy, --engine NAME all speeds."
+        )
     elif first.statement is not None:
         if first.statement.bounces:
             _show_speeds(first.statement)
@@ -111,38 +114,40 @@ def _listed(numbers: Sequence[float]) -> str:
 
 
 def _show_table(rows: Sequence[Tuned]) -> None:
-    made = console.table(
-        "engine", "type in", "restitution", "± scatter", "holds at [m/s]", "steps [ms]",
-        "sinks [mm]", "lasts [ms]",
-    )  # fmt: skip
+    """Two or three lines for each engine, so that all of it fits into 80 columns."""
+    made = console.table("engine", "type in", "restitution", "holds at", "costs")
     for row in rows:
+        name = f"{row.engine}\n{row.version or ''}"
         if row.statement is None:
-            made.add_row(f"{row.engine} {row.version or ''}", row.status, *[""] * 6)
+            made.add_row(name, row.status, "", "", "")
         else:
-            made.add_row(f"{row.engine} {row.version or ''}", *_cells(row.statement))
+            made.add_row(name, *("\n".join(lines) for lines in _cells(row.statement)))
     console.show_table(made)
 
 
-def _cells(found: Statement) -> list[str]:
+def _cells(found: Statement) -> list[list[str]]:
     # both bodies may be given the same number
-    names = {one.parameter.partition(" of ")[0]: one for one in found.typed if one.is_tuned}
-    typed = "\n".join(f"{name} = {one.value!r}" for name, one in names.items())
+    names = {one.parameter.partition(" of ")[0]: one.value for one in found.typed if one.is_tuned}
+    called = dict.fromkeys(name.partition("[")[0] for name in names)
+    typed = [f"{', '.join(called)} =", *(f"{value!r}" for value in names.values())]
     bounces = found.bounces
     if not bounces:
-        return [typed, "0", *["–"] * 5]
+        return [typed, ["no bounce"], [], []]
     scatter = max(one.scatter for one in bounces)
     deepest_mm = 1e3 * max(one.penetration_m for one in bounces)
     longest_ms = 1e3 * max(one.contact_s for one in bounces)
-    some = "" if len(bounces) == len(found.at) else "\nor none"
+    some = [] if len(bounces) == len(found.at) else ["or no bounce"]
     return [
-        typed, _span([one.restitution for one in bounces]) + some, f"±{scatter:.2g}",
-        _range(found.speed_m_s), _range(found.step_s, 1e3), f"{deepest_mm:.3g}",
-        f"{longest_ms:.3g}",
+        typed,
+        [_span([one.restitution for one in bounces]), f"±{scatter:.2g}", *some],
+        [f"{_range(found.speed_m_s)} m/s", f"{_range(found.step_s, 1e3)} ms"]
+        if found.speed_m_s else ["none of these speeds"],
+        [f"sinks {deepest_mm:.2g} mm", f"lasts {longest_ms:.2g} ms"],
     ]  # fmt: skip
 
 
 def _span(means: Sequence[float]) -> str:
-    low, high = f"{min(means):.4g}", f"{max(means):.4g}"
+    low, high = f"{min(means):.4f}", f"{max(means):.4f}"
     return low if low == high else f"{low} to {high}"
 
 
@@ -150,7 +155,7 @@ def _range(found: Range | None, factor: float = 1.0) -> str:
     if found is None:
         return "none"
     low, high = (f"{factor * value:.3g}" for value in (found.low, found.high))
-    return ("" if found.below else "≤ ") + low + " to " + ("" if found.above else "≥ ") + high
+    return f"{'' if found.below else '≤'}{low} … {'' if found.above else '≥'}{high}"
 
 
 def _remarks(row: Tuned) -> list[str]:
