@@ -121,6 +121,7 @@ class Facts:
         mapping: how the scenario's contact is translated.
         known_limits: text and reference of each.
         helps: which of our helps it can take.
+        variants: name, text and reference of each.
     """
 
     version: str | None = None
@@ -128,6 +129,7 @@ class Facts:
     mapping: str = ""
     known_limits: tuple[tuple[str, str], ...] = ()
     helps: tuple[str, ...] = ()
+    variants: tuple[tuple[str, str, str], ...] = ()
 
     def limits_as_dicts(self) -> list[dict[str, str]]:
         """The known limits for JSON."""
@@ -214,6 +216,10 @@ def facts_of(backend: Backend) -> Facts:
         str(backend.mapping),
         tuple((str(limit.text), str(limit.reference)) for limit in backend.known_limits),
         tuple(name for name in HELPS if name in getattr(backend, "helps", ())),
+        tuple(
+            (str(name), str(variant.text), str(variant.reference))
+            for name, variant in getattr(backend, "variants", {}).items()
+        ),
     )
 
 

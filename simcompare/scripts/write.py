@@ -94,7 +94,7 @@ def script(
     efforts, inputs = efforts_of(nominal)
     plan = Plan(nominal, shifted, settings, efforts, _lacking(chosen, nominal, settings), tuning)
     parts = writer.parts(chosen, plan)
-    named = name or f"{nominal.name}_{engine}"
+    named = name or f"{nominal.name}_{engine.replace(engines.VARIANT, '_')}"
     text, stored = assembled(named, chosen, plan, parts, expected, inputs)
     return Script(named, text, stored, tuple(nominal.moving_bodies()), tuple(nominal.joints))
 
