@@ -25,6 +25,7 @@ class Choice(NamedTuple):
 
 ELLIPTIC = Choice("cone", "elliptic", 1, "mjCONE_ELLIPTIC")
 _INTEGRATORS = "MuJoCo documentation, Computation, Numerical integration"
+_MEAN = "it takes the damper of an actuator after the step, too, so that no mean is left"
 _CONES = "MuJoCo documentation, Computation, Contact; XML reference, option/cone"
 
 VARIANTS = {
@@ -42,7 +43,15 @@ VARIANTS = {
         _INTEGRATORS,
         Choice("integrator", "implicit", 2, "mjINT_IMPLICIT"),
         frozenset({CENTRED_EFFORTS}),
-        "it takes the damper of an actuator after the step, too, so that no mean is left",
+        _MEAN,
+    ),
+    "implicitfast": Variant(
+        "as implicit, without Coriolis and gyroscopic forces; what is left of a joint is its damper,"
+        " which the default takes after the step, too",
+        _INTEGRATORS,
+        Choice("integrator", "implicitfast", 3, "mjINT_IMPLICITFAST"),
+        frozenset({CENTRED_EFFORTS}),
+        _MEAN,
     ),
     "pyramidal": Variant(
         "friction is limited by a pyramid, as by default, also where tuned takes a cone",
