@@ -46,8 +46,8 @@ VARIANTS = {
         _MEAN,
     ),
     "implicitfast": Variant(
-        "as implicit, without Coriolis and gyroscopic forces; what is left of a joint is its damper,"
-        " which the default takes after the step, too",
+        "as implicit, without Coriolis and gyroscopic forces; what is left of a joint is its"
+        " damper, which the default takes after the step, too",
         _INTEGRATORS,
         Choice("integrator", "implicitfast", 3, "mjINT_IMPLICITFAST"),
         frozenset({CENTRED_EFFORTS}),
