@@ -95,7 +95,11 @@ def start_above(
 
 
 def read_drop(
-    height_m: Array, step_s: float, gravity_m_s2: float, radius_m: float = 0.0
+    height_m: Array,
+    step_s: float,
+    gravity_m_s2: float,
+    radius_m: float = 0.0,
+    free_part: float = FREE_PART,
 ) -> tuple[float, float, float, float]:
     """Restitution, penetration [m], contact time [s] and delay [s] of the first bounce.
 
@@ -108,11 +112,12 @@ def read_drop(
         step_s: time between the samples [s].
         gravity_m_s2: acceleration towards the floor [m/s²].
         radius_m: by which the position that an engine rounds is higher.
+        free_part: a step is free flight where its acceleration is gravity's within this part.
     """
     depth_m = max(0.0, -float(height_m.min()))
     fall_m = gravity_m_s2 * step_s**2
     surplus = np.abs(np.diff(height_m, 2) + fall_m)
-    forced = surplus > FREE_PART * fall_m + ROUNDING * (float(np.abs(height_m).max()) + radius_m)
+    forced = surplus > free_part * fall_m + ROUNDING * (float(np.abs(height_m).max()) + radius_m)
     acted = np.flatnonzero(forced)
     nothing = (math.nan, depth_m, math.nan, math.nan)
     if len(acted) == 0:
@@ -135,10 +140,16 @@ def read_drop(
 
 
 def read_drops(
-    heights_m: Sequence[Array], step_s: float, gravity_m_s2: float, radius_m: float = 0.0
+    heights_m: Sequence[Array],
+    step_s: float,
+    gravity_m_s2: float,
+    radius_m: float = 0.0,
+    free_part: float = FREE_PART,
 ) -> Bounces:
     """The same for several drops; the records may differ in length."""
-    rows = np.array([read_drop(height, step_s, gravity_m_s2, radius_m) for height in heights_m])
+    rows = np.array(
+        [read_drop(height, step_s, gravity_m_s2, radius_m, free_part) for height in heights_m]
+    )
     return Bounces(*rows.T)
 
 
