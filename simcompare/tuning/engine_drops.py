@@ -93,9 +93,16 @@ class EngineDrops:
     def build(self, numbers: tuple[float, ...]) -> Simulation:
         """The sphere above the plane, with these numbers."""
         pair = PairNumbers(("body", "ground"), numbers)
-        helps = getattr(self._backend, "helps", frozenset()) if self._level == ASSISTED else None
+        helps: frozenset[str] | None = None
+        if self._level == ASSISTED:
+            helps = getattr(self._backend, "helps", frozenset())
         settings = Settings(self._level, helps=helps, numbers=(pair,))
         return self._backend.build(self._engine, self._scene, settings)
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scene."""
+        return self._scene
 
     def _heights(self, simulation: Simulation, speed_m_s: float, phase: float) -> Array:
         """Height above the plane at every step, until the sphere has left it again."""

@@ -1,0 +1,145 @@
+"""What a class must see of the experiments, in sentences that are computed from the answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from simcompare.characterization import bounce_findings
+from simcompare.characterization.force import CASES
+from simcompare.characterization.friction import LOAD
+from simcompare.characterization.words import (
+    HEADS,
+    Found,
+    amounts,
+    by_engine,
+    capital,
+    listed,
+    milli,
+    percent,
+    signed,
+)
+from simcompare.settings import CONTACT_LEVELS, TUNED
+
+Answers = Sequence[Mapping[str, Any]]
+#: creep below this is none that one would see [m/s]
+_CREEPS_M_S = 1e-5
+#: a deviation, or a jitter, below this part is not named
+_NAMED = 0.01
+
+
+def sentences(answers: Answers, step_s: float) -> list[dict[str, Any]]:
+    """All of them, each with its experiment and whether it stands at the top of the page."""
+    bounces = {level: by_engine(answers, "bounce", level) for level in CONTACT_LEVELS}
+    found = [
+        {"experiment": "bounce", "text": text, "leads": leads}
+        for text, leads in bounce_findings.sentences(bounces, step_s)
+    ]
+    for experiment, tell in _TELL.items():
+        said: dict[str, list[str]] = {}
+        for level in CONTACT_LEVELS:
+            at_level = by_engine(answers, experiment, level)
+            if at_level:
+                said.setdefault(tell(at_level), []).append(level)
+        for text, levels in said.items():
+            head = capital(listed(HEADS[level] for level in levels))
+            whole = f"{head}, at {1e3 * step_s:g} ms: {text}."
+            found.append({"experiment": experiment, "text": whole, "leads": TUNED in levels})
+    return found
+
+
+def _friction(found: Found) -> str:
+    lets_go = {name: one["lets_go_at"] for name, one in found.items()}
+    wrong = {n: v for n, v in lets_go.items() if v is not None and abs(v - 1) > _NAMED}
+    holds = [name for name, value in lets_go.items() if value is None]
+    parts = []
+    if wrong:
+        loads = amounts(wrong, lambda load: f"{load:.2f} µN")
+        parts.append(f"a block that friction should hold up to µN lets go at {loads}")
+    if holds:
+        parts.append(f"it holds whatever pulls in {listed(holds)}")
+    if not parts:
+        parts.append(f"friction holds a block up to µN, within {percent(_NAMED)}")
+    creeps = {
+        name: abs(_creep(one))
+        for name, one in found.items()
+        if abs(_creep(one)) > _CREEPS_M_S and (lets_go[name] is None or lets_go[name] > LOAD)
+    }
+    if creeps:
+        parts.append(f"while it should stick it creeps by {amounts(creeps, _creeping)}")
+    brakes = {n: _worst_braking(one) for n, one in found.items() if n not in wrong}
+    off = {n: v for n, v in brakes.items() if v is not None and abs(v) > _NAMED}
+    if off:
+        parts.append(
+            f"sliding, it is braked by up to {amounts(off, signed)} too much or too little"
+        )
+    return "; ".join(parts)
+
+
+def _creeping(speed_m_s: float) -> str:
+    return milli(speed_m_s, "m/s")
+
+
+def _creep(one: Mapping[str, Any]) -> float:
+    at_load = next(row for row in one["creep"] if row["load"] == LOAD)
+    return float(at_load["creep_m_s"] or 0.0)
+
+
+def _worst_braking(one: Mapping[str, Any]) -> float | None:
+    parts = [row["braking"] - 1 for row in one["braking"] if row["braking"] is not None]
+    return max(parts, key=abs, default=None)
+
+
+#: what is told of a hinge, with its words
+_OF_HINGE = {
+    "damping": "a damper brakes a hinge",
+    "inertia": "a motor feels an inertia",
+    "frequency": "a spring swings with a frequency",
+    "damping_ratio": "a sprung hinge dies away with a damping ratio",
+}
+
+
+def _joint(found: Found) -> str:
+    parts = []
+    held = [name for name, one in found.items() if one.get("damping", 0) is None]
+    if held:
+        parts.append(f"the hinge is held and does not move at all in {listed(held)}")
+    for quantity, words in _OF_HINGE.items():
+        off = {
+            name: one[quantity] - 1
+            for name, one in found.items()
+            if one.get(quantity) is not None and abs(one[quantity] - 1) > _NAMED
+        }
+        if off:
+            parts.append(f"{words} that is off by {amounts(off, signed)}".replace(
+                "hinge that is off", "hinge, off"))  # fmt: skip
+    right = "damping, inertia, frequency and damping ratio of a hinge are right"
+    return "; ".join(parts) if parts else f"{right} within {percent(_NAMED)}"
+
+
+def _force(found: Found) -> str:
+    parts = []
+    for case, words in CASES.items():
+        told = {name: one["cases"][case] for name, one in found.items() if case in one["cases"]}
+        off = {n: one["ratio"] - 1 for n, one in told.items() if abs(one["ratio"] - 1) > _NAMED}
+        jitters = {n: one["jitter"] for n, one in told.items() if one["jitter"] > _NAMED}
+        both = []
+        if off:
+            both.append(f"is off by {amounts(off, signed)}")
+        if jitters:
+            both.append(f"jitters by {amounts(jitters, lambda part: f'± {percent(part)}')}")
+        if both:
+            parts.append(f"the force on a {words} {' and '.join(both)}")
+    if not parts:
+        parts.append(f"every force that is told is right within {percent(_NAMED)}, and steady")
+    silent = [name for name, one in found.items() if one["lacks"]]
+    if silent:
+        parts.append(f"not all forces are told in {listed(silent)}")
+    return "; ".join(parts)
+
+
+_TELL: Mapping[str, Callable[[Found], str]] = {
+    "friction": _friction,
+    "joint": _joint,
+    "force": _force,
+}
