@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -86,31 +87,38 @@ def write_figures(result: Characterization, folder: Path, format: str) -> list[P
 
 
 def _block(record: Mapping[str, Any]) -> Block:
-    parts = [_answer(record)]
-    parts += [_experiment(record, name) for name in record["experiments"]]
+    figures = {name: _FIGURES[name](record) for name in record["experiments"]}
+    first = next((drawn.pop(0) for drawn in figures.values() if drawn), None)
+    parts = [_answer(record, first)]
+    parts += [_experiment(record, name, drawn) for name, drawn in figures.items()]
     return Block("c1", {**record, "preset": None, "against": None}, [*parts, _how(record)])
 
 
-def _answer(record: Mapping[str, Any]) -> Filled:
-    """What leads; the whole is in the sections."""
+def _answer(record: Mapping[str, Any], first: Figure | None) -> Filled:
+    """What leads, with the first picture; the rest is in the sections."""
     leading = [one["text"] for one in record["sentences"] if one["leads"]]
     answer = leading or [one["text"] for one in record["sentences"]]
     missing = {a["engine"]: a["reason"] for a in record["answers"] if a["status"] == "missing"}
     answer += [f"Did not run: {reason}" for reason in missing.values()]
-    return Filled(
-        _Part("answer", "Answer", "real_answer.html"), {"answer": answer, **parts_of([], [])}
-    )
+    context = {"answer": list(map(_tied, answer)), **parts_of([first], [])}
+    return Filled(_Part("answer", "Answer", "real_answer.html"), context)
 
 
-def _experiment(record: Mapping[str, Any], name: str) -> Filled:
+def _experiment(record: Mapping[str, Any], name: str, figures: list[Figure]) -> Filled:
     sentences = [one["text"] for one in record["sentences"] if one["experiment"] == name]
     context = parts_of(
-        _FIGURES[name](record),
+        figures,
         [characterized_tables.of(record, name)],
         *sentences,
         *characterized_tables.reasons(record, name),
     )
+    context["notes"] = list(map(_tied, context["notes"]))
     return Filled(_Part(name, _TITLES[name]), context)
+
+
+def _tied(text: str) -> str:
+    """Numbers stay on one line with their sign and unit."""
+    return re.sub(r"(?<=±) | (?=(?:%|ms|mm/s|m/s|µN)(?:\W|$))", "\u00a0", text)
 
 
 def _how(record: Mapping[str, Any]) -> Filled:

@@ -10,8 +10,18 @@ import numpy as np
 
 from simcompare.characterization.bounce import PHASES, BounceQuestion
 from simcompare.characterization.force import CASES
+from simcompare.characterization.friction import LOAD
 from simcompare.characterization.words import Found, by_engine, capital
-from simcompare.reports.figures import Band, Figure, Panel, Series, spread, style_of
+from simcompare.reports.figures import (
+    MOST_PANELS,
+    Band,
+    Figure,
+    Panel,
+    Series,
+    fitted_range,
+    spread,
+    style_of,
+)
 from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED
 from simcompare.trajectory import Array
 
@@ -30,8 +40,10 @@ _WANTED, _FIRST_M_S = BounceQuestion("", 0.0).restitution, BounceQuestion("", 0.
 _SHOWN_PERCENT = 6.0
 #: what is smaller is drawn there, on a logarithmic axis: creep [mm/s], and parts of a force [%]
 _LEAST_CREEP, _LEAST_PERCENT = 1e-6, 1e-7
+#: what a panel about 1 shows at least
+_LEAST_RANGE = (Band(0.95, 1.05, ""),)
 #: sideways shift of one engine against the next on a logarithmic axis [decades]
-_APART = 0.12
+_APART = 0.09
 _STEP, _SPEED = "Step (ms)", "Impact speed (m/s)"
 
 
@@ -52,7 +64,7 @@ def of_bounce(record: Record) -> list[Figure]:
         _over_speed(record, levels),
         _off_over_speed(record, levels),
         _over_phase(record, levels),
-        _over_step(record, levels),
+        *_over_step(record, levels),
     ]
 
 
@@ -68,10 +80,11 @@ def _over_speed(record: Record, levels: Sequence[str]) -> Figure:
         lambda row: row["speed_m_s"], lambda row: _or_nan(row["mean"]),
         lambda row: _or_nan(row["scatter"]),
     )  # fmt: skip
+    lines = {level: _series(record, "bounce", level, curve, "over_speed") for level in levels}
     panels = tuple(
         Panel(
-            LEVELS[level], _SPEED, "Restitution", _series(record, "bounce", level, curve, "over_speed"),
-            _wanted(_WANTED), log_x=True, y_range=(-0.03, 1.13),
+            LEVELS[level], _SPEED, "Restitution", lines[level], _wanted(_WANTED), log_x=True,
+            y_range=(-0.03, 1.13),
         )
         for level in levels
     )  # fmt: skip
@@ -85,13 +98,8 @@ def _over_speed(record: Record, levels: Sequence[str]) -> Figure:
 
 def _off_over_speed(record: Record, levels: Sequence[str]) -> Figure:
     curve = _Curve(lambda row: row["speed_m_s"], _off, _off_scatter)
-    panels = tuple(
-        Panel(
-            LEVELS[level], _SPEED, "Off by (%)",
-            _series(record, "bounce", level, curve, "over_speed"), _right(), log_x=True, y_range=(-_SHOWN_PERCENT, _SHOWN_PERCENT),
-        )
-        for level in levels
-    )  # fmt: skip
+    lines = {level: _series(record, "bounce", level, curve, "over_speed") for level in levels}
+    panels = tuple(_off_panel(LEVELS[level], _SPEED, lines[level]) for level in levels)
     caption = (
         f"The same as a deviation from the {_WANTED:g} that is wanted, enlarged; dead bounces are"
         " left out, and what is off by more leaves the panel. The number of a tuned engine was"
@@ -123,26 +131,31 @@ def _over_phase(record: Record, levels: Sequence[str]) -> Figure:
                   share_y=True)  # fmt: skip
 
 
-def _over_step(record: Record, levels: Sequence[str]) -> Figure:
+def _over_step(record: Record, levels: Sequence[str]) -> Iterator[Figure]:
     curve = _Curve(lambda row: 1e3 * row["step_s"], _off, _off_scatter)
     panels = []
     for level in levels:
         title = f"{LEVELS[level]}, held" if level == TUNED else LEVELS[level]
-        panels.append(_step_panel(title, _series(record, "bounce", level, curve)))
+        panels.append(_off_panel(title, _STEP, _series(record, "bounce", level, curve)))
     if TUNED in levels:
         again = _series(record, "bounce", TUNED, curve, "retuned")
-        panels.insert(levels.index(TUNED) + 1, _step_panel("Tuned at each step", again))
+        panels.insert(levels.index(TUNED) + 1, _off_panel("Tuned at each step", _STEP, again))
     caption = (
         f"Impacts at {_FIRST_M_S:g} m/s. Held: the number of {1e3 * record['step_s']:g} ms is kept"
         " at other steps, as when it is copied from somewhere; tuned at each step: found anew,"
-        " where there is one. What is off by more leaves the panel."
+        " where there is one. What is off by more leaves the panel; points are shifted sideways a"
+        " little so that their bars stand apart."
     )
-    return Figure("step", "How far it is off, over steps", caption, tuple(panels), share_y=True)
+    rows = 1 if len(panels) <= MOST_PANELS else 2
+    for i in range(rows):
+        part = tuple(panels[i * len(panels) // rows : (i + 1) * len(panels) // rows])
+        name, title = f"step{i + 1 if i else ''}", "How far it is off, over steps"
+        yield Figure(name, title + (", continued" if i else ""), caption, part, share_y=True)
 
 
-def _step_panel(title: str, series: tuple[Series, ...]) -> Panel:
+def _off_panel(title: str, x_label: str, series: tuple[Series, ...]) -> Panel:
     return Panel(
-        title, _STEP, "Off by (%)", series, _right(), log_x=True,
+        title, x_label, "Off by (%)", series, _right(), log_x=True,
         y_range=(-_SHOWN_PERCENT, _SHOWN_PERCENT),
     )  # fmt: skip
 
@@ -165,13 +178,14 @@ def _friction(record: Record, level: str) -> Iterator[Figure]:
         _Curve(lambda row: row["speed_m_s"], lambda row: _or_nan(row["braking"])), "braking",
     )  # fmt: skip
     panels = (
-        Panel("Lets go at", _STEP, "Load (µN)", holds, _wanted(1.0), log_x=True),
+        _over_truth("Lets go at", _STEP, "Load (µN)", holds),
         Panel("Creeps", _STEP, "Speed (mm/s)", creeps, log_x=True, log_y=True),
-        Panel("Is braked", "Speed (m/s)", "Deceleration (µg)", brakes, _wanted(1.0), log_x=True),
+        _over_truth("Is braked", "Speed (m/s)", "Deceleration (µg)", brakes),
     )
     caption = (
         "By Coulomb a block sticks up to a load of µN along the plane, and one that slides is"
-        " braked by µg. Creep is the speed of a block that should stick under 0.8 µN."
+        " braked by µg. Creep is the speed of a block that should stick under"
+        f" {LOAD:g} µN; what is below {_LEAST_CREEP:g} mm/s is drawn there."
     )
     yield Figure(f"friction_{level}", f"{LEVELS[level]}: a block on a plane", caption, panels)
 
@@ -188,7 +202,7 @@ def _joint(record: Record, level: str) -> Iterator[Figure]:
     for name, title in titles.items():
         curve = _Curve(lambda row: 1e3 * row["step_s"], lambda row, n=name: _or_nan(row.get(n)))  # type: ignore[misc]
         series = _series(record, "joint", level, curve)
-        panels.append(Panel(title, _STEP, "Over the truth", series, _wanted(1.0), log_x=True))
+        panels.append(_over_truth(title, _STEP, "Over the truth", series))
     if any(panel.series for panel in panels):
         caption = (
             "A hinge that turns and is braked by a damper, and one on a spring with a damper, over"
@@ -225,6 +239,14 @@ def _force(record: Record, level: str) -> Iterator[Figure]:
             f" below {_LEAST_PERCENT:g} % is drawn there."
         )
         yield Figure(f"force_{level}", f"{LEVELS[level]}: forces", caption, panels)
+
+
+def _over_truth(title: str, x_label: str, y_label: str, series: tuple[Series, ...]) -> Panel:
+    """A panel about 1, in which less than some per cent does not look like much."""
+    return Panel(
+        title, x_label, y_label, series, _wanted(1.0), log_x=True,
+        y_range=fitted_range(series, _LEAST_RANGE),
+    )  # fmt: skip
 
 
 def _series(

@@ -101,7 +101,7 @@ def _friction(found: Row, step_s: float) -> Sequence[str]:
         "> 4" if lets_go is None else f"{lets_go:.3f}",
         _small(1e3 * abs(at_load["creep_m_s"]), 1e-6),
         _small(1e3 * at_load["sinks_m"], 5e-4),
-        "at once" if braked["braking"] is None else f"{braked['braking']:.3f}",
+        "at once" if braked["stops_at_once"] else _digits(braked["braking"]),
     )
 
 
@@ -140,8 +140,8 @@ def _thousandfold(value: float | None) -> str:
     return "–" if value is None else numbers.plain(1e3 * value, 2)
 
 
-def _digits(value: float) -> str:
-    return f"{value:.4f}".replace("-", "−")
+def _digits(value: float | None) -> str:
+    return "–" if value is None else f"{value:.4f}".replace("-", "−")
 
 
 def _small(value: float, least: float) -> str:

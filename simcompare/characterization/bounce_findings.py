@@ -30,12 +30,11 @@ def sentences(found: Mapping[str, Found], step_s: float) -> list[tuple[str, bool
     said = []
     if found[DEFAULT]:
         said.append((_default(found[DEFAULT], step_s), True))
-    for level in (COEFFICIENTS, TUNED):
+    for level in (COEFFICIENTS, TUNED, ASSISTED):
         if found[level]:
-            said.append((_given(level, found[level], step_s), level == TUNED))
-    said += [(text, True) for text in _over_steps(found[TUNED], step_s)]
-    if found[ASSISTED]:
-        said.append((_given(ASSISTED, found[ASSISTED], step_s), True))
+            said += [(text, level != COEFFICIENTS) for text in _given(level, found[level], step_s)]
+        if level == TUNED:
+            said += [(text, True) for text in _over_steps(found[TUNED], step_s)]
     return said
 
 
@@ -50,16 +49,18 @@ def _default(found: Found, step_s: float) -> str:
     return f"{head} comes back with {amounts(bounces, rounded)}{rest}."
 
 
-def _given(level: str, found: Found, step_s: float) -> str:
-    """Mean and scatter at the speed of the plan, then slower impacts, then where it ends."""
+def _given(level: str, found: Found, step_s: float) -> list[str]:
+    """Mean and scatter at the speed of the plan; then slower impacts, and where it ends."""
     tuned = f" for {_ASKED.restitution:g} at {_ASKED.speed_m_s:g} m/s" if level == TUNED else ""
     head = f"{capital(HEADS[level])}{tuned}, at {1e3 * step_s:g} ms"
     dead = [name for name, one in found.items() if _dies(one) >= _fastest(one)]
     alive = {name: one for name, one in found.items() if name not in dead}
     parts = [f"{listed(dead)} {'does' if len(dead) == 1 else 'do'} not bounce"] if dead else []
-    if alive:
-        parts += [*_mean(alive), _scatter(alive), *_slower(alive), *_ends(alive)]
-    return f"{head}: {'; '.join(parts)}."
+    if not alive:
+        return [f"{head}: {parts[0]}."]
+    slow = [*_slower(alive), *_ends(alive)]
+    said = [f"{head}: {'; '.join([*parts, *_mean(alive), _scatter(alive)])}."]
+    return [*said, f"{capital('; '.join(slow))}."] if slow else said
 
 
 def _mean(found: Found) -> list[str]:
@@ -86,7 +87,10 @@ def _slower(found: Found) -> list[str]:
     """Slower impacts with the same number."""
     off = {name: part for name, part in _off(found, _SLOW_M_S).items() if part > -0.5}
     speed = _at(next(iter(found.values())), _SLOW_M_S)["speed_m_s"]
-    return [f"at {speed:g} m/s it is off by {amounts(off, signed)}"] if off else []
+    if not off:
+        return []
+    same = "the same number" if len(found) > 1 else "its number"
+    return [f"at {speed:g} m/s the mean that {same} gives is off by {amounts(off, signed)}"]
 
 
 def _off(found: Found, speed_m_s: float) -> dict[str, float]:
@@ -114,7 +118,7 @@ def _over_steps(found: Found, step_s: float) -> list[str]:
     """What the number of one step does at others."""
     much = {n: one["too_much_above_s"] for n, one in found.items() if one["too_much_above_s"]}
     gains = {n: one["gains_above_s"] for n, one in found.items() if one["gains_above_s"]}
-    lost = {n: step for n, one in found.items() if (step := _longest_tuned(one)) is not None}
+    lost = {n: step for n, one in found.items() if (step := _first_untuned(one)) is not None}
     parts = []
     if much:
         parts.append(
@@ -126,16 +130,19 @@ def _over_steps(found: Found, step_s: float) -> list[str]:
     head = f"With the number of {1e3 * step_s:g} ms held at other steps"
     said = [f"{head}, {'; '.join(parts)}."] if parts else []
     if lost:
-        said.append(f"No number at all gives a steady bounce beyond {amounts(lost, _step)}.")
+        steps = amounts(lost, lambda step: f"{_step(step)} or more")
+        said.append(f"No number at all gives a steady bounce at {steps}.")
     return said
 
 
-def _longest_tuned(one: Mapping[str, Any]) -> float | None:
-    """The longest step that was tried with a number of its own, if longer ones have none."""
-    rows = one["retuned"]
-    if not rows or not rows[-1]["reason"]:
-        return None
-    return max((float(row["step_s"]) for row in rows if not row["reason"]), default=None)
+def _first_untuned(one: Mapping[str, Any]) -> float | None:
+    """The step from which on, of those tried, none has a number of its own."""
+    found = None
+    for row in reversed(one["retuned"]):
+        if not row["reason"]:
+            break
+        found = float(row["step_s"])
+    return found
 
 
 def _at(one: Mapping[str, Any], speed_m_s: float) -> Mapping[str, Any]:

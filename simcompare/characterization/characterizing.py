@@ -20,7 +20,7 @@ from simcompare.characterization.joint import JointQuestion
 from simcompare.engine.library import installed_version
 from simcompare.errors import BackendError, InputError, OutputError, UnknownName
 from simcompare.jobs import FAILED, MISSING, OK, Answer, Inquiry
-from simcompare.runner import TIME_LIMIT_S, Progress, run_jobs
+from simcompare.runner import TIME_LIMIT_S, Progress, check_time_limit, run_jobs
 from simcompare.settings import CONTACT_LEVELS, OLD_LEVELS
 
 #: experiment -> the question that is asked at a contact level and a step
@@ -103,9 +103,15 @@ def characterize(
         for name in names
         for level in levels
     ]
+    check_time_limit(time_limit_s)
     folder = None if out is None else _place(Path(out))
-    answers = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
-    _refuse_nothing(answers)
+    try:
+        answers = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
+        _refuse_nothing(answers)
+    except BaseException:
+        if folder is not None:
+            folder.rmdir()
+        raise
     record = _record(answers, names, levels, step_s, engine)
     result = Characterization(record)
     return result if folder is None else _saved(result, folder)

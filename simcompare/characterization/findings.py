@@ -70,9 +70,7 @@ def _friction(found: Found) -> str:
     brakes = {n: _worst_braking(one) for n, one in found.items() if n not in wrong}
     off = {n: v for n, v in brakes.items() if v is not None and abs(v) > _NAMED}
     if off:
-        parts.append(
-            f"sliding, it is braked by up to {amounts(off, signed)} too much or too little"
-        )
+        parts.append(f"sliding, its deceleration is off by up to {amounts(off, signed)}")
     return "; ".join(parts)
 
 
@@ -92,10 +90,10 @@ def _worst_braking(one: Mapping[str, Any]) -> float | None:
 
 #: what is told of a hinge, with its words
 _OF_HINGE = {
-    "damping": "a damper brakes a hinge",
-    "inertia": "a motor feels an inertia",
-    "frequency": "a spring swings with a frequency",
-    "damping_ratio": "a sprung hinge dies away with a damping ratio",
+    "damping": "the damping of a hinge is",
+    "inertia": "the inertia that a motor feels is",
+    "frequency": "the frequency of a sprung hinge is",
+    "damping_ratio": "the damping ratio of a sprung hinge is",
 }
 
 
@@ -111,8 +109,7 @@ def _joint(found: Found) -> str:
             if one.get(quantity) is not None and abs(one[quantity] - 1) > _NAMED
         }
         if off:
-            parts.append(f"{words} that is off by {amounts(off, signed)}".replace(
-                "hinge that is off", "hinge, off"))  # fmt: skip
+            parts.append(f"{words} off by {amounts(off, signed)}")
     right = "damping, inertia, frequency and damping ratio of a hinge are right"
     return "; ".join(parts) if parts else f"{right} within {percent(_NAMED)}"
 

@@ -79,12 +79,12 @@ class ForceQuestion:
         settled = found.time_s >= _SETTLES_S
         force = found.signals[signal][settled]
         if name == "weld_shaken":
-            return _of_sine(found.time_s[settled], force[:, 0], _WELDED_KG * _PUSHED_M_S2)
+            return of_sine(found.time_s[settled], force[:, 0], _WELDED_KG * _PUSHED_M_S2)
         if name == "weld_pushed":
-            return _of_level(force[:, 0], _WELDED_KG * _PUSHED_M_S2)
+            return of_level(force[:, 0], _WELDED_KG * _PUSHED_M_S2)
         if name == "weld_rest":
-            return _of_level(force[:, 2], _WELDED_KG * G_M_S2)
-        return _of_level(force, _BLOCK_KG * G_M_S2)
+            return of_level(force[:, 2], _WELDED_KG * G_M_S2)
+        return of_level(force, _BLOCK_KG * G_M_S2)
 
 
 def scene_of(case: str, step_s: float) -> Scenario:
@@ -124,11 +124,12 @@ def _welded(case: str, step_s: float) -> Scenario:
     )  # fmt: skip
 
 
-def _of_level(force: Array, truth: float) -> dict[str, float]:
+def of_level(force: Array, truth: float) -> dict[str, float]:
+    """Mean over the truth, and the standard deviation about it as jitter."""
     return {"ratio": float(force.mean()) / truth, "jitter": float(force.std()) / truth}
 
 
-def _of_sine(time_s: Array, force: Array, truth: float) -> dict[str, float]:
+def of_sine(time_s: Array, force: Array, truth: float) -> dict[str, float]:
     """Amplitude over the truth; what is no sine of that frequency is jitter."""
     turn = 2 * math.pi * _FREQUENCY_HZ * time_s
     waves = np.column_stack((np.sin(turn), np.cos(turn), np.ones(len(turn))))

@@ -26,13 +26,13 @@ SPEEDS_M_S, SPEED_M_S, MASSES_KG = (0.1, 0.3, 1.0, 3.0), 1.0, (0.05, 0.5, 5.0)
 #: how long a block lies under a load [s]
 _LIES_S = 0.4
 #: loads between which it is sought where the block lets go, and halvings of what lies between
-_MOST_LOAD, _HALVINGS = 4.0, 12
+MOST_LOAD, _HALVINGS = 4.0, 12
 #: the block slides on if it gets faster by more than what this part of µ·N too much would do
 _SLIDES_PART = 0.005
 #: part of the first speed below which a block stands
 _STANDS = 0.1
-#: fewest samples from which a deceleration is read
-_LEAST = 6
+#: fewest steps from which a deceleration is read, and most in which a block stops at once
+_LEAST, _AT_ONCE = 6, 2
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ class FrictionQuestion:
 
     def lets_go_at(self, backend: Backend, step_s: float) -> float | None:
         """Load up to which the block sticks [µ·N]; ``None`` if the largest does not move it."""
-        low, high = 0.0, _MOST_LOAD
+        low, high = 0.0, MOST_LOAD
         if not self.slides(backend, step_s, high):
             return None
         for _ in range(_HALVINGS):
@@ -140,8 +140,12 @@ class FrictionQuestion:
             slides = self.scene(step_s, time_s, 0.0, speed_m_s, mass_kg)
             found.append(_deceleration(run(backend, slides, self.level), speed_m_s))
         parts = np.array(found) / (self.friction * G_M_S2)
-        scatter = float(parts.std()) if np.isfinite(parts).all() else math.nan
-        return {"braking": float(parts.mean()), "braking_scatter": scatter}
+        moves = bool(np.isfinite(parts).all())
+        return {
+            "braking": float(parts.mean()),
+            "braking_scatter": float(parts.std()) if moves else math.nan,
+            "stops_at_once": bool(np.isinf(parts).any()),
+        }
 
 
 def _along(found: Trajectory) -> Array:
@@ -151,12 +155,12 @@ def _along(found: Trajectory) -> Array:
 def _deceleration(found: Trajectory, speed_m_s: float) -> float:
     """From a parabola through the positions up to where it stops [m/s²].
 
-    Infinite where it stops within a few steps, NaN where the run itself has but a few.
+    Infinite where it stops at once, NaN where there are too few steps to read it.
     """
     along, time_s = _along(found), found.time_s
     moves = np.diff(along) > _STANDS * speed_m_s * np.diff(time_s)
     count = len(moves) if moves.all() else int(np.argmin(moves))
     # the first sample is where the start was put, and may not belong to the engine's own steps
     if count < _LEAST:
-        return math.inf if count < len(moves) else math.nan
+        return math.inf if count <= _AT_ONCE and len(moves) >= _LEAST else math.nan
     return float(-2 * np.polyfit(time_s[1 : count + 1], along[1 : count + 1], 2)[0])

@@ -21,7 +21,7 @@ from simcompare.tuning import cache
 #: moment of inertia and armature [kg·m²]; torque of the motor [N·m]
 _INERTIA, _ARMATURE, _TORQUE = 1e-3, 1.5e-3, 0.05
 #: rate at which what is damped dies away, d/J [1/s], and how long it is watched [s]
-_DECAY, _WATCHED_S = 10.0, 0.2
+DECAY, _WATCHED_S = 10.0, 0.2
 #: natural frequency of the spring [rad/s], damping ratio, and how long it is watched [s]
 OMEGA, ZETA, _SWINGS_S = 40.0, 0.1, 0.6
 _START_RAD_S = 8.0
@@ -75,10 +75,10 @@ class JointQuestion:
     def decay(self, backend: Backend, step_s: float, armature: float) -> float:
         """Rate at which a spin dies away, over d/(J + armature)."""
         whole = _INERTIA + armature
-        hinge = {"damping": _DECAY * whole, "rate": _START_RAD_S}
+        hinge = {"damping": DECAY * whole, "rate": _START_RAD_S}
         made = hinge_scene(step_s, _WATCHED_S, hinge, armature)
         rate = _signal(backend, made, self.level, "rate_rad_s")
-        return decay_rate(rate, step_s) / _DECAY
+        return decay_rate(rate, step_s) / DECAY
 
     def inertia(self, backend: Backend, step_s: float) -> float:
         """Torque over acceleration, over J + armature."""
