@@ -11,8 +11,9 @@ import numpy as np
 
 from simcompare.trajectory import Array
 
-#: a step is free flight where its acceleration is gravity's within this part of it
-FREE_PART = 0.02
+#: a step is free flight where its acceleration is gravity's within this part of it; in an engine
+#: as it comes the air may brake, which is still far from a contact
+FREE_PART, BRAKED_PART = 0.02, 0.5
 #: rounding of a height that an engine holds in single precision, as part of it
 ROUNDING = 4e-7
 #: free steps in a row that make a flight
@@ -73,6 +74,11 @@ def even_phases(count: int, offset: float = 0.5) -> Array:
     return (np.arange(count) + offset) / count
 
 
+def slowest_m_s(step_s: float, gravity_m_s2: float) -> float:
+    """Slowest impact that can follow a flight of enough steps, at any phase of a step [m/s]."""
+    return (LEAST_FREE + 1) * gravity_m_s2 * step_s / _THROWN
+
+
 def start_above(
     speed_m_s: float, phase: float, step_s: float, gravity_m_s2: float, steps: int = 6
 ) -> tuple[float, float]:
@@ -112,7 +118,7 @@ def read_drop(
         step_s: time between the samples [s].
         gravity_m_s2: acceleration towards the floor [m/s²].
         radius_m: by which the position that an engine rounds is higher.
-        free_part: a step is free flight where its acceleration is gravity's within this part.
+        free_part: part of gravity by which the acceleration of a free step may be another.
     """
     depth_m = max(0.0, -float(height_m.min()))
     fall_m = gravity_m_s2 * step_s**2
@@ -147,10 +153,8 @@ def read_drops(
     free_part: float = FREE_PART,
 ) -> Bounces:
     """The same for several drops; the records may differ in length."""
-    rows = np.array(
-        [read_drop(height, step_s, gravity_m_s2, radius_m, free_part) for height in heights_m]
-    )
-    return Bounces(*rows.T)
+    rows = [read_drop(h, step_s, gravity_m_s2, radius_m, free_part) for h in heights_m]
+    return Bounces(*np.array(rows).T)
 
 
 def _flight(height_m: Array, index: int, step_s: float, gravity_m_s2: float) -> tuple[float, float]:

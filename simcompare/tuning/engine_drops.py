@@ -36,6 +36,8 @@ class Tunable(Protocol):
         """Builds a scene."""
 
 
+#: what drops, and what it drops on
+BALL, FLOOR = PAIR = ("ball", "floor")
 #: weakest gravity with which a drop is read; without any it would have no apex [m/s²]
 LEAST_GRAVITY_M_S2 = 0.1
 #: steps that are recorded at once, and at most
@@ -44,9 +46,6 @@ _CHUNK, _MOST = 48, 1200
 _LANDED = 12
 #: free steps before and after a contact that are recorded at least
 _BEFORE = _AFTER = 6
-#: part of gravity within which a step is free flight where an engine adds drag of its own, such as
-#: a damping of 0.04/s, which is 2 % of gravity at 5 m/s
-_DRAGGED_PART = 0.1
 
 
 class EngineDrops:
@@ -82,17 +81,12 @@ class EngineDrops:
         finally:
             simulation.close()
         radius_m = self._plan.size_m / 2
-        return drops.read_drops(
-            heights,
-            self._plan.step_s,
-            self._gravity,
-            radius_m,
-            drops.FREE_PART if Settings(self._level).gives(TUNED) else _DRAGGED_PART,
-        )
+        free_part = drops.FREE_PART if Settings(self._level).gives(TUNED) else drops.BRAKED_PART
+        return drops.read_drops(heights, self._plan.step_s, self._gravity, radius_m, free_part)
 
     def build(self, numbers: tuple[float, ...]) -> Simulation:
         """The sphere above the plane, with these numbers."""
-        pair = PairNumbers(("body", "ground"), numbers)
+        pair = PairNumbers(PAIR, numbers)
         helps: frozenset[str] | None = None
         if self._level == ASSISTED:
             helps = getattr(self._backend, "helps", frozenset())
@@ -109,9 +103,9 @@ class EngineDrops:
         step_s, radius = self._plan.step_s, self._plan.size_m / 2
         before = self._steps_before(speed_m_s)
         height, speed = drops.start_above(speed_m_s, phase, step_s, self._gravity, before)
-        body = BodyState((0.0, 0.0, height + radius), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, -speed),
+        ball = BodyState((0.0, 0.0, height + radius), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, -speed),
                          (0.0, 0.0, 0.0))  # fmt: skip
-        simulation.set_state(State(0.0, {"body": body}, step_s))
+        simulation.set_state(State(0.0, {BALL: ball}, step_s))
         found = np.array([height])
         while len(found) < _MOST:
             more = self._next(simulation) - radius
@@ -139,11 +133,11 @@ class EngineDrops:
         """Heights of the centre after some more steps [m]."""
         if self._level != ASSISTED:
             rows = np.asarray(simulation.record(_CHUNK), dtype=float)
-            return np.asarray(simulation.motions(rows)["body.position_m"][:, 2])
+            return np.asarray(simulation.motions(rows)[f"{BALL}.position_m"][:, 2])
         heights = []
         for _ in range(_LANDED):
             simulation.step()
-            heights.append(simulation.motion_of("body")[0][2])
+            heights.append(simulation.motion_of(BALL)[0][2])
         return np.array(heights)
 
 
@@ -160,14 +154,14 @@ def _scene(plan: DropPlan, gravity_m_s2: float) -> Scenario:
                 "step_s": plan.step_s,
             },
             "bodies": {
-                "ground": {"fixed": True, "shapes": [{"type": "plane", "normal": [0, 0, 1]}]},
-                "body": {
+                FLOOR: {"fixed": True, "shapes": [{"type": "plane", "normal": [0, 0, 1]}]},
+                BALL: {
                     "mass_kg": plan.mass_kg,
                     "inertia_kg_m2": [moment] * 3,
                     "position_m": [0, 0, plan.size_m + plan.speed_m_s * plan.step_s],
                     "shapes": [{"type": "sphere", "radius_m": plan.size_m / 2}],
                 },
             },
-            "contacts": [{"pair": ["body", "ground"], "restitution": plan.restitution}],
+            "contacts": [{"pair": list(PAIR), "restitution": plan.restitution}],
         }
     )
