@@ -57,16 +57,16 @@ def of(record: Record, experiment: str) -> Table:
 
 
 def reasons(record: Record, experiment: str) -> list[str]:
-    """Why something was not answered, each reason once."""
-    found: dict[str, list[str]] = {}
+    """Why something was not answered, each reason once, with whose and at which levels."""
+    found: dict[tuple[str, str], list[str]] = {}
     for answer in record["answers"]:
         if answer["experiment"] != experiment:
             continue
         lacking = (answer["found"] or {}).get("lacks", {}).values()
         for reason in dict.fromkeys([answer["reason"], *lacking]):
             if reason:
-                found.setdefault(reason, []).append(answer["contact"])
-    return [f"{', '.join(dict.fromkeys(levels))}: {reason}" for reason, levels in found.items()]
+                found.setdefault((answer["engine"], reason), []).append(answer["contact"])
+    return [f"{name}, {', '.join(levels)}: {why}" for (name, why), levels in found.items()]
 
 
 def _cells(experiment: str, answer: Row, step_s: float) -> Sequence[str]:

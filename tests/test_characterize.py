@@ -8,6 +8,7 @@ import pytest
 import simcompare
 from simcompare.characterization import characterizing, findings
 from simcompare.characterization.characterizing import Characterization
+from simcompare.characterization.force import CASES
 from simcompare.reports import characterized, characterized_tables, tables
 from simcompare.settings import CONTACT_LEVELS
 from simcompare.tuning import cache
@@ -148,6 +149,75 @@ def test_a_step_without_a_number_is_told():
     assert "No number at all gives a steady bounce at 4 ms or more in a." in said(
         bounce_of("a", "tuned", retuned=again)
     )
+
+
+def friction_of(engine, **more):
+    """A stored answer in which friction is Coulomb's but for what is given."""
+    lies = {"load": 0.8, "creep_m_s": 0.0, "sinks_m": 0.0}
+    found = {
+        "lets_go_at": 1.0,
+        "creep": [{**lies, **{k: v for k, v in more.items() if k in lies}}],
+        "braking": [{"speed_m_s": 1.0, "braking": more.get("braking", 1.0)}],
+    }
+    found |= {k: v for k, v in more.items() if k == "lets_go_at"}
+    return {"engine": engine, "experiment": "friction", "contact": "default", "status": "ok",
+            "found": found}  # fmt: skip
+
+
+def test_friction_is_told_in_words():
+    text = said(
+        friction_of("a"),
+        friction_of("b", lets_go_at=0.5),
+        friction_of("c", lets_go_at=None, braking=None),
+        friction_of("d", creep_m_s=0.0021),
+        friction_of("e", braking=0.97),
+        friction_of("f", sinks_m=0.07, lets_go_at=0.1, creep_m_s=0.05),
+        friction_of("g", lets_go_at=0.0, creep_m_s=1.1, braking=0.0),
+    )
+    assert text == (
+        "By default, at 1 ms: a block falls through the floor in f; a block that friction should"
+        " hold up to µN lets go at 0.00 µN in g, 0.50 µN in b; it holds whatever pulls in c; while it should"
+        " stick it creeps by 2.1 mm/s in d; sliding, its deceleration is off by up to −3 % in e."
+    )
+    right = "By default, at 1 ms: friction holds a block up to µN, within 1 %."
+    assert said(friction_of("a")) == right
+
+
+def test_a_hinge_is_told_in_words():
+    def hinge(engine, **more):
+        right = dict.fromkeys(("damping", "inertia", "frequency", "damping_ratio"), 1.0)
+        return {"engine": engine, "experiment": "joint", "contact": "tuned", "status": "ok",
+                "found": {**right, "lacks": {}, **more}}  # fmt: skip
+
+    text = said(hinge("a"), hinge("b", damping=None), hinge("c", damping_ratio=0.8))
+    assert text == (
+        "Tuned, at 1 ms: the hinge is held and does not move at all in b; the damping ratio of a"
+        " sprung hinge is off by −20 % in c."
+    )
+    assert "are right within 1 %" in said(hinge("a", frequency=1.009))
+
+
+def test_forces_are_told_in_words():
+    def forces(engine, lacks=(), **more):
+        right = {case: {"ratio": 1.0, "jitter": 0.0} for case in CASES}
+        cases = {case: one for case, one in {**right, **more}.items() if case not in lacks}
+        return {"engine": engine, "experiment": "force", "contact": "tuned", "status": "ok",
+                "found": {"cases": cases, "lacks": dict.fromkeys(lacks, "why")}}  # fmt: skip
+
+    text = said(
+        forces("a", contact_slides={"ratio": 0.94, "jitter": 3.7}),
+        forces("b", lacks=("weld_rest",)),
+    )
+    assert text == (
+        "Tuned, at 1 ms: the force on a block that slides is off by −6 % in a and jitters by"
+        " ± 370 % in a; not all forces are told in b."
+    )
+    assert "right within 1 %, and steady." in said(forces("a"))
+
+
+def test_levels_that_are_alike_are_told_in_one_sentence():
+    both = (friction_of("a"), {**friction_of("a"), "contact": "tuned"})
+    assert said(*both).startswith("By default and tuned, at 1 ms: friction holds")
 
 
 def test_a_run_in_which_nothing_is_known_is_told_nothing_of():

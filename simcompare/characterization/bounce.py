@@ -18,7 +18,7 @@ from simcompare.settings import ASSISTED, TUNED, DropPlan, Settings
 from simcompare.tuning import cache
 from simcompare.tuning.calibration import CannotCalibrate
 from simcompare.tuning.drops import even_phases
-from simcompare.tuning.engine_drops import EngineDrops
+from simcompare.tuning.engine_drops import PAIR, EngineDrops
 from simcompare.tuning.tuned import calibrate
 
 #: drops at each speed and step, at even phases of the step
@@ -69,7 +69,7 @@ class BounceQuestion:
     def plan(self, step_s: float) -> DropPlan:
         """The drop at another step."""
         return DropPlan(
-            (("body", "ground"),), self.restitution, self.speed_m_s, self.mass_kg, self.size_m,
+            (PAIR,), self.restitution, self.speed_m_s, self.mass_kg, self.size_m,
             self.gravity_m_s2, step_s,
         )  # fmt: skip
 

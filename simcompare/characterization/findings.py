@@ -7,7 +7,7 @@ from typing import Any
 
 from simcompare.characterization import bounce_findings
 from simcompare.characterization.force import CASES
-from simcompare.characterization.friction import LOAD
+from simcompare.characterization.friction import LOAD, SIZE_M
 from simcompare.characterization.words import (
     HEADS,
     Found,
@@ -49,38 +49,58 @@ def sentences(answers: Answers, step_s: float) -> list[dict[str, Any]]:
 
 
 def _friction(found: Found) -> str:
-    lets_go = {name: one["lets_go_at"] for name, one in found.items()}
-    wrong = {n: v for n, v in lets_go.items() if v is not None and abs(v - 1) > _NAMED}
-    holds = [name for name, value in lets_go.items() if value is None]
+    fallen = [name for name, one in found.items() if _sinks(one) > SIZE_M[2]]
+    lying = {name: one for name, one in found.items() if name not in fallen}
+    parts = [f"a block falls through the floor in {listed(fallen)}"] if fallen else []
+    return "; ".join([*parts, *_holding(lying), *_creeping(lying), *_braking(lying)])
+
+
+def _holding(found: Found) -> list[str]:
+    wrong = _lets_go_wrongly(found)
+    holds = [name for name, one in found.items() if one["lets_go_at"] is None]
     parts = []
     if wrong:
         loads = amounts(wrong, lambda load: f"{load:.2f} µN")
         parts.append(f"a block that friction should hold up to µN lets go at {loads}")
     if holds:
         parts.append(f"it holds whatever pulls in {listed(holds)}")
-    if not parts:
-        parts.append(f"friction holds a block up to µN, within {percent(_NAMED)}")
-    creeps = {
-        name: abs(_creep(one))
-        for name, one in found.items()
-        if abs(_creep(one)) > _CREEPS_M_S and (lets_go[name] is None or lets_go[name] > LOAD)
-    }
-    if creeps:
-        parts.append(f"while it should stick it creeps by {amounts(creeps, _creeping)}")
-    brakes = {n: _worst_braking(one) for n, one in found.items() if n not in wrong}
-    off = {n: v for n, v in brakes.items() if v is not None and abs(v) > _NAMED}
-    if off:
-        parts.append(f"sliding, its deceleration is off by up to {amounts(off, signed)}")
-    return "; ".join(parts)
+    right = found and not parts
+    return [f"friction holds a block up to µN, within {percent(_NAMED)}"] if right else parts
 
 
-def _creeping(speed_m_s: float) -> str:
-    return milli(speed_m_s, "m/s")
+def _lets_go_wrongly(found: Found) -> dict[str, float]:
+    loads = {name: one["lets_go_at"] for name, one in found.items()}
+    return {n: load for n, load in loads.items() if load is not None and abs(load - 1) > _NAMED}
+
+
+def _creeping(found: Found) -> list[str]:
+    """Only where the block sticks under the load at which creep is looked at."""
+    holds = {n: one["lets_go_at"] is None or one["lets_go_at"] > LOAD for n, one in found.items()}
+    speeds = {name: abs(_creep(one)) for name, one in found.items() if holds[name]}
+    creeps = {name: speed for name, speed in speeds.items() if speed > _CREEPS_M_S}
+    told = amounts(creeps, lambda speed: milli(speed, "m/s"))
+    return [f"while it should stick it creeps by {told}"] if creeps else []
+
+
+def _braking(found: Found) -> list[str]:
+    """Only where the block lets go as it should: else another friction is all there is to say."""
+    wrong = _lets_go_wrongly(found)
+    worst = {n: _worst_braking(one) for n, one in found.items() if n not in wrong}
+    off = {n: part for n, part in worst.items() if part is not None and abs(part) > _NAMED}
+    return [f"sliding, its deceleration is off by up to {amounts(off, signed)}"] if off else []
 
 
 def _creep(one: Mapping[str, Any]) -> float:
-    at_load = next(row for row in one["creep"] if row["load"] == LOAD)
-    return float(at_load["creep_m_s"] or 0.0)
+    return float(_at_load(one)["creep_m_s"] or 0.0)
+
+
+def _sinks(one: Mapping[str, Any]) -> float:
+    return float(_at_load(one)["sinks_m"] or 0.0)
+
+
+def _at_load(one: Mapping[str, Any]) -> Mapping[str, Any]:
+    rows: list[Mapping[str, Any]] = one["creep"]
+    return next(row for row in rows if row["load"] == LOAD)
 
 
 def _worst_braking(one: Mapping[str, Any]) -> float | None:

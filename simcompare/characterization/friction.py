@@ -16,7 +16,7 @@ from simcompare.trajectory import Array, Trajectory
 from simcompare.tuning import cache
 
 #: the block's edges [m]; it is so low that it does not tip at the largest load
-_SIZE_M = (0.12, 0.12, 0.03)
+SIZE_M = (0.12, 0.12, 0.03)
 #: loads along the plane under which it must stick, as parts of µ·N
 LOADS = (0.5, 0.8, 0.95)
 #: the load at which creep is looked at over steps
@@ -79,13 +79,13 @@ class FrictionQuestion:
     ) -> Scenario:  # fmt: skip
         """A block on a plane on which gravity leans, so that it pulls with ``load``·µ·N."""
         lean = math.atan(load * self.friction)
-        x, y, z = (edge**2 for edge in _SIZE_M)
+        x, y, z = (edge**2 for edge in SIZE_M)
         block = {
             "mass_kg": mass_kg,
             "inertia_kg_m2": [mass_kg * two / 12 for two in (y + z, x + z, x + y)],
-            "position_m": [0, 0, _SIZE_M[2] / 2],
+            "position_m": [0, 0, SIZE_M[2] / 2],
             "velocity_m_s": [speed_m_s, 0, 0],
-            "shapes": [{"type": "box", "size_m": _SIZE_M}],
+            "shapes": [{"type": "box", "size_m": SIZE_M}],
         }
         floor = {"fixed": True, "shapes": [{"type": "plane"}]}
         gravity = (G_M_S2 * math.sin(lean), 0.0, -G_M_S2 * math.cos(lean))
@@ -105,7 +105,7 @@ class FrictionQuestion:
         found = self._lies(backend, step_s, load)
         along, half = _along(found), len(found.time_s) // 2
         creep = (along[-1] - along[half]) / (found.time_s[-1] - found.time_s[half])
-        sinks_m = _SIZE_M[2] / 2 - found.signals["block.position_m"][-1, 2]
+        sinks_m = SIZE_M[2] / 2 - found.signals["block.position_m"][-1, 2]
         return {"creep_m_s": float(creep), "sinks_m": float(sinks_m)}
 
     def slides(self, backend: Backend, step_s: float, load: float) -> bool:

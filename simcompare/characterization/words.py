@@ -43,11 +43,6 @@ def amounts(values: Mapping[str, float], text: Callable[[float], str]) -> str:
     return ", ".join(f"{said} in {listed(names)}" for said, names in groups.items())
 
 
-def others(part: Mapping[str, Any], whole: Mapping[str, Any]) -> str:
-    """``, …`` for engines that are not named."""
-    return " in the others" if len(part) < len(whole) else ""
-
-
 def rounded(value: float, digits: int = 2) -> str:
     """A number in so many digits without a power of ten, if that reads well."""
     if value == 0 or not math.isfinite(value):
