@@ -259,7 +259,8 @@ def test_every_engine_says_what_to_type_in_by_its_own_names(engine):
         ("mujoco", {"speed": 500}, "ms there is one"),
         ("mujoco", {"speed": 2, "scatter": "0.05%"}, "ms there is one"),
         ("mujoco", {"speed": 2, "restitution": 0.05}, "0.1"),
-        ("pymunk", {"speed": 2, "restitution": 0.999}, "0.99"),
+        ("mujoco", {"speed": 2, "restitution": 0.999}, "0.99"),
+        ("pymunk", {"speed": 2, "restitution": 1.2}, "0.99"),
     ],
 )
 def test_what_no_numbers_give_is_a_row_with_the_nearest_that_can_be_had(engine, asked, nearest):
@@ -267,6 +268,12 @@ def test_what_no_numbers_give_is_a_row_with_the_nearest_that_can_be_had(engine, 
     assert row.status == "unsupported"
     assert nearest in row.reason
     assert row.statement is None
+
+
+def test_what_hardly_loses_anything_is_typed_in_as_it_stands():
+    found = tuned("pymunk", speed=2, restitution=1.0).statement
+    assert found.numbers == (1.0,)
+    assert found.means == pytest.approx((1.0, 1.0), abs=1e-4)  # and what comes of it is shown
 
 
 def test_the_nearest_can_be_had():

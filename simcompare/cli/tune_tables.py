@@ -55,7 +55,7 @@ def _show_request(rows: Sequence[Tuned]) -> None:
     _show_table(rows)
     for row in rows:
         for sentence in _remarks(row):
-            typer.echo(f"{row.engine}: {sentence}")
+            typer.echo(f"{row.engine}: {sentence.removeprefix(f'{row.engine}: ')}")
     for note in dict.fromkeys(note for row in rows for note in row.notes):
         typer.echo(notation.sentence(note))
     (first, *others) = rows

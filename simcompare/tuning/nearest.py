@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 #: how often the value is doubled or halved, and how often the way back is halved
-_FAR, _NEAR = 6, 4
+_FAR, _NEAR = 8, 4
 
 
 def nearest(can: Callable[[float], bool], start: float, factor: float) -> float | None:

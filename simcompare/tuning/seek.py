@@ -35,6 +35,8 @@ def numbers_for(bench: Bench, restitution: float) -> Numbers:
 
 
 def _exactly(bench: Bench, restitution: float) -> Numbers:
+    if bench.kind != SPRING and LARGEST < restitution <= 1:
+        return (restitution,)  # what hardly loses anything is typed in as it stands
     refuse_extremes(restitution)
     search: _Search = _Spring(bench) if bench.kind == SPRING else _Coefficient(bench)
     numbers, target = search.first(restitution), restitution
