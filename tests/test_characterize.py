@@ -177,7 +177,8 @@ def test_friction_is_told_in_words():
     assert text == (
         "By default, at 1 ms: a block falls through the floor in f; a block that friction should"
         " hold up to µN lets go at 0.00 µN in g, 0.50 µN in b; it holds whatever pulls in c; while"
-        " it should stick it creeps by 2.1 mm/s in d; sliding, its deceleration is off by up to −3 % in e."
+        " it should stick it creeps by 2.1 mm/s in d; sliding, its deceleration is off by"
+        " up to −3 % in e."
     )
     right = "By default, at 1 ms: friction holds a block up to µN, within 1 %."
     assert said(friction_of("a")) == right
