@@ -11,13 +11,17 @@ def scenarios(incomplete: str) -> list[str]:
 
 
 def engines(incomplete: str) -> list[str]:
-    """Names of engines, also as the next one of a list with commas."""
+    """Names of engines and of their variants, also as the next one of a list with commas."""
     from simcompare import engines as known
 
     before, comma, last = incomplete.rpartition(",")
     taken = before.split(",")
-    names = [name for name in known.names() if name not in taken]
-    if not comma:
+    names = known.names()
+    engine, colon, _ = last.partition(known.VARIANT)
+    if colon and engine in names:
+        names = [f"{engine}{colon}{one}" for one in known.quick_variants(engine)]
+    names = [name for name in names if name not in taken]
+    if not comma and not colon:
         names.append("all")
     return [f"{before}{comma}{name}" for name in names if name.startswith(last)]
 

@@ -22,7 +22,9 @@ def run(
         help="Name, folder or file of a scenario.", autocompletion=complete.scenarios
     ),
     engine: str = typer.Option(
-        "all", help="'all' or names with commas.", autocompletion=complete.engines
+        "all",
+        help="'all' or names with commas; ENGINE:VARIANT is a variant (see simcompare list).",
+        autocompletion=complete.engines,
     ),
     contact: str = typer.Option(
         "default,tuned,assisted",
@@ -39,7 +41,11 @@ def run(
         [], "--set", metavar="P=V", help="Change a parameter, such as drop_height=30cm."
     ),
     preset: str = typer.Option(None, help="Named set of parameters, applied before --set."),
-    step: str = typer.Option(None, help="The engine's step, such as 1ms; samples may be coarser."),
+    step: str = typer.Option(
+        None,
+        help="The engine's step, such as 1ms; samples may be coarser. With commas, each step is a"
+        " source of its own.",
+    ),
     seeds: int = typer.Option(None, help="Number of dithered repeats (the scenario's own: 9)."),
     against: str = typer.Option(
         None,
@@ -99,7 +105,8 @@ def _print(result: Run, written: Path | None) -> None:
     made = console.table("engine", "contact", *heads, "verdict")
     for source in record["sources"]:
         made.add_row(*_row(result, source, judged))
-    truths = {s.measure: s.truth for s in result.scores if s.index is None and s.truth is not None}
+    known = [s for s in result.scores[::-1] if s.index is None and s.truth is not None]
+    truths = {score.measure: score.truth for score in known}  # at the first of several steps
     if record["truth"] is not None and truths:
         cells = [notation.number(truths.get(name)) for name in judged]
         made.add_row(record["truth"], "", *cells, "")
