@@ -37,3 +37,11 @@ def tables(incomplete: str) -> list[str]:
     from simcompare.hardware.logs import bounce_table
 
     return [name for name in bounce_table.facts() if name.startswith(incomplete)]
+
+
+def experiments(incomplete: str) -> list[str]:
+    """Experiments of a characterization, also as the next one of a list with commas."""
+    before, comma, last = incomplete.rpartition(",")
+    names = ["bounce", "friction", "joint", "force", *([] if comma else ["all"])]
+    free = [name for name in names if name not in before.split(",")]
+    return [f"{before}{comma}{name}" for name in free if name.startswith(last)]
