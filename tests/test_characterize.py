@@ -282,11 +282,14 @@ def test_an_engine_that_cannot_is_a_row_with_its_reason(call, add_engine):
     assert "toy is not built on simcompare's kit" in reasons[0]
 
 
-def test_the_table_says_what_was_asked_and_where_it_lies(call, add_engine):
+def test_the_command_says_what_could_not_be_asked_and_where_the_answers_lie(call, add_engine):
     add_engine("toy")
-    code, out, _ = call("characterize", "bounce", "--engine", "toy", "--no-report")
+    words = ("characterize", "bounce", "--engine", "toy", "--no-report")
+    code, out, _ = call(*words)
     assert code == 0
-    assert out.count("unsupported") == len(CONTACT_LEVELS)
+    assert "toy is not built on simcompare's kit" in out
+    assert "unsupported" not in out
+    assert call(*words, "--details")[1].count("unsupported") == len(CONTACT_LEVELS)
     assert "Stored in runs" in out
     assert "Report:" not in out
 

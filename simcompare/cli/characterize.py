@@ -35,6 +35,7 @@ def characterize(
     figures: str = typer.Option(
         None, metavar="FORMAT", help="Also write every picture as a file: pdf, png or svg."
     ),
+    details: bool = typer.Option(False, "--details", help="Print the tables of the report, too."),
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
     time_limit: float = typer.Option(120.0, help="Longest time for one experiment, in seconds."),
 ) -> None:
@@ -60,7 +61,7 @@ def characterize(
     if as_json:
         console.print_json({**result.record, "exit_code": result.exit_code})
     else:
-        _print(result, written)
+        _print(result, written, details=details)
     raise typer.Exit(result.exit_code)
 
 
@@ -76,23 +77,30 @@ def _write(result: Characterization, figures: str | None, *, report: bool) -> li
     return written
 
 
-def _print(result: Characterization, written: list[Path]) -> None:
+def _print(result: Characterization, written: list[Path], *, details: bool) -> None:
+    """The answer in sentences, what did not run, and the tables where they are wanted."""
+    from simcompare.reports import characterized_tables
+
+    for one in result.record["sentences"]:
+        if one["leads"]:
+            typer.echo(one["text"])
+    for name in result.record["experiments"]:
+        if details:
+            _print_table(result, name)
+        for reason in characterized_tables.reasons(result.record, name):
+            typer.echo(reason)
+    typer.echo(f"Stored in {result.folder}")
+    for path in written[-1:]:
+        typer.echo(f"Report: {path}")
+
+
+def _print_table(result: Characterization, name: str) -> None:
     import shutil
     import sys
 
     from simcompare.reports import characterized_tables, tables
 
     width = min(shutil.get_terminal_size().columns, 100) if sys.stdout.isatty() else 80
-    for name in result.record["experiments"]:
-        typer.echo(f"\n{name}, at {1e3 * result.record['step_s']:g} ms")
-        for line in tables.lines(characterized_tables.of(result.record, name), width):
-            typer.echo(line)
-        for reason in characterized_tables.reasons(result.record, name):
-            typer.echo(reason)
-    typer.echo("")
-    for one in result.record["sentences"]:
-        if one["leads"]:
-            typer.echo(one["text"])
-    typer.echo(f"Stored in {result.folder}")
-    for path in written[-1:]:
-        typer.echo(f"Report: {path}")
+    typer.echo(f"\n{name}, at {1e3 * result.record['step_s']:g} ms")
+    for line in tables.lines(characterized_tables.of(result.record, name), width):
+        typer.echo(line)
