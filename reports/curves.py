@@ -45,6 +45,11 @@ def is_answer(run: Run, axis: str) -> bool:
     return _unit(run, axis) != "s"
 
 
+def leading_axis(run: Run) -> str | None:
+    """The axis whose curves answer the question, ``None`` where the motion does."""
+    return next((axis for axis in axes_drawn(run) if is_answer(run, axis)), None)
+
+
 def curves_figures(run: Run, axis: str) -> list[Figure]:
     """Everything that is drawn over one axis, one panel each, a few panels a figure."""
     panels = [_values(run, *panel) for panel in _panels(run, axis)]

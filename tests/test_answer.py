@@ -53,7 +53,7 @@ def test_an_answer_is_read(read):
         ('"it rests"', '"it rests {"', "answer.nothing", "expected placeholders such as {value}"),
         ("quantity: block-floor friction", "quantity: block-floor frict",
          "answer.causes.0.quantity", "did you mean block-floor friction"),
-        ('  nothing: "it rests"\n', "", "answer.nothing", "required"),
+        ('  nothing: "it rests"\n', "", "answer.nothing", "is missing"),
     ],
 )  # fmt: skip
 def test_what_an_answer_names_must_exist(read, old, new, place, sentence):

@@ -67,7 +67,7 @@ def test_no_figure_has_more_panels_than_can_be_read():
     assert [figure.name for figure in found] == ["curves-frequency", "curves-frequency-2"]
     assert found[1].title == "And more and the last over frequency"
     # the first leads the report, the others follow
-    assert Headline().context(run)["figures"][0].name == "curves-frequency"
+    assert Headline().context(run)["figures"][1].name == "curves-frequency"
     assert Curves().context(run)["figures"][0].name == "curves-frequency-2"
 
 
@@ -106,10 +106,11 @@ def test_without_a_truth_there_are_no_deviations():
 
 def test_curves_over_anything_but_time_lead_the_report_and_are_not_drawn_twice():
     run = swept()
-    assert [f.name for f in Headline().context(run)["figures"]] == ["curves-frequency"]
+    assert [f.name for f in Headline().context(run)["figures"]] == ["answer", "curves-frequency"]
     assert [f.name for f in Curves().context(run)["figures"]] == ["deviations-frequency"]
     over_time = swept(unit="s")
-    assert [f.name for f in Headline().context(over_time)["figures"]] == ["probe-height_m"]
+    leading = Headline().context(over_time)["figures"]
+    assert [figure.name for figure in leading] == ["answer", "motion-height_m"]
     assert [f.name for f in Curves().context(over_time)["figures"]] == [
         "curves-frequency",
         "deviations-frequency",
@@ -147,6 +148,6 @@ def test_a_truth_of_zero_is_an_error_to_keep_small():
     tolerances = {"restitution": {"relative": None, "absolute": 0.01, "reason": "Because of it."}}
     run = Run({**run.record, "tolerances": tolerances}, run.scores, run.trajectories)
     assert words.answer(run)[0] == (
-        "By default 1 of 2 engines keeps the restitution within its tolerance:"
-        " the values lie between 0.002 and 0.02."
+        "By default the restitution is 0.00 in north; outside the tolerance: 0.02 in south,"
+        " where the closed form gives 0."
     )
