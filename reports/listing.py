@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-#: more names than this are counted where they are all that there are
+#: more names than this are counted where they are all that there are; no more are left out
 _FEW = 2
 
 
@@ -15,10 +15,13 @@ def joined(names: Sequence[str]) -> str:
 
 
 def engines(names: Sequence[str], every: Sequence[str]) -> str:
-    """Some of all sources by their names, ``all 7 engines`` where they are all."""
-    if len(names) < len(every) or len(names) <= _FEW:
-        return joined(names)
-    return f"all {len(names)} {noun(every)}"
+    """Some of all sources by their names, ``all 7 engines`` where they are all or nearly so."""
+    others = [name for name in every if name not in names]
+    if not others and len(names) > _FEW:
+        return f"all {len(names)} {noun(every)}"
+    if others and len(others) <= _FEW and len(names) > 2 * _FEW:
+        return f"all {len(every)} {noun(every)} but {joined(others)}"
+    return joined(names)
 
 
 def noun(every: Sequence[str]) -> str:

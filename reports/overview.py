@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator
 
+from simcompare import notation
 from simcompare.compare import FAIL, PASS
 from simcompare.jobs import OK
 from simcompare.reports import numbers, runs
@@ -14,8 +16,6 @@ from simcompare.settings import SHOWN_LEVELS
 
 #: further digits than the tolerance leaves
 _MORE = 2
-#: digits where there is no tolerance
-_DIGITS = 5
 _VERDICTS = {PASS: " pass", FAIL: " fail"}
 
 
@@ -41,10 +41,17 @@ def overview(run: Run, measure: str | None = None) -> Table | None:
     )
 
 
+def overviews(run: Run, *, every: bool) -> list[Table]:
+    """The table of the leading measure, and those of all others where they are wanted."""
+    lead = lead_of(run)
+    others = [name for name in runs.measures(run) if lead and name != lead.measure]
+    made = [overview(run), *(overview(run, name) for name in others if every)]
+    return [table for table in made if table is not None]
+
+
 def text(table: Table, width: int) -> Iterator[str]:
     """A table with its title above it."""
-    if table.title:
-        yield table.title
+    yield from textwrap.wrap(table.title, width)
     yield from lines(table, width)
 
 
@@ -78,7 +85,8 @@ def _value(lead: Lead, value: float | None, u: float | None) -> str:
         return "–"
     places = lead.places(value)
     if places is None:
-        return numbers.plain(value, _DIGITS)
+        text = notation.number(value, u)
+        return f"−{text[1:]}" if text.startswith("-") else text
     places += _MORE
     text = f"{value:.{places}f}"
     text = text.lstrip("-") if float(text) == 0 else text.replace("-", "−")

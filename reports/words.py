@@ -128,7 +128,8 @@ def _values(
     others = [row for group in groups[_MOST_GROUPS:] for row in group.rows]
     if others:
         others = sorted(others, key=lambda row: row.value or 0.0)
-        ends = f"{lead.text(others[0].value)} to {lead.text(others[-1].value)}"
+        low, high = (lead.text(others[i].value) for i in (0, -1))
+        ends = low if low == high else f"{low} to {high}"
         parts.append(f"{ends} in {listing.joined([row.name for row in others])}")
     return ", ".join(parts)
 

@@ -46,6 +46,21 @@ def test_0_when_all_is_well(run_fall, add_engine, tmp_path):
     assert len(list((tmp_path / "runs").iterdir())) == 1
 
 
+def test_the_answer_and_one_table_fit_80_columns_and_details_show_the_other_measures(
+    run_fall, add_engine
+):
+    long = "a" * 20
+    add_engine(long)
+    _, out, _ = run_fall("--engine", long)
+    table = out[: out.index("Versions")].splitlines()
+    assert max(map(len, table)) <= 80
+    assert out.startswith("With our helps, ")
+    _, more, _ = run_fall("--engine", long, "--details")
+    heads = [line for line in more.splitlines() if line.startswith("engine ")]
+    assert len(heads) > 1
+    assert out.count("\nengine ") == 1
+
+
 def test_1_when_a_tolerance_fails(run_fall, add_engine):
     add_engine("drowns", DROWNS)
     add_engine("toy")

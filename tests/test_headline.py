@@ -218,6 +218,7 @@ def test_one_engine_in_several_rows_is_not_several_engines():
     rows = ["a", "a@2ms", "a:rk4"]
     assert listing.engines(rows, rows) == "all 3 rows"
     assert listing.engines(["a", "c"], ["a", "b", "c"]) == "a and c"
+    assert listing.engines(list("acdef"), list("abcdef")) == "all 6 engines but b"
 
 
 def test_a_tolerance_with_both_widths_is_the_larger_one():

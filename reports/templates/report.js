@@ -8,9 +8,9 @@
     if (!axes.length) return;
     // of each part the lower third is for the numbers and words below its axis; the last needs none
     const count = axes.length - 0.32, part = 1 / count, each = Math.max(260, tall);
-    // names in the legend stand two in a row
+    // names in the legend stand two in a row, long ones alone
     const names = [...data, ...layout.shapes].filter((one) => one.showlegend).length;
-    const up = 100 + 28 * Math.ceil(names / 2);
+    const up = 100 + 28 * Math.ceil(0.7 * names);
     axes.forEach((key, i) => {
       const y = layout[`yaxis${key.slice(5)}`], top = 1 - i * part;
       layout[key].domain = [0, 1];

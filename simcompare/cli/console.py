@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from simcompare.runner import Progress
 
 
+#: a value and its scatter stay on one line
+_WHOLE = "\u00a0±\u00a0"
+
+
 def print_json(value: object) -> None:
     """Prints exactly one JSON object to stdout."""
     typer.echo(json.dumps(value, ensure_ascii=False, allow_nan=False))
@@ -49,10 +53,10 @@ def print_wrapped(sentences: Iterable[str]) -> None:
     """Sentences one below the other, lines that go on indented."""
     for sentence in sentences:
         for line in textwrap.wrap(
-            sentence, width(), subsequent_indent="  ",
+            sentence.replace(" ± ", _WHOLE), width(), subsequent_indent="  ",
             break_long_words=False, break_on_hyphens=False,
         ):  # fmt: skip
-            typer.echo(line)
+            typer.echo(line.replace(_WHOLE, " ± "))
 
 
 @contextmanager

@@ -97,14 +97,11 @@ def _headline(result: Run) -> list[str]:
 def _print(result: Run, written: Path | None, *, details: bool) -> None:
     """The answer, the leading measure level by level, and what the reader must know of both."""
     from simcompare.cli import console
-    from simcompare.reports import overview, remarks, runs, words
+    from simcompare.reports import overview, remarks, words
 
     console.print_wrapped(words.answer(result))
-    shown = [None, *(runs.measures(result) if details else ())]
-    for measure in shown:
-        made = overview.overview(result, measure)
-        if made is not None:
-            typer.echo("\n".join(["", *overview.text(made, console.width())]))
+    for made in overview.overviews(result, every=details):
+        typer.echo("\n".join(["", *overview.text(made, console.width())]))
     typer.echo()
     console.print_wrapped([*remarks.remarks(result), *_levels(result.record)])
     _print_remarks(result)
