@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -91,24 +92,24 @@ def _level(run: Run, lead: Lead, mode: str) -> str:
 
 
 def _clauses(run: Run, lead: Lead, mode: str, rows: Sequence[Row]) -> str:
-    """What is within the tolerance, then what is not, then where nothing is."""
+    """What is within the tolerance, then what is not, and where nothing is."""
     every = [row.name for row in rows]
     said: list[str] = []
-    for kind in (WITHIN, UNJUDGED, OUTSIDE):
+    counts = Counter(row.kind for row in rows)
+    # what most engines do wrong comes first
+    wrong = sorted((OUTSIDE, NOTHING), key=lambda kind: -counts[kind])
+    same = _template(lead, WITHIN) == _template(lead, OUTSIDE)
+    for kind in (WITHIN, UNJUDGED, *wrong):
         own = [row for row in rows if row.kind == kind]
-        if own:
-            repeated = (
-                kind == OUTSIDE
-                and bool(said)
-                and _template(lead, WITHIN) == (_template(lead, OUTSIDE))
-            )
+        if own and kind == NOTHING:
+            names = listing.engines([row.name for row in own], every)
+            said.append(f"{_template(lead, NOTHING)} in {names}")
+        elif own:
+            repeated = kind == OUTSIDE and counts[WITHIN] > 0 and same
             values = _values(run, lead, mode, own, every, bare=repeated)
             values = f"outside the tolerance: {values}" if repeated else values
             truth = f", where the {TRUTH} gives {_true(lead)}" if kind == OUTSIDE else ""
             said.append(values + truth)
-    none = [row.name for row in rows if row.kind == NOTHING]
-    if none:
-        said.append(f"{_template(lead, NOTHING)} in {listing.engines(none, every)}")
     return "; ".join(said)
 
 

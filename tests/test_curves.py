@@ -1,5 +1,7 @@
 """Series over an axis of their own: what is drawn over what, and how far it is from the truth."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -115,6 +117,20 @@ def test_curves_over_anything_but_time_lead_the_report_and_are_not_drawn_twice()
         "curves-frequency",
         "deviations-frequency",
     ]
+
+
+def test_an_engine_that_is_far_off_by_default_does_not_press_all_others_flat():
+    run = swept()
+    far = tuple(
+        replace(s, value=100.0) if (s.contact, s.measure) == ("default", "amplitude") else s
+        for s in run.scores
+    )
+    figure = curves.curves_figures(Run(run.record, far, run.trajectories), "frequency")[0]
+    assert figure.panels[0].y_range[1] < 50
+    assert "lie outside" in figure.caption
+    calm = curves.curves_figures(run, "frequency")[0]
+    assert calm.panels[0].y_range is None
+    assert "lie outside" not in calm.caption
 
 
 def test_curves_are_no_events():

@@ -69,6 +69,14 @@ def test_by_default_nothing_happens_and_the_audit_tells_why():
     )
 
 
+def test_what_most_engines_do_wrong_comes_first():
+    run = answered(level("tuned", north=0.0, south=0.0, west=0.5))
+    assert words.answer(run)[0] == (
+        "Tuned, the ball stays on the floor in north and south;"
+        " the ball bounces with 0.500 ± 0.001 in west, where the closed form gives 0.8."
+    )
+
+
 def test_a_cause_is_told_only_of_engines_that_hold_a_value_of_their_own():
     run = answered(level("default", north=0.0, south=0.0))
     run.record["sources"][1]["audit"] = [{**audit_row("default"), "read_value": 0.8}]
