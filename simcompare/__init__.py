@@ -17,6 +17,7 @@ _PUBLIC = {
     "export": "simcompare.exporters",
     "import_log": "simcompare.importing",
     "fit": "simcompare.fitting.fitting",
+    "tune": "simcompare.tune",
     "validate": "simcompare.validation.validating",
     "Recording": "simcompare.recording",
     "Scenario": "simcompare.scenario",

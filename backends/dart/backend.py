@@ -32,6 +32,10 @@ class DartBackend(EngineBackend):
     traits = Traits(offset_centres=True, passive="implicit")
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL})
+    typed_as = "restitutionCoeff"
+    snippet = """world.setTimeStep({step_s!r})
+ball_shape.getDynamicsAspect().setRestitutionCoeff({0!r})
+floor_shape.getDynamicsAspect().setRestitutionCoeff(1.0)  # DART multiplies the two"""
     known_limits = (
         KnownLimit(
             "Restitution is 0 by default, on the body and on the floor; both must be set.",

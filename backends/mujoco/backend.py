@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from typing import Any
 
+from simcompare.backends.mujoco.mjcf import SOLIMP
 from simcompare.backends.mujoco.simulation import MujocoSimulation
 from simcompare.kit import (
     CENTRED_EFFORTS,
@@ -34,6 +35,11 @@ class MujocoBackend(EngineBackend):
     )  # fmt: skip
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS})
+    typed_as = "solref"
+    snippet = f"""<option timestep="{{step_s!r}}" cone="elliptic"/>
+<contact>
+  <pair geom1="ball" geom2="floor" solref="{{0!r}} {{1!r}}" solimp="{" ".join(map(str, SOLIMP))}"/>
+</contact>"""
     known_limits = (
         KnownLimit(
             "There is no coefficient of restitution: a contact is a spring and damper, and the"

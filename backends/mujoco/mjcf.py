@@ -123,8 +123,8 @@ def springs_of(scene: Scene, pair: Pair) -> dict[str, tuple[float, ...]]:
     ``solref`` is (-stiffness, -damping), both per unit of mass, or else the time constant [s] and
     damping ratio; ``solreffriction`` is the same for friction where it has a spring of its own.
     """
-    if not scene.gives(TUNED):
-        return {}
+    if not scene.gives(TUNED):  # what somebody typed in, in an engine that is else as it comes
+        return {"solref": pair.numbers} if len(pair.numbers) == 2 else {}
     # critically damped; MuJoCo takes no shorter time than two steps
     dead = (max(DEAD_CONTACT_S, 2 * scene.scenario.world.engine_step_s), 1.0)
     found = {"solref": pair.numbers if pair.restitution > 0 else dead, "solimp": SOLIMP}

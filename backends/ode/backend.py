@@ -32,6 +32,7 @@ class OdeBackend(EngineBackend):
     traits = Traits(rest_step_s=1.0e-5)
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL})
+    typed_as = "bounce"
     known_limits = (
         KnownLimit(
             "Who calls ODE must say how every contact behaves. With no more than must be said, mode"

@@ -45,6 +45,16 @@ class PybulletBackend(EngineBackend):
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     helps = frozenset(HELPS)
     script_module = "simcompare.backends.pybullet.script"
+    typed_as = "restitution"
+    snippet = """pybullet.setTimeStep({step_s!r})
+pybullet.setPhysicsEngineParameter(
+    erp=0, contactERP=0, contactSlop=0, restitutionVelocityThreshold=0
+)
+for body, restitution in ((ball, {0!r}), (floor, 1.0)):  # Bullet multiplies the two
+    pybullet.changeDynamics(body, -1, restitution=restitution)
+    pybullet.changeDynamics(
+        body, -1, linearDamping=0, angularDamping=0, contactProcessingThreshold=0
+    )"""
     known_limits = (
         KnownLimit(
             "Restitution is 0 by default, and bodies lose 4 % of their speed a second to damping.",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from simcompare.backends.pymunk.simulation import PymunkSimulation
+from simcompare.backends.pymunk.space import SLOP_M
 from simcompare.kit import (
     CENTRED_EFFORTS,
     HALF_STEP_START,
@@ -40,6 +41,10 @@ class PymunkBackend(EngineBackend):
         Feature.RESTITUTION, Feature.FRICTION, Feature.DRAG,
     }  # fmt: skip
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL, REACTIONS})
+    typed_as = "elasticity"
+    snippet = f"""space.collision_slop = {SLOP_M}
+ball_shape.elasticity, floor_shape.elasticity = {{0!r}}, 1.0  # Chipmunk multiplies the two
+space.step({{step_s!r}})  # in every step"""
     known_limits = (
         KnownLimit(
             "Two-dimensional: it runs scenarios whose motion stays in the x-z plane.",

@@ -29,6 +29,7 @@ class RapierBackend(EngineBackend):
     traits = Traits(precision=1e-6, turn_made=lambda turn: 2 * math.atan(turn / 2))
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL})
+    typed_as = "restitution"
     known_limits = (
         KnownLimit(
             "Single precision: accelerations and forces scatter by some hundredths of a m/s² at"

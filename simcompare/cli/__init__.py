@@ -87,6 +87,7 @@ def main() -> None:
         report,
         run,
         show,
+        tune,
         validate,
     )
 
@@ -100,6 +101,9 @@ def main() -> None:
     app.command("export")(export.export)
     app.command("import")(import_.import_)
     app.command("fit")(fit.fit)
+    # an engine's own numbers are options too, by the names that it has for them
+    own = {"allow_extra_args": True, "ignore_unknown_options": True}
+    app.command("tune", context_settings=own)(tune.tune)
     app.command("validate")(validate.validate)
     app.add_typer(data.data, name="data")
     for stream in (sys.stdout, sys.stderr):

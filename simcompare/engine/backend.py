@@ -74,6 +74,9 @@ class EngineBackend(ABC):
         mapping: how ``tuned`` and ``assisted`` translate the scenario into the engine's parameters.
         helps: which of our helps it can take.
         script_module: module whose ``SCRIPT`` writes scenes as standalone scripts; empty for none.
+        typed_as: what the engine calls the numbers that stand for a restitution, such as "solref".
+        snippet: lines to copy into a loop of one's own, in which ``{0}``, ``{1}`` stand for those
+            numbers and ``{step_s}`` for the step; empty where the settings are listed.
     """
 
     name: str
@@ -84,6 +87,8 @@ class EngineBackend(ABC):
     mapping: str
     helps: frozenset[str] = frozenset()
     script_module: str = ""
+    typed_as: str = ""
+    snippet: str = ""
 
     @property
     def bounces_by(self) -> str:

@@ -128,8 +128,9 @@ def asked(scene: Scene) -> Iterator[Asked]:
     yield from _joints(scene)
     for pair in scene.contacts.touching:
         given = scene.contacts.are_given
-        # a spring and damper is no coefficient, so it is given only with everything else
-        bounces = given and (scene.traits.bounces_by != SPRING or scene.gives(TUNED))
+        # a spring and damper is no coefficient: it is given with everything else, or where asked
+        typed_in = scene.gives(TUNED) or len(pair.numbers) > 1
+        bounces = given and (scene.traits.bounces_by != SPRING or typed_in)
         for kind, value, put, is_given in (
             ("restitution", pair.restitution, pair.numbers[:1], bounces),
             ("friction", pair.friction, None, given),

@@ -35,6 +35,15 @@ def folder() -> Path:
     return Path(own) / "calibrations"
 
 
+def known(backend: Versioned, asked: Mapping[str, Any]) -> dict[str, Any] | None:
+    """The answer to a question where the cache has it."""
+    key = _key(backend, asked)
+    # what is not there, or damaged, is found again
+    with contextlib.suppress(OSError, ValueError, TypeError, KeyError, AttributeError):
+        return None if key is None else _read(folder() / f"{key}.json")
+    return None
+
+
 def kept(
     backend: Versioned, asked: Mapping[str, Any], find: Callable[[], dict[str, Any]]
 ) -> dict[str, Any]:
@@ -45,14 +54,13 @@ def kept(
         asked: the question, as plain values.
         find: finds the answer, as plain values.
     """
-    key = _key(backend, asked)
+    before = known(backend, asked)
+    if before is not None:
+        return before
+    found, key = plain(find()), _key(backend, asked)
     if key is None:
-        return plain(find())
+        return found
     path = folder() / f"{key}.json"
-    # what is not there, or damaged, is found again
-    with contextlib.suppress(OSError, ValueError, TypeError, KeyError, AttributeError):
-        return _read(path)
-    found = plain(find())
     with contextlib.suppress(OSError):  # where nothing can be kept, it is found again
         path.parent.mkdir(parents=True, exist_ok=True)
         part = path.with_suffix(f".{os.getpid()}")

@@ -126,20 +126,29 @@ def calibrate_coefficient(
     if e == 0:
         return Calibration(0.0, (0.0,))
     refuse_extremes(e)
-    counted, first = Counted(drops), speeds_m_s[0]
-
-    def bounce(p: float) -> Bounces:
-        return counted((p,), first, even_phases(PHASES))
-
-    try:
-        p, _ = solve(bounce, e, (0.0, 1.0), e, 1.0)
-    except CannotCalibrate as error:
-        raise CannotCalibrate(
-            f"no coefficient gives a restitution of {e:g} at {first:.3g} m/s with a step of"
-            f" {step_s * 1e3:.3g} ms: {error}"
-        ) from None
+    counted = Counted(drops)
+    p = coefficient_for(counted, e, speeds_m_s[0], step_s)
     stall = _stall_speed(counted, p, step_s, gravity_m_s2)
     return verified(counted, e, (p,), speeds_m_s, step_s, stall)
+
+
+def coefficient_for(drops: Drops, e: float, speed_m_s: float, step_s: float) -> float:
+    """The coefficient whose mean restitution at a speed is ``e``.
+
+    Raises:
+        CannotCalibrate: there is none.
+    """
+
+    def bounce(p: float) -> Bounces:
+        return drops((p,), speed_m_s, even_phases(PHASES))
+
+    try:
+        return solve(bounce, e, (0.0, 1.0), e, 1.0)[0]
+    except CannotCalibrate as error:
+        raise CannotCalibrate(
+            f"no coefficient gives a restitution of {e:g} at {speed_m_s:.3g} m/s with a step of"
+            f" {step_s * 1e3:.3g} ms: {error}"
+        ) from None
 
 
 def refuse_extremes(e: float) -> None:

@@ -11,12 +11,15 @@ import numpy as np
 
 from simcompare.trajectory import Array
 
-#: a step is free flight where its acceleration is gravity's within this part of it
-FREE_PART = 0.02
+#: a step is free flight where its acceleration is gravity's within this part of it; in an engine
+#: as it comes the air may brake, which is still far from a contact
+FREE_PART, BRAKED_PART = 0.02, 0.5
 #: rounding of a height that an engine holds in single precision, as part of it
 ROUNDING = 4e-7
 #: free steps in a row that make a flight
 LEAST_FREE = 3
+#: part of v/g that a drop may take, which from one impact to the next is 2
+_THROWN = 1.9
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,11 @@ def even_phases(count: int, offset: float = 0.5) -> Array:
     return (np.arange(count) + offset) / count
 
 
+def slowest_m_s(step_s: float, gravity_m_s2: float) -> float:
+    """Slowest impact that can follow a flight of enough steps, at any phase of a step [m/s]."""
+    return (LEAST_FREE + 1) * gravity_m_s2 * step_s / _THROWN
+
+
 def start_above(
     speed_m_s: float, phase: float, step_s: float, gravity_m_s2: float, steps: int = 6
 ) -> tuple[float, float]:
@@ -81,14 +89,23 @@ def start_above(
         phase: part of a step by which the drop takes longer.
         step_s: time step [s].
         gravity_m_s2: acceleration towards the floor [m/s²].
-        steps: whole steps before the impact; slow bodies are released from rest if that is later.
+        steps: whole steps before the impact, fewer where gravity needs fewer to give that speed; a
+            slow body is first on its way up.
     """
-    time_s = min((steps + phase) * step_s, speed_m_s / gravity_m_s2)
+    # thrown up from the floor it would take twice as long as from its apex
+    whole = min(steps, math.floor(_THROWN * speed_m_s / (gravity_m_s2 * step_s)) - 1)
+    time_s = (whole + phase) * step_s
+    if whole < LEAST_FREE:  # too slow for a flight before it
+        time_s = speed_m_s / gravity_m_s2
     return (speed_m_s - gravity_m_s2 * time_s / 2) * time_s, speed_m_s - gravity_m_s2 * time_s
 
 
 def read_drop(
-    height_m: Array, step_s: float, gravity_m_s2: float, radius_m: float = 0.0
+    height_m: Array,
+    step_s: float,
+    gravity_m_s2: float,
+    radius_m: float = 0.0,
+    free_part: float = FREE_PART,
 ) -> tuple[float, float, float, float]:
     """Restitution, penetration [m], contact time [s] and delay [s] of the first bounce.
 
@@ -101,11 +118,12 @@ def read_drop(
         step_s: time between the samples [s].
         gravity_m_s2: acceleration towards the floor [m/s²].
         radius_m: by which the position that an engine rounds is higher.
+        free_part: part of gravity by which the acceleration of a free step may be another.
     """
     depth_m = max(0.0, -float(height_m.min()))
     fall_m = gravity_m_s2 * step_s**2
     surplus = np.abs(np.diff(height_m, 2) + fall_m)
-    forced = surplus > FREE_PART * fall_m + ROUNDING * (float(np.abs(height_m).max()) + radius_m)
+    forced = surplus > free_part * fall_m + ROUNDING * (float(np.abs(height_m).max()) + radius_m)
     acted = np.flatnonzero(forced)
     nothing = (math.nan, depth_m, math.nan, math.nan)
     if len(acted) == 0:
@@ -128,11 +146,15 @@ def read_drop(
 
 
 def read_drops(
-    heights_m: Sequence[Array], step_s: float, gravity_m_s2: float, radius_m: float = 0.0
+    heights_m: Sequence[Array],
+    step_s: float,
+    gravity_m_s2: float,
+    radius_m: float = 0.0,
+    free_part: float = FREE_PART,
 ) -> Bounces:
     """The same for several drops; the records may differ in length."""
-    rows = np.array([read_drop(height, step_s, gravity_m_s2, radius_m) for height in heights_m])
-    return Bounces(*rows.T)
+    rows = [read_drop(h, step_s, gravity_m_s2, radius_m, free_part) for h in heights_m]
+    return Bounces(*np.array(rows).T)
 
 
 def _flight(height_m: Array, index: int, step_s: float, gravity_m_s2: float) -> tuple[float, float]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from simcompare.engine.dashpot import damping_ratio, restitution
 from simcompare.engine.stepped_dashpot import SteppedDashpot
@@ -35,10 +35,14 @@ LARGEST_PHASE = 0.8
 LEAST = 0.1
 #: the search keeps this part of both limits, since other phases give a little more
 _MARGIN = 0.95
+#: √k·dt below which a contact lasts so many hundred steps that nothing can be gained by less
+_SOFTEST_PHASE = 0.005
 #: √k·dt up to which the scatter grows evenly; where it is less, the search may leap
 _SMOOTH_PHASE = 0.22
 #: factor from one √k to the next where it may leap and where not, and where the search ends
 _LEAP, _CLIMB, _CLOSE = 1.5, 1.04, 1.01
+#: how much stiffer than the softest one a steadier one is looked for
+_STIFFER = (1.05, 1.1, 1.2, 1.35, 1.5)
 #: how much shorter steps are looked at, at most
 _SHORTEST = 50
 
@@ -70,9 +74,10 @@ class _Search:
     speed_m_s: float
     step_s: float
     depth_m: float
+    scatter: float = SCATTER
 
     def on(self, drops: Drops, step_s: float) -> _Search:
-        return _Search(drops, self.e, self.speed_m_s, step_s, self.depth_m)
+        return replace(self, drops=drops, step_s=step_s)
 
     def spring(self, omega: float, factor: float = 1.0) -> _Spring | None:
         """The damper for a stiffness; ``factor`` guesses it in parts of the continuous one."""
@@ -90,7 +95,7 @@ class _Search:
         return _Spring(omega, part, part * whole, bounces)
 
     def is_steady(self, spring: _Spring | None) -> bool:
-        return spring is not None and spring.bounces.scatter <= _MARGIN * SCATTER * self.e
+        return spring is not None and spring.bounces.scatter <= _MARGIN * self.scatter * self.e
 
     def is_shallow(self, spring: _Spring | None) -> bool:
         return spring is not None and spring.depth_m < self.depth_m
@@ -99,6 +104,7 @@ class _Search:
         """The spring that is as deep as allowed; ``None`` if none bounces at the step."""
         zeta = damping_ratio(self.e)
         omega = restitution(zeta) ** 0.5 * self.speed_m_s / (_MARGIN * self.depth_m)
+        omega = max(omega, _SOFTEST_PHASE / self.step_s)
         spring, part = None, 1.0
         for _ in range(8):
             if omega * self.step_s > LARGEST_PHASE:
@@ -107,10 +113,23 @@ class _Search:
             if spring is None:
                 return None
             part, deeper = spring.part, spring.depth_m / (_MARGIN * self.depth_m)
-            if abs(deeper - 1) < 0.01:
+            if abs(deeper - 1) < 0.01 or (deeper < 1 and omega * self.step_s <= _SOFTEST_PHASE):
                 break
             omega *= deeper
         return spring
+
+    def steadiest(self) -> _Spring | None:
+        """The one that scatters least within both limits: the softest, or near it."""
+        softest = self.softest()
+        if softest is None:
+            return None
+        tried = [softest]
+        for stiffer in _STIFFER:
+            if stiffer * softest.omega * self.step_s > LARGEST_PHASE:
+                break
+            tried += [s for s in [self.spring(stiffer * softest.omega, softest.part)] if s]
+        fitting = [s for s in tried if self.is_steady(s) and self.is_shallow(s)]
+        return min(fitting, key=lambda spring: spring.bounces.scatter, default=None)
 
     def stiffest(self) -> _Spring | None:
         """The last steady spring before the first that is not, climbing from the softest."""
@@ -184,10 +203,54 @@ def calibrate_spring(
     )
     raise CannotCalibrate(
         f"no spring and damper gives a restitution of {e:g} at {speeds_m_s[0]:.3g} m/s with a step"
-        f" of {step_s * 1e3:.3g} ms, a scatter of {SCATTER * e:.2g} and a depth below"
+        f" of {step_s * 1e3:.3g} ms, a scatter of {search.scatter * e:.2g} and a depth below"
         f" {search.depth_m * 1e3:.3g} mm; {possible}",
         longest_s,
     )
+
+
+def find_spring(
+    drops: Drops,
+    e: float,
+    speed_m_s: float,
+    step_s: float,
+    gravity_m_s2: float,
+    depth_m: float,
+    scatter: float = SCATTER,
+    *,
+    steadiest: bool = False,
+) -> tuple[float, float] | None:
+    """Numbers of a spring and damper within both limits, ``None`` if there are none.
+
+    Args:
+        drops: the engine, as for :func:`calibrate_spring`.
+        e: restitution.
+        speed_m_s: speed of the impact [m/s].
+        step_s: the engine's time step [s].
+        gravity_m_s2: acceleration towards the floor [m/s²].
+        depth_m: largest penetration [m].
+        scatter: largest standard deviation over the phases, as part of ``e``.
+        steadiest: the one that scatters least, instead of the stiffest.
+    """
+    search = _Search(drops, e, speed_m_s, step_s, depth_m, scatter)
+    found = search.steadiest() if steadiest else _in_engine(search, gravity_m_s2)
+    return None if found is None else found.numbers
+
+
+def damped_for(
+    drops: Drops, e: float, speed_m_s: float, step_s: float, numbers: tuple[float, ...]
+) -> tuple[float, ...]:
+    """The same stiffness with the damper that gives another restitution.
+
+    Raises:
+        CannotCalibrate: no damper gives it.
+    """
+    omega = math.sqrt(-numbers[0])
+    part = -numbers[1] / (2 * damping_ratio(e) * omega)
+    found = _Search(drops, e, speed_m_s, step_s, math.inf).spring(omega, part)
+    if found is None:
+        raise CannotCalibrate(f"no damper gives a restitution of {e:g} with that stiffness")
+    return found.numbers
 
 
 def _in_engine(search: _Search, gravity_m_s2: float) -> _Spring | None:

@@ -1,0 +1,380 @@
+"""The verb ``tune``: what to type into each engine for a restitution, and the other way round."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from simcompare import catalogue, engines, experiment, units
+from simcompare.engine.backend import Backend
+from simcompare.errors import EngineBroken, EngineMissing, InputError
+from simcompare.jobs import OK, UNSUPPORTED, Answer, Inquiry
+from simcompare.runner import TIME_LIMIT_S, Progress, run_jobs
+from simcompare.settings import COEFFICIENT, COEFFICIENTS, SPRING, TUNED
+from simcompare.tuning.asking import Ask, read
+from simcompare.tuning.calibration import CannotCalibrate
+from simcompare.tuning.engine_drops import LEAST_GRAVITY_M_S2
+from simcompare.tuning.plan import drop_plans
+from simcompare.tuning.request import Request
+from simcompare.tuning.statement import Statement
+
+#: impact speeds and step where none are given
+SPEEDS_M_S, STEP_S = (0.5, 4.0), 0.001
+#: contact levels in which numbers can be typed in
+LEVELS = (COEFFICIENTS, TUNED)
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """One engine's answer to one request.
+
+    Attributes:
+        engine: its name.
+        version: its version, ``None`` where it is not installed.
+        request: what was asked.
+        status: "ok", "unsupported", "missing" or "failed".
+        reason: one sentence where the status is not "ok"; the nearest that can be had is in it.
+        statement: what to type in, and what it does; ``None`` where the status is not "ok".
+        snippet: lines to copy into a loop of one's own.
+        about: which pairs of a scenario it is for.
+        notes: in what the drop stands for something else than the scene.
+    """
+
+    engine: str
+    version: str | None
+    request: Request
+    status: str
+    reason: str | None = None
+    statement: Statement | None = None
+    snippet: str = ""
+    about: str = ""
+    notes: tuple[str, ...] = ()
+
+
+def tune(
+    scenario: str | None = None,
+    *,
+    engine: str = "all",
+    restitution: float | None = None,
+    speed: str | float | Sequence[float] | None = None,
+    step: str | float | None = None,
+    mass: str | float | None = None,
+    radius: str | float | None = None,
+    within: str | float = 0.01,
+    scatter: str | float | None = None,
+    depth: str | float | None = None,
+    numbers: Sequence[float] = (),
+    contact: str | None = None,
+    set: Mapping[str, str | float] | None = None,
+    preset: str | None = None,
+    time_limit_s: float = TIME_LIMIT_S,
+    progress: Progress | None = None,
+) -> list[Tuned]:
+    """Finds what to type into engines for a restitution, or the restitution of what is typed in.
+
+    Args:
+        scenario: name, folder or file: its restitutions, bodies, gravity and speeds of impact.
+        engine: ``"all"`` or names with commas.
+        restitution: Newton's coefficient, in place of a scenario.
+        speed: of the impact, "2" or "0.5..4" in m/s, also with a unit; a pair from Python.
+        step: the engine's step, "1ms" or in seconds.
+        mass: of the body.
+        radius: of the body, a sphere.
+        within: part of the restitution by which its mean may be off where the numbers hold.
+        scatter: largest standard deviation over the phases of the step, as part of the restitution:
+            then the stiffest contact within it is sought.
+        depth: largest penetration: then the contact that scatters least within it is sought.
+        numbers: what one engine is given for a restitution, which is asked for then.
+        contact: contact level of all else: "tuned", or "coefficients", the engine as it comes;
+            ``None``: both for numbers that are given, else tuned.
+        set: parameters of the scenario that differ from its file.
+        preset: its named set of parameters, applied first.
+        time_limit_s: longest time for one engine [s].
+        progress: called as ``progress(engine, done, total)``.
+
+    Returns:
+        One answer for every engine and restitution.
+
+    Raises:
+        SimcompareError: faults of the arguments.
+    """
+    chosen = engines.select(engine)
+    asked = _Asked(scenario, restitution, tuple(numbers), contact, chosen)
+    if numbers:
+        _check_numbers(chosen[0], asked.numbers)
+    if scenario is None:
+        asked.refuse_for_scenario(set, preset)
+        plans = [_Question(_request(restitution, mass, radius, step))]
+    else:
+        asked.refuse_for_drop(mass, radius)
+        plans = list(_of_scenario(scenario, set or {}, preset, step))
+    speeds_m_s = None if speed is None else _speeds_m_s(speed)
+    limits = (
+        _part(within, "--within"),
+        None if scatter is None else _part(scatter, "--scatter"),
+        None if depth is None else _above_0(depth, "m", "--depth"),
+    )
+    questions = []
+    for plan in plans:
+        lowest, highest = speeds_m_s or (plan.request.lowest_m_s, plan.request.highest_m_s)
+        request = replace(
+            plan.request, lowest_m_s=lowest, highest_m_s=highest, within=limits[0],
+            scatter=limits[1], depth_m=limits[2], numbers=tuple(numbers),
+        )  # fmt: skip
+        for level in asked.levels:
+            questions.append(replace(plan, request=replace(request, level=level)))
+    return _answered(chosen, questions, time_limit_s, progress)
+
+
+@dataclass(frozen=True)
+class _Question:
+    """A request, for which pairs of a scenario it is, and in what it is unlike it."""
+
+    request: Request
+    about: str = ""
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What was given, to be refused where it contradicts itself."""
+
+    scenario: str | None
+    restitution: float | None
+    numbers: tuple[float, ...]
+    contact: str | None
+    engines: Sequence[str]
+
+    @property
+    def levels(self) -> tuple[str, ...]:
+        """Contact levels of all else."""
+        if self.contact is None:
+            return LEVELS if self.numbers else (TUNED,)
+        return (self.contact,)
+
+    def __post_init__(self) -> None:
+        if self.contact is not None and self.contact not in LEVELS:
+            raise InputError("--contact", [f"{self.contact}: expected {' or '.join(LEVELS)}"])
+        if self.numbers and len(self.engines) != 1:
+            raise InputError("--numbers", ["are those of one engine; give --engine NAME"])
+        given = [self.scenario is not None, self.restitution is not None, bool(self.numbers)]
+        if sum(given) == 1:
+            return
+        wanted = (
+            "a scenario, --restitution 0.8, or an engine's own numbers, such as --engine mujoco"
+            " --solref=-1e4,-14.6"
+        )
+        fault = f"expected {wanted}" if not any(given) else f"expected one of these: {wanted}"
+        raise InputError("tune", [fault])
+
+    @staticmethod
+    def refuse_for_scenario(settings: Mapping[str, Any] | None, preset: str | None) -> None:
+        given = [name for name, value in (("--set", settings), ("--preset", preset)) if value]
+        if given:
+            raise InputError("tune", [f"{name} is for a scenario; name one" for name in given])
+
+    @staticmethod
+    def refuse_for_drop(mass: object, radius: object) -> None:
+        given = [n for n, value in (("--mass", mass), ("--radius", radius)) if value is not None]
+        if given:
+            cure = "the scenario has its own; change it with --set"
+            raise InputError("tune", [f"{name}: {cure}" for name in given])
+
+
+def _check_numbers(engine: str, numbers: tuple[float, ...]) -> None:
+    """Refuses what is no spring and damper, or no coefficient, as the engine takes it."""
+    backend = engines.get(engine)
+    called = getattr(backend, "typed_as", "") or "restitution"
+    if getattr(backend, "bounces_by", COEFFICIENT) == SPRING:
+        wanted = "two numbers, both above 0 (time constant, damping ratio) or both below"
+        is_right = len(numbers) == 2 and (min(numbers) > 0 or max(numbers) < 0)
+    else:
+        wanted = "one number above 0"
+        is_right = len(numbers) == 1 and numbers[0] > 0
+    if not is_right or not all(map(math.isfinite, numbers)):
+        given = ", ".join(f"{value:g}" for value in numbers)
+        raise InputError("--numbers", [f"{given}: {called} of {engine} is {wanted}"])
+
+
+def _request(
+    restitution: float | None,
+    mass: str | float | None,
+    radius: str | float | None,
+    step: str | float | None,
+) -> Request:
+    if restitution is not None and not restitution > 0:
+        raise InputError("--restitution", [f"{restitution:g}: expected a number above 0, up to 1"])
+    request = Request(restitution, *SPEEDS_M_S, STEP_S if step is None else _step_s(step))
+    if mass is not None:
+        request = replace(request, mass_kg=_above_0(mass, "kg", "--mass"))
+    if radius is not None:
+        request = replace(request, size_m=2 * _above_0(radius, "m", "--radius"))
+    return request
+
+
+def _of_scenario(
+    scenario: str, settings: Mapping[str, str | float], preset: str | None, step: str | float | None
+) -> Iterable[_Question]:
+    """A request for each restitution of a scenario, with its pairs and notes."""
+    file = catalogue.load(scenario)
+    values = file.read_settings(settings)
+    step_s = None if step is None else experiment.sample_step_s(file, values, preset, step)
+    plans = drop_plans(file.resolve(values, preset=preset, step_s=step_s))
+    if not plans:
+        raise InputError(scenario, ["nothing in it has a restitution above 0, so nothing is tuned"])
+    for plan in plans:
+        gravity = max(plan.gravity_m_s2, LEAST_GRAVITY_M_S2)
+        yield _Question(
+            Request(
+                plan.restitution, plan.speed_m_s, plan.speed_m_s, plan.step_s, plan.mass_kg,
+                plan.size_m, gravity,
+            ),
+            ", ".join("-".join(pair) for pair in plan.pairs),
+            plan.notes,
+        )  # fmt: skip
+
+
+def _speeds_m_s(speed: str | float | Sequence[float]) -> tuple[float, float]:
+    """The lowest and the highest impact speed."""
+    parts: list[str | float]
+    if isinstance(speed, str):
+        parts = [*speed.split("..")]
+    else:
+        parts = [float(speed)] if isinstance(speed, (int, float)) else [*speed]
+    if not 1 <= len(parts) <= 2:
+        raise InputError("--speed", [f"{speed}: expected one speed, or LOWEST..HIGHEST"])
+    unit = _unit_of(parts[-1])
+    values = [_above_0(_with_unit(part, unit), "m/s", "--speed") for part in parts]
+    if values[0] > values[-1]:
+        raise InputError("--speed", [f"{speed}: the first speed is above the second"])
+    return values[0], values[-1]
+
+
+def _unit_of(text: str | float) -> str:
+    return "" if not isinstance(text, str) else text.strip().lstrip("+-0123456789.eE").strip()
+
+
+def _with_unit(text: str | float, unit: str) -> str | float:
+    """A part of a range, in the unit that stands behind the other: ``50..400cm/s``."""
+    return f"{text}{unit}" if isinstance(text, str) and not _unit_of(text) else text
+
+
+def _step_s(step: str | float) -> float:
+    return _above_0(step, "s", "--step")
+
+
+def _above_0(value: str | float, unit: str, where: str) -> float:
+    found = units.to_si(value, unit, where)
+    if not found > 0:
+        raise InputError(where, [f"{value}: expected a number above 0 in {units.symbol(unit)}"])
+    return found
+
+
+def _part(value: str | float, where: str) -> float:
+    found = units.to_si(value, "1", where)
+    if not 0 < found < 1:
+        raise InputError(where, [f"{value}: expected a part between 0 and 1, such as 0.01 or 1%"])
+    return found
+
+
+def _answered(
+    chosen: Sequence[str],
+    questions: Sequence[_Question],
+    time_limit_s: float,
+    progress: Progress | None,
+) -> list[Tuned]:
+    """Answers from the cache, and from engines where it has none."""
+    rows: dict[tuple[str, int], Tuned] = {}
+    open_ones = []
+    for name in chosen:
+        for i, question in enumerate(questions):
+            row = _from_cache(name, question.request)
+            if row is None:
+                open_ones.append((Inquiry(name, Ask(question.request)), i))
+            else:
+                rows[name, i] = replace(row, about=question.about, notes=question.notes)
+    jobs = [job for job, _ in open_ones]
+    answers = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
+    for found, (job, i) in zip(answers, open_ones, strict=True):
+        row, question = _row(found, questions[i].request), questions[i]
+        rows[job.engine, i] = replace(row, about=question.about, notes=question.notes)
+    return [rows[name, i] for i in range(len(questions)) for name in chosen]
+
+
+def _from_cache(name: str, request: Request) -> Tuned | None:
+    try:
+        backend = engines.get(name)
+        plain, version = Ask(request).known(backend), backend.version()
+    except (EngineMissing, EngineBroken):  # the row says so
+        return None
+    if plain is None:
+        return None
+    try:
+        statement = read(plain)
+    except CannotCalibrate as error:
+        return Tuned(name, version, request, UNSUPPORTED, str(error))
+    return _told(backend, Tuned(name, version, request, OK, None, statement))
+
+
+def _row(found: Answer, request: Request) -> Tuned:
+    row = Tuned(found.job.engine, found.version, request, found.status, found.reason, found.value)
+    if found.status != OK:
+        return row
+    return _told(engines.get(found.job.engine), row)
+
+
+def _told(backend: Backend, row: Tuned) -> Tuned:
+    """The row with the lines to copy; what nothing leaves the floor with has none."""
+    assert row.statement is not None
+    template = getattr(backend, "snippet", "") if row.request.level == TUNED else ""
+    if template:
+        text = template.format(*row.statement.numbers, step_s=row.request.step_s)
+    else:
+        text = "\n".join(
+            f"{one.parameter} = {one.value!r}" + (f"  # {one.unit}" if one.unit else "")
+            for one in row.statement.typed
+        )
+    return replace(row, snippet=text)
+
+
+def numbers_of(options: Mapping[str, str], engine: str) -> tuple[float, ...]:
+    """Numbers from options that are called as an engine calls them, such as ``--solref``.
+
+    Args:
+        options: name without dashes -> text.
+        engine: the one engine that was named.
+
+    Raises:
+        InputError: an option that is none, of no engine, or not numbers.
+    """
+    if not options:
+        return ()
+    chosen = engines.select(engine)
+    called = getattr(engines.get(chosen[0]), "typed_as", "") if len(chosen) == 1 else ""
+    faults = [
+        f"there is no such option; {chosen[0]} calls it --{called}" if called
+        else "there is no such option; an engine's own numbers need --engine NAME"
+        for name in options if name.lower() != called.lower()
+    ]  # fmt: skip
+    if faults:
+        raise InputError(", ".join(f"--{name}" for name in options), faults[:1])
+    ((name, text),) = options.items()
+    return read_numbers(text, f"--{name}")
+
+
+def read_numbers(text: str, where: str) -> tuple[float, ...]:
+    """Numbers with commas or blanks between them.
+
+    Raises:
+        InputError: it is not that.
+    """
+    parts = text.replace(",", " ").split()
+    try:
+        found = tuple(float(part) for part in parts)
+    except ValueError:
+        found = ()
+    if not found:
+        raise InputError(where, [f"{text!r}: expected numbers with commas, such as -1e4,-14.6"])
+    return found

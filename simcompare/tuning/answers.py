@@ -1,0 +1,119 @@
+"""Answers to a request: the numbers for a restitution, or the restitution of numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from types import ModuleType
+
+from simcompare.engine.audit import AuditRow
+from simcompare.tuning.bench import Bench, Numbers
+from simcompare.tuning.calibration import AtSpeed, CannotCalibrate
+from simcompare.tuning.engine_drops import Tunable
+from simcompare.tuning.nearest import nearest
+from simcompare.tuning.ranges import speed_range, step_range
+from simcompare.tuning.request import Request
+from simcompare.tuning.seek import numbers_for
+from simcompare.tuning.statement import Statement, Typed
+
+#: how the core calls what is set for a restitution
+_RESTITUTION = " restitution"
+
+
+def answer(backend: Tunable, engine: ModuleType, request: Request) -> Statement:
+    """The numbers for a restitution, or the restitution of numbers, and where they hold.
+
+    Raises:
+        CannotCalibrate: no numbers give it; says why, and the nearest that can be had.
+    """
+    bench = Bench(backend, engine, request)
+    if request.restitution is None:
+        return _stated(bench, request.numbers, None)
+    try:
+        found = _stated(bench, numbers_for(bench, request.restitution), request.restitution)
+        if not any(bench.rebounds(one) for one in found.at):
+            raise CannotCalibrate(f"with what comes nearest to it, {found.fault}")
+    except CannotCalibrate as error:
+        raise _with_nearest(bench, request, error) from None
+    if not found.fault:
+        return found
+    return replace(found, longest_step_s=_longest_step_s(bench))
+
+
+def _stated(bench: Bench, numbers: Numbers, wanted: float | None) -> Statement:
+    """What numbers do, held against what is wanted, or against what they do in the middle."""
+    request = bench.request
+    at = tuple(bench.at(numbers, speed) for speed in request.speeds_m_s)
+    restitution = _found(at) if wanted is None else wanted
+    speeds, steps, faults = None, None, []
+    if math.isfinite(restitution):
+        speeds = speed_range(bench, numbers, restitution, at)
+        faults = [(one, bench.fault(one, restitution)) for one in at]
+    if speeds is not None:
+        held = [speed for speed in request.speeds_m_s if speeds.low <= speed <= speeds.high]
+        ends = sorted({held[0], held[len(held) // 2], held[-1]})
+        steps = step_range(bench, numbers, restitution, ends)
+    wrong = next((f"at {one.speed_m_s:.3g} m/s {words}" for one, words in faults if words), "")
+    typed = tuple(typed_in(bench.audit(numbers), numbers))
+    return Statement(restitution, numbers, typed, at, speeds, steps, None, wrong, bench.count)
+
+
+def _found(at: Sequence[AtSpeed]) -> float:
+    """Middle of the lowest and the highest mean of those that bounce; NaN where none does."""
+    means = [one.restitution for one in at if math.isfinite(one.restitution)]
+    return (min(means) + max(means)) / 2 if means else math.nan
+
+
+def typed_in(audit: Sequence[AuditRow], numbers: Numbers) -> list[Typed]:
+    """All that a loop of one's own needs beside the scene: restitution, solver and step.
+
+    Friction is left out: it does nothing to a bounce without a slip.
+    """
+    found = []
+    for row in audit:
+        is_wanted = row.quantity.endswith(_RESTITUTION) or row.quantity == "engine step_s"
+        if row.set_value is None or not (is_wanted or row.scenario_value is None):
+            continue
+        is_tuned = row.quantity.endswith(_RESTITUTION) and row.set_value in numbers
+        unit = "" if row.unit in ("1", "SI") else row.unit
+        found.append(Typed(row.engine_parameter, row.set_value, unit, is_tuned))
+    return sorted(found, key=lambda one: not one.is_tuned)
+
+
+def _longest_step_s(bench: Bench) -> float | None:
+    """The longest shorter step with which numbers hold at all speeds that were asked for."""
+    request = bench.request
+    return nearest(lambda step_s: _can(bench, request.with_step(step_s)), request.step_s, 0.5)
+
+
+def _can(bench: Bench, request: Request, *, everywhere: bool = True) -> bool:
+    """Whether there are numbers for a request that hold at all its speeds, or at some."""
+    other, wanted = bench.of(request), request.restitution
+    assert wanted is not None
+    try:
+        numbers = numbers_for(other, wanted)
+    except CannotCalibrate:
+        return False
+    found = (not other.fault(other.at(numbers, v), wanted) for v in request.speeds_m_s)
+    return all(found) if everywhere else any(found)
+
+
+def _with_nearest(bench: Bench, request: Request, error: CannotCalibrate) -> CannotCalibrate:
+    """The error with what can be had instead: a shorter step, or another speed."""
+
+    def at_step(step_s: float) -> bool:
+        return _can(bench, request.with_step(step_s), everywhere=False)
+
+    def at_speed(speed_m_s: float) -> bool:
+        return _can(bench, replace(request, lowest_m_s=speed_m_s, highest_m_s=speed_m_s))
+
+    step_s = nearest(at_step, request.step_s, 0.5)
+    if step_s is not None:
+        can = f"with a step of {1e3 * step_s:.3g} ms there is one"
+        return CannotCalibrate(f"{error}; {can}", step_s)
+    for factor, speed_m_s in ((2.0, request.highest_m_s), (0.5, request.lowest_m_s)):
+        found = nearest(at_speed, speed_m_s, factor)
+        if found is not None:
+            return CannotCalibrate(f"{error}; at {found:.3g} m/s there is one")
+    return error

@@ -1,0 +1,44 @@
+"""The nearest value with which something can be had that cannot be had with the one asked for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+#: how often the value is doubled or halved, and how often the way back is halved
+_FAR, _NEAR = 8, 4
+
+
+def nearest(can: Callable[[float], bool], start: float, factor: float) -> float | None:
+    """The nearest value on one side with which something can be had, to two digits.
+
+    Args:
+        can: whether it can be had with a value.
+        start: a value with which it cannot.
+        factor: by which the value is multiplied, 2 or 0.5.
+
+    Returns:
+        The value, ``None`` if none was found.
+    """
+    bad, good = start, start
+    for _ in range(_FAR):
+        good *= factor
+        if can(good):
+            break
+        bad = good
+    else:
+        return None
+    for _ in range(_NEAR):
+        middle = math.sqrt(bad * good)
+        if can(middle):
+            good = middle
+        else:
+            bad = middle
+    rounded = _two_digits(good, up=factor > 1)
+    return rounded if can(rounded) else good
+
+
+def _two_digits(value: float, *, up: bool) -> float:
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    count = math.ceil(value / unit) if up else math.floor(value / unit)
+    return float(f"{count * unit:.2g}")

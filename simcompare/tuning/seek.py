@@ -1,0 +1,114 @@
+"""The search for an engine's numbers that give a restitution over a range of speeds."""
+
+from __future__ import annotations
+
+import math
+from typing import Protocol
+
+from simcompare.settings import SPRING
+from simcompare.tuning.bench import Bench, Numbers
+from simcompare.tuning.calibration import (
+    AIM,
+    LARGEST,
+    PHASES,
+    CannotCalibrate,
+    coefficient_for,
+    refuse_extremes,
+)
+from simcompare.tuning.drops import even_phases
+from simcompare.tuning.springs import LEAST, damped_for, find_spring
+
+#: how often numbers are moved so that the means over the range lie evenly about what is wanted
+_BALANCED = 4
+#: digits of a number that is handed out, and tried out, as it is typed in
+DIGITS = 7
+_PHASES = even_phases(PHASES)
+
+
+def numbers_for(bench: Bench, restitution: float) -> Numbers:
+    """Numbers whose mean restitutions over the range lie evenly about what is wanted.
+
+    Raises:
+        CannotCalibrate: there are none.
+    """
+    return tuple(float(f"{value:.{DIGITS}g}") for value in _exactly(bench, restitution))
+
+
+def _exactly(bench: Bench, restitution: float) -> Numbers:
+    if bench.kind != SPRING and LARGEST < restitution <= 1:
+        return (restitution,)  # what hardly loses anything is typed in as it stands
+    refuse_extremes(restitution)
+    search: _Search = _Spring(bench) if bench.kind == SPRING else _Coefficient(bench)
+    numbers, target = search.first(restitution), restitution
+    if len(bench.request.speeds_m_s) == 1:
+        return numbers
+    for _ in range(_BALANCED):
+        off = _middle(bench, numbers) - restitution
+        if not abs(off) > AIM * restitution or not 0 < target - off <= LARGEST:
+            break
+        target -= off
+        numbers = search.moved(numbers, target)
+    return numbers
+
+
+def _middle(bench: Bench, numbers: Numbers) -> float:
+    """Middle of the lowest and the highest mean of the range; NaN where nothing bounces."""
+    means = [bench.drops()(numbers, v, _PHASES).mean for v in bench.request.speeds_m_s]
+    means = [mean for mean in means if math.isfinite(mean)]
+    return (min(means) + max(means)) / 2 if means else math.nan
+
+
+class _Search(Protocol):
+    def first(self, restitution: float) -> Numbers:
+        """Numbers that are right at one speed of the range."""
+
+    def moved(self, numbers: Numbers, restitution: float) -> Numbers:
+        """The same for another restitution."""
+
+
+class _Coefficient:
+    """One coefficient, whose mean restitution grows with it."""
+
+    def __init__(self, bench: Bench) -> None:
+        self._bench = bench
+
+    def first(self, restitution: float) -> Numbers:
+        request, drops = self._bench.request, self._bench.drops()
+        return (coefficient_for(drops, restitution, request.middle_m_s, request.step_s),)
+
+    def moved(self, _: Numbers, restitution: float) -> Numbers:
+        return self.first(restitution)
+
+
+class _Spring:
+    """A spring and damper: the stiffest within the scatter, or the steadiest within the depth."""
+
+    def __init__(self, bench: Bench) -> None:
+        self._bench = bench
+
+    def first(self, restitution: float) -> Numbers:
+        if restitution < LEAST:
+            raise CannotCalibrate(
+                f"no spring and damper is sought for a restitution below {LEAST:g}"
+            )
+        request, bench = self._bench.request, self._bench
+        # slow impacts scatter most, fast ones sink deepest; then what the fast ones allow
+        for speed_m_s in dict.fromkeys((request.lowest_m_s, request.highest_m_s)):
+            depth_m = bench.depth_m * speed_m_s / request.highest_m_s
+            found = find_spring(
+                bench.drops(), restitution, speed_m_s, request.step_s, request.gravity_m_s2,
+                depth_m, bench.scatter, steadiest=bench.wants_steadiest,
+            )  # fmt: skip
+            if found is not None:
+                return found
+        raise CannotCalibrate(
+            f"no spring and damper of up to {1e3 * bench.depth_m:.3g} mm gives a restitution of"
+            f" {restitution:g} with a step of {1e3 * request.step_s:.3g} ms and a scatter of at"
+            f" most {bench.scatter * restitution:.2g}"
+        )
+
+    def moved(self, numbers: Numbers, restitution: float) -> Numbers:
+        request = self._bench.request
+        return damped_for(
+            self._bench.drops(), restitution, request.middle_m_s, request.step_s, numbers
+        )

@@ -1,0 +1,110 @@
+"""What numbers do in an engine's contact: a statement that holds, with its range and its cost."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from simcompare.tuning.calibration import AtSpeed
+
+
+@dataclass(frozen=True)
+class Typed:
+    """One parameter of an engine as it is typed in.
+
+    Attributes:
+        parameter: the engine's own name for it.
+        value: what is typed in.
+        unit: its unit.
+        is_tuned: whether it stands for the restitution; else the loop needs it beside.
+    """
+
+    parameter: str
+    value: float
+    unit: str
+    is_tuned: bool = False
+
+
+@dataclass(frozen=True)
+class Range:
+    """Where something holds, as far as it was looked.
+
+    Attributes:
+        low: lowest value with which it holds.
+        high: highest one.
+        below: what is wrong a little below; empty where it still holds at the lowest one tried.
+        above: the same a little above.
+    """
+
+    low: float
+    high: float
+    below: str = ""
+    above: str = ""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """What numbers do, measured on drops at 25 phases of the step.
+
+    Attributes:
+        restitution: what they stand for: what was asked for, or what was found [1].
+        numbers: the engine's numbers.
+        typed: all that is typed in, the numbers first.
+        at: what bounces do at speeds of the range that was asked for, the slowest first.
+        speed_m_s: speeds at which they hold; ``None`` where they do at none that was asked for.
+        step_s: steps with which they hold at those speeds.
+        longest_step_s: longest step with which other numbers hold at all speeds that were asked
+            for, where these do not; ``None`` where it is not known.
+        fault: what is wrong at speeds that were asked for and at which they do not hold.
+        drops: how many drops it took.
+    """
+
+    restitution: float
+    numbers: tuple[float, ...]
+    typed: tuple[Typed, ...]
+    at: tuple[AtSpeed, ...]
+    speed_m_s: Range | None
+    step_s: Range | None
+    longest_step_s: float | None = None
+    fault: str = ""
+    drops: int = 0
+
+    @property
+    def means(self) -> tuple[float, float]:
+        """Lowest and highest mean restitution at the speeds that were asked for."""
+        means = [one.restitution for one in self.at]
+        return min(means), max(means)
+
+    @property
+    def bounces(self) -> tuple[AtSpeed, ...]:
+        """Those of ``at`` in which every impact is followed by a flight."""
+        return tuple(one for one in self.at if math.isfinite(one.restitution))
+
+    @property
+    def scatter(self) -> float:
+        """Largest standard deviation over the phases at the speeds that were asked for."""
+        return max(one.scatter for one in self.at)
+
+    def to_plain(self) -> dict[str, Any]:
+        """As plain values, for JSON."""
+        return asdict(self)
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any]) -> Statement:
+        """From the plain values of :meth:`to_plain`, also out of JSON."""
+        return cls(
+            **{
+                **plain,
+                "numbers": tuple(plain["numbers"]),
+                "typed": tuple(Typed(**one) for one in plain["typed"]),
+                "at": tuple(AtSpeed(**one) for one in plain["at"]),
+                "speed_m_s": _range(plain["speed_m_s"]),
+                "step_s": _range(plain["step_s"]),
+            }
+        )
+
+
+def _range(plain: Mapping[str, Any] | None) -> Range | None:
+    return None if plain is None else Range(**plain)
