@@ -30,7 +30,9 @@ class Lead:
         measure: its name.
         unit: its unit.
         truth: its true value, ``None`` where there is none.
-        width: half-width of the band that is accepted, ``None`` where nothing is judged.
+        width: half-width of the band that is accepted, ``None`` where nothing is judged; the
+            tightest, where sources are held to several.
+        widths: every one of these, each once.
         answer: what the scenario says of it, ``None`` where it says nothing.
     """
 
@@ -38,6 +40,7 @@ class Lead:
     unit: str
     truth: float | None
     width: float | None
+    widths: tuple[float, ...]
     answer: Mapping[str, Any] | None
 
     @property
@@ -50,11 +53,17 @@ class Lead:
         """Whether there is a truth and a tolerance about it."""
         return self.truth is not None and self.width is not None
 
-    def off(self, value: float) -> float:
+    @property
+    def accepted(self) -> str:
+        """The tolerance, or the tolerances of several sources, as a number."""
+        return " or ".join(dict.fromkeys(numbers.plain(width, 2) for width in self.widths))
+
+    def off(self, value: float, width: float | None = None) -> float:
         """How far a value is from the truth, in tolerances."""
-        if self.truth is None or not self.width:
+        accepted = width or self.width
+        if self.truth is None or not accepted:
             return 0.0
-        return (value - self.truth) / self.width
+        return (value - self.truth) / accepted
 
     def text(self, value: float | None, u: float | None = None, more: int = 0) -> str:
         """A value with its scatter and unit, to the digit that the tolerance leaves.
@@ -85,7 +94,7 @@ class Lead:
             places = None if value is None else self.places(value)
             if row.kind != OUTSIDE or value is None or places is None:
                 return text
-            if abs(self.off(round(value, places + more))) > 1 + _EQUAL:
+            if abs(self.off(round(value, places + more), row.width)) > 1 + _EQUAL:
                 return text
         return text
 
@@ -105,12 +114,14 @@ class Row:
         value: mean over the repeats; ``None`` where it could not be measured.
         u: their standard deviation, ``None`` for a single one.
         kind: within the tolerance, outside, nothing at all, or not judged.
+        width: its own tolerance, ``None`` where it is not judged.
     """
 
     name: str
     value: float | None
     u: float | None
     kind: str
+    width: float | None = None
 
 
 class Group(NamedTuple):
@@ -133,7 +144,9 @@ class Group(NamedTuple):
         known = [row.value for row in self.rows if row.value is not None]
         scatters = [row.u for row in self.rows if row.u is not None]
         mean = sum(known) / len(known) if known else None
-        return Row("", mean, max(scatters, default=None), self.rows[0].kind)
+        widths = [row.width for row in self.rows if row.width is not None]
+        most = max(scatters, default=None)
+        return Row("", mean, most, self.rows[0].kind, max(widths, default=None))
 
 
 def lead_of(run: Run) -> Lead | None:
@@ -158,7 +171,8 @@ def rows_of(run: Run, lead: Lead, mode: str) -> list[Row]:
         value, u = (None, None) if score is None else (score.value, score.u)
         if value is not None and not math.isfinite(value):
             value = None
-        found.append(Row(name, value, u, _kind(lead, value)))
+        width = None if score is None else _width(run, score)
+        found.append(Row(name, value, u, _kind(lead, value, width), width))
     return found
 
 
@@ -185,19 +199,20 @@ def groups_of(lead: Lead, rows: Sequence[Row]) -> list[Group]:
 def _lead(run: Run, measure: str, answer: Mapping[str, Any] | None) -> Lead:
     scores = [s for s in run.scores if s.measure == measure and s.index is None]
     known = next((score for score in scores if score.truth is not None), scores[0])
-    return Lead(measure, known.unit, known.truth, _width(run, known), answer)
+    widths = sorted({w for score in scores if (w := _width(run, score)) is not None})
+    return Lead(measure, known.unit, known.truth, min(widths, default=None), (*widths,), answer)
 
 
 def _width(run: Run, score: Score) -> float | None:
     return None if score.truth is None else runs.width(run, score)
 
 
-def _kind(lead: Lead, value: float | None) -> str:
+def _kind(lead: Lead, value: float | None, width: float | None) -> str:
     if value is None:
         return NOTHING
-    if lead.truth is None or lead.width is None:
+    if lead.truth is None or width is None:
         return UNJUDGED
-    if abs(value - lead.truth) <= lead.width:
+    if abs(value - lead.truth) <= width:
         return WITHIN
-    least = max(lead.width, _NONE * abs(lead.truth))
+    least = max(width, _NONE * abs(lead.truth))
     return NOTHING if abs(value) <= least < abs(lead.truth) else OUTSIDE

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from simcompare.jobs import OK
-from simcompare.reports import numbers, runs
+from simcompare.reports import runs
 from simcompare.reports.figures import Figure, Note, Panel, Series, Span, Style, spread
 from simcompare.reports.lead import Lead, Row, lead_of, rows_of
 from simcompare.results import TRUTH, Run
@@ -51,9 +51,9 @@ class _Scale:
     high: float
     in_tolerances: bool
 
-    def x(self, lead: Lead, value: float) -> float:
+    def x(self, lead: Lead, value: float, width: float | None) -> float:
         """Where a value stands."""
-        return lead.off(value) if self.in_tolerances else value
+        return lead.off(value, width) if self.in_tolerances else value
 
     def holds(self, x: float) -> bool:
         """Whether something can be drawn at a place."""
@@ -76,7 +76,8 @@ def leading_figure(run: Run) -> Figure | None:
     near = _near(lead, known)
     whole = _whole(lead, values)
     scales = [scale for scale in (whole, near) if scale is not None]
-    if near is not None and all(near.holds(lead.off(value)) for value in values):
+    alike = len(lead.widths) == 1
+    if near is not None and alike and all(near.holds(lead.off(value)) for value in values):
         scales = [_values_of(near, lead)]
     panels = tuple(_panel(run, lead, found, scale, i) for i, scale in enumerate(scales))
     rows = len(runs.names(run)) * (len(found) + 0.6)
@@ -90,7 +91,8 @@ def _near(lead: Lead, rows: dict[str, list[Row]]) -> _Scale | None:
     if not lead.is_judged or not lead.width:
         return None
     judged = [mode for mode in rows if mode not in SHOWN_LEVELS] or list(rows)
-    offs = [abs(lead.off(r.value)) for mode in judged for r in rows[mode] if r.value is not None]
+    found = [row for mode in judged for row in rows[mode]]
+    offs = [abs(lead.off(row.value, row.width)) for row in found if row.value is not None]
     inside = [off for off in offs if off <= _FARTHEST]
     half = min(max([_NEAREST, *(1.25 * off for off in inside)]), _FARTHEST * 1.1)
     return _Scale(-half, half, True)
@@ -152,9 +154,10 @@ def _drawn(
         if row.value is None:
             notes.append(Note(scale.low + scale.free, y, "–", colour=style.colour))
             continue
-        x = scale.x(lead, row.value)
+        x = scale.x(lead, row.value, row.width)
         if scale.holds(x):
-            inside.append((x, y, row.u or 0.0))
+            u, width = row.u or 0.0, row.width or lead.width
+            inside.append((x, y, u / width if scale.in_tolerances and width else u))
             continue
         left = x < scale.low
         edge = scale.low + scale.free if left else scale.high - scale.free
@@ -162,22 +165,20 @@ def _drawn(
         text, side = lead.text(row.value), "right" if left else "left"
         inner = edge + scale.free * (1 if left else -1)
         notes.append(Note(inner, y, text, side, style.colour))
-    made = _points(mode, style, inside, lead, scale) if inside else []
+    made = _points(mode, style, inside, scale) if inside else []
     for left in (True, False):
         ends = [(x, y, 0.0) for x, y, one in arrows if one == left]
         if ends:
             arrow = replace(style, marker="triangle-left" if left else "triangle-right")
-            made += _points(mode, arrow, ends, lead, scale)
+            made += _points(mode, arrow, ends, scale)
     return made, notes
 
 
 def _points(
-    mode: str, style: Style, rows: Iterable[tuple[float, float, float]], lead: Lead, scale: _Scale
+    mode: str, style: Style, rows: Iterable[tuple[float, float, float]], scale: _Scale
 ) -> list[Series]:
     """Points with their scatter, and points whose scatter is too small to be seen."""
     x, y, u = (np.array(column, dtype=float) for column in zip(*rows, strict=True))
-    if scale.in_tolerances and lead.width:
-        u = u / lead.width
     # the ends of a bar that is no longer than its point would lie across it
     short = u < _SHORT * (scale.high - scale.low)
     label = runs.mode_words(mode)
@@ -191,7 +192,7 @@ def _points(
 def _truth(lead: Lead, scale: _Scale) -> tuple[Span, ...]:
     if lead.truth is None:
         return ()
-    centre, half = scale.x(lead, lead.truth), lead.width or 0.0
+    centre, half = scale.x(lead, lead.truth, None), lead.width or 0.0
     half = 1.0 if scale.in_tolerances else half
     line = Span(centre, centre, f"truth ({TRUTH})")
     return (Span(centre - half, centre + half, "tolerance"), line) if lead.width else (line,)
@@ -204,7 +205,7 @@ def _missing(run: Run, name: str) -> str:
 
 
 def _width(lead: Lead) -> str:
-    return numbers.plain(lead.width, 2) + ("" if lead.unit in ("", "1") else f" {lead.unit}")
+    return lead.accepted + ("" if lead.unit in ("", "1") else f" {lead.unit}")
 
 
 def _caption(run: Run, lead: Lead, scales: Sequence[_Scale]) -> str:

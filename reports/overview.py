@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from simcompare import notation
 from simcompare.compare import FAIL, PASS
 from simcompare.jobs import OK
-from simcompare.reports import numbers, runs
+from simcompare.reports import runs
 from simcompare.reports.lead import Lead, lead_as, lead_of
 from simcompare.reports.tables import Column, Group, Table, lines
 from simcompare.results import TRUTH, Run
@@ -64,7 +64,7 @@ def _title(run: Run, lead: Lead | None) -> str:
         title += f", mean of {run.record['repeats']} (scatter in the last digits)"
     if lead.width is None:
         return title
-    return f"{title}; tolerance {numbers.plain(lead.width, 2)}"
+    return f"{title}; tolerance {lead.accepted}"
 
 
 def _cell(run: Run, lead: Lead | None, name: str, mode: str) -> str:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from simcompare.reports import listing, remarks, runs, words
+from simcompare.reports.leading import leading_figure
 from simcompare.results import Run
 from tests.test_reports import TOLERANCES, audit_row, make_run, source
 
@@ -234,3 +235,19 @@ def test_a_tolerance_with_both_widths_is_the_larger_one():
     run = make_run(level("default", north=0.5), tolerances=both)
     score = next(s for s in run.scores if s.measure == "restitution" and s.index is None)
     assert runs.width(run, score) == pytest.approx(0.08)
+
+
+def test_each_source_is_held_to_its_own_tolerance(monkeypatch):
+    """As where steps are compared, and longer ones are held to less."""
+    run = answered(level("tuned", north=0.82, south=0.82, west=0.8))
+    wide = {"north": 0.04}
+    monkeypatch.setattr(runs, "width", lambda run, score: wide.get(score.source, 0.008))
+    assert words.answer(run) == [
+        "Tuned, the ball bounces with 0.800 ± 0.001 in west, 0.820 ± 0.001 in north;"
+        " outside the tolerance: 0.820 ± 0.001 in south, where the closed form gives 0.8."
+    ]
+    whole, near = leading_figure(run).panels
+    assert near.x_label == "deviation ÷ tolerance of 0.008 or 0.04"
+    # north by its own tolerance; points with and without a bar are two series
+    assert sorted(x for s in near.series for x in s.x) == pytest.approx([0.0, 0.5, 2.5])
+    assert sorted(x for s in whole.series for x in s.x) == pytest.approx([0.8, 0.82, 0.82])

@@ -96,7 +96,7 @@ def test_levels_differ_by_more_than_colour():
 def test_without_truth_or_tolerance_there_is_one_panel():
     (panel,) = leading_figure(answered(level("assisted", north=0.7), truth=None)).panels
     assert panel.spans == ()
-    (panel,) = leading_figure(make_run(tolerances={})).panels
+    (panel,) = leading_figure(make_run(level("default", north=0.5), tolerances={})).panels
     assert len(panel.spans) == 1
     assert leading_figure(make_run(level("default", north=None))) is None
 
