@@ -81,7 +81,7 @@ def _contact(group: Sequence[tuple[float, float, str, float]]) -> str:
     names = listing.joined([row[2] for row in group])
     if depth <= _SHALLOW * size:
         return f"less than {numbers.plain(1e3 * _SHALLOW * size, 2)} mm for {lasts} in {names}"
-    return f"{numbers.plain(1e3 * depth, 2)} mm for {lasts} in {names}"
+    return f"{_span([1e3 * row[0] for row in group], 'mm')} for {lasts} in {names}"
 
 
 def _span(values: Sequence[float], unit: str, digits: int = 2) -> str:

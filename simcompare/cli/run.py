@@ -119,7 +119,9 @@ def _levels(record: Mapping[str, Any]) -> list[str]:
     said = dict(_LEVELS)
     if record.get("assist") == "none":
         said["assisted"] = "here with none of our helps, so the same as tuned."
-    versions = {s["name"]: s["version"] for s in record["sources"] if s["version"]}
+    # one engine may stand in several rows, each with its step behind an @
+    known = [source for source in record["sources"] if source["version"]]
+    versions = {source["name"].partition("@")[0]: source["version"] for source in known}
     found = [f"{level}: {said[level]}" for level in asked if level in said]
     if versions:
         found.append(f"Versions: {', '.join(f'{name} {own}' for name, own in versions.items())}.")
