@@ -10,7 +10,7 @@ import numpy as np
 from simcompare.jobs import OK
 from simcompare.reports import runs
 from simcompare.reports.figures import Figure, Note, Panel, Series, Span, Style, spread
-from simcompare.reports.lead import Lead, Row, lead_of, rows_of
+from simcompare.reports.lead import NOTHING, Lead, Row, lead_of, rows_of
 from simcompare.results import TRUTH, Run
 from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, SHOWN_LEVELS, TUNED
 
@@ -121,17 +121,21 @@ def _panel(run: Run, lead: Lead, found: dict[str, list[Row]], scale: _Scale, pla
     modes = [mode for mode in found if place == 0 or mode not in SHOWN_LEVELS] or list(found)
     series: list[Series] = []
     notes: list[Note] = []
+    drawn = {row.name for mode in modes for row in found[mode]}
     for mode in modes:
         shift = spread(list(found).index(mode), len(found), _SPREAD)
         at = {row.name: row for row in found[mode]}
-        places = [(i + shift, at[name]) for i, name in enumerate(names) if name in at]
+        none = {name: Row(name, None, None, NOTHING) for name in drawn if name not in at}
+        places = [
+            (i + shift, {**at, **none}[name]) for i, name in enumerate(names) if name in drawn
+        ]
         made, beside = _drawn(lead, mode, places, scale)
         series += made
         notes += beside
     notes += [
         Note(scale.low + scale.free, float(i), _missing(run, name))
         for i, name in enumerate(names)
-        if not any(row.name == name for mode in modes for row in found[mode])
+        if name not in drawn
     ]
     if scale.in_tolerances:
         title, label = "near the truth", f"deviation ÷ tolerance of {_width(lead)}"

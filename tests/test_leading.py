@@ -77,6 +77,13 @@ def test_what_was_not_measured_is_a_dash_and_what_did_not_run_says_why():
     assert [(round(note.y), note.text) for note in panel.notes] == [(1, "–"), (2, "– failed")]
 
 
+def test_a_level_at_which_a_source_did_not_run_is_a_dash():
+    run = answered([*level("tuned", north=0.8, south=None), *level("assisted", south=0.8)])
+    (panel,) = leading_figure(run).panels
+    # north was not asked for at the second level, and south failed at the first
+    assert sorted((round(note.y), note.text) for note in panel.notes) == [(0, "–"), (1, "–")]
+
+
 def test_no_scatter_is_no_bar_and_no_end_of_one():
     run = changed(answered(level("tuned", north=0.8, south=0.8)), "north", u=0.0)
     (panel,) = leading_figure(run).panels
