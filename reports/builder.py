@@ -60,21 +60,29 @@ def write_html(runs: Sequence[Run], path: Path) -> Path:
     Raises:
         OutputError: it cannot be written, or plotly's script is not installed.
     """
+    return output.write(Path(path), html_of(blocks_of(runs)).encode("utf-8"))
+
+
+def html_of(blocks: Sequence[Block]) -> str:
+    """A page of such blocks that loads nothing.
+
+    Raises:
+        OutputError: plotly's script is not installed.
+    """
     from markupsafe import Markup
 
     from simcompare.reports import plotly_
 
-    text = (
+    return (
         _environment()
         .get_template("report.html")
         .render(
-            blocks=blocks_of(runs),
+            blocks=blocks,
             css=Markup((_TEMPLATES / "report.css").read_text(encoding="utf-8")),
             js=Markup((_TEMPLATES / "report.js").read_text(encoding="utf-8")),
             plotly=Markup(plotly_.script()),
         )
     )
-    return output.write(Path(path), text.encode("utf-8"))
 
 
 def write_figures(runs: Sequence[Run], folder: Path, format: str) -> list[Path]:

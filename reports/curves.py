@@ -17,8 +17,8 @@ from simcompare.reports.figures import (
     Panel,
     Series,
     fitted_range,
-    style_of,
 )
+from simcompare.reports.looks import look
 from simcompare.reports.scored import column, events_of
 from simcompare.results import TRUTH, Run
 from simcompare.settings import SHOWN_LEVELS
@@ -159,7 +159,7 @@ def _curve(
     axis, _ = names
     x = _places(run, axis, (name, mode), scores)
     plain = mode in SHOWN_LEVELS and len(runs.modes(run)) > 1
-    style = replace(style_of(name), hollow=plain)
+    style = replace(look(run, name), hollow=plain)
     few = len(scores) <= _FEW
     return Series(name, x, column(scores, "value"), style, points=few, line=not (few and plain))
 

@@ -6,11 +6,12 @@ import functools
 import itertools
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from simcompare import engines
+from simcompare.results import AT
 from simcompare.trajectory import Array
 
 #: a line of more points than this is thinned out before it is drawn
@@ -28,6 +29,7 @@ _PLAIN_SIZES = (1e-3, 1e6)
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#882255")
 _DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
 _MARKERS = ("circle", "square", "diamond", "triangle-up", "triangle-down", "x", "star")
+PATTERNS = len(_DASHES) * len(_MARKERS)
 
 
 @dataclass(frozen=True)
@@ -287,8 +289,28 @@ class Figure:
 
 
 @functools.cache
-def style_of(engine: str) -> Style:
-    """The look of an engine, the same in every report."""
+def style_of(source: str) -> Style:
+    """The look of an engine, the same in every report; see ``looks`` where it has several sources.
+
+    A variant of it, or one of several steps, has its colour with another dash and marker.
+    """
+    name = source.partition(AT)[0]
+    engine, variant = engines.split(name)
+    plain = _style_of(engine)
+    if source == engine:
+        return plain
+    known = list(engines.quick_variants(engine))
+    ahead = 1 + (known.index(variant) if variant in known else 0)
+    return with_pattern(plain, _MARKERS.index(plain.marker) + ahead)
+
+
+def with_pattern(style: Style, number: int) -> Style:
+    """A style with one of 42 pairs of dash and marker."""
+    turn, place = divmod(number % PATTERNS, len(_MARKERS))
+    return replace(style, dash=_DASHES[(turn + place) % len(_DASHES)], marker=_MARKERS[place])
+
+
+def _style_of(engine: str) -> Style:
     known = engines.names()
     # an engine of somebody else's that is no longer installed still gets a look of its own
     number = known.index(engine) if engine in known else len(known) + sum(map(ord, engine))

@@ -17,8 +17,8 @@ from simcompare.reports.figures import (
     Series,
     fitted_range,
     spread,
-    style_of,
 )
+from simcompare.reports.looks import look
 from simcompare.results import Run
 from simcompare.trajectory import Array
 
@@ -65,7 +65,7 @@ def _by_engine(run: Run, mode: str, rows: Rows) -> Panel:
     for i, row in enumerate(rows):
         ticks.append(f"{row['source']}\n(none)" if row["value"] is None else str(row["source"]))
         y, u = _floats([row], "value"), _floats([row], "u")
-        x, style = np.array([float(i)]), style_of(row["source"])
+        x, style = np.array([float(i)]), look(run, row["source"])
         series.append(Series(row["source"], x, y, style, u, points=True, line=False))
     drawn = tuple(series)
     return Panel(
@@ -95,7 +95,7 @@ def _by_event(run: Run, mode: str, rows: Rows) -> Panel:
         y = (_floats(found, "value") - _floats(found, "measured")) * scale
         x = _floats(found, "bounce") + spread(i + 1, count, _SPREAD)
         u = _floats(found, "u") * scale
-        series.append(Series(name, x, y, style_of(name), u, points=True, line=False))
+        series.append(Series(name, x, y, look(run, name), u, points=True, line=False))
     unit = " (%)" if relative else runs.unit_words(rows[0]["unit"])
     label = f"{runs.measure_words(rows[0]['quantity'])} − measured{unit}"
     title = runs.mode_title(mode)

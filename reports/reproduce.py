@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import shlex
+from collections.abc import Sequence
 
 from simcompare import catalogue, engines
 from simcompare.errors import SimcompareError
@@ -28,7 +30,7 @@ def command(run: Run) -> str:
     if record.get("assist"):
         words += ["--assist", str(record["assist"])]
     own = _own_values(run)
-    words += _values(run, own)
+    words += _values(run, own, [step["engine_step_s"] for step in runs.steps(run)])
     count = own.dither.count if own is not None and own.dither is not None else 1
     if count != record["repeats"]:
         words += ["--seeds", str(record["repeats"])]
@@ -46,25 +48,37 @@ def scripts(run: Run) -> list[str]:
     for source in record["sources"]:
         if source["status"] != OK or source["contact"] not in (DEFAULT, COEFFICIENTS, TUNED):
             continue
-        name, level = str(source["name"]), str(source["contact"])
-        if name in engines.names() and not getattr(engines.get(name), "script_module", ""):
+        name, level = str(source.get("engine", source["name"])), str(source["contact"])
+        base = engines.split(name)[0]
+        if base in engines.names() and not getattr(engines.get(base), "script_module", ""):
             continue  # it has no writer of scripts
         words = ["simcompare", "export", str(record["scenario_asked"]), "--format", "script"]
-        words += ["--engine", name, "--contact", level, *_values(run, _own_values(run))]
-        words += ["-o", f"{record['scenario']}_{name}_{level}.py"]
+        steps_s = [source["engine_step_s"]] if "engine_step_s" in source else []
+        words += ["--engine", name, "--contact", level]
+        words += _values(run, _own_values(run), steps_s)
+        stem = f"{record['scenario']}_{source['name']}_{level}"
+        words += ["-o", f"{re.sub('[:@]', '_', stem)}.py"]
         found.append(shlex.join(words))
     return found
 
 
-def _values(run: Run, own: Scenario | None) -> list[str]:
-    """Options for all values that differ from the scenario's own."""
+def _values(run: Run, own: Scenario | None, steps_s: Sequence[float]) -> list[str]:
+    """Options for all values that differ from the scenario's own.
+
+    Args:
+        run: the run.
+        own: the scenario as its file has it.
+        steps_s: steps of the engines, where the run has several.
+    """
     record, words = run.record, []
     if record["preset"]:
         words += ["--preset", str(record["preset"])]
     for name, value in record["parameters"].items():
         if own is None or own.parameters.get(name) != value:
             words += ["--set", f"{name}={value!r}"]
-    if own is None or own.world.step_s != record["step_s"]:
+    if steps_s:
+        words += ["--step", ",".join(f"{step_s!r}s" for step_s in steps_s)]
+    elif own is None or own.world.step_s != record["step_s"]:
         parts = 1 if own is None else own.world.substeps
         words += ["--step", f"{record['step_s'] / parts!r}s"]
     return words

@@ -149,6 +149,21 @@ def toleranced_first(run: Run, measures: Iterable[str]) -> list[str]:
     return sorted(dict.fromkeys(measures), key=lambda name: name not in tolerances)
 
 
+def steps(run: Run) -> list[Mapping[str, Any]]:
+    """What depends on the step, for each of several; empty for a run with one step."""
+    return list(run.record.get("steps") or ())
+
+
+def tolerances(run: Run, source: str) -> Mapping[str, Any]:
+    """The tolerances of the scenario at the step of a source."""
+    for step in steps(run):
+        if source.endswith(str(step["at"])):
+            found: Mapping[str, Any] = step["tolerances"]
+            return found
+    whole: Mapping[str, Any] = run.record["tolerances"]
+    return whole
+
+
 def judged(run: Run) -> list[str]:
     """What has a truth and a tolerance, in the order in which the scenario measures it."""
     found = {
@@ -160,7 +175,7 @@ def judged(run: Run) -> list[str]:
 
 def width(run: Run, score: Score) -> float | None:
     """Half-width of the band that the scenario accepts, also where nothing was judged."""
-    tolerance = run.record["tolerances"].get(score.measure)
+    tolerance = tolerances(run, score.source).get(score.measure)
     if score.tolerance is not None or tolerance is None or score.truth is None:
         return score.tolerance
     return Tolerance(**tolerance).width(score.truth)

@@ -17,8 +17,8 @@ from simcompare.reports.figures import (
     Series,
     fitted_range,
     spread,
-    style_of,
 )
+from simcompare.reports.looks import look
 from simcompare.results import TRUTH, Run
 from simcompare.settings import SHOWN_LEVELS
 from simcompare.trajectory import Array
@@ -100,7 +100,7 @@ def contrast_figure(run: Run) -> Figure | None:
     for mode in runs.modes(run):
         names = runs.names(run)
         series = tuple(
-            Series(name, x, y, style_of(name), points=True, line=False)
+            Series(name, x, y, look(run, name), points=True, line=False)
             for i, name in enumerate(names)
             for x, y in [_shares(run, name, mode, spread(i, len(names)))]
             if np.isfinite(y).any()
@@ -167,7 +167,7 @@ def _event_series(
                 scale = 100 / np.abs(true) if relative else 1.0
                 y, u = (y - true) * scale, u * scale
             style = replace(
-                style_of(name), hollow=mode in SHOWN_LEVELS and len(runs.modes(run)) > 1
+                look(run, name), hollow=mode in SHOWN_LEVELS and len(runs.modes(run)) > 1
             )
             x = column(known, "index") + spread(i, len(names))
             bars = u if np.isfinite(u).any() else None
@@ -182,11 +182,15 @@ def column(scores: Sequence[Score], field: str) -> Array:
 
 
 def _tolerance_band(run: Run, measure: str) -> tuple[Band, ...]:
-    """The tolerance of the whole run's value, in per cent of its truth."""
-    for score in run.scores:
-        if score.measure == measure and score.index is None and score.truth:
-            accepted = runs.width(run, score)
-            if accepted is not None:
-                half = 100 * accepted / abs(score.truth)
-                return (Band(-half, half, "tolerance of the mean", 0.0),)
-    return ()
+    """The tolerance of the whole run's value, in per cent of its truth.
+
+    Of several steps, which may have tolerances of their own, the tightest.
+    """
+    halves = [
+        100 * accepted / abs(score.truth)
+        for score in run.scores
+        if score.measure == measure and score.index is None and score.truth
+        if (accepted := runs.width(run, score)) is not None
+    ]
+    half = min(halves if runs.steps(run) else halves[:1], default=None)
+    return () if half is None else (Band(-half, half, "tolerance of the mean", 0.0),)

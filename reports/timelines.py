@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from simcompare.reports import energy, runs
-from simcompare.reports.figures import TRUTH_STYLE, Figure, Panel, Series, style_of
+from simcompare.reports.figures import TRUTH_STYLE, Figure, Panel, Series
+from simcompare.reports.looks import look
 from simcompare.results import TRUTH, Run
 from simcompare.scenario import Probe
 from simcompare.trajectory import Array, Trajectory
@@ -73,7 +74,7 @@ def _panels(
     panels = []
     for mode in modes:
         sources = [(f"truth ({TRUTH})", runs.truth(run), TRUTH_STYLE)]
-        sources += [(n, runs.nominal(run, n, mode), style_of(n)) for n in runs.names(run)]
+        sources += [(n, runs.nominal(run, n, mode), look(run, n)) for n in runs.names(run)]
         series = []
         for label, trajectory, style in sources:
             found = curve(trajectory) if trajectory is not None else None

@@ -11,6 +11,7 @@ from typing import Any
 
 _PUBLIC = {
     "run": "simcompare.experiment",
+    "characterize": "simcompare.characterization.characterizing",
     "control": "simcompare.closed_loop",
     "Run": "simcompare.results",
     "load_run": "simcompare.store",

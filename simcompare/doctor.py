@@ -56,6 +56,10 @@ class Diagnosis:
             "known_limits": self.facts.limits_as_dicts(),
             "mapping": self.facts.mapping,
             "helps": list(self.facts.helps),
+            "variants": [
+                {"name": name, "text": text, "reference": source}
+                for name, text, source in self.facts.variants
+            ],
         }
 
 

@@ -8,17 +8,20 @@ from __future__ import annotations
 import functools
 import importlib
 import importlib.metadata
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from simcompare import elsewhere
-from simcompare.errors import EngineBroken, EngineElsewhere, UnknownName
+from simcompare.errors import EngineBroken, EngineElsewhere, UnknownName, UnknownVariant
 
 if TYPE_CHECKING:
     from simcompare.engine.backend import Backend
+    from simcompare.engine.variants import Variant
 
 ENTRY_POINT_GROUP = "simcompare.backends"
+#: what stands between the name of an engine and that of its variant
+VARIANT = ":"
 _FOLDER = Path(__file__).parent / "backends"
 
 
@@ -48,13 +51,42 @@ def names() -> list[str]:
     return built_in + sorted(set(targets()) - set(built_in))
 
 
+def split(name: str) -> tuple[str, str]:
+    """An engine and its variant, which is empty for the engine as it comes."""
+    engine, _, variant = name.partition(VARIANT)
+    return engine, variant
+
+
+def quick_variants(engine: str) -> Mapping[str, Variant]:
+    """Variants of a built-in engine, by name, without importing its backend."""
+    if not (_FOLDER / engine / "variants.py").is_file():
+        return {}
+    found: Mapping[str, Variant] = importlib.import_module(
+        f"simcompare.backends.{engine}.variants"
+    ).VARIANTS
+    return found
+
+
 def get(name: str) -> Backend:
-    """The backend of that name.
+    """The backend of that name, or of an engine's variant, such as "engine:variant".
 
     Raises:
-        UnknownName: no such engine; names the nearest, or tells why it cannot run here.
+        UnknownName: no such engine; names the nearest, or tells why it cannot run here. Or the
+            engine has no such variant; names those that it has.
         EngineBroken: the backend's own code cannot be imported.
     """
+    engine, variant = split(name)
+    backend = _backend(engine)
+    if VARIANT not in name:
+        return backend
+    known = getattr(backend, "variants", {})
+    if variant not in known:
+        raise UnknownVariant(engine, variant, known)
+    made: Backend = backend.with_variant(variant)  # type: ignore[attr-defined]
+    return made
+
+
+def _backend(name: str) -> Backend:
     known = targets()
     if name not in known:
         raise _unknown(name, known)
@@ -74,16 +106,22 @@ def get(name: str) -> Backend:
 def select(text: str) -> list[str]:
     """Engine names from a command-line argument: ``all``, alone or in a list with commas.
 
+    A variant of an engine is a name of its own. ``all`` is every engine without its variants; such
+    as are named beside it are added.
+
     Raises:
         UnknownName: one of them does not exist.
+        EngineBroken: a variant is asked for, and the backend's own code cannot be imported.
     """
     wanted = [part.strip() for part in text.split(",") if part.strip()]
-    if "all" in wanted:
-        return names()
     known = names()
+    if "all" in wanted:
+        wanted = [*known, *(name for name in wanted if VARIANT in name)]
     for name in wanted or [text]:
-        if name not in known:
-            raise _unknown(name, [*known, "all"])
+        if split(name)[0] not in known:
+            raise _unknown(split(name)[0], [*known, "all"])
+        if VARIANT in name:
+            get(name)
     return list(dict.fromkeys(wanted))
 
 

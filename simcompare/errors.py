@@ -74,6 +74,21 @@ class UnknownName(SimcompareError):
         super().__init__(f"no {kind} is called {name!r}; {hint}")
 
 
+class UnknownVariant(UnknownName):
+    """An engine has no variant of that name.
+
+    Args:
+        engine: name of the engine.
+        name: the name that was given.
+        known: the variants that it has.
+    """
+
+    def __init__(self, engine: str, name: str, known: Iterable[str]) -> None:
+        super().__init__(f"variant of {engine}", name, known)
+        cure = f"it has {', '.join(self.known)}" if self.known else "it has none; leave it out"
+        self.args = (f"{engine} has no variant {name!r}; {cure}",)
+
+
 class SignalLacking(UnknownName):
     """A source cannot give a signal; what needs it stays without a value.
 

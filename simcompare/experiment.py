@@ -7,37 +7,29 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from simcompare import ablation, catalogue, engines, levels, measures, run_record, units
+from simcompare import ablation, catalogue, engines, levels, measures, run_record
 from simcompare.against import Match, matches
 from simcompare.assist import ALL, NONE
 from simcompare.compare import Repeat, Score, scores_of
-from simcompare.engine.drives import input_values
 from simcompare.engine.helps import known
-from simcompare.engine.sensing import complete
-from simcompare.engine.simulation import sample_times
 from simcompare.errors import InputError, OutputError, SimcompareError
 from simcompare.jobs import FAILED, OK, Job, Outcome
+from simcompare.repeats import AtStep, at_steps, sample_steps_s
 from simcompare.results import TRUTH, Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Interrupted, Progress, run_jobs
-from simcompare.scenario import MOST_SAMPLES, Scenario
+from simcompare.scenario import Scenario
 from simcompare.settings import (
     ASSISTED,
     CONTACT_LEVELS,
     DEFAULT,
     TUNED,
-    DropPlan,
     Settings,
 )
-from simcompare.trajectory import Trajectory
-from simcompare.tuning.plan import drop_plans
 
 if TYPE_CHECKING:
     from simcompare.fitting.fit_file import FitFile
     from simcompare.hardware.logs.bounce_table import BounceTable
     from simcompare.scenario_file import ScenarioFile
-
-#: samples below which a run shows nothing
-LEAST_SAMPLES = 100
 
 
 def run(
@@ -49,7 +41,7 @@ def run(
     judge: str | Sequence[str] = ASSISTED,
     set: Mapping[str, str | float] | None = None,
     preset: str | None = None,
-    step: str | float | None = None,
+    step: str | float | Sequence[str | float] | None = None,
     seeds: int | None = None,
     against: str | Path | None = None,
     out: str | Path | None = None,
@@ -60,7 +52,7 @@ def run(
 
     Args:
         scenario: name, folder or file.
-        engine: ``"all"`` or names with commas.
+        engine: ``"all"`` or names with commas; "mujoco:rk4" is an engine's variant.
         contact: contact levels, a list or a text with commas; also the fit.json of a fit, with
             which each engine runs with its own fitted parameters.
         assist: our helps in "assisted": "all", "none" or names (see ``simcompare.engine.helps``).
@@ -68,7 +60,8 @@ def run(
             always is.
         set: parameters that differ from the file; text may carry a unit ("30cm").
         preset: named set of parameters, applied first.
-        step: the engine's step, "1ms" or in seconds; samples may be coarser.
+        step: the engine's step, "1ms" or in seconds; samples may be coarser. Of several, as a list
+            or a text with commas, each makes a source of its own, such as "pymunk@2ms".
         seeds: number of dithered repeats; the scenario's own where ``None``.
         against: table of measured bounces: a file or the name of a published one.
         out: folder in which the run's own folder is made; nothing is stored where ``None``.
@@ -91,37 +84,34 @@ def run(
     values = {**({} if fit is None else fit.base(file)), **file.read_settings(set or {})}
     if table is not None:
         values, preset = with_conditions(file, table, values, preset)
-    step_s = None if fit is None else fit.usual_step_s
-    if step is not None:
-        step_s = sample_step_s(file, values, preset, step)
+    steps_s = sample_steps_s(file, values, preset, step)
     if seeds is not None and seeds < 1:
         raise InputError("--seeds", [f"{seeds} is not a number of repeats; expected 1 or more"])
     if seeds is not None and file.resolve(values, preset=preset).dither is None:
         raise InputError("--seeds", [f"{file.name} has nothing that is dithered between repeats"])
-    scenarios = repeats_of(file, values, preset, step_s, seeds)
-    truths = truths_of(file.path, scenarios)
+    usual_s = None if fit is None else fit.usual_step_s
+    steps = at_steps(file, values, preset, steps_s or [usual_s], seeds)
     if out is not None:
         check_writable(Path(out))
-    nominal = scenarios[len(scenarios) // 2]
-    drops = drop_plans(nominal)
     jobs = [
         job
         for name in chosen
         for mode in modes
-        for job in _jobs(file, name, mode, scenarios, (fit, helps, drops))
+        for at in steps
+        for job in _jobs(file, name, mode, at, (fit, helps))
     ]
     interrupted = False
     try:
         outcomes = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
     except Interrupted as stop:
         outcomes, interrupted = stop.outcomes, True
-    done = _gather(file, (scenarios, truths), outcomes, table)
+    done = _gather(file, steps, outcomes, table)
     done.record.update(
         engines_asked=engine,
         scenario_asked=scenario,
         against_asked=None if against is None else str(against),
         fit_asked=None if fit is None else str(fit.path),
-        cautions=[] if fit is None else fit.cautions(nominal, file, chosen),
+        cautions=[] if fit is None else _cautions(fit, file, steps, chosen),
         assist=None if helps is None else known(helps) or NONE,
         judge=judged,
         preset=preset,
@@ -133,41 +123,6 @@ def run(
     from simcompare import store
 
     return store.save(result, Path(out))
-
-
-def repeats_of(
-    file: ScenarioFile,
-    values: Mapping[str, float],
-    preset: str | None,
-    step_s: float | None,
-    count: int | None,
-) -> list[Scenario]:
-    """The scenario once for every dithered repeat, the nominal one at index n//2.
-
-    The dithered parameter takes the values p + (i - n//2)/n · span for i = 0 … n-1.
-
-    Raises:
-        InputError: values out of bounds, or a step so long that the spread leaves what makes sense.
-    """
-    nominal = file.resolve(values, preset=preset, step_s=step_s)
-    dither = nominal.dither
-    if dither is None:
-        return [nominal]
-    count = dither.count if count is None else count
-    centre = nominal.parameters[dither.parameter]
-    if dither.span >= 2 * centre and file.parameters[dither.parameter].min >= 0:
-        raise InputError(
-            "--step",
-            [
-                f"{nominal.world.step_s:g} s spreads {dither.parameter} by {dither.span:.3g}"
-                f" about {centre:.3g}, below 0; use a shorter step"
-            ],
-        )
-    offsets = [(i - count // 2) / count * dither.span for i in range(count)]
-    return [
-        file.vary(nominal, dither.parameter, centre + offset) if offset else nominal
-        for offset in offsets
-    ]
 
 
 def with_conditions(
@@ -211,59 +166,39 @@ def check_writable(folder: Path) -> None:
         ) from None
 
 
-def sample_step_s(
-    file: ScenarioFile, values: Mapping[str, float], preset: str | None, step: str | float
-) -> float:
-    """Time between samples for an engine's step; they are as much coarser as the scenario says.
-
-    Raises:
-        InputError: a step that makes no sense in the scenario; says which do.
-    """
-    own = file.resolve(values, preset=preset)
-    step_s = units.to_si(step, "s", "--step") * own.world.substeps
-    _check_step(own, step_s)
-    return step_s
-
-
-def _check_step(scenario: Scenario, step_s: float) -> None:
-    if step_s <= 0:
-        raise InputError("--step", [f"{step_s:g} s is not a time above 0"])
-    duration, parts = scenario.world.duration_s, scenario.world.substeps
-    shortest, longest = duration / MOST_SAMPLES, duration / LEAST_SAMPLES
-    if not shortest <= step_s <= longest:
-        raise InputError(
-            "--step",
-            [
-                f"{step_s / parts:g} s gives {duration / step_s:.3g} samples in {duration:.3g} s;"
-                f" use {shortest / parts:.2g} s to {longest / parts:.2g} s"
-            ],
-        )
+def _cautions(
+    fit: FitFile, file: ScenarioFile, steps: Sequence[AtStep], chosen: Sequence[str]
+) -> list[str]:
+    said = [sentence for at in steps for sentence in fit.cautions(at.nominal, file, chosen)]
+    return list(dict.fromkeys(said))
 
 
 def _jobs(
     file: ScenarioFile,
     engine: str,
     mode: str,
-    scenarios: Sequence[Scenario],
-    given: tuple[FitFile | None, frozenset[str] | None, tuple[DropPlan, ...]],
+    at: AtStep,
+    given: tuple[FitFile | None, frozenset[str] | None],
 ) -> list[Job]:
     """One job for each repeat; a fitted engine is given its own parameters.
 
     Assisted, the nominal repeat is run once more without each of the helps that act in it.
     """
-    fit, helps, drops = given
+    fit, helps = given
     if fit is None or mode in CONTACT_LEVELS:
-        settings = Settings(mode, helps=helps, drops=drops)
-        jobs = [Job(engine, scene, settings, i) for i, scene in enumerate(scenarios)]
+        settings = Settings(mode, helps=helps, drops=at.drops)
+        jobs = [
+            Job(engine, scene, settings, i, at=at.label) for i, scene in enumerate(at.scenarios)
+        ]
         if mode == ASSISTED:
-            jobs += ablation.jobs_of(engine, scenarios, settings)
+            jobs += ablation.jobs_of(engine, at, settings)
         return jobs
     found = []
-    fitted = fit.settings(engine, scenarios[len(scenarios) // 2])
-    for i, scene in enumerate(scenarios):
+    fitted = fit.settings(engine, at.nominal)
+    for i, scene in enumerate(at.scenarios):
         for name, value in (fit.of_engine(engine, file) or {}).items():
             scene = file.vary(scene, name, value)
-        found.append(Job(engine, scene, fitted, i, mode))
+        found.append(Job(engine, scene, fitted, i, mode, at=at.label))
     return found
 
 
@@ -294,24 +229,27 @@ class _Gathered:
 
 def _gather(
     file: ScenarioFile,
-    planned: tuple[Sequence[Scenario], Sequence[Trajectory | None]],
+    steps: Sequence[AtStep],
     outcomes: Sequence[Outcome],
     table: BounceTable | None,
 ) -> _Gathered:
-    scenarios, truths = planned
     scores: list[Score] = []
     trajectories: list[Stored] = []
     sources = []
+    at_label = {at.label: at for at in steps}
     by_source: dict[tuple[str, str], list[Outcome]] = {}
     for outcome in outcomes:
         if not outcome.job.without:
-            by_source.setdefault((outcome.job.engine, outcome.job.mode), []).append(outcome)
-    for (engine, mode), own in by_source.items():
+            by_source.setdefault((outcome.job.source, outcome.job.mode), []).append(outcome)
+    for (source, mode), own in by_source.items():
+        at = at_label[own[0].job.at]
         good = [outcome for outcome in own if outcome.status == OK]
-        record = run_record.of_source(engine, mode, own)
+        record = run_record.of_source(source, mode, own)
+        if at.label:
+            record |= run_record.of_step(own[0].job.engine, at)
         if len(good) == len(own):
             repeats = [
-                Repeat(scenarios[o.job.repeat], o.trajectory, truths[o.job.repeat])
+                Repeat(at.scenarios[o.job.repeat], o.trajectory, at.truths[o.job.repeat])
                 for o in own
                 if o.trajectory is not None
             ]
@@ -320,46 +258,20 @@ def _gather(
             except SimcompareError as error:  # this source lacks a signal; the others have it
                 record.update(status=FAILED, reason=str(error))
         trajectories += [
-            Stored(engine, mode, o.job.repeat, o.trajectory) for o in good if o.trajectory
+            Stored(source, mode, o.job.repeat, o.trajectory) for o in good if o.trajectory
         ]
         sources.append(record)
-    trajectories += [Stored(TRUTH, "", i, true) for i, true in enumerate(truths) if true]
+    finest = min(steps, key=lambda at: at.nominal.world.engine_step_s)
+    for at in (finest, *(at for at in steps if at is not finest)):
+        name = TRUTH if at is finest else f"{TRUTH}{at.label}"
+        trajectories += [Stored(name, "", i, true) for i, true in enumerate(at.truths) if true]
     found: list[Match] = []
     if table is not None:
-        found = matches(table, scores, _measured_units(scenarios[0]))
-    truth = TRUTH if any(truths) else None
-    record = run_record.of_run(file, scenarios, truth, sources, scores)
-    record["without"] = ablation.results_of(scenarios, truths, outcomes)
+        found = matches(table, scores, _measured_units(finest.nominal))
+    truth = TRUTH if any(finest.truths) else None
+    record = run_record.of_run(file, finest.scenarios, truth, sources, scores)
+    if len(steps) > 1:
+        record["steps"] = [run_record.of_scenario_at(at) for at in steps]
+    record["without"] = [row for at in steps for row in ablation.results_of(at, outcomes)]
     record["against"] = run_record.of_measurement(file, table, found) if table is not None else None
     return _Gathered(record, scores, trajectories)
-
-
-def truths_of(path: Path, scenarios: Sequence[Scenario]) -> list[Trajectory | None]:
-    """The truth of every repeat, ``None`` where the scenario has no reference.
-
-    Raises:
-        InputError: the reference fails or returns what cannot be a truth.
-    """
-    reference = catalogue.reference_of(path)
-    if reference is None:
-        return [None] * len(scenarios)
-    try:
-        return [_truth(reference, scenario) for scenario in scenarios]
-    except InputError:  # it refuses these parameters, and says why
-        raise
-    # a user's own code may raise anything, also SystemExit
-    except (Exception, SystemExit) as error:
-        where = str(path.with_name("reference.py"))
-        message = f"reference() failed: {type(error).__name__}: {error}"
-        raise InputError(where, [message]) from error
-
-
-def _truth(reference: catalogue.Reference, scenario: Scenario) -> Trajectory:
-    times = sample_times(scenario)
-    signals = dict(reference(scenario.parameters, times, scenario.inputs))
-    complete(scenario, times, signals, input_values(scenario, times))
-    truth = Trajectory(TRUTH, times, signals)
-    for measure in scenario.measures:
-        for probe in (measure.probe, *measure.also.values()):
-            measures.observe(truth, scenario.probes[probe])
-    return truth

@@ -36,6 +36,7 @@ class Job:
         repeat: index of the dithered repeat.
         label: level under which the result is shown, where it is not that of the settings.
         without: one of our helps that is left out to show its part.
+        at: what its step adds to the engine's name, where a run has several steps.
     """
 
     engine: str
@@ -44,6 +45,12 @@ class Job:
     repeat: int = 0
     label: str = ""
     without: str = ""
+    at: str = ""
+
+    @property
+    def source(self) -> str:
+        """Name under which the result is shown."""
+        return f"{self.engine}{self.at}"
 
     @property
     def mode(self) -> str:
@@ -121,6 +128,7 @@ class Facts:
         mapping: how the scenario's contact is translated.
         known_limits: text and reference of each.
         helps: which of our helps it can take.
+        variants: name, text and reference of each.
     """
 
     version: str | None = None
@@ -128,6 +136,7 @@ class Facts:
     mapping: str = ""
     known_limits: tuple[tuple[str, str], ...] = ()
     helps: tuple[str, ...] = ()
+    variants: tuple[tuple[str, str, str], ...] = ()
 
     def limits_as_dicts(self) -> list[dict[str, str]]:
         """The known limits for JSON."""
@@ -214,11 +223,15 @@ def facts_of(backend: Backend) -> Facts:
         str(backend.mapping),
         tuple((str(limit.text), str(limit.reference)) for limit in backend.known_limits),
         tuple(name for name in HELPS if name in getattr(backend, "helps", ())),
+        tuple(
+            (str(name), str(variant.text), str(variant.reference))
+            for name, variant in getattr(backend, "variants", {}).items()
+        ),
     )
 
 
 def _checked(job: Job, trajectory: Trajectory) -> Trajectory:
-    """The trajectory under the engine's own name, if the backend kept the contract.
+    """The trajectory under the name of its source, if the backend kept the contract.
 
     Raises:
         EngineBroken: it did not; one sentence says where.
@@ -234,7 +247,7 @@ def _checked(job: Job, trajectory: Trajectory) -> Trajectory:
         raise EngineBroken(
             f"{job.engine} returned times or an audit with values that are no numbers"
         )
-    named = replace(trajectory, source=job.engine, contact=job.mode, wall_s=wall)
+    named = replace(trajectory, source=job.source, contact=job.mode, wall_s=wall)
     named.to_columns()
     if not named.audit:
         note = "this backend read nothing back: whether the engine took what was set is not known"

@@ -43,6 +43,7 @@ from simcompare.engine.speeds import fastest_turn_rad_s
 from simcompare.engine.state import BodyState
 from simcompare.engine.sweeps import Row, row_of, sweeps_for
 from simcompare.engine.turns import Turns
+from simcompare.engine.variants import Variant
 from simcompare.errors import EngineBroken, SimulationDiverged, Unsupported
 from simcompare.rotations import matrix_of, xyzw
 from simcompare.scenario import Scenario
@@ -68,8 +69,8 @@ __all__ = [
     "PlanarJoint", "PlanarMotion", "PlanarSimulation", "PlanarSlider", "PlanarWeld", "Point",
     "Program", "ReducedSimulation", "Rims", "Row", "Rule", "Scenario", "Scene", "SceneJoint",
     "Shape", "SharedLibrary", "SimulationDiverged", "SpatialSimulation", "Table", "Traits", "Turns",
-    "Unsupported", "Vector", "angle_of", "combined", "direction", "dot", "fastest_turn_rad_s",
-    "matrix_of", "minus", "mobility", "multiplied", "planar", "plus", "row_of",
-    "sizes_m", "sweeps_for", "times", "trees", "turned_back", "turned_by", "unreadable",
+    "Unsupported", "Variant", "Vector", "angle_of", "combined", "direction", "dot",
+    "fastest_turn_rad_s", "matrix_of", "minus", "mobility", "multiplied", "planar", "plus",
+    "row_of", "sizes_m", "sweeps_for", "times", "trees", "turned_back", "turned_by", "unreadable",
     "untouching_pairs", "x_turned_to", "xyzw",
 ]  # fmt: skip

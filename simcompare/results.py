@@ -13,6 +13,8 @@ from simcompare.trajectory import Trajectory
 
 #: source of the true trajectory
 TRUTH = "closed form"
+#: what stands between the name of an engine and its step, in the name of a source
+AT = "@"
 #: version of what run.json holds
 FORMAT = 1
 
@@ -54,7 +56,7 @@ class Run:
         or value at which none of those asked for can do what is asked is the user's to change: 2.
         """
         statuses = {source["status"] for source in self.record["sources"]}
-        named = self.record["engines_asked"] != "all"
+        named = "all" not in [name.strip() for name in self.record["engines_asked"].split(",")]
         if statuses == {UNSUPPORTED} and any(
             source.get("out_of_reach") for source in self.record["sources"]
         ):

@@ -17,6 +17,7 @@ from simcompare.against import Match
 from simcompare.compare import Score
 from simcompare.engine.library import installed_version
 from simcompare.jobs import OK, Outcome
+from simcompare.repeats import AtStep
 from simcompare.results import FORMAT
 from simcompare.scenario import Scenario
 from simcompare.settings import Settings
@@ -26,15 +27,15 @@ if TYPE_CHECKING:
     from simcompare.scenario_file import ScenarioFile
 
 
-def of_source(engine: str, mode: str, outcomes: Sequence[Outcome]) -> dict[str, Any]:
-    """What run.json says of one engine in one contact level."""
+def of_source(name: str, mode: str, outcomes: Sequence[Outcome]) -> dict[str, Any]:
+    """What run.json says of one source in one contact level."""
     bad = [outcome for outcome in outcomes if outcome.status != OK]
     done = [outcome.trajectory for outcome in outcomes if outcome.trajectory is not None]
     nominal = done[len(done) // 2] if done else None
     walls = [trajectory.wall_s for trajectory in done]
     facts = outcomes[0].facts
     return {
-        "name": engine,
+        "name": name,
         "version": facts.version,
         "contact": mode,
         "status": bad[0].status if bad else OK,
@@ -58,6 +59,23 @@ def of_source(engine: str, mode: str, outcomes: Sequence[Outcome]) -> dict[str, 
         "audit": [vars(row) for row in nominal.audit] if nominal else [],
         "mapping": facts.mapping,
         "known_limits": facts.limits_as_dicts(),
+    }
+
+
+def of_step(engine: str, at: AtStep) -> dict[str, Any]:
+    """What run.json says more of a source where a run has several steps."""
+    return {"engine": engine, "engine_step_s": at.nominal.world.engine_step_s}
+
+
+def of_scenario_at(at: AtStep) -> dict[str, Any]:
+    """What of the scenario depends on the step, where a run has several of them."""
+    dumped = at.nominal.model_dump(mode="json")
+    return {
+        "at": at.label,
+        "engine_step_s": at.nominal.world.engine_step_s,
+        "step_s": at.nominal.world.step_s,
+        "dither": dumped["dither"],
+        "tolerances": dumped["tolerances"],
     }
 
 

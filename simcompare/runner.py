@@ -158,8 +158,7 @@ def run_jobs(
         InputError: a time limit that is none.
         Interrupted: on Ctrl-C, with the outcomes so far; no process is left behind.
     """
-    if not time_limit_s > 0:
-        raise InputError("--time-limit", [f"{time_limit_s:g} s is not a time above 0"])
+    check_time_limit(time_limit_s)
     by_engine: dict[str, list[Job | Inquiry]] = {}
     for job in (ordered := list(jobs)):
         by_engine.setdefault(job.engine, []).append(job)
@@ -173,6 +172,12 @@ def run_jobs(
     finally:
         crew.stop()
     return _collect(by_engine, ordered, results)
+
+
+def check_time_limit(time_limit_s: float) -> None:
+    """Raises ``InputError`` for a time limit that is none."""
+    if not time_limit_s > 0:
+        raise InputError("--time-limit", [f"{time_limit_s:g} s is not a time above 0"])
 
 
 class _Crew:

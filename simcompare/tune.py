@@ -7,10 +7,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from simcompare import catalogue, engines, experiment, units
+from simcompare import catalogue, engines, units
 from simcompare.engine.backend import Backend
 from simcompare.errors import EngineBroken, EngineMissing, InputError
 from simcompare.jobs import OK, UNSUPPORTED, Answer, Inquiry
+from simcompare.repeats import sample_step_s
 from simcompare.runner import TIME_LIMIT_S, Progress, run_jobs
 from simcompare.settings import COEFFICIENT, COEFFICIENTS, SPRING, TUNED
 from simcompare.tuning.asking import Ask, read
@@ -220,7 +221,7 @@ def _of_scenario(
     """A request for each restitution of a scenario, with its pairs and notes."""
     file = catalogue.load(scenario)
     values = file.read_settings(settings)
-    step_s = None if step is None else experiment.sample_step_s(file, values, preset, step)
+    step_s = None if step is None else sample_step_s(file, values, preset, step)
     plans = drop_plans(file.resolve(values, preset=preset, step_s=step_s))
     if not plans:
         raise InputError(scenario, ["nothing in it has a restitution above 0, so nothing is tuned"])

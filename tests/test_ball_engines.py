@@ -6,7 +6,7 @@ import pytest
 from simcompare import catalogue, engines
 from simcompare.compare import Repeat, scores_of
 from simcompare.engine.simulation import sample_times
-from simcompare.experiment import repeats_of
+from simcompare.repeats import repeats_of
 from simcompare.scenarios.ball.reference import reference
 from simcompare.settings import Settings
 from simcompare.trajectory import Trajectory

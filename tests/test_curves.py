@@ -7,6 +7,7 @@ import pytest
 
 from simcompare.compare import Score
 from simcompare.reports import curves, plotly_, scored
+from simcompare.reports.figures import style_of
 from simcompare.reports.sections.curves import Curves
 from simcompare.reports.sections.headline import Headline
 from simcompare.results import Run
@@ -79,7 +80,7 @@ def test_the_legend_shows_an_engine_as_it_is_with_the_physics_mapped():
     traces = plotly_.as_dict(figure)["data"]
     shown = [trace for trace in traces if trace["showlegend"]]
     assert [trace["name"] for trace in shown] == ["truth (closed form)", "north"]
-    assert shown[1]["marker"]["symbol"] == curves.style_of("north").marker
+    assert shown[1]["marker"]["symbol"] == style_of("north").marker
 
 
 def test_default_is_hollow_and_below_mapped():

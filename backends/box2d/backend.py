@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from simcompare.backends.box2d.simulation import Box2dSimulation
+from simcompare.backends.box2d.variants import VARIANTS
 from simcompare.kit import (
     CENTRED_EFFORTS,
     HALF_STEP_START,
@@ -32,6 +33,7 @@ class Box2dBackend(EngineBackend):
     }  # fmt: skip
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL})
     typed_as = "restitution"
+    variants = VARIANTS
     known_limits = (
         KnownLimit(
             "Two-dimensional: it runs scenarios whose motion stays in the x-z plane.",

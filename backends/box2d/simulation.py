@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from simcompare.backends.box2d.variants import VARIANTS
 from simcompare.backends.box2d.world import JOINT_HZ, MADE_WITH, SET_AFTER, build, rotation
 from simcompare.kit import (
     TUNED,
@@ -37,6 +38,8 @@ class Box2dSimulation(PlanarSimulation):
         step_s, is_tuned = scene.scenario.world.engine_step_s, scene.gives(TUNED)
         turns = math.ceil(fastest_turn_rad_s(scene.scenario) * step_s / MOST_TURN_RAD)
         self.inner_steps = max(LEAST_SUBSTEPS, turns) if is_tuned else USUAL_SUBSTEPS
+        if scene.variant:
+            self.inner_steps = VARIANTS[scene.variant].value
         # as the engine limits its own springs
         self._hertz = min(JOINT_HZ, 0.25 * self.inner_steps / step_s) if is_tuned else 0.0
         super().__init__(scene)

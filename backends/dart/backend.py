@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from simcompare.backends.dart.simulation import DartSimulation
+from simcompare.backends.dart.variants import VARIANTS
 from simcompare.kit import (
     CENTRED_EFFORTS,
     HALF_STEP_START,
@@ -36,6 +37,7 @@ class DartBackend(EngineBackend):
     snippet = """world.setTimeStep({step_s!r})
 ball_shape.getDynamicsAspect().setRestitutionCoeff({0!r})
 floor_shape.getDynamicsAspect().setRestitutionCoeff(1.0)  # DART multiplies the two"""
+    variants = VARIANTS
     known_limits = (
         KnownLimit(
             "Restitution is 0 by default, on the body and on the floor; both must be set.",

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from simcompare.backends.dart.world import FRICTION_TOLERANCE, build, touches_at_points
+from simcompare.backends.dart.variants import DETECTOR, SOLVER
+from simcompare.backends.dart.world import FRICTION_TOLERANCE, build, parts_of
 from simcompare.kit import (
     TUNED,
     Audit,
@@ -184,12 +185,17 @@ class DartSimulation(ReducedSimulation):
         sleeps = self._world.getDeactivationOptions().mEnabled
         values: tuple[float | None, float] = (0 if is_tuned else None, sleeps)
         audit.add("sleep", None, "deactivation", values, "1", "what rests falls asleep")
-        if is_tuned:
-            values = (1, solver.getCollisionDetector().getType() == "ode")
-            audit.add("contact", None, "OdeCollisionDetector", values, "1", "1 means used")
-        if is_tuned and touches_at_points(self.scene):
-            values = (FRICTION_TOLERANCE, solver.getBoxedLcpSolver().getOptions().tolerance)
+        parts, lcp = parts_of(self.scene), solver.getBoxedLcpSolver()
+        if DETECTOR in parts:
+            held = f"{solver.getCollisionDetector().getType()}CollisionDetector"
+            values = (1, held.lower() == parts[DETECTOR].lower())
+            audit.add("contact", None, parts[DETECTOR], values, "1", "1 means used")
+        if parts.get(SOLVER) == "NsgsFrictionSolver":
+            values = (FRICTION_TOLERANCE, lcp.getOptions().tolerance)
             audit.add("friction solver", None, "NsgsFrictionSolver.tolerance", values, "1")
+        elif SOLVER in parts:
+            values = (1, type(lcp).__name__ == parts[SOLVER])
+            audit.add("contact solver", None, parts[SOLVER], values, "1", "1 means used")
         for name in self._joints:
             for part, values in self._passive(name).items():
                 if values[0] != getattr(self.scene.joints[name].law, part):

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from simcompare.backends.dart.variants import DETECTOR, SOLVER, VARIANTS
 from simcompare.kit import COEFFICIENTS, TUNED, Array, Scene, SceneJoint, matrix_of
 
 #: relative violation of Coulomb's cone at which its solver stops
@@ -43,8 +44,8 @@ def build(dart: Any, scene: Scene) -> World:
     built = World(dart.simulation.World())
     built.world.setGravity(scene.scenario.world.gravity_m_s2)
     built.world.setTimeStep(scene.scenario.world.engine_step_s)
-    if scene.gives(TUNED):  # before there are shapes, which the default detector would not know
-        _set_world(dart, built.world, scene)
+    # before there are shapes, which the default detector would not know
+    _set_world(dart, built.world, scene)
     for name in scene.roots:
         _add_root(dart, built, scene, name)
     for joint in scene.joints.values():
@@ -57,18 +58,32 @@ def build(dart: Any, scene: Scene) -> World:
     return built
 
 
+def parts_of(scene: Scene) -> dict[str, str]:
+    """Classes that take the place of DART's own: those of tuned, and the variant's."""
+    found = {DETECTOR: "OdeCollisionDetector"} if scene.gives(TUNED) else {}
+    if scene.gives(TUNED) and touches_at_points(scene):
+        # Coulomb's cone by a nonsmooth Gauss-Seidel solver, which lets contacts along a line slip
+        found[SOLVER] = "NsgsFrictionSolver"
+    return found | dict([VARIANTS[scene.variant].value] if scene.variant else ())
+
+
 def _set_world(dart: Any, world: Any, scene: Scene) -> None:
-    solver = world.getConstraintSolver()
-    solver.setCollisionDetector(dart.collision.OdeCollisionDetector())
+    solver, parts = world.getConstraintSolver(), parts_of(scene)
+    if DETECTOR in parts:
+        solver.setCollisionDetector(getattr(dart.collision, parts[DETECTOR])())
+    if scene.gives(TUNED):
+        _keep_awake(world)
+    if parts.get(SOLVER) == "NsgsFrictionSolver":
+        friction = dart.constraint.NsgsFrictionSolver.Options()
+        friction.tolerance, friction.maxSweeps = FRICTION_TOLERANCE, 100
+        solver.setBoxedLcpSolver(dart.constraint.NsgsFrictionSolver(friction))
+
+
+def _keep_awake(world: Any) -> None:
     # what sleeps is frozen, and its time at rest is not part of any state
     options = world.getDeactivationOptions()
     options.mEnabled = False
     world.setDeactivationOptions(options)
-    if touches_at_points(scene):
-        # Coulomb's cone by a nonsmooth Gauss-Seidel solver, which lets contacts along a line slip
-        friction = dart.constraint.NsgsFrictionSolver.Options()
-        friction.tolerance, friction.maxSweeps = FRICTION_TOLERANCE, 100
-        solver.setBoxedLcpSolver(dart.constraint.NsgsFrictionSolver(friction))
 
 
 def _add_root(dart: Any, built: World, scene: Scene, name: str) -> None:

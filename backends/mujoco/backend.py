@@ -7,6 +7,7 @@ from typing import Any
 
 from simcompare.backends.mujoco.mjcf import SOLIMP
 from simcompare.backends.mujoco.simulation import MujocoSimulation
+from simcompare.backends.mujoco.variants import VARIANTS
 from simcompare.kit import (
     CENTRED_EFFORTS,
     HALF_STEP_START,
@@ -40,6 +41,7 @@ class MujocoBackend(EngineBackend):
 <contact>
   <pair geom1="ball" geom2="floor" solref="{{0!r}} {{1!r}}" solimp="{" ".join(map(str, SOLIMP))}"/>
 </contact>"""
+    variants = VARIANTS
     known_limits = (
         KnownLimit(
             "There is no coefficient of restitution: a contact is a spring and damper, and the"

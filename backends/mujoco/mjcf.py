@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 from xml.etree import ElementTree as ET
 
+from simcompare.backends.mujoco.variants import ELLIPTIC, VARIANTS, Choice
 from simcompare.kit import TUNED, Pair, Scene, SceneJoint, Shape, sizes_m
 
 #: impedance, alike at every depth; at 1 accelerations would be exactly those of spring and damper
@@ -28,8 +29,8 @@ def mjcf(scene: Scene) -> str:
         root, "option", gravity=_text(world.gravity_m_s2), timestep=repr(world.engine_step_s),
         jacobian="dense",
     )  # fmt: skip
-    if scene.gives(TUNED):
-        option.set("cone", "elliptic")
+    for choice in choices_of(scene).values():
+        option.set(choice.option, choice.word)
     # by default MuJoCo starts anew when numbers run away, as if nothing had happened
     ET.SubElement(option, "flag", autoreset="disable")
     _add_bodies(ET.SubElement(root, "worldbody"), scene)
@@ -41,6 +42,13 @@ def mjcf(scene: Scene) -> str:
     _add_actuators(ET.SubElement(root, "actuator"), scene)
     _add_sensors(ET.SubElement(root, "sensor"), scene)
     return ET.tostring(root, encoding="unicode")
+
+
+def choices_of(scene: Scene) -> dict[str, Choice]:
+    """What is chosen in ``<option>`` by what it is called: that of tuned, and the variant's."""
+    found = [ELLIPTIC] if scene.gives(TUNED) else []
+    found += [VARIANTS[scene.variant].value] if scene.variant else []
+    return {choice.option: choice for choice in found}
 
 
 def _add_bodies(worldbody: ET.Element, scene: Scene) -> None:

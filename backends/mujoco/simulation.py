@@ -10,6 +10,7 @@ import numpy as np
 
 from simcompare.backends.mujoco.mjcf import (
     JOINT_FRICTION,
+    choices_of,
     geom_name,
     mjcf,
     pair_names,
@@ -208,11 +209,12 @@ class MujocoSimulation(ReducedSimulation):
 
     def own_parameters(self, audit: Audit) -> None:
         scene, model = self.scene, self._model
+        for name, choice in choices_of(scene).items():
+            values, note = (choice.number, getattr(model.opt, name)), choice.enum
+            of = "contact" if name == "cone" else "step"
+            audit.add(of, None, f"opt.{name}", values, "1", f"{choice.word} ({note})")
         if not scene.gives(TUNED):
             return
-        audit.add(
-            "contact", None, "opt.cone", (1, model.opt.cone), "1", "elliptic (mjCONE_ELLIPTIC)"
-        )
         for name in [name for name, joint in scene.joints.items() if joint.own.friction]:
             dof = model.joint(name).dofadr[0]
             for parameter, held, units in (

@@ -7,6 +7,7 @@ from typing import Any
 
 from simcompare.backends.ode.declarations import DECLARATIONS
 from simcompare.backends.ode.simulation import OdeSimulation
+from simcompare.backends.ode.variants import VARIANTS
 from simcompare.kit import (
     CENTRED_EFFORTS,
     HALF_STEP_START,
@@ -33,6 +34,7 @@ class OdeBackend(EngineBackend):
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL})
     typed_as = "bounce"
+    variants = VARIANTS
     known_limits = (
         KnownLimit(
             "Who calls ODE must say how every contact behaves. With no more than must be said, mode"

@@ -40,6 +40,8 @@ dReal dWorldGetCFM(dWorldID);
 void dWorldSetContactMaxCorrectingVel(dWorldID, dReal);
 dReal dWorldGetContactMaxCorrectingVel(dWorldID);
 int dWorldStep(dWorldID, dReal step);
+int dWorldQuickStep(dWorldID, dReal step);
+void dRandSetSeed(unsigned long);
 dBodyID dBodyCreate(dWorldID);
 void dBodySetMass(dBodyID, const dMass *);
 void dBodyGetMass(dBodyID, dMass *);

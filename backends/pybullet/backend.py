@@ -6,6 +6,7 @@ import sys
 from typing import Any
 
 from simcompare.backends.pybullet.simulation import PybulletSimulation
+from simcompare.backends.pybullet.variants import VARIANTS
 from simcompare.kit import (
     HELPS,
     JOINTS_AND_FORCES,
@@ -44,6 +45,7 @@ class PybulletBackend(EngineBackend):
     )
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     helps = frozenset(HELPS)
+    variants = VARIANTS
     script_module = "simcompare.backends.pybullet.script"
     typed_as = "restitution"
     snippet = """pybullet.setTimeStep({step_s!r})

@@ -217,4 +217,7 @@ class PybulletSimulation(ReducedSimulation):
                 audit.add_without_getter(f"{name}.friction", motor, is_given=given, stated=0.0)
         bouncing = _SET_BOUNCING if self.scene.contacts.bounces else {}
         gap = {"contactProcessingThreshold": (self.scene.contact_gap_m, None)}
-        audit.add_without_getter("contact", _SET | bouncing | gap, is_given=is_tuned)
+        own = {k: (v, None) for part in self.built.recipe for k, v in part.items()}
+        other = {k: v for k, v in (_SET | bouncing | gap).items() if k not in own}
+        audit.add_without_getter("contact", other, is_given=is_tuned)
+        audit.add_without_getter("contact", own, is_given=True)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any
 
+from simcompare.backends.pybullet.variants import VARIANTS, Recipe
 from simcompare.kit import (
     TUNED,
     EngineBroken,
@@ -70,6 +71,7 @@ class World:
         joints: place of every joint, which is that of its child.
         coefficients: what is given of restitution and friction, per body.
         touching: pairs that may touch.
+        recipe: what the variant sets besides, or in place of that.
         is_iterated: whether the solver sweeps until nothing changes: with joints, and where forces
             are read.
     """
@@ -82,6 +84,7 @@ class World:
             "restitution": scene.contacts.restitution_per_body("product", scene.engine),
             "lateralFriction": scene.contacts.friction_per_body("product", scene.engine),
         }
+        self.recipe: Recipe = VARIANTS[scene.variant].value if scene.variant else Recipe({}, {})
         self.is_iterated = bool(scene.joints or self.scenario.sensed_pairs())
         self._set_world()
         for root, joints in trees(self.scenario).items():
@@ -107,6 +110,8 @@ class World:
                     globalCFM=scene.contact_softness,
                 )  # fmt: skip
             bullet.setPhysicsEngineParameter(contactSlop=0, restitutionVelocityThreshold=0)
+        if self.recipe.world:
+            bullet.setPhysicsEngineParameter(**self.recipe.world)
 
     def _add_tree(self, members: Sequence[str], joints: Sequence[str]) -> None:
         """One articulated body: a base and, in its order, the child of each joint."""
@@ -168,6 +173,8 @@ class World:
             )  # fmt: skip
             # by itself: together with the friction it has been seen to leave that at its default
             bullet.changeDynamics(*place, maxJointVelocity=MOST_SPEED)
+        if self.recipe.bodies:
+            bullet.changeDynamics(*place, **self.recipe.bodies)
 
     def _set_joint(self, name: str) -> None:
         """Start, friction and sensor of a joint; by default PyBullet brakes it with a motor."""

@@ -6,6 +6,7 @@ from typing import Any
 
 from simcompare.backends.pymunk.simulation import PymunkSimulation
 from simcompare.backends.pymunk.space import SLOP_M
+from simcompare.backends.pymunk.variants import VARIANTS
 from simcompare.kit import (
     CENTRED_EFFORTS,
     HALF_STEP_START,
@@ -45,6 +46,7 @@ class PymunkBackend(EngineBackend):
     snippet = f"""space.collision_slop = {SLOP_M}
 ball_shape.elasticity, floor_shape.elasticity = {{0!r}}, 1.0  # Chipmunk multiplies the two
 space.step({{step_s!r}})  # in every step"""
+    variants = VARIANTS
     known_limits = (
         KnownLimit(
             "Two-dimensional: it runs scenarios whose motion stays in the x-z plane.",

@@ -170,7 +170,7 @@ class PymunkSimulation(PlanarSimulation):
         slop = (SLOP_M if is_tuned else None, space.collision_slop)
         audit.add("contact", None, "Space.collision_slop", slop, "m", note)
         audit.add("damping", None, "Space.damping", (1.0, space.damping), "1", "1 means none")
-        if self.linkages:
+        if self.linkages or self.scene.variant:
             sweeps = (self.built.sweeps, space.iterations)
             audit.add(
                 "joints", None, "Space.iterations", sweeps, "1", "sweeps over all constraints"

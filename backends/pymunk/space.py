@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from simcompare.backends.pymunk.joints import constraints_of, rows_of
+from simcompare.backends.pymunk.variants import VARIANTS
 from simcompare.kit import (
     COEFFICIENTS,
     TUNED,
@@ -67,9 +68,12 @@ def build(pymunk: Any, scene: Scene, joints: Mapping[str, PlanarJoint]) -> Space
         parent, child = built.bodies[joint.parent], built.bodies[joint.child]
         built.constraints[name] = constraints_of(pymunk, joint, parent, child, exact=is_tuned)
         built.space.add(*built.constraints[name])
-    if is_tuned and joints:
+    if scene.variant:
+        built.sweeps = VARIANTS[scene.variant].value
+    elif is_tuned and joints:
         rows = [rows_of(constraint) for constraint in built.space.constraints]
         built.sweeps = sweeps_for(scene.engine, scene.scenario, built.bodies, rows)
+    if built.sweeps is not None:
         built.space.iterations = built.sweeps
     return built
 

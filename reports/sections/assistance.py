@@ -86,7 +86,7 @@ def _largest(
         for item in items
         if item["status"] == OK
         for row in item["measures"]
-        if (share := _share(run, row)) is not None
+        if (share := _share(run, item["source"], row)) is not None
     ]
     leading = [c for c in found if lead and c[2]["measure"] == lead.measure and c[0] > _LEADS]
     return max(leading or found, key=lambda change: change[0], default=(0.0, "", None))
@@ -96,8 +96,8 @@ def _largest(
 _LEADS = 0.1
 
 
-def _share(run: Run, row: Mapping[str, Any]) -> float | None:
-    tolerance = run.record["tolerances"].get(row["measure"])
+def _share(run: Run, source: str, row: Mapping[str, Any]) -> float | None:
+    tolerance = runs.tolerances(run, source).get(row["measure"])
     if tolerance is None or None in (row["with"], row["without"], row["truth"]):
         return None
     return float(abs(row["with"] - row["without"]) / Tolerance(**tolerance).width(row["truth"]))

@@ -41,13 +41,15 @@ def _group(run: Run, measure: str) -> dict[str, Any]:
     found = [s for s in run.scores if s.measure == measure and s.index is None]
     first = found[0]
     tolerance = run.record["tolerances"].get(measure)
-    accepted = runs.width(run, first)
+    # at other steps there may be other tolerances
+    widths = [runs.width(run, score) for score in (found if runs.steps(run) else [first])]
+    accepted = dict.fromkeys(numbers.plain(width, 3) for width in widths if width is not None)
     relative = tolerance.get("relative") if tolerance else None
     return {
         "title": runs.measure_words(measure),
         "unit": runs.unit_words(first.unit),
         "truth": None if first.truth is None else _truth(run, first),
-        "tolerance": None if accepted is None else numbers.plain(accepted, 3),
+        "tolerance": " or ".join(accepted) or None,
         "relative": None if relative is None else numbers.percent(relative),
         "reason": tolerance["reason"] if tolerance else None,
         "rows": [_row(run, name, measure) for name in runs.names(run) if _ran(run, name)],

@@ -39,7 +39,9 @@ def _dither(run: Run) -> str | None:
         return None
     name = str(dither["parameter"])
     unit = units.symbol(units.unit_of(name))
-    span = numbers.plain(dither["span"], 3) + ("" if unit == "1" else f" {unit}")
+    each = [step["dither"] for step in runs.steps(run)] or [dither]
+    spans = " or ".join(dict.fromkeys(numbers.plain(one["span"], 3) for one in each))
+    span = spans + ("" if unit == "1" else f" {unit}")
     return f"{name.removesuffix(units.suffix_of(name))}, spread over {span}. {dither['reason']}"
 
 
@@ -60,12 +62,17 @@ def _settings(run: Run) -> dict[str, str]:
         "made": str(record["created"]),
         "stored in": str(record["run"] or "was not stored"),
         "preset": str(record["preset"] or "none"),
-        "time between samples": f"{numbers.plain(record['step_s'])} s",
+        "time between samples": f"{_samples(run)} s",
         "simulated time": f"{numbers.plain(record['duration_s'], 4)} s",
         "repeats": str(record["repeats"]),
         "seed": str(record["seed"]),
         "truth": str(record["truth"] or "none"),
     }
+
+
+def _samples(run: Run) -> str:
+    each = [step["step_s"] for step in runs.steps(run)] or [run.record["step_s"]]
+    return " or ".join(dict.fromkeys(map(numbers.plain, each)))
 
 
 def _times(source: dict[str, Any]) -> dict[str, Any]:

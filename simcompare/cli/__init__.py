@@ -78,6 +78,7 @@ def _interrupt(*_: object) -> None:
 def main() -> None:
     """Entry point of the ``simcompare`` command."""
     from simcompare.cli import (
+        characterize,
         data,
         doctor,
         export,
@@ -98,6 +99,7 @@ def main() -> None:
     app.command("show")(show.show)
     app.command("doctor")(doctor.doctor)
     app.command("report")(report.report)
+    app.command("characterize")(characterize.characterize)
     app.command("export")(export.export)
     app.command("import")(import_.import_)
     app.command("fit")(fit.fit)

@@ -11,13 +11,17 @@ def scenarios(incomplete: str) -> list[str]:
 
 
 def engines(incomplete: str) -> list[str]:
-    """Names of engines, also as the next one of a list with commas."""
+    """Names of engines and of their variants, also as the next one of a list with commas."""
     from simcompare import engines as known
 
     before, comma, last = incomplete.rpartition(",")
     taken = before.split(",")
-    names = [name for name in known.names() if name not in taken]
-    if not comma:
+    names = known.names()
+    engine, colon, _ = last.partition(known.VARIANT)
+    if colon and engine in names:
+        names = [f"{engine}{colon}{one}" for one in known.quick_variants(engine)]
+    names = [name for name in names if name not in taken]
+    if not comma and not colon:
         names.append("all")
     return [f"{before}{comma}{name}" for name in names if name.startswith(last)]
 
@@ -33,3 +37,11 @@ def tables(incomplete: str) -> list[str]:
     from simcompare.hardware.logs import bounce_table
 
     return [name for name in bounce_table.facts() if name.startswith(incomplete)]
+
+
+def experiments(incomplete: str) -> list[str]:
+    """Experiments of a characterization, also as the next one of a list with commas."""
+    before, comma, last = incomplete.rpartition(",")
+    names = ["bounce", "friction", "joint", "force", *([] if comma else ["all"])]
+    free = [name for name in names if name not in before.split(",")]
+    return [f"{before}{comma}{name}" for name in free if name.startswith(last)]

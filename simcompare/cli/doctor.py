@@ -44,6 +44,8 @@ def doctor(
                 typer.echo(f"  mapping: {facts.mapping}")
             if facts.helps:
                 typer.echo(f"  helps: {known(facts.helps)}")
+            for name, text, reference in facts.variants:
+                typer.echo(f"  variant {diagnosis.engine}:{name}: {text} [{reference}]")
         _tell_elsewhere(not_here)
     raise typer.Exit(3 if any(diagnosis.status == FAILED for diagnosis in found) else 0)
 

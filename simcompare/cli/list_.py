@@ -21,6 +21,7 @@ def list_(
             {
                 "scenarios": [{"name": name, "summary": text} for name, text in scenarios],
                 "engines": names,
+                "variants": {name: [*engines.quick_variants(name)] for name in names},
                 "engines_elsewhere": not_here,
                 "measurements": _measurements(),
             }
@@ -32,6 +33,9 @@ def list_(
         typer.echo(f"  {name:<{width}} {text}")
     typer.echo("Engines (simcompare doctor):")
     typer.echo(f"  {', '.join(names)}")
+    for name in names:
+        if variants := engines.quick_variants(name):
+            typer.echo(f"  variants: {', '.join(f'{name}:{one}' for one in variants)}")
     typer.echo("Engines that cannot run here (why, and what to do: simcompare doctor):")
     typer.echo(f"  {', '.join(not_here)}")
     typer.echo("Published measurements (simcompare run SCENARIO --against NAME):")

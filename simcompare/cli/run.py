@@ -19,7 +19,9 @@ def run(
         help="Name, folder or file of a scenario.", autocompletion=complete.scenarios
     ),
     engine: str = typer.Option(
-        "all", help="'all' or names with commas.", autocompletion=complete.engines
+        "all",
+        help="'all' or names with commas; ENGINE:VARIANT is a variant (see simcompare list).",
+        autocompletion=complete.engines,
     ),
     contact: str = typer.Option(
         "default,tuned,assisted",
@@ -36,7 +38,11 @@ def run(
         [], "--set", metavar="P=V", help="Change a parameter, such as drop_height=30cm."
     ),
     preset: str = typer.Option(None, help="Named set of parameters, applied before --set."),
-    step: str = typer.Option(None, help="The engine's step, such as 1ms; samples may be coarser."),
+    step: str = typer.Option(
+        None,
+        help="The engine's step, such as 1ms; samples may be coarser. With commas, each step is a"
+        " source of its own.",
+    ),
     seeds: int = typer.Option(None, help="Number of dithered repeats (the scenario's own: 9)."),
     against: str = typer.Option(
         None,

@@ -46,7 +46,10 @@ def show(
     typer.echo(f"Signals: {', '.join(facts['signals'])}")
     typer.echo(f"Needs: {', '.join(facts['needs'])}")
     for engine, lacking in facts["engines"].items():
-        typer.echo(f"  {engine}: {'can run it' if not lacking else 'lacks ' + ', '.join(lacking)}")
+        said = f"lacks {', '.join(lacking)}" if lacking else "can run it"
+        if facts["variants"][engine] and not lacking:
+            said += f"; variants: {', '.join(facts['variants'][engine])}"
+        typer.echo(f"  {engine}: {said}")
     typer.echo(f"Truth: {facts['truth']}")
     for measure, tolerance in facts["tolerances"].items():
         bound = tolerance["relative"] or tolerance["absolute"]
@@ -90,6 +93,7 @@ def _facts(file: ScenarioFile) -> dict[str, Any]:
         "signals": recorded_signals(scenario),
         "needs": sorted(wanted.required | wanted.optional),
         "engines": {name: _lacking(name, wanted.required) for name in engines.names()},
+        "variants": {name: [*engines.quick_variants(name)] for name in engines.names()},
         "truth": "closed form or reference in reference.py"
         if catalogue.reference_of(file.path)
         else "none: engines are compared with each other only",

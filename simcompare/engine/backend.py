@@ -6,21 +6,24 @@ A backend is one file ``backends/<engine>_.py``, or a folder ``backends/<engine>
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import importlib
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Protocol, Self, runtime_checkable
 
 from simcompare.engine.audit import Audit
 from simcompare.engine.features import Feature, needs
-from simcompare.engine.helps import LANDING, landing, spring_contact
+from simcompare.engine.helps import LANDING, known, landing, spring_contact
 from simcompare.engine.read_back import asked, audit_of
 from simcompare.engine.scene import Scene, Traits, make_scene
 from simcompare.engine.speeds import fastest_turn_rad_s
-from simcompare.errors import EngineMissing, Unsupported
+from simcompare.engine.variants import Variant
+from simcompare.errors import EngineMissing, UnknownVariant, Unsupported
 from simcompare.scenario import Scenario
 from simcompare.settings import ASSISTED, CONTACT_LEVELS, DEFAULT, SPRING, TUNED, Settings
 
@@ -77,6 +80,8 @@ class EngineBackend(ABC):
         typed_as: what the engine calls the numbers that stand for a restitution, such as "solref".
         snippet: lines to copy into a loop of one's own, in which ``{0}``, ``{1}`` stand for those
             numbers and ``{step_s}`` for the step; empty where the settings are listed.
+        variants: name -> the engine with one of its own choices made otherwise.
+        variant: which of them this is; empty for the engine as it comes.
     """
 
     name: str
@@ -89,6 +94,22 @@ class EngineBackend(ABC):
     script_module: str = ""
     typed_as: str = ""
     snippet: str = ""
+    variants: Mapping[str, Variant] = MappingProxyType({})
+    variant: str = ""
+
+    def with_variant(self, variant: str) -> Self:
+        """The same engine in one of its variants.
+
+        Raises:
+            UnknownVariant: there is none of that name; names those that there are.
+        """
+        if variant not in self.variants:
+            raise UnknownVariant(self.name, variant, self.variants)
+        made = copy.copy(self)
+        made.name, made.variant = f"{self.name}:{variant}", variant
+        made.helps = self.helps - self.variants[variant].without
+        made.snippet = ""  # it does not say what the variant sets
+        return made
 
     @property
     def bounces_by(self) -> str:
@@ -127,6 +148,7 @@ class EngineBackend(ABC):
     def open(self, scenario: Scenario, settings: Settings) -> Simulation:
         """Refuses what the engine cannot do, builds the scene and reads every value back."""
         refuse(self, scenario, settings)
+        self._refuse_no_help(settings)
         if settings.contact == ASSISTED:
             taken = self.helps if settings.helps is None else self.helps & settings.helps
             settings = dataclasses.replace(settings, helps=taken)
@@ -151,6 +173,7 @@ class EngineBackend(ABC):
             simulation.close()
             raise
         simulation.tuning = tuning
+        simulation.notes += self._variant_notes(settings)
         simulation.notes += tuple(note for record in tuning for note in record["notes"])
         simulation.wall_s = {
             "import": loaded - started,
@@ -186,11 +209,32 @@ class EngineBackend(ABC):
         Raises:
             Unsupported: a help cannot be had for this scene.
         """
-        return make_scene(self.name, self.traits, self.features, scenario, settings)
+        return make_scene(
+            self.name, self.traits, self.features, scenario, settings, self.variant
+        )  # fmt: skip
 
     @abstractmethod
     def make(self, engine: Any, scene: Scene) -> Simulation:  # noqa: ANN401
         """Builds a scene in the loaded engine."""
+
+    def _refuse_no_help(self, settings: Settings) -> None:
+        """Refuses "assisted" of a variant that takes no help: it would be "tuned"."""
+        own = self.variants[self.variant] if self.variant else None
+        asked = settings.contact == ASSISTED and settings.helps != frozenset()
+        if asked and own is not None and own.without and not self.helps:
+            raise Unsupported(
+                f"{self.name} takes none of our helps: {own.why}; see the level {TUNED}"
+            )
+
+    def _variant_notes(self, settings: Settings) -> tuple[str, ...]:
+        """What differs from the engine as it comes."""
+        if not self.variant:
+            return ()
+        own = self.variants[self.variant]
+        said = [f"variant {self.variant}: {own.text} [{own.reference}]"]
+        if settings.contact == ASSISTED and own.without:
+            said.append(f"variant {self.variant} takes no {known(own.without)}: {own.why}")
+        return tuple(said)
 
     def _refuse_bodies(self, scenario: Scenario) -> None:
         most = self.traits.most_shapes

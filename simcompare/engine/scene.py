@@ -114,6 +114,7 @@ class Scene:
         starts: motion of every moving body at the start, those on joints included.
         shapes: what every body is built of; other shapes than its own where a help asks for them.
         helps: our helps that are in it.
+        variant: which variant of the engine; empty for the engine as it comes.
     """
 
     engine: str
@@ -126,6 +127,7 @@ class Scene:
     starts: Mapping[str, BodyState]
     shapes: Mapping[str, Sequence[Shape]]
     helps: frozenset[str]
+    variant: str = ""
 
     def gives(self, level: str) -> bool:
         """Whether all that a level gives is given to the engine."""
@@ -244,6 +246,7 @@ def make_scene(
     features: frozenset[Feature],
     scenario: Scenario,
     settings: Settings,
+    variant: str = "",
 ) -> Scene:
     """What an engine is to build of a scenario, at a level and with helps.
 
@@ -260,7 +263,7 @@ def make_scene(
     return Scene(
         engine, traits, features, scenario, settings, plan_contacts(scenario, settings, springs),
         _joints(scenario, settings, traits.passive), starts_of(scenario), {**shapes, **other},
-        frozenset({RIMS} if other else ()),
+        frozenset({RIMS} if other else ()), variant,
     )  # fmt: skip
 
 

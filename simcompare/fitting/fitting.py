@@ -34,6 +34,7 @@ from simcompare.fitting.problem import SPEED, Prior
 from simcompare.fitting.roles import Roles, roles_of
 from simcompare.fitting.tune_engines import tune_engines
 from simcompare.fitting.wanted import Wanted, wanted_of
+from simcompare.repeats import sample_step_s
 from simcompare.results import Run, Stored
 from simcompare.runner import TIME_LIMIT_S, Progress
 from simcompare.scenario import Scenario
@@ -112,7 +113,7 @@ def fit(
         return _saved(done, out)
     helps = levels.chosen_helps(NONE if assist is None else assist, engine)
     given = given_of(file, set, preset)
-    step_s = None if step is None else experiment.sample_step_s(file, given, None, step)
+    step_s = None if step is None else sample_step_s(file, given, None, step)
     roles = roles_of(file, given)
     asked = Asked(
         extra=tuple(unknowns),

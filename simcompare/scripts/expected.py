@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from simcompare import experiment, measures
+from simcompare import measures
 from simcompare.compare import Repeat, Score, scores_of
 from simcompare.errors import BackendError, InputError
 from simcompare.jobs import MISSING, OK, UNSUPPORTED, Job, execute
+from simcompare.repeats import truths_of
 from simcompare.scenario import Measure, Scenario
 from simcompare.scenario_file import ScenarioFile
 from simcompare.scripts.measuring import Truth
@@ -51,7 +52,7 @@ def expected_of(
         InputError: the engine refuses the scene; the reason is told.
         BackendError: it is not installed, or failed.
     """
-    truths = experiment.truths_of(file.path, [*repeats, *([shifted] if shifted else [])])
+    truths = truths_of(file.path, [*repeats, *([shifted] if shifted else [])])
     done = [
         Repeat(scene, _run(Job(engine, scene, settings, i)), truth)
         for i, (scene, truth) in enumerate(zip(repeats, truths, strict=False))

@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from simcompare import catalogue, engines, experiment
+from simcompare import catalogue, engines
 from simcompare.engine.backend import EngineBackend, refuse
 from simcompare.errors import InputError, SimcompareError, Unsupported
 from simcompare.fitting import fit_file
+from simcompare.repeats import repeats_of, sample_step_s
 from simcompare.scenario import Scenario
 from simcompare.scenario_file import ScenarioFile
 from simcompare.scripts.assemble import assembled
@@ -84,8 +85,8 @@ def script(
     values = _values(file, engine, set or {}, fit)
     step_s = None if fit is None else _read(fit).usual_step_s
     if step is not None:
-        step_s = experiment.sample_step_s(file, values, preset, step)
-    repeats = experiment.repeats_of(file, values, preset, step_s, None)
+        step_s = sample_step_s(file, values, preset, step)
+    repeats = repeats_of(file, values, preset, step_s, None)
     nominal = repeats[len(repeats) // 2]
     shifted = _shifted(file, nominal)
     chosen.version()
@@ -94,7 +95,7 @@ def script(
     efforts, inputs = efforts_of(nominal)
     plan = Plan(nominal, shifted, settings, efforts, _lacking(chosen, nominal, settings), tuning)
     parts = writer.parts(chosen, plan)
-    named = name or f"{nominal.name}_{engine}"
+    named = name or f"{nominal.name}_{engine.replace(engines.VARIANT, '_')}"
     text, stored = assembled(named, chosen, plan, parts, expected, inputs)
     return Script(named, text, stored, tuple(nominal.moving_bodies()), tuple(nominal.joints))
 

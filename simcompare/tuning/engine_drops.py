@@ -93,6 +93,11 @@ class EngineDrops:
         settings = Settings(self._level, helps=helps, numbers=(pair,))
         return self._backend.build(self._engine, self._scene, settings)
 
+    @property
+    def scenario(self) -> Scenario:
+        """The scene."""
+        return self._scene
+
     def _heights(self, simulation: Simulation, speed_m_s: float, phase: float) -> Array:
         """Height above the plane at every step, until the sphere has left it again."""
         step_s, radius = self._plan.step_s, self._plan.size_m / 2

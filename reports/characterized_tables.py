@@ -1,0 +1,148 @@
+"""The answers of the experiments as tables, for the page and the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from simcompare.characterization.bounce import BounceQuestion
+from simcompare.characterization.friction import LOAD
+from simcompare.reports import numbers
+from simcompare.reports.characterized_figures import LEVELS
+from simcompare.reports.tables import Column, Group, Table, of_engines
+
+Record = Mapping[str, Any]
+Row = Mapping[str, Any]
+#: parts below this are rounding
+_ROUNDING = 5e-6
+
+_HEADS = {
+    "bounce": ("Restitution ± s", "Bounces down to (m/s)", "Hops for ever below (m/s)",
+               "1 % too much beyond (ms)", "Gains energy beyond (ms)"),
+    "friction": ("Lets go at (µN)", "Creeps (mm/s)", "Sinks (mm)", "Braked (µg)"),
+    "joint": ("Damping", "With armature", "Inertia", "Frequency", "Damping ratio"),
+    "force": ("Rest: off (%)", "Rest: jitter (%)", "Slides: jitter (%)", "Pushed weld: off (%)",
+              "Shaken weld: off (%)"),
+}  # fmt: skip
+_ASKED = BounceQuestion("", 0.0)
+_NOTES = {
+    "bounce": (
+        f"Restitution at {_ASKED.speed_m_s:g} m/s, {_ASKED.restitution:g} wanted: mean ± standard"
+        " deviation over 25 phases of the step; a drop that does not bounce counts as 0. Down to:"
+        " slower impacts give back less than half. For ever: slower ones lose nothing in the mean."
+        " Beyond: the longest step, between 0.25 and 8 ms, up to which the mean is no more than 1 %"
+        " above the wanted one, and up to which no phase gives more than 1, with the number held."
+    ),
+    "friction": (
+        f"A block sticks up to µN by Coulomb. Creep and sinking: under {LOAD:g} µN, after 0.4 s."
+        " Braked: mean deceleration from 1 m/s. “>” is more than was tried."
+    ),
+    "joint": "Each over its closed form, which is 1; “held”: the joint does not move.",
+    "force": "Mean over the truth, and standard deviation in parts of the truth.",
+}
+
+
+def of(record: Record, experiment: str) -> Table:
+    """What engines answered to an experiment, a group for each level."""
+    groups = []
+    for level in record["contact"]:
+        rows = tuple(
+            (answer["engine"], *_cells(experiment, answer, record["step_s"]))
+            for answer in record["answers"]
+            if (answer["experiment"], answer["contact"]) == (experiment, level)
+        )
+        groups.append(Group(LEVELS[level], rows))
+    columns = [Column(head) for head in _HEADS[experiment]]
+    return of_engines(columns, groups, _NOTES[experiment])
+
+
+def reasons(record: Record, experiment: str) -> list[str]:
+    """Why something was not answered, each reason once, with whose and at which levels."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for answer in record["answers"]:
+        if answer["experiment"] != experiment:
+            continue
+        lacking = (answer["found"] or {}).get("lacks", {}).values()
+        for reason in dict.fromkeys([answer["reason"], *lacking]):
+            if reason:
+                found.setdefault((answer["engine"], reason), []).append(answer["contact"])
+    return [f"{name}, {', '.join(levels)}: {why}" for (name, why), levels in found.items()]
+
+
+def _cells(experiment: str, answer: Row, step_s: float) -> Sequence[str]:
+    if answer["found"] is None:
+        return ["–"] * (len(_HEADS[experiment]) - 1) + [answer["status"]]
+    return _CELLS[experiment](answer["found"], step_s)
+
+
+def _bounce(found: Row, step_s: float) -> Sequence[str]:
+    rows = found["over_speed"]
+    row = min(rows, key=lambda one: abs(one["speed_m_s"] - _ASKED.speed_m_s))
+    dies = found["dies_below_m_s"]
+    slowest = (
+        f"≤ {numbers.plain(found['slowest_m_s'], 2)}" if dies is None else numbers.plain(dies, 2)
+    )
+    if dies is not None and dies >= rows[-1]["speed_m_s"]:
+        slowest = "never"
+    return (
+        numbers.with_u(row["mean"], row["scatter"], digits=4),
+        slowest,
+        numbers.plain(found["hops_below_m_s"], 2),
+        _thousandfold(found["too_much_above_s"]),
+        _thousandfold(found["gains_above_s"]),
+    )
+
+
+def _friction(found: Row, step_s: float) -> Sequence[str]:
+    at_load = next(row for row in found["creep"] if row["load"] == LOAD)
+    braked = next(row for row in found["braking"] if row["speed_m_s"] == 1.0)
+    lets_go = found["lets_go_at"]
+    return (
+        "> 4" if lets_go is None else f"{lets_go:.3f}",
+        _small(1e3 * abs(at_load["creep_m_s"]), 1e-6),
+        _small(1e3 * at_load["sinks_m"], 5e-4),
+        "at once" if braked["stops_at_once"] else _digits(braked["braking"]),
+    )
+
+
+def _joint(found: Row, step_s: float) -> Sequence[str]:
+    names = ("damping", "damping_with_armature", "inertia", "frequency", "damping_ratio")
+    return [
+        "–" if name not in found else "held" if found[name] is None else _digits(found[name])
+        for name in names
+    ]
+
+
+def _force(found: Row, step_s: float) -> Sequence[str]:
+    wanted = (
+        ("contact_rest", "ratio"), ("contact_rest", "jitter"), ("contact_slides", "jitter"),
+        ("weld_pushed", "ratio"), ("weld_shaken", "ratio"),
+    )  # fmt: skip
+    cells = []
+    for case, part in wanted:
+        one = found["cases"].get(case)
+        if one is None:
+            cells.append("–")
+        else:
+            cells.append(_small(100 * (one[part] - (part == "ratio")), 100 * _ROUNDING))
+    return cells
+
+
+_CELLS: Mapping[str, Callable[[Row, float], Sequence[str]]] = {
+    "bounce": _bounce,
+    "friction": _friction,
+    "joint": _joint,
+    "force": _force,
+}
+
+
+def _thousandfold(value: float | None) -> str:
+    return "–" if value is None else numbers.plain(1e3 * value, 2)
+
+
+def _digits(value: float | None) -> str:
+    return "–" if value is None else f"{value:.4f}".replace("-", "−")
+
+
+def _small(value: float, least: float) -> str:
+    return "0" if abs(value) < least else numbers.plain(value, 2)

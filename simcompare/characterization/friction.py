@@ -1,0 +1,166 @@
+"""How a block is held and braked by dry friction; the truth is Coulomb's law."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from simcompare.characterization.grids import STEPS_S
+from simcompare.characterization.scenes import G_M_S2, over_steps, run, scene
+from simcompare.engine.backend import Backend
+from simcompare.scenario import Scenario
+from simcompare.trajectory import Array, Trajectory
+from simcompare.tuning import cache
+
+#: the block's edges [m]; it is so low that it does not tip at the largest load
+SIZE_M = (0.12, 0.12, 0.03)
+#: loads along the plane under which it must stick, as parts of µ·N
+LOADS = (0.5, 0.8, 0.95)
+#: the load at which creep is looked at over steps
+LOAD = 0.8
+#: speeds at which it is braked [m/s], that over steps, and masses over which this may scatter [kg]
+SPEEDS_M_S, SPEED_M_S, MASSES_KG = (0.1, 0.3, 1.0, 3.0), 1.0, (0.05, 0.5, 5.0)
+#: how long a block lies under a load [s]
+_LIES_S = 0.4
+#: loads between which it is sought where the block lets go, and halvings of what lies between
+MOST_LOAD, _HALVINGS = 4.0, 12
+#: the block slides on if it gets faster by more than what this part of µ·N too much would do
+_SLIDES_PART = 0.005
+#: part of the first speed below which a block stands
+_STANDS = 0.1
+#: fewest steps from which a deceleration is read, and most in which a block stops at once
+_LEAST, _AT_ONCE = 6, 2
+
+
+@dataclass(frozen=True)
+class FrictionQuestion:
+    """How friction holds and brakes at one contact level; called with a backend.
+
+    Attributes:
+        level: contact level.
+        step_s: the engine's step [s].
+        friction: Coulomb's coefficient µ [1]; none that an engine has by default.
+    """
+
+    level: str
+    step_s: float
+    friction: float = 0.4
+
+    def __call__(self, backend: Backend) -> dict[str, Any]:
+        """The answer as plain values, from the cache where it is known."""
+        known = {"ask": "friction", **asdict(self)}
+        return cache.kept(backend, known, lambda: self._answer(backend))
+
+    def _answer(self, backend: Backend) -> dict[str, Any]:
+        lets_go = self.lets_go_at(backend, self.step_s)
+        return {
+            "lets_go_at": lets_go,
+            "creep": [{"load": load, **self.lies(backend, self.step_s, load)} for load in LOADS],
+            "braking": [
+                {"speed_m_s": speed, **self.braking(backend, self.step_s, speed)}
+                for speed in SPEEDS_M_S
+            ],
+            "over_step": over_steps(STEPS_S, lambda step_s: self._at_step(backend, step_s)),
+        }
+
+    def _at_step(self, backend: Backend, step_s: float) -> dict[str, Any]:
+        return {
+            "lets_go_at": self.lets_go_at(backend, step_s),
+            **self.lies(backend, step_s, LOAD),
+            **self.braking(backend, step_s, SPEED_M_S),
+        }
+
+    def scene(
+        self, step_s: float, duration_s: float, load: float = 0.0, speed_m_s: float = 0.0,
+        mass_kg: float = 0.5,
+    ) -> Scenario:  # fmt: skip
+        """A block on a plane on which gravity leans, so that it pulls with ``load``·µ·N."""
+        lean = math.atan(load * self.friction)
+        x, y, z = (edge**2 for edge in SIZE_M)
+        block = {
+            "mass_kg": mass_kg,
+            "inertia_kg_m2": [mass_kg * two / 12 for two in (y + z, x + z, x + y)],
+            "position_m": [0, 0, SIZE_M[2] / 2],
+            "velocity_m_s": [speed_m_s, 0, 0],
+            "shapes": [{"type": "box", "size_m": SIZE_M}],
+        }
+        floor = {"fixed": True, "shapes": [{"type": "plane"}]}
+        gravity = (G_M_S2 * math.sin(lean), 0.0, -G_M_S2 * math.cos(lean))
+        contact = {"pair": ["block", "floor"], "friction": self.friction, "restitution": 0}
+        bodies = {"floor": floor, "block": block}
+        return scene("block", bodies, duration_s, step_s, gravity, contacts=[contact])
+
+    def _lies(self, backend: Backend, step_s: float, load: float) -> Trajectory:
+        return run(backend, self.scene(step_s, _LIES_S, load), self.level)
+
+    def lies(self, backend: Backend, step_s: float, load: float) -> dict[str, float]:
+        """Creep of a block that should stick, over the second half of the time, and how it sinks.
+
+        Creep is a mean speed along the plane [m/s]; a block that sinks by more than its height has
+        fallen through the floor [m].
+        """
+        found = self._lies(backend, step_s, load)
+        along, half = _along(found), len(found.time_s) // 2
+        creep = (along[-1] - along[half]) / (found.time_s[-1] - found.time_s[half])
+        sinks_m = SIZE_M[2] / 2 - found.signals["block.position_m"][-1, 2]
+        return {"creep_m_s": float(creep), "sinks_m": float(sinks_m)}
+
+    def slides(self, backend: Backend, step_s: float, load: float) -> bool:
+        """Whether a block that is let go gets faster from the second quarter to the fourth."""
+        found = self._lies(backend, step_s, load)
+        marks = np.linspace(0, len(found.time_s) - 1, 5).astype(int)
+        times = found.time_s[marks]
+        speeds = np.diff(_along(found)[marks]) / np.diff(times)
+        normal_m_s2 = G_M_S2 * math.cos(math.atan(load * self.friction))
+        least = _SLIDES_PART * self.friction * normal_m_s2 * (times[-1] - times[2])
+        return bool(speeds[3] - speeds[1] > least)
+
+    def lets_go_at(self, backend: Backend, step_s: float) -> float | None:
+        """Load up to which the block sticks [µ·N]; ``None`` if the largest does not move it."""
+        low, high = 0.0, MOST_LOAD
+        if not self.slides(backend, step_s, high):
+            return None
+        for _ in range(_HALVINGS):
+            middle = (low + high) / 2
+            if self.slides(backend, step_s, middle):
+                high = middle
+            else:
+                low = middle
+        # it is seen to slide only where the load is too large by this
+        return max((low + high) / 2 - _SLIDES_PART, 0.0)
+
+    def braking(self, backend: Backend, step_s: float, speed_m_s: float) -> dict[str, Any]:
+        """Deceleration over µ·g: mean and scatter over masses; infinite where it stops at once."""
+        found = []
+        for mass_kg in MASSES_KG:
+            time_s = 0.7 * speed_m_s / (self.friction * G_M_S2)
+            slides = self.scene(step_s, time_s, 0.0, speed_m_s, mass_kg)
+            found.append(_deceleration(run(backend, slides, self.level), speed_m_s))
+        parts = np.array(found) / (self.friction * G_M_S2)
+        moves = bool(np.isfinite(parts).all())
+        return {
+            "braking": float(parts.mean()),
+            "braking_scatter": float(parts.std()) if moves else math.nan,
+            "stops_at_once": bool(np.isinf(parts).any()),
+        }
+
+
+def _along(found: Trajectory) -> Array:
+    return np.asarray(found.signals["block.position_m"][:, 0])
+
+
+def _deceleration(found: Trajectory, speed_m_s: float) -> float:
+    """From a parabola through the positions up to where it stops [m/s²].
+
+    Infinite where it stops at once, NaN where there are too few steps to read it.
+    """
+    along, time_s = _along(found), found.time_s
+    moves = np.diff(along) > _STANDS * speed_m_s * np.diff(time_s)
+    count = len(moves) if moves.all() else int(np.argmin(moves))
+    # the first sample is where the start was put, and may not belong to the engine's own steps
+    if count < _LEAST:
+        return math.inf if count <= _AT_ONCE and len(moves) >= _LEAST else math.nan
+    return float(-2 * np.polyfit(time_s[1 : count + 1], along[1 : count + 1], 2)[0])

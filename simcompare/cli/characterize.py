@@ -1,0 +1,98 @@
+"""``simcompare characterize``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from simcompare.cli import complete
+
+if TYPE_CHECKING:
+    from simcompare.characterization.characterizing import Characterization
+
+
+def characterize(
+    experiments: str = typer.Argument(
+        "all",
+        help="'all', or some of bounce, friction, joint and force, with commas.",
+        autocompletion=complete.experiments,
+    ),
+    engine: str = typer.Option(
+        "all", help="'all' or names with commas.", autocompletion=complete.engines
+    ),
+    contact: str = typer.Option(
+        "default,coefficients,tuned,assisted",
+        help="Contact levels with commas, as for run.",
+        autocompletion=complete.contact_levels,
+    ),
+    step: str = typer.Option(
+        "1ms", help="The engine's step; each experiment is also done over steps of 0.25 to 8 ms."
+    ),
+    out: Path = typer.Option(Path("runs"), "--out", "-o", help="Folder for the results' folder."),
+    report: bool = typer.Option(True, help="Write report.html into the results' folder."),
+    figures: str = typer.Option(
+        None, metavar="FORMAT", help="Also write every picture as a file: pdf, png or svg."
+    ),
+    as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
+    time_limit: float = typer.Option(120.0, help="Longest time for one experiment, in seconds."),
+) -> None:
+    """Show how engines bounce, stick, swing and tell forces, over speeds and steps."""
+    import simcompare
+    from simcompare.cli import console
+    from simcompare.errors import UnknownName
+    from simcompare.reports.builder import FIGURE_FORMATS
+
+    if figures is not None and figures not in FIGURE_FORMATS:
+        raise UnknownName("figure format", figures, FIGURE_FORMATS)
+    with console.progress_bar("characterize") as progress:
+        result = simcompare.characterize(
+            experiments,
+            engine=engine,
+            contact=contact,
+            step=step,
+            out=out,
+            time_limit_s=time_limit,
+            progress=progress,
+        )
+    written = _write(result, figures, report=report)
+    if as_json:
+        console.print_json({**result.record, "exit_code": result.exit_code})
+    else:
+        _print(result, written)
+    raise typer.Exit(result.exit_code)
+
+
+def _write(result: Characterization, figures: str | None, *, report: bool) -> list[Path]:
+    from simcompare.reports import characterized
+
+    assert result.folder is not None
+    written = []
+    if figures is not None:
+        written += characterized.write_figures(result, result.folder / "figures", figures)
+    if report:
+        written.append(characterized.write_html(result, result.folder / "report.html"))
+    return written
+
+
+def _print(result: Characterization, written: list[Path]) -> None:
+    import shutil
+    import sys
+
+    from simcompare.reports import characterized_tables, tables
+
+    width = min(shutil.get_terminal_size().columns, 100) if sys.stdout.isatty() else 80
+    for name in result.record["experiments"]:
+        typer.echo(f"\n{name}, at {1e3 * result.record['step_s']:g} ms")
+        for line in tables.lines(characterized_tables.of(result.record, name), width):
+            typer.echo(line)
+        for reason in characterized_tables.reasons(result.record, name):
+            typer.echo(reason)
+    typer.echo("")
+    for one in result.record["sentences"]:
+        if one["leads"]:
+            typer.echo(one["text"])
+    typer.echo(f"Stored in {result.folder}")
+    for path in written[-1:]:
+        typer.echo(f"Report: {path}")

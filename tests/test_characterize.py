@@ -1,0 +1,298 @@
+"""The verb characterize: its page, its JSON, its table, what it keeps and what it refuses."""
+
+import json
+import math
+
+import pytest
+
+import simcompare
+from simcompare.characterization import characterizing, findings
+from simcompare.characterization.characterizing import Characterization
+from simcompare.characterization.force import CASES
+from simcompare.reports import characterized, characterized_tables, tables
+from simcompare.settings import CONTACT_LEVELS
+from simcompare.tuning import cache
+from tests.present import need
+
+#: an engine that is not on this machine
+ABSENT = """
+from simcompare.errors import EngineMissing
+class Absent:
+    name = "absent"
+    features, known_limits, mapping = frozenset(), (), ""
+    def version(self):
+        raise EngineMissing("absent", "absentlib", "pip install absentlib")
+BACKEND = Absent()
+"""
+
+
+@pytest.fixture(scope="module")
+def pymunk(tmp_path_factory):
+    """What all experiments found of one engine at two levels."""
+    need("pymunk")
+    out = tmp_path_factory.mktemp("out")
+    return simcompare.characterize(engine="pymunk", contact="default,tuned", out=out)
+
+
+# --- what comes out ---------------------------------------------------------------------------
+
+
+def test_every_experiment_is_answered_at_every_level(pymunk):
+    asked = {(a["experiment"], a["contact"]) for a in pymunk.record["answers"]}
+    assert asked == {(e, c) for e in characterizing.EXPERIMENTS for c in ("default", "tuned")}
+    assert {answer["status"] for answer in pymunk.record["answers"]} == {"ok"}
+    assert pymunk.exit_code == 0
+
+
+def test_what_is_stored_is_plain_json(pymunk):
+    stored = json.loads((pymunk.folder / "characterization.json").read_text(encoding="utf-8"))
+    assert stored == json.loads(json.dumps(pymunk.record, allow_nan=False))
+    assert stored["step_s"] == 1e-3
+
+
+def test_the_page_leads_with_what_there_is_to_see_and_loads_nothing(pymunk, tmp_path):
+    page = characterized.write_html(pymunk, tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "does not bounce in pymunk" in page
+    assert page.index("does not bounce in pymunk") < page.index('class="plot"')
+    for name in ("speed", "off_speed", "phase", "step", "friction_tuned", "joint_tuned"):
+        assert f"-figure-{name}" in page
+    assert "<script src" not in page
+    assert '<link rel="stylesheet' not in page
+    assert "simcompare characterize bounce,friction,joint,force" in page
+
+
+def test_pictures_are_written_for_a_paper(pymunk, tmp_path):
+    bounces = Characterization({**pymunk.record, "experiments": ["bounce"]})
+    written = characterized.write_figures(bounces, tmp_path, "png")
+    assert {path.name for path in written} == {
+        f"characterization-{name}.png" for name in ("speed", "off_speed", "phase", "step")
+    }
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in written)
+
+
+@pytest.mark.parametrize("name", characterizing.EXPERIMENTS)
+def test_tables_fit_a_terminal(pymunk, name):
+    table = characterized_tables.of(pymunk.record, name)
+    assert [len(group.rows) for group in table.groups] == [1, 1]
+    assert max(map(len, tables.lines(table, 80))) <= 80
+
+
+def test_nothing_is_asked_twice(pymunk, monkeypatch):
+    def never(*_):
+        raise AssertionError("found anew")
+
+    asked = []
+    monkeypatch.setattr(cache, "plain", never)  # what is new goes through it
+    again = simcompare.characterize(
+        engine="pymunk", contact="default,tuned", progress=lambda *a: asked.append(a)
+    )
+    assert again.record["answers"] == pymunk.record["answers"]
+    assert len(asked) == 8
+
+
+# --- sentences --------------------------------------------------------------------------------
+
+
+def bounce_of(engine, level, **more):
+    """A stored answer in which everything is right but what is given."""
+    speeds = (0.1, 0.5, 2.0, 5.0)
+    row = {"mean": 0.8, "scatter": 0.0, "least": 0.8, "most": 0.8, "bounced": 1.0}
+    found = {
+        "over_speed": [{"speed_m_s": v, **row} for v in speeds],
+        "retuned": [],
+        "dies_below_m_s": None,
+        "hops_below_m_s": None,
+        "too_much_above_s": None,
+        "gains_above_s": None,
+        **more,
+    }
+    return {"engine": engine, "experiment": "bounce", "contact": level, "status": "ok",
+            "found": found}  # fmt: skip
+
+
+def said(*answers):
+    return "\n".join(one["text"] for one in findings.sentences(answers, 1e-3))
+
+
+def with_row(speed_m_s, **row):
+    rows = bounce_of("x", "tuned")["found"]["over_speed"]
+    return {
+        "over_speed": [{**one, **row} if one["speed_m_s"] == speed_m_s else one for one in rows]
+    }
+
+
+def test_a_sentence_names_the_engines_that_differ_with_their_numbers():
+    text = said(
+        bounce_of("a", "tuned"),
+        bounce_of("b", "tuned", **with_row(2.0, scatter=0.016)),
+        bounce_of("c", "tuned", **with_row(0.5, mean=0.82)),
+        bounce_of("d", "tuned", dies_below_m_s=0.123, hops_below_m_s=0.0405),
+        bounce_of("e", "tuned", too_much_above_s=2.9e-3, gains_above_s=4.1e-3),
+    )
+    assert "Tuned for 0.8 at 2 m/s, at 1 ms: the mean restitution is right, within 0.5 %" in text
+    assert "by ± 2 % in b, ± 0 % at most in the others" in text
+    assert "At 0.5 m/s the mean that the same number gives is off by +2.5 % in c" in text
+    assert "the bounce dies below 0.12 m/s in d" in text
+    assert "hops for ever, below 0.041 m/s in d" in text or "below 0.04 m/s in d" in text
+    assert "more than 1 % too large beyond 2.9 ms in e" in text
+    assert "some impacts gain energy beyond 4.1 ms in e" in text
+
+
+def test_what_is_right_is_not_told_as_wrong():
+    text = said(bounce_of("a", "tuned"), bounce_of("b", "tuned"))
+    for word in ("off by", "dies", "hops", "gain", "No number"):
+        assert word not in text
+
+
+def test_a_step_without_a_number_is_told():
+    again = [{"step_s": 2e-3, "reason": ""}, {"step_s": 4e-3, "reason": "none"}]
+    assert "No number at all gives a steady bounce at 4 ms or more in a." in said(
+        bounce_of("a", "tuned", retuned=again)
+    )
+
+
+def friction_of(engine, **more):
+    """A stored answer in which friction is Coulomb's but for what is given."""
+    lies = {"load": 0.8, "creep_m_s": 0.0, "sinks_m": 0.0}
+    found = {
+        "lets_go_at": 1.0,
+        "creep": [{**lies, **{k: v for k, v in more.items() if k in lies}}],
+        "braking": [{"speed_m_s": 1.0, "braking": more.get("braking", 1.0)}],
+    }
+    found |= {k: v for k, v in more.items() if k == "lets_go_at"}
+    return {"engine": engine, "experiment": "friction", "contact": "default", "status": "ok",
+            "found": found}  # fmt: skip
+
+
+def test_friction_is_told_in_words():
+    text = said(
+        friction_of("a"),
+        friction_of("b", lets_go_at=0.5),
+        friction_of("c", lets_go_at=None, braking=None),
+        friction_of("d", creep_m_s=0.0021),
+        friction_of("e", braking=0.97),
+        friction_of("f", sinks_m=0.07, lets_go_at=0.1, creep_m_s=0.05),
+        friction_of("g", lets_go_at=0.0, creep_m_s=1.1, braking=0.0),
+    )
+    assert text == (
+        "By default, at 1 ms: a block falls through the floor in f; a block that friction should"
+        " hold up to µN lets go at 0.00 µN in g, 0.50 µN in b; it holds whatever pulls in c; while"
+        " it should stick it creeps by 2.1 mm/s in d; sliding, its deceleration is off by"
+        " up to −3 % in e."
+    )
+    right = "By default, at 1 ms: friction holds a block up to µN, within 1 %."
+    assert said(friction_of("a")) == right
+
+
+def test_a_hinge_is_told_in_words():
+    def hinge(engine, **more):
+        right = dict.fromkeys(("damping", "inertia", "frequency", "damping_ratio"), 1.0)
+        return {"engine": engine, "experiment": "joint", "contact": "tuned", "status": "ok",
+                "found": {**right, "lacks": {}, **more}}  # fmt: skip
+
+    text = said(hinge("a"), hinge("b", damping=None), hinge("c", damping_ratio=0.8))
+    assert text == (
+        "Tuned, at 1 ms: the hinge is held and does not move at all in b; the damping ratio of a"
+        " sprung hinge is off by −20 % in c."
+    )
+    assert "are right within 1 %" in said(hinge("a", frequency=1.009))
+
+
+def test_forces_are_told_in_words():
+    def forces(engine, lacks=(), **more):
+        right = {case: {"ratio": 1.0, "jitter": 0.0} for case in CASES}
+        cases = {case: one for case, one in {**right, **more}.items() if case not in lacks}
+        return {"engine": engine, "experiment": "force", "contact": "tuned", "status": "ok",
+                "found": {"cases": cases, "lacks": dict.fromkeys(lacks, "why")}}  # fmt: skip
+
+    text = said(
+        forces("a", contact_slides={"ratio": 0.94, "jitter": 3.7}),
+        forces("b", lacks=("weld_rest",)),
+    )
+    assert text == (
+        "Tuned, at 1 ms: the force on a block that slides is off by −6 % in a and jitters by"
+        " ± 370 % in a; not all forces are told in b."
+    )
+    assert "right within 1 %, and steady." in said(forces("a"))
+
+
+def test_levels_that_are_alike_are_told_in_one_sentence():
+    both = (friction_of("a"), {**friction_of("a"), "contact": "tuned"})
+    assert said(*both).startswith("By default and tuned, at 1 ms: friction holds")
+
+
+def test_a_run_in_which_nothing_is_known_is_told_nothing_of():
+    assert said({**bounce_of("a", "tuned"), "status": "unsupported", "found": None}) == ""
+
+
+# --- what is refused, and what is a row -------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (("bounces",), "no experiment is called 'bounces'; did you mean bounce"),
+        (("",), "no experiment is called ''"),
+        (("--contact", "best"), "no contact level is called 'best'"),
+        (("--engine", "mujocco"), "no engine is called 'mujocco'; did you mean mujoco?"),
+        (("--step", "0"), "--step: 0 s is not a step at which the experiments can be read"),
+        (("--step=-1ms",), "--step: -0.001 s is not a step"),
+        (("--step", "1s"), "use 0.1 ms to 10 ms"),
+        (("--step", "1kg"), "--step"),
+        (("--figures", "bmp"), "no figure format is called 'bmp'"),
+        (("--time-limit", "0"), "--time-limit: 0 s is not a time above 0"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_leaves_nothing(call, tmp_path, words, sentence):
+    code, out, err = call("characterize", *words)
+    assert code == 2
+    assert err.startswith("simcompare: ")
+    assert sentence in err
+    assert "Traceback" not in out + err
+    assert not (tmp_path / "runs").exists()
+
+
+def test_a_place_that_cannot_be_written_to_is_told_before_anything_is_asked(call, write):
+    code, _, err = call("characterize", "--out", write("file", "no folder"))
+    assert code == 2
+    assert "cannot be written to" in err
+
+
+def test_without_any_engine_it_says_how_to_get_one(call, add_engine, tmp_path):
+    add_engine("absent", code=ABSENT)
+    code, _, err = call("characterize", "--engine", "absent")
+    assert code == 3
+    assert "absent is not installed" in err
+    assert list((tmp_path / "runs").iterdir()) == []
+    assert "pip install absentlib" in err
+
+
+def test_an_engine_that_cannot_is_a_row_with_its_reason(call, add_engine):
+    add_engine("toy")  # a backend over the plain protocol that only lets things fall
+    add_engine("absent", code=ABSENT)
+    code, out, err = call(
+        "characterize", "bounce,joint", "--engine", "toy,absent", "--contact", "tuned", "--json"
+    )
+    assert code == 3, err  # one that was named is missing
+    found = json.loads(out)
+    status = {(a["engine"], a["experiment"]): a["status"] for a in found["answers"]}
+    assert status["toy", "bounce"] == "unsupported"
+    assert status["absent", "bounce"] == "missing"
+    reasons = [a["reason"] for a in found["answers"] if a["engine"] == "toy"]
+    assert "toy is not built on simcompare's kit" in reasons[0]
+
+
+def test_the_table_says_what_was_asked_and_where_it_lies(call, add_engine):
+    add_engine("toy")
+    code, out, _ = call("characterize", "bounce", "--engine", "toy", "--no-report")
+    assert code == 0
+    assert out.count("unsupported") == len(CONTACT_LEVELS)
+    assert "Stored in runs" in out
+    assert "Report:" not in out
+
+
+def test_numbers_that_are_not_finite_are_none():
+    assert characterizing._finite({"a": math.inf, "b": [math.nan, 1]}) == {
+        "a": None,
+        "b": [None, 1],
+    }
