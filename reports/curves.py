@@ -16,6 +16,7 @@ from simcompare.reports.figures import (
     Figure,
     Panel,
     Series,
+    fitted_range,
 )
 from simcompare.reports.looks import look
 from simcompare.reports.scored import column, events_of
@@ -25,6 +26,8 @@ from simcompare.trajectory import Array
 
 #: curves of more points than this are drawn as lines only
 _FEW = 40
+#: what is only shown may make an axis so many times longer
+_FLAT = 3.0
 #: units in which a deviation is not taken as a part of the value
 _ABSOLUTE = ("deg", "rad", "s")
 
@@ -45,6 +48,11 @@ def is_answer(run: Run, axis: str) -> bool:
     return _unit(run, axis) != "s"
 
 
+def leading_axis(run: Run) -> str | None:
+    """The axis whose curves answer the question, ``None`` where the motion does."""
+    return next((axis for axis in axes_drawn(run) if is_answer(run, axis)), None)
+
+
 def curves_figures(run: Run, axis: str) -> list[Figure]:
     """Everything that is drawn over one axis, one panel each, a few panels a figure."""
     panels = [_values(run, *panel) for panel in _panels(run, axis)]
@@ -56,6 +64,8 @@ def curves_figures(run: Run, axis: str) -> list[Figure]:
             f"Hollow points are the engines {' or '.join(hollow)},"
             " full ones with all of the physics given."
         )
+    if any(panel.y_range is not None for panel in panels):
+        caption += " Hollow points far away from all others lie outside."
     return _figures(f"curves-{axis}", f"over {_words(run, axis)}", caption.strip(), panels)
 
 
@@ -104,13 +114,21 @@ def _values(run: Run, axis: str, measure: str, judged: str) -> Panel:
         for name in runs.names(run)
         if rows.get((name, mode))
     ]
+    true = _truth(run, axis, measure)
     return Panel(
         _title(run, measure, judged),
         _axis_label(run, axis),
         _label(run, measure),
-        (*_truth(run, axis, measure), *series),
+        (*true, *series),
         log_x=_unit(run, axis) == "Hz",
+        y_range=_near_range((*true, *(s for s in series if not s.style.hollow)), series),
     )
+
+
+def _near_range(near: Sequence[Series], every: Sequence[Series]) -> tuple[float, float] | None:
+    """The range of what is judged, where what is only shown would press it flat."""
+    own, whole = (fitted_range(tuple(rows), ()) for rows in (near, every))
+    return own if near and whole[1] - whole[0] > _FLAT * (own[1] - own[0]) else None
 
 
 def _deviations(run: Run, axis: str, measure: str, judged: str) -> Panel:

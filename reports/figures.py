@@ -39,7 +39,8 @@ class Style:
     Attributes:
         colour: as ``#rrggbb``.
         dash: solid, dash, dot, dashdot, longdash or longdashdot.
-        marker: circle, square, diamond, triangle-up, triangle-down, x or star.
+        marker: circle, square, diamond, triangle-up, triangle-down, triangle-left,
+            triangle-right, x or star.
         width: width of lines [px].
         hollow: whether markers are outlines.
     """
@@ -151,6 +152,25 @@ class Span:
 
 
 @dataclass(frozen=True)
+class Note:
+    """A few letters beside what is drawn.
+
+    Attributes:
+        x: where.
+        y: where.
+        text: the letters.
+        side: side of the place on which they stand: left, right or center.
+        colour: as ``#rrggbb``.
+    """
+
+    x: float
+    y: float
+    text: str
+    side: str = "right"
+    colour: str = "#222222"
+
+
+@dataclass(frozen=True)
 class Panel:
     """One pair of axes.
 
@@ -172,6 +192,7 @@ class Panel:
             the bars of uncertainties lie. ``None`` for numbers.
         x_limits: lowest and highest x, ``None`` to fit the data.
         matrix: cells under ``x_ticks`` and beside ``y_ticks``, which it needs.
+        notes: letters above everything.
     """
 
     title: str
@@ -190,6 +211,7 @@ class Panel:
     y_ticks: tuple[str, ...] | None = None
     x_limits: tuple[float, float] | None = None
     matrix: Matrix | None = None
+    notes: tuple[Note, ...] = ()
 
     @property
     def x_range(self) -> tuple[float, float] | None:
@@ -243,8 +265,9 @@ class Figure:
         """The series that stands for each label: one that is not hollow where there is one."""
         rows = [series for panel in self.panels for series in panel.series]
         found: dict[str, Series] = {}
-        for series in sorted(rows, key=lambda row: row.style.hollow):
-            found.setdefault(series.label, series)
+        for series in rows:
+            if series.label not in found or found[series.label].style.hollow:
+                found[series.label] = series
         return found
 
     def y_range(self, panel: Panel) -> tuple[float, float] | None:

@@ -12,6 +12,7 @@ from simcompare.reports.figures import (
     Bars,
     Figure,
     Matrix,
+    Note,
     Panel,
     Series,
     Span,
@@ -42,7 +43,7 @@ _DASHES: dict[str, Any] = {
 }
 _MARKERS = {
     "circle": "o", "square": "s", "diamond": "D", "triangle-up": "^",
-    "triangle-down": "v", "x": "X", "star": "*",
+    "triangle-down": "v", "triangle-left": "<", "triangle-right": ">", "x": "X", "star": "*",
 }  # fmt: skip
 _LOOK: Any = {  # matplotlib types every key by itself
     "font.family": "DejaVu Sans",  # ships with matplotlib: the same on every machine
@@ -167,6 +168,8 @@ def _frame(
     _names(axes, panel)
     if panel.x_range is not None:
         axes.set_xlim(*panel.x_range)
+    for note in panel.notes:
+        _note(axes, note)
 
 
 def _names(axes: Axes, panel: Panel) -> None:
@@ -237,6 +240,14 @@ def _label(axes: Axes, bars: Bars, drawn: Any) -> None:  # noqa: ANN401
     for text in texts:
         if text.get_text():
             text.set_bbox({"facecolor": bars.colour, "edgecolor": "none", "pad": 1.0})
+
+
+def _note(axes: Axes, note: Note) -> None:
+    ends = {"left": "right", "right": "left"}
+    axes.text(
+        note.x, note.y, _text(note.text), color=note.colour, ha=ends.get(note.side, "center"),
+        va="center", fontsize="small", zorder=6,
+    )  # fmt: skip
 
 
 def _series(axes: Axes, series: Series, rank: int, *, lying: bool) -> Any:  # noqa: ANN401  (a handle for the legend)

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 _SIZE, _LINE = (11.69, 8.27), 0.026
 _LEFT, _TOP, _BOTTOM = 0.06, 0.93, 0.06
 #: letters of 10 points on a line across the page, and of 9 points on the whole page
-_WRAP, _CELL_WRAP = 150, 190
+_WRAP, _CELL_WRAP = 128, 190
+#: figures from which on the second has the remarks above it
+_TWO = 2
 #: a figure needs at least so much of the first page
 _ROOM = 0.55
 #: a heading is not left alone at the foot of a page
@@ -53,8 +55,8 @@ def of(block: Block) -> Iterator[Canvas]:
     """Pages of one run."""
     figures = block.figures
     yield from _first(block, figures[0] if figures else None)
-    for figure in figures[1:]:
-        yield _with_figure(figure)
+    for i, figure in enumerate(figures[1:]):
+        yield _with_figure(figure, block if i == 0 else None)
     for name, heading in (("measurement", "Against measurement"), ("scores", "Scores")):
         context = block.contexts.get(name)
         if context is not None:
@@ -72,6 +74,8 @@ def _first(block: Block, figure: Figure | None) -> Iterator[Canvas]:
     y = _write(page, y - 0.01, str(block.record["question"]), size=12, colour=_SOFT)
     for sentence in block.contexts["answer"]["answer"]:
         y = _write(page, y - 0.008, sentence, size=12)
+    if len(block.figures) < _TWO:  # else they have room beside the second
+        y = _remarks(page, y, block)
     crowded = y < _ROOM
     if figure is not None and not crowded:
         _place(page, figure, y - 0.02)
@@ -80,9 +84,17 @@ def _first(block: Block, figure: Figure | None) -> Iterator[Canvas]:
         yield _with_figure(figure)
 
 
-def _with_figure(figure: Figure) -> Canvas:
+def _remarks(page: Canvas, y: float, block: Block) -> float:
+    for sentence in block.contexts["answer"].get("remarks", ()):
+        y = _write(page, y - 0.004, sentence, size=10)
+    return y
+
+
+def _with_figure(figure: Figure, block: Block | None = None) -> Canvas:
+    """A figure on a page of its own, below the remarks of a block where one is given."""
     page = _blank()
-    y = _write(page, _TOP, figure.title, size=16, weight="bold")
+    y = _TOP if block is None else _remarks(page, _TOP, block) - 0.02
+    y = _write(page, y, figure.title, size=16, weight="bold")
     _place(page, figure, y - 0.01)
     return page
 

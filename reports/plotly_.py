@@ -18,6 +18,7 @@ from simcompare.reports.figures import (
     Bars,
     Figure,
     Matrix,
+    Note,
     Panel,
     Series,
     Span,
@@ -85,6 +86,7 @@ def as_dict(figure: Figure) -> dict[str, Any]:
     data: list[dict[str, Any]] = []
     most_ticks = max(4, _TICKS // max(len(figure.panels), 1))
     listed: set[str] = set()
+    notes: list[dict[str, Any]] = []
     legend = figure.legend
     ranks = {label: rank for rank, label in enumerate(legend, start=1)}
     for i, (panel, domain) in enumerate(zip(figure.panels, _domains(figure), strict=True)):
@@ -94,6 +96,7 @@ def as_dict(figure: Figure) -> dict[str, Any]:
         layout[f"yaxis{axis}"] = _y_axis(figure, panel, axis, shared)
         middle = (domain[0] + domain[1]) / 2
         layout["annotations"].append(_head(panel.title, middle))
+        notes += [_note(note, axis) for note in panel.notes]
         for band in panel.bands:
             layout["shapes"] += _band(band, axis, band.label not in listed)
             listed.add(band.label)
@@ -117,6 +120,7 @@ def as_dict(figure: Figure) -> dict[str, Any]:
                 data.append(_trace(series, axis, chosen, error) | rank)
             if chosen:  # once, also where two panels show the same
                 legend.pop(series.label)
+    layout["annotations"] += notes  # behind the heads, which the page finds by their number
     return {"data": data, "layout": layout}
 
 
@@ -198,6 +202,15 @@ def _head(title: str, middle: float) -> dict[str, Any]:
         "x": middle, "y": 1.02, "xref": "paper", "yref": "paper",
         "xanchor": "center", "yanchor": "bottom", "showarrow": False,
         "font": {"size": FONT_PX + 1},
+    }  # fmt: skip
+
+
+def _note(note: Note, axis: str) -> dict[str, Any]:
+    ends = {"left": "right", "right": "left"}
+    return {
+        "text": _text(note.text), "x": note.x, "y": note.y, "xref": f"x{axis}", "yref": f"y{axis}",
+        "xanchor": ends.get(note.side, "center"), "yanchor": "middle", "showarrow": False,
+        "font": {"size": FONT_PX - 3, "color": note.colour},
     }  # fmt: skip
 
 

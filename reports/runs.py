@@ -11,7 +11,7 @@ from simcompare.jobs import OK
 from simcompare.measures import observe
 from simcompare.reports import numbers
 from simcompare.results import TRUTH, Run
-from simcompare.scenario import Probe
+from simcompare.scenario import Probe, Tolerance
 from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, SHOWN_LEVELS, TUNED
 from simcompare.trajectory import Array, Trajectory
 
@@ -178,9 +178,7 @@ def width(run: Run, score: Score) -> float | None:
     tolerance = tolerances(run, score.source).get(score.measure)
     if score.tolerance is not None or tolerance is None or score.truth is None:
         return score.tolerance
-    if tolerance.get("absolute") is not None:
-        return float(tolerance["absolute"])
-    return float(tolerance["relative"]) * abs(score.truth)
+    return Tolerance(**tolerance).width(score.truth)
 
 
 def share_of_tolerance(run: Run, score: Score) -> float | None:

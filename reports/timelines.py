@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from simcompare.reports import energy, runs
 from simcompare.reports.figures import TRUTH_STYLE, Figure, Panel, Series
@@ -16,7 +16,15 @@ TIME = "time (s)"
 
 def probe_figure(run: Run, name: str, probe: Probe) -> Figure:
     """What one probe sees in every source, one panel a contact level."""
+    return _probe_figure(run, f"probe-{name}", probe, runs.modes(run))
 
+
+def motion_figure(run: Run, name: str, probe: Probe, mode: str) -> Figure:
+    """The same at one contact level alone."""
+    return _probe_figure(run, f"motion-{name}", probe, [mode])
+
+
+def _probe_figure(run: Run, name: str, probe: Probe, modes: Sequence[str]) -> Figure:
     def curve(trajectory: Trajectory) -> tuple[Array, Array] | None:
         values = runs.seen(trajectory, probe)
         return None if values is None else (trajectory.time_s, values)
@@ -31,7 +39,8 @@ def probe_figure(run: Run, name: str, probe: Probe) -> Figure:
             "an engine that is right runs inside of it"
         )
     title = f"{probe.label} over time"
-    return Figure(f"probe-{name}", title, f"{caption}.", _panels(run, label, curve), share_y=True)
+    panels = _panels(run, label, curve, modes)
+    return Figure(name, title, f"{caption}.", panels, share_y=True)
 
 
 def energy_figure(run: Run) -> Figure | None:
@@ -45,7 +54,7 @@ def energy_figure(run: Run) -> Figure | None:
         times, values = energy.relative(trajectory, probe, gravity)
         return (times, values) if len(times) else None
 
-    panels = _panels(run, "mechanical energy ÷ that at the start", curve)
+    panels = _panels(run, "mechanical energy ÷ that at the start", curve, runs.modes(run))
     if not any(panel.series for panel in panels):
         return None
     caption = (
@@ -57,10 +66,13 @@ def energy_figure(run: Run) -> Figure | None:
 
 
 def _panels(
-    run: Run, y_label: str, curve: Callable[[Trajectory], tuple[Array, Array] | None]
+    run: Run,
+    y_label: str,
+    curve: Callable[[Trajectory], tuple[Array, Array] | None],
+    modes: Sequence[str],
 ) -> tuple[Panel, ...]:
     panels = []
-    for mode in runs.modes(run):
+    for mode in modes:
         sources = [(f"truth ({TRUTH})", runs.truth(run), TRUTH_STYLE)]
         sources += [(n, runs.nominal(run, n, mode), look(run, n)) for n in runs.names(run)]
         series = []

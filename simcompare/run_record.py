@@ -108,6 +108,7 @@ def of_run(
         "axes": _axes(nominal),
         "has_joints": bool(nominal.joints),
         "tolerances": dumped["tolerances"],
+        "answer": dumped["answer"],
         "scenario_sha256": _sha256_of((file.path, *file.extends)),
         "software": {
             "simcompare": installed_version("simcompare"),

@@ -12,6 +12,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, PositiveFloat, field_validator, model_validator
 
+from simcompare.answer import Answer
 from simcompare.shapes import Frozen, Nonnegative, Pose, Shape, Vector, not_zero
 from simcompare.signals import Signal
 
@@ -317,6 +318,7 @@ class Scenario(Frozen):
     measures: tuple[Measure, ...] = ()
     tolerances: Mapping[str, Tolerance] = Field(default_factory=dict)
     dither: Dither | None = None
+    answer: Answer | None = None
 
     def moving_bodies(self) -> dict[str, Body]:
         """Bodies that are not fixed to the world, in the order of the file."""

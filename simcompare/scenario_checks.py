@@ -32,6 +32,7 @@ def faults_between_parts(scenario: Scenario) -> dict[str, str]:
         _without_effect,
         _impossible_probes,
         _unjudged_tolerances,
+        _impossible_answer,
     ):
         found.update(checked(scenario))
     return found
@@ -269,3 +270,29 @@ def _measure_faults(place: str, measure: Measure, module: measures.MeasureModule
         if name not in module.UNITS:
             found[f"{place}.names.{name}"] = str(UnknownName("measured value", name, module.UNITS))
     return found
+
+
+def _impossible_answer(scenario: Scenario) -> dict[str, str]:
+    """An answer made of what is not measured, or with causes that nobody is asked for."""
+    if scenario.answer is None:
+        return {}
+    measured = [name for measure in scenario.measures for name in _names_of(measure)]
+    wrong = scenario.answer.faults(measured, list(_held(scenario)))
+    return {f"answer.{place}": sentence for place, sentence in wrong.items()}
+
+
+def _names_of(measure: Measure) -> list[str]:
+    """What a measure finds, as the scenario calls it; nothing of one that does not exist."""
+    if measure.function not in measures.FUNCTIONS:
+        return []
+    return [measure.names.get(name, name) for name in measures.load(measure.function).UNITS]
+
+
+def _held(scenario: Scenario) -> Iterator[str]:
+    """Quantities of contacts and joints of which an engine may hold a value of its own."""
+    for contact in scenario.contacts:
+        for coefficient in ("restitution", "friction"):
+            yield f"{'-'.join(contact.pair)} {coefficient}"
+    for name in scenario.movable_joints():
+        for part in ("friction", "damping", "stiffness", "armature"):
+            yield f"{name}.{part}"

@@ -1,10 +1,13 @@
 """Series over an axis of their own: what is drawn over what, and how far it is from the truth."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from simcompare.compare import Score
 from simcompare.reports import curves, plotly_, scored
+from simcompare.reports.figures import style_of
 from simcompare.reports.sections.curves import Curves
 from simcompare.reports.sections.headline import Headline
 from simcompare.results import Run
@@ -67,7 +70,7 @@ def test_no_figure_has_more_panels_than_can_be_read():
     assert [figure.name for figure in found] == ["curves-frequency", "curves-frequency-2"]
     assert found[1].title == "And more and the last over frequency"
     # the first leads the report, the others follow
-    assert Headline().context(run)["figures"][0].name == "curves-frequency"
+    assert Headline().context(run)["figures"][1].name == "curves-frequency"
     assert Curves().context(run)["figures"][0].name == "curves-frequency-2"
 
 
@@ -77,7 +80,7 @@ def test_the_legend_shows_an_engine_as_it_is_with_the_physics_mapped():
     traces = plotly_.as_dict(figure)["data"]
     shown = [trace for trace in traces if trace["showlegend"]]
     assert [trace["name"] for trace in shown] == ["truth (closed form)", "north"]
-    assert shown[1]["marker"]["symbol"] == curves.style_of("north").marker
+    assert shown[1]["marker"]["symbol"] == style_of("north").marker
 
 
 def test_default_is_hollow_and_below_mapped():
@@ -106,14 +109,29 @@ def test_without_a_truth_there_are_no_deviations():
 
 def test_curves_over_anything_but_time_lead_the_report_and_are_not_drawn_twice():
     run = swept()
-    assert [f.name for f in Headline().context(run)["figures"]] == ["curves-frequency"]
+    assert [f.name for f in Headline().context(run)["figures"]] == ["answer", "curves-frequency"]
     assert [f.name for f in Curves().context(run)["figures"]] == ["deviations-frequency"]
     over_time = swept(unit="s")
-    assert [f.name for f in Headline().context(over_time)["figures"]] == ["probe-height_m"]
+    leading = Headline().context(over_time)["figures"]
+    assert [figure.name for figure in leading] == ["answer", "motion-height_m"]
     assert [f.name for f in Curves().context(over_time)["figures"]] == [
         "curves-frequency",
         "deviations-frequency",
     ]
+
+
+def test_an_engine_that_is_far_off_by_default_does_not_press_all_others_flat():
+    run = swept()
+    far = tuple(
+        replace(s, value=100.0) if (s.contact, s.measure) == ("default", "amplitude") else s
+        for s in run.scores
+    )
+    figure = curves.curves_figures(Run(run.record, far, run.trajectories), "frequency")[0]
+    assert figure.panels[0].y_range[1] < 50
+    assert "lie outside" in figure.caption
+    calm = curves.curves_figures(run, "frequency")[0]
+    assert calm.panels[0].y_range is None
+    assert "lie outside" not in calm.caption
 
 
 def test_curves_are_no_events():
@@ -147,6 +165,6 @@ def test_a_truth_of_zero_is_an_error_to_keep_small():
     tolerances = {"restitution": {"relative": None, "absolute": 0.01, "reason": "Because of it."}}
     run = Run({**run.record, "tolerances": tolerances}, run.scores, run.trajectories)
     assert words.answer(run)[0] == (
-        "By default 1 of 2 engines keeps the restitution within its tolerance:"
-        " the values lie between 0.002 and 0.02."
+        "By default the restitution is 0.00 in north; outside the tolerance: 0.02 in south,"
+        " where the closed form gives 0."
     )

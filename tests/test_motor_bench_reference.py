@@ -120,6 +120,10 @@ def test_the_curves_are_those_of_the_data_sheet(changes):
     assert values["stall_current"] == pytest.approx(1.0, rel=1e-5)
     assert values["maximum_power"] == pytest.approx(motor.maximum_power(6.0), rel=1e-5)
     assert values["maximum_efficiency"] == pytest.approx(motor.maximum_efficiency(6.0), rel=1e-5)
+    best_speed = motor.most_efficient_speed(6.0)
+    best_torque = motor.starting_torque(6.0) - motor.slope * best_speed
+    assert values["most_efficient_torque"] == pytest.approx(best_torque, rel=1e-5)
+    assert values["most_efficient_speed"] == pytest.approx(best_speed, rel=1e-5)
     for torque, speed, current, efficiency in zip(
         *(found.series[name] for name in ("torque", "speed", "current", "efficiency")), strict=True
     ):
@@ -183,7 +187,14 @@ def test_a_shaft_that_does_not_turn_has_no_curves_but_heat():
     found = made(np.zeros(1001), np.zeros(1001), t)
     assert all(
         found.values[name] is None
-        for name in ("no_load_speed", "stall_torque", "maximum_power", "maximum_efficiency")
+        for name in (
+            "no_load_speed",
+            "stall_torque",
+            "maximum_power",
+            "maximum_efficiency",
+            "most_efficient_torque",
+            "most_efficient_speed",
+        )
     )
     assert found.values["heat"] == pytest.approx(6.0)
     assert found.values["temperature_rise"] == pytest.approx(6.0 * 30 * -math.expm1(-1 / 240))

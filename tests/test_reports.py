@@ -3,7 +3,6 @@
 import errno
 import json
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +10,9 @@ import pytest
 
 from simcompare.compare import Score
 from simcompare.errors import OutputError, UnknownName
-from simcompare.reports import builder, numbers, output, plotly_, reproduce, runs, words
+from simcompare.reports import builder, numbers, output, plotly_, reproduce, runs
+from simcompare.reports.audit import state_of
 from simcompare.reports.sections import SECTIONS
-from simcompare.reports.sections.given import state_of
 from simcompare.results import TRUTH, Run, Stored
 from simcompare.trajectory import Trajectory
 
@@ -234,38 +233,7 @@ def test_dust_beside_the_tolerance_is_nothing():
     assert runs.share_of_tolerance(run, score) == 0
 
 
-# the answer in words
-
-
-def test_answer_counts_engines_and_names_the_worst():
-    run = make_run(
-        [
-            ("north", "default", 0.0),
-            ("south", "default", 0.5),
-            ("north", "assisted", 0.801),
-            ("south", "assisted", 0.9),
-        ]
-    )
-    default, assisted = words.answer(run)
-    assert default == (
-        "By default none of the 2 engines comes within the tolerance of the true restitution"
-        " of 0.8: the values lie between 0 and 0.5."
-    )
-    assert "none of the 2 engines meets all 2 tolerances" in assisted
-    assert "1250 % of its tolerance: south, restitution off by 0.1000 ± 0.0010" in assisted
-
-
-def test_answer_without_truth_and_with_engines_that_did_not_run():
-    run = make_run([("north", "assisted", 0.7), ("south", "assisted", None)], truth=None)
-    assert "there is no truth" in words.answer(run)[0]
-    assert words.answer(run)[-1] == "Did not run: south; the reasons are below."
-
-
-def test_answer_names_engines_that_gave_no_value():
-    run = make_run([("north", "default", 0.5), ("south", "default", 0.7)])
-    gone = [replace(s, value=None) if s.source == "south" else s for s in run.scores]
-    run = Run(run.record, tuple(gone), run.trajectories)
-    assert words.answer(run)[0].endswith("the value is 0.5; south gave none.")
+# what leads
 
 
 def test_what_is_measured_first_leads_and_not_what_has_the_first_tolerance():
@@ -274,19 +242,6 @@ def test_what_is_measured_first_leads_and_not_what_has_the_first_tolerance():
     assert runs.judged(run) == runs.measures(run) == ["restitution", "settling_time"]
     without = make_run(tolerances={"settling_time": TOLERANCES["settling_time"]})
     assert runs.measures(without) == ["settling_time", "restitution"]
-
-
-def test_interrupted_run_says_so():
-    assert "interrupted" in words.answer(make_run(interrupted=True))[-1]
-
-
-@pytest.mark.parametrize(
-    ("part", "whole", "text"),
-    [(0, 3, "none of the 3 engines"), (2, 3, "2 of 3 engines"), (3, 3, "all 3 engines"),
-     (1, 1, "the one engine"), (0, 1, "not the one engine")],
-)  # fmt: skip
-def test_counts_in_words(part, whole, text):
-    assert words.count_of(part, whole) == text
 
 
 # HTML
@@ -386,7 +341,7 @@ def test_measurement_is_called_consistent_and_never_validated(html):
 
 def test_sections_without_data_are_left_out():
     assert titles(RUNS["both modes"]) == [
-        "answer", "events", "energy", "contrast", "scores", "given", "setup",
+        "answer", "events", "energy", "contrast", "signals", "scores", "given", "setup",
     ]  # fmt: skip
     assert "measurement" in titles(RUNS["against"])
     assert "energy" not in titles(RUNS["no gravity"])
@@ -400,15 +355,23 @@ def test_further_probes_have_a_section_of_their_own():
     probes = make_run().record["probes"]
     second = {**probes["height_m"], "label": "Sideways", "component": 0}
     run = make_run(probes={**probes, "side_m": second})
-    assert "signals" in titles(run)
-    assert builder.blocks_of([run])[0].figures[0].name == "probe-height_m"
+    assert [f.name for f in builder.blocks_of([run])[0].contexts["signals"]["figures"]] == [
+        "probe-height_m",
+        "probe-side_m",
+    ]
+    leading = builder.blocks_of([run])[0].figures[:2]
+    assert [figure.name for figure in leading] == ["answer", "motion-height_m"]
+    # at one level the motion is seen already
+    alone = make_run([("north", "assisted", 0.8)], probes=run.record["probes"])
+    (figure,) = builder.blocks_of([alone])[0].contexts["signals"]["figures"]
+    assert figure.name == "probe-side_m"
 
 
 def test_most_of_many_signals_are_folded_away(html):
     probe = make_run().record["probes"]["height_m"]
     probes = {f"p{i}_m": {**probe, "label": f"Signal {i}"} for i in range(6)}
     text = html(make_run(probes=probes))
-    assert "<details><summary>The same for Signal 3; Signal 4; Signal 5</summary>" in text
+    assert "<details><summary>The same for Signal 2; Signal 3; Signal 4; Signal 5</summary>" in text
     assert len(re.findall(r'id="run1-figure-probe-p\d_m"', text)) == 6
 
 
@@ -488,8 +451,9 @@ def test_contrast_is_in_tolerances_and_has_no_zero():
     assert np.isnan(assisted[1])  # the rest time was not measured
 
 
-def test_key_picture_shows_truth_below_the_engines_on_one_axis():
-    figure = builder.blocks_of([make_run()])[0].figures[0]
+def test_motion_shows_truth_below_the_engines_at_every_level_on_one_axis():
+    run = make_run()
+    (figure,) = builder.blocks_of([run])[0].contexts["signals"]["figures"]
     assert figure.share_y
     assert [panel.title for panel in figure.panels] == [
         "as each engine behaves by default",
@@ -498,17 +462,30 @@ def test_key_picture_shows_truth_below_the_engines_on_one_axis():
     assert [series.label for series in figure.panels[1].series] == [f"truth ({TRUTH})", "north"]
 
 
+def test_the_answer_shows_the_motion_of_the_engines_by_themselves():
+    run = make_run([("north", mode, 0.8) for mode in ("default", "tuned", "assisted")])
+    figure = builder.blocks_of([run])[0].figures[1]
+    assert [panel.title for panel in figure.panels] == ["everything typed in, plain loop"]
+
+
 def test_figures_are_files(tmp_path):
     found = builder.write_figures([RUNS["no gravity"]], tmp_path / "new" / "folder", "pdf")
     assert [path.name for path in found] == [
-        f"toy-{name}.pdf" for name in ("probe-height_m", "events-restitution", "contrast")
+        f"toy-{name}.pdf"
+        for name in (
+            "answer",
+            "motion-height_m",
+            "events-restitution",
+            "contrast",
+            "probe-height_m",
+        )
     ]
     assert all(path.stat().st_size > 1000 for path in found)
 
 
 def test_figures_of_several_runs_do_not_overwrite_each_other(tmp_path):
     found = builder.write_figures([RUNS["no truth"]] * 2, tmp_path, "svg")
-    assert len({path.name for path in found}) == len(found) == 4
+    assert len({path.name for path in found}) == len(found) == 8
 
 
 def test_unknown_figure_format_is_named(tmp_path):

@@ -226,7 +226,7 @@ def test_steps_of_an_engine_share_its_colour_and_nothing_else(several):
 def test_the_table_has_a_row_for_each_step(call):
     words = ("--engine", "pymunk", "--contact", "tuned", "--step", "1ms,2ms", "--seeds", "1")
     _, out, _ = call("run", "ball", *words)
-    lines = [line.split()[0] for line in out.splitlines() if line.strip().startswith("pymunk")]
+    lines = [line.split()[0] for line in out.splitlines() if line.startswith("pymunk@")]
     assert lines == ["pymunk@1ms", "pymunk@2ms"]
     _, out, _ = call("run", "ball", *words, "--json")
     assert [s["name"] for s in json.loads(out)["sources"]] == ["pymunk@1ms", "pymunk@2ms"]

@@ -44,6 +44,7 @@ from simcompare.reports.sections.waves import WavesAnswer, WavesEngines, WavesHe
 SECTIONS: tuple[Section, ...] = (
     Headline(),
     Measured(),
+    Assistance(),
     Curves(),
     Events(),
     Energy(),
@@ -51,7 +52,6 @@ SECTIONS: tuple[Section, ...] = (
     Signals(),
     Scores(),
     Tuning(),
-    Assistance(),
     Given(),
     Limits(),
     Setup(),

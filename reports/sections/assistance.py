@@ -2,15 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from simcompare.engine.helps import HELPS
+from simcompare.jobs import OK
 from simcompare.reports import numbers, runs
+from simcompare.reports.lead import lead_of
 from simcompare.reports.sections.base import Section
 from simcompare.reports.sections.parts import parts_of
 from simcompare.reports.tables import Column, Group, Table
 from simcompare.results import Run
+from simcompare.scenario import Tolerance
 
+_SHORT = (
+    Column("Help", text=True, whole=True),
+    Column("What it does", text=True, spare=True),
+    Column("Acts in", text=True),
+    Column("Changes most", text=True),
+    Column("With"),
+    Column("Without"),
+    Column("Truth"),
+    Column("Tolerances"),
+)
 _COLUMNS = (
     Column("Engine", text=True),
     Column("Measure", text=True),
@@ -20,6 +34,10 @@ _COLUMNS = (
 )
 #: measures of the leading kind that are shown of each help
 _SHOWN = 4
+#: changes below this part of a tolerance are none
+_NOTHING = 1e-6
+
+Change = tuple[float, str, Mapping[str, Any]]
 
 
 class Assistance(Section):
@@ -28,29 +46,83 @@ class Assistance(Section):
     name, title, template = "helps", "What our helps change", "real_part.html"
 
     def context(self, run: Run) -> dict[str, Any] | None:
-        """One group of rows for each help; ``None`` where none acted."""
+        """The largest change by each help, and all of them folded; ``None`` where none acted."""
         left_out = run.record.get("without") or []
         if not left_out:
             return None
-        lead = runs.measures(run)[:_SHOWN]
-        groups = []
-        for name in HELPS:
-            rows = []
-            for item in (item for item in left_out if item["help"] == name):
-                if item["status"] != "ok":
-                    rows.append((item["source"], item["reason"] or item["status"], "", "–", ""))
-                    continue
-                shown = {row["measure"]: row for row in item["measures"]}
-                rows += [
-                    (
-                        item["source"],
-                        runs.measure_words(measure) + runs.unit_words(shown[measure]["unit"]),
-                        *(numbers.plain(shown[measure][k]) for k in ("with", "without", "truth")),
-                    )
-                    for measure in lead
-                    if measure in shown
-                ]
-            if rows:
-                groups.append(Group(f"{name}: {HELPS[name]}", tuple(rows)))
-        note = "The nominal repeat alone, without one help at a time, all others kept."
-        return parts_of([], [Table("", _COLUMNS, tuple(groups), note)])
+        rows = tuple(
+            _short(run, name, own)
+            for name in HELPS
+            if (own := [item for item in left_out if item["help"] == name])
+        )
+        note = (
+            "The nominal repeat alone, without one help at a time, all others kept. Of each help"
+            " the change that is largest in tolerances."
+        )
+        short = Table("", _SHORT, (Group("", rows),), note)
+        return parts_of([], [short, _every(run, left_out)])
+
+
+def _short(run: Run, name: str, items: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
+    """One row for a help: in how many engines it acts, and the largest change that it makes."""
+    head = (name, HELPS[name])
+    ran = len({item["source"] for item in items if item["status"] == OK})
+    acts = f"{ran} engine{'' if ran == 1 else 's'}"
+    share, source, row = _largest(run, items)
+    if row is None or share <= _NOTHING:
+        return *head, acts, "nothing that is judged", "–", "–", "–", "0"
+    what = f"{runs.measure_words(row['measure'])}{runs.unit_words(row['unit'])} in {source}"
+    values = (numbers.plain(row[key], 5) for key in ("with", "without", "truth"))
+    return *head, acts, what, *values, numbers.plain(share, 2)
+
+
+def _largest(
+    run: Run, items: Sequence[Mapping[str, Any]]
+) -> tuple[float, str, Mapping[str, Any] | None]:
+    """The largest change in tolerances: of the leading measure if it changes, else of any."""
+    lead = lead_of(run)
+    found: list[Change] = [
+        (share, item["source"], row)
+        for item in items
+        if item["status"] == OK
+        for row in item["measures"]
+        if (share := _share(run, item["source"], row)) is not None
+    ]
+    leading = [c for c in found if lead and c[2]["measure"] == lead.measure and c[0] > _LEADS]
+    return max(leading or found, key=lambda change: change[0], default=(0.0, "", None))
+
+
+#: a change of the leading measure by this part of its tolerance is told before any other
+_LEADS = 0.1
+
+
+def _share(run: Run, source: str, row: Mapping[str, Any]) -> float | None:
+    tolerance = runs.tolerances(run, source).get(row["measure"])
+    if tolerance is None or None in (row["with"], row["without"], row["truth"]):
+        return None
+    return float(abs(row["with"] - row["without"]) / Tolerance(**tolerance).width(row["truth"]))
+
+
+def _every(run: Run, left_out: Sequence[Mapping[str, Any]]) -> Table:
+    """One group of rows for each help."""
+    lead = runs.measures(run)[:_SHOWN]
+    groups = []
+    for name in HELPS:
+        rows: list[tuple[str, ...]] = []
+        for item in (item for item in left_out if item["help"] == name):
+            if item["status"] != OK:
+                rows.append((item["source"], item["reason"] or item["status"], "", "–", ""))
+                continue
+            shown = {row["measure"]: row for row in item["measures"]}
+            rows += [
+                (
+                    item["source"],
+                    runs.measure_words(measure) + runs.unit_words(shown[measure]["unit"]),
+                    *(numbers.plain(shown[measure][k]) for k in ("with", "without", "truth")),
+                )
+                for measure in lead
+                if measure in shown
+            ]
+        if rows:
+            groups.append(Group(f"{name}: {HELPS[name]}", tuple(rows)))
+    return Table("Engine by engine", _COLUMNS, tuple(groups), folded=True)

@@ -20,11 +20,11 @@ class Curves(Section):
         The figure that leads the report is not drawn a second time.
         """
         axes = curves.axes_drawn(run)
-        leading = [axis for axis in axes if curves.is_answer(run, axis)][:1]
+        leading = curves.leading_axis(run)
         figures = [
             figure
             for axis in axes
-            for figure in curves.curves_figures(run, axis)[1 if axis in leading else 0 :]
+            for figure in curves.curves_figures(run, axis)[1 if axis == leading else 0 :]
         ]
         figures += [figure for axis in axes for figure in curves.deviations_figures(run, axis)]
         return {"figures": figures} if figures else None

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from simcompare.reports import numbers, runs
+from simcompare.reports.audit import LEFT, SAME, TRANSLATED, UNREAD, state_of
 from simcompare.reports.sections.base import Section
 from simcompare.results import Run
 from simcompare.settings import SHOWN_LEVELS
 
-SAME, LEFT, TRANSLATED, UNREAD = "same", "left", "translated", "unread"
 _WORDS = {
     SAME: "",
     LEFT: "≠ engine's own value",
@@ -36,16 +36,6 @@ class Given(Section):
         # what the scenario asks for, such as the friction of a joint, matters most
         left.sort(key=lambda row: not row["asked"])
         return {"blocks": blocks, "left": left}
-
-
-def state_of(row: Mapping[str, Any]) -> str:
-    """Whether the engine holds the scenario's value, its own, or a translation of it."""
-    wanted, given, held = row["scenario_value"], row["set_value"], row["read_value"]
-    if held is None:
-        return LEFT if given is None else UNREAD
-    if wanted is None or abs(wanted - held) <= 1e-9 * max(abs(wanted), abs(held)):
-        return SAME
-    return LEFT if given is None else TRANSLATED
 
 
 def _velocity(offset_s: float | None) -> str:

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 from typing import Any
 
+from simcompare.compare import FAIL, PASS
 from simcompare.jobs import OK
-from simcompare.reports import curves, runs, timelines, words
-from simcompare.reports.figures import style_of
+from simcompare.reports import curves, remarks, runs, timelines, words
+from simcompare.reports.figures import Figure, style_of
+from simcompare.reports.lead import lead_of
+from simcompare.reports.leading import leading_figure
 from simcompare.reports.sections.base import Section
 from simcompare.results import Run
-from simcompare.settings import SHOWN_LEVELS
+from simcompare.settings import SHOWN_LEVELS, TUNED
+
+#: never told by colour alone
+_MARKS = {PASS: "✓", FAIL: "✗"}
 
 
 class Headline(Section):
@@ -18,24 +24,35 @@ class Headline(Section):
     name, title, template = "answer", "Answer", "headline.html"
 
     def context(self, run: Run) -> dict[str, Any]:
-        """Answer, figure of the leading probe, and a scoreboard."""
-        leading = list(runs.probes(run).items())[:1]
-        figures = [timelines.probe_figure(run, name, probe) for name, probe in leading]
-        over = [axis for axis in curves.axes_drawn(run) if curves.is_answer(run, axis)]
-        if over:  # a curve over something else than time answers more than its making
-            figures = curves.curves_figures(run, over[0])[:1]
-        judged = runs.judged(run)
-        measures = judged or runs.measures(run)
-        lead = measures[0] if measures else None
+        """Answer, leading picture, motion, and a scoreboard."""
+        found = lead_of(run)
+        lead = found.measure if found else None
         return {
             "question": run.record["question"],
             "answer": words.answer(run),
-            "figures": figures,
+            "remarks": remarks.remarks(run),
+            "figures": [f for f in (leading_figure(run), _second_figure(run)) if f is not None],
             "modes": [runs.mode_words(mode) for mode in runs.modes(run)],
             "lead": runs.measure_words(lead) if lead else None,
             "lead_unit": _unit(run, lead),
+            "missing": runs.not_run(run),
             "rows": [_row(run, name, lead) for name in runs.names(run)],
         }
+
+
+def _second_figure(run: Run) -> Figure | None:
+    """A curve over something else than time, which answers more than its making; else the motion.
+
+    The motion is shown as the engines have it by themselves.
+    """
+    axis = curves.leading_axis(run)
+    if axis is not None:
+        return next(iter(curves.curves_figures(run, axis)), None)
+    probes = list(runs.probes(run).items())
+    if not probes:
+        return None
+    mode = TUNED if TUNED in runs.modes(run) else runs.judged_modes(run)[-1]
+    return timelines.motion_figure(run, *probes[0], mode)
 
 
 def _row(run: Run, name: str, lead: str | None) -> dict[str, Any]:
@@ -51,11 +68,11 @@ def _row(run: Run, name: str, lead: str | None) -> dict[str, Any]:
             cells.append({"status": source["status"], "reason": source["reason"]})
             continue
         met, of = runs.passed(run, name, mode)
+        score = runs.score_of(run, name, mode, lead) if lead else None
         cells.append(
             {
-                "value": runs.value_words(
-                    run, runs.score_of(run, name, mode, lead) if lead else None
-                ),
+                "value": runs.value_words(run, score),
+                "mark": _MARKS.get(score.verdict, "") if score else "",
                 "met": None if mode in SHOWN_LEVELS or not of else met,
                 "of": len(runs.judged(run)),
             }

@@ -6,8 +6,8 @@ from typing import Any
 
 from simcompare.reports import measured, numbers, runs
 from simcompare.reports.figures import style_of
+from simcompare.reports.listing import count_of
 from simcompare.reports.sections.base import Section
-from simcompare.reports.words import count_of
 from simcompare.results import Run
 
 _WORDS = {

@@ -1,10 +1,10 @@
-"""The probes beside the leading one."""
+"""Everything that is observed, over time."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from simcompare.reports import runs, timelines
+from simcompare.reports import curves, runs, timelines
 from simcompare.reports.sections.base import Section
 from simcompare.results import Run
 
@@ -13,14 +13,16 @@ _OPEN = 2
 
 
 class Signals(Section):
-    """Everything else that is observed, over time."""
+    """Every probe at every level, over time."""
 
-    name, title, template = "signals", "Other signals", "signals.html"
+    name, title, template = "signals", "Over time", "signals.html"
 
     def context(self, run: Run) -> dict[str, Any] | None:
-        """One figure for each further probe; ``None`` where there is none."""
-        further = list(runs.probes(run).items())[1:]
-        if not further:
+        """One figure for each probe; ``None`` where there is none."""
+        probes = list(runs.probes(run).items())
+        if len(runs.modes(run)) == 1 and not curves.leading_axis(run):
+            probes = probes[1:]  # the whole of the first is in the answer
+        if not probes:
             return None
-        figures = [timelines.probe_figure(run, name, probe) for name, probe in further]
+        figures = [timelines.probe_figure(run, name, probe) for name, probe in probes]
         return {"figures": figures, "open": _OPEN}

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from simcompare.reports import numbers
+from simcompare.reports.remarks import typed
 from simcompare.reports.sections.base import Section
 from simcompare.reports.sections.parts import parts_of
 from simcompare.reports.tables import Column, Group, of_engines
@@ -54,25 +55,12 @@ class Tuning(Section):
 def _title(source: Mapping[str, Any], record: Mapping[str, Any]) -> str:
     pairs = ", ".join("-".join(pair) for pair in record["pairs"])
     said = (
-        f"{source['name']}: {_typed(source, record)} for {numbers.plain(record['restitution'])}"
+        f"{source['name']}: {typed(source, record)} for {numbers.plain(record['restitution'])}"
         f" between {pairs}, at a step of {numbers.plain(1e3 * record['step_s'])} ms"
     )
     if record.get("stall_speed_m_s"):
         said += f"; hops of {numbers.plain(record['stall_speed_m_s'], 2)} m/s never die out"
     return said
-
-
-def _typed(source: Mapping[str, Any], record: Mapping[str, Any]) -> str:
-    """The numbers under the names of the engine's own parameters."""
-    names = {
-        row["set_value"]: row["engine_parameter"]
-        for row in source["audit"]
-        if row["quantity"].endswith("restitution")
-    }
-    return ", ".join(
-        f"{names[value]} = {numbers.plain(value, 6)}" if value in names else numbers.plain(value, 6)
-        for value in record["numbers"]
-    )
 
 
 def _rows(engine: str, record: Mapping[str, Any]) -> tuple[tuple[str, ...], ...]:

@@ -3,10 +3,14 @@
 (() => {
   const options = { responsive: true, displaylogo: false, displayModeBar: "hover", modeBarButtonsToRemove: ["select2d", "lasso2d"] };
   // on a telephone panels stand one below the other instead of side by side
-  const stack = (layout) => {
+  const stack = (layout, data, tall) => {
     const axes = Object.keys(layout).filter((key) => /^xaxis\d*$/.test(key));
-    if (axes.length < 2) return;
-    const part = 1 / axes.length;
+    if (!axes.length) return;
+    // of each part the lower third is for the numbers and words below its axis; the last needs none
+    const count = axes.length - 0.32, part = 1 / count, each = Math.max(260, tall);
+    // names in the legend stand two in a row, long ones alone
+    const names = [...data, ...layout.shapes].filter((one) => one.showlegend).length;
+    const up = 100 + 28 * Math.ceil(0.7 * names);
     axes.forEach((key, i) => {
       const y = layout[`yaxis${key.slice(5)}`], top = 1 - i * part;
       layout[key].domain = [0, 1];
@@ -15,16 +19,16 @@
       const head = layout.annotations[i];
       Object.assign(head, { x: 0, y: top, xanchor: "left", yanchor: "bottom" });
     });
-    layout.margin = { ...layout.margin, t: 190, r: 12 };
-    layout.height = 260 * axes.length + 200;
-    layout.legend.y = 1 + 34 / (260 * axes.length);
+    layout.margin = { ...layout.margin, t: up, r: 12 };
+    layout.height = each * count + up + 64;
+    layout.legend.y = 1 + 34 / (each * count);
     return `${layout.height}px`;
   };
   const draw = (box) => {
     if (box.dataset.drawn) return;
     box.dataset.drawn = "yes";
     const figure = JSON.parse(box.querySelector("script").textContent);
-    const height = box.clientWidth < 640 && stack(figure.layout);
+    const height = box.clientWidth < 640 && stack(figure.layout, figure.data, 0.6 * box.clientHeight);
     if (height) box.style.height = height;
     Plotly.newPlot(box, figure.data, figure.layout, options);
   };

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import shutil
 import sys
-from collections.abc import Iterator
+import textwrap
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,10 @@ import typer
 
 if TYPE_CHECKING:
     from simcompare.runner import Progress
+
+
+#: a value and its scatter stay on one line
+_WHOLE = "\u00a0±\u00a0"
 
 
 def print_json(value: object) -> None:
@@ -39,9 +44,19 @@ def show_table(made: Any) -> None:  # noqa: ANN401
     Console(width=width, markup=False).print(made)  # a unit in brackets is no markup
 
 
-def is_narrow() -> bool:
-    """Whether the terminal is too narrow for a table of many numbers."""
-    return sys.stdout.isatty() and shutil.get_terminal_size().columns < 120
+def width() -> int:
+    """Letters on a line: those of the terminal, 80 where nobody sees one."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else 80
+
+
+def print_wrapped(sentences: Iterable[str]) -> None:
+    """Sentences one below the other, lines that go on indented."""
+    for sentence in sentences:
+        for line in textwrap.wrap(
+            sentence.replace(" ± ", _WHOLE), width(), subsequent_indent="  ",
+            break_long_words=False, break_on_hyphens=False,
+        ):  # fmt: skip
+            typer.echo(line.replace(_WHOLE, " ± "))
 
 
 @contextmanager

@@ -13,9 +13,6 @@ from simcompare.cli import complete
 if TYPE_CHECKING:
     from simcompare.results import Run
 
-#: scores of the whole run that the table shows, in this order, where the scenario measures them
-_SHOWN = 4
-
 
 def run(
     scenario: str = typer.Argument(
@@ -54,6 +51,9 @@ def run(
     ),
     out: Path = typer.Option(Path("runs"), "--out", "-o", help="Folder for the run's own folder."),
     report: bool = typer.Option(True, help="Write report.html into the run's folder."),
+    details: bool = typer.Option(
+        False, "--details", help="Print a table of every measure, not only of the leading one."
+    ),
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
     time_limit: float = typer.Option(120.0, help="Longest time for one simulation, in seconds."),
 ) -> None:
@@ -79,9 +79,10 @@ def run(
         )
     written = _write_report(result) if report else None
     if as_json:
-        console.print_json({**result.record, "exit_code": result.exit_code})
+        more = {"headline": _headline(result), "exit_code": result.exit_code}
+        console.print_json({**result.record, **more})
     else:
-        _print(result, written)
+        _print(result, written, details=details)
     raise typer.Exit(130 if result.interrupted else result.exit_code)
 
 
@@ -93,31 +94,23 @@ def _write_report(result: Run) -> Path | None:
     return builder.write_html([result], result.folder / "report.html")
 
 
-def _print(result: Run, written: Path | None) -> None:
-    from simcompare import notation
-    from simcompare.cli import console
+def _headline(result: Run) -> list[str]:
+    from simcompare.reports import words
 
-    record = result.record
-    judged = list(dict.fromkeys(s.measure for s in result.scores if s.index is None))[:_SHOWN]
-    units = {s.measure: s.unit for s in result.scores}
-    judged = judged[: 2 if console.is_narrow() else _SHOWN]
-    heads = [f"{name} [{units[name]}]" for name in judged]
-    made = console.table("engine", "contact", *heads, "verdict")
-    for source in record["sources"]:
-        made.add_row(*_row(result, source, judged))
-    known = [s for s in result.scores[::-1] if s.index is None and s.truth is not None]
-    truths = {score.measure: score.truth for score in known}  # at the first of several steps
-    if record["truth"] is not None and truths:
-        cells = [notation.number(truths.get(name)) for name in judged]
-        made.add_row(record["truth"], "", *cells, "")
-    console.show_table(made)
-    if record["repeats"] > 1:
-        typer.echo(
-            f"Means over {record['repeats']} repeats; in brackets their standard deviation in the"
-            " last digits."
-        )
-    typer.echo(_levels(record))
-    _print_remarks(record)
+    return words.answer(result)
+
+
+def _print(result: Run, written: Path | None, *, details: bool) -> None:
+    """The answer, the leading measure level by level, and what the reader must know of both."""
+    from simcompare.cli import console
+    from simcompare.reports import overview, remarks, words
+
+    console.print_wrapped(words.answer(result))
+    for made in overview.overviews(result, every=details):
+        typer.echo("\n".join(["", *overview.text(made, console.width())]))
+    typer.echo()
+    console.print_wrapped([*remarks.remarks(result), *_levels(result.record)])
+    _print_remarks(result)
     if result.interrupted:
         typer.echo("Interrupted: what had finished is kept.", err=True)
     if result.folder is not None:
@@ -126,13 +119,19 @@ def _print(result: Run, written: Path | None) -> None:
         typer.echo(f"Report: {written}")
 
 
-def _levels(record: Mapping[str, Any]) -> str:
-    """What the levels of the table are, in a sentence each."""
+def _levels(record: Mapping[str, Any]) -> list[str]:
+    """What the levels of the table are, in a sentence each, and what was run."""
     asked = dict.fromkeys(source["contact"] for source in record["sources"])
     said = dict(_LEVELS)
     if record.get("assist") == "none":
         said["assisted"] = "here with none of our helps, so the same as tuned."
-    return "\n".join(f"{level}: {said[level]}" for level in asked if level in said)
+    # one engine may stand in several rows, each with its step behind an @
+    known = [source for source in record["sources"] if source["version"]]
+    versions = {source["name"].partition("@")[0]: source["version"] for source in known}
+    found = [f"{level}: {said[level]}" for level in asked if level in said]
+    if versions:
+        found.append(f"Versions: {', '.join(f'{name} {own}' for name, own in versions.items())}.")
+    return found
 
 
 #: level -> what stands in its rows
@@ -145,35 +144,16 @@ _LEVELS = {
 }
 
 
-def _print_remarks(record: Mapping[str, Any]) -> None:
+def _print_remarks(result: Run) -> None:
     """What did not run, what was held against, and what lies outside of a fit's range."""
-    for source in record["sources"]:
-        if source["status"] != "ok":  # not in a cell: a command to copy must not be folded
-            typer.echo(f"{source['name']}, {source['contact']}: {source['reason']}")
-    if record["against"] is not None:
-        _print_against(record["against"])
-    for sentence in record.get("cautions", ()):
+    from simcompare.reports import runs
+
+    for row in runs.not_run(result):  # on one line: a command to copy must not be folded
+        typer.echo(f"{row['name']} ({row['modes']}): {row['reason']}")
+    if result.record["against"] is not None:
+        _print_against(result.record["against"])
+    for sentence in result.record.get("cautions", ()):
         typer.echo(f"Caution: {sentence}")
-
-
-def _row(result: Run, source: dict[str, Any], judged: list[str]) -> list[str]:
-    from simcompare import notation
-    from simcompare.compare import FAIL, PASS
-
-    start = [f"{source['name']} {source['version'] or ''}", source["contact"]]
-    if source["status"] != "ok":
-        return [*start, *[""] * len(judged), source["status"]]
-    own = {
-        score.measure: score
-        for score in result.scores
-        if score.index is None
-        and (score.source, score.contact) == (source["name"], source["contact"])
-    }
-    cells = [notation.number(own[n].value, own[n].u) if n in own else "–" for n in judged]
-    verdicts = [score.verdict for score in own.values()]
-    failed = [score.measure for score in own.values() if score.verdict == FAIL]
-    verdict = f"fail: {', '.join(failed)}" if failed else "pass" if PASS in verdicts else "info"
-    return [*start, *cells, verdict]
 
 
 def _measured(match: dict[str, Any]) -> str:

@@ -39,9 +39,13 @@ UNITS = {
     "stall_current": "A",
     "maximum_power": "W",
     "maximum_efficiency": "1",
+    "most_efficient_torque": "N·m",
+    "most_efficient_speed": "rad/s",
     "heat": "J",
     "temperature_rise": "K",
 }
+#: where the motor is most efficient
+_WHERE = ("most_efficient_torque", "most_efficient_speed")
 
 
 def measure(trajectory: Trajectory, request: Request) -> Measured:
@@ -58,7 +62,8 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         The series over ``torque``. Values: ``no_load_speed``, ``no_load_current``,
         ``stall_torque`` and ``stall_current``, extrapolated; ``maximum_power`` and
         ``maximum_efficiency`` of the fitted curves (``None`` where the top is not between the
-        points); ``heat`` and ``temperature_rise`` over the whole record, from V·i - τ·ω.
+        points); ``most_efficient_torque`` and ``most_efficient_speed``, where the latter is;
+        ``heat`` and ``temperature_rise`` over the whole record, from V·i - τ·ω.
     """
     options, time_s = request.options, trajectory.time_s
     speed = rate_of(request.seen(trajectory, "angle"), time_s)
@@ -112,7 +117,7 @@ def _fitted(torque: Array, speed: Array, current: Array, voltage: Array) -> dict
     """Ends and tops of the curves, from straight lines of speed, current and voltage."""
     names = ("no_load_speed", "no_load_current", "stall_torque", "stall_current")
     if len(torque) < 2 or np.ptp(torque) == 0:
-        return dict.fromkeys((*names, "maximum_power", "maximum_efficiency"))
+        return dict.fromkeys((*names, "maximum_power", "maximum_efficiency", *_WHERE))
     (fall, idle_speed), (growth, idle_current), (sag, idle_voltage) = (
         np.polyfit(torque, values, 1) for values in (speed, current, voltage)
     )
@@ -121,10 +126,14 @@ def _fitted(torque: Array, speed: Array, current: Array, voltage: Array) -> dict
     fine = np.linspace(torque.min(), torque.max(), FINE)
     power = fine * (idle_speed + fall * fine)
     taken = (idle_voltage + sag * fine) * (idle_current + growth * fine)
+    place = _place_of_top(power / taken)
+    best = None if place is None else float(np.interp(place, np.arange(len(fine)), fine))
     return {
         **{n: float(v) if np.isfinite(v) else None for n, v in zip(names, ends, strict=True)},
         "maximum_power": _top(power),
         "maximum_efficiency": _top(power / taken),
+        "most_efficient_torque": best,
+        "most_efficient_speed": None if best is None else float(idle_speed + fall * best),
     }
 
 
@@ -132,3 +141,13 @@ def _top(values: Array) -> float | None:
     """Largest of many values on a smooth curve; ``None`` where it is the first or the last."""
     best = int(np.argmax(values))
     return float(values[best]) if 0 < best < len(values) - 1 else None
+
+
+def _place_of_top(values: Array) -> float | None:
+    """Where between many values a smooth curve is largest: the top of a parabola through three."""
+    best = int(np.argmax(values))
+    if not 0 < best < len(values) - 1:
+        return None
+    before, top, after = values[best - 1 : best + 2]
+    bend = before - 2 * top + after
+    return best + (0.5 * float((before - after) / bend) if bend else 0.0)

@@ -1,0 +1,226 @@
+"""The picture that leads a report: value and scatter of every source and level, at the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from simcompare.jobs import OK
+from simcompare.reports import runs
+from simcompare.reports.figures import Figure, Note, Panel, Series, Span, Style, spread
+from simcompare.reports.lead import NOTHING, Lead, Row, lead_of, rows_of
+from simcompare.results import TRUTH, Run
+from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, SHOWN_LEVELS, TUNED
+
+#: levels differ by colour, marker and filling, so that each alone tells them
+_STYLES = {
+    DEFAULT: Style("#555555", marker="circle", hollow=True),
+    COEFFICIENTS: Style("#E69F00", marker="x"),
+    TUNED: Style("#0072B2", marker="square"),
+    ASSISTED: Style("#009E73", marker="diamond"),
+    "fitted": Style("#CC79A7", marker="triangle-up"),
+}
+#: the panel beside the truth shows at least and at most so many tolerances to either side
+_NEAREST, _FARTHEST = 3.0, 15.0
+#: the whole shows at most so many times the truth beyond it
+_WHOLE = 1.5
+#: part of a panel's width that is left free at its ends
+_MARGIN = 0.05
+#: bars below this part of a panel's width are hidden by their point
+_SHORT = 0.005
+#: how much of its row the levels of a source take
+_SPREAD = 0.8
+#: height of a row that holds one level, and of the rest of a figure, in usual heights
+_ROW, _FRAME = 0.032, 0.34
+_SMALLEST, _TALLEST = 0.8, 3.0
+
+
+@dataclass(frozen=True)
+class _Scale:
+    """How a panel shows values.
+
+    Attributes:
+        low: left end.
+        high: right end.
+        in_tolerances: whether deviations in tolerances are drawn, and not values.
+    """
+
+    low: float
+    high: float
+    in_tolerances: bool
+
+    def x(self, lead: Lead, value: float, width: float | None) -> float:
+        """Where a value stands."""
+        return lead.off(value, width) if self.in_tolerances else value
+
+    def holds(self, x: float) -> bool:
+        """Whether something can be drawn at a place."""
+        return self.low <= x <= self.high
+
+    @property
+    def free(self) -> float:
+        """A little of the width."""
+        return (self.high - self.low) * _MARGIN / 2
+
+
+def leading_figure(run: Run) -> Figure | None:
+    """One row for each source; ``None`` where nothing was measured."""
+    lead = lead_of(run)
+    if lead is None:
+        return None
+    found = {mode: rows_of(run, lead, mode) for mode in runs.modes(run)}
+    known = {mode: rows for mode, rows in found.items() if rows}
+    values = [row.value for rows in known.values() for row in rows if row.value is not None]
+    near = _near(lead, known)
+    whole = _whole(lead, values)
+    scales = [scale for scale in (whole, near) if scale is not None]
+    alike = len(lead.widths) == 1
+    if near is not None and alike and all(near.holds(lead.off(value)) for value in values):
+        scales = [_values_of(near, lead)]
+    panels = tuple(_panel(run, lead, found, scale, i) for i, scale in enumerate(scales))
+    rows = len(runs.names(run)) * (len(found) + 0.6)
+    height = min(max(_FRAME + _ROW * rows, _SMALLEST), _TALLEST)
+    title = f"{lead.words[0].upper()}{lead.words[1:]} in every engine"
+    return Figure("answer", title, _caption(run, lead, scales), panels, True, height)
+
+
+def _near(lead: Lead, rows: dict[str, list[Row]]) -> _Scale | None:
+    """The neighbourhood of the truth, as wide as what is judged needs."""
+    if not lead.is_judged or not lead.width:
+        return None
+    judged = [mode for mode in rows if mode not in SHOWN_LEVELS] or list(rows)
+    found = [row for mode in judged for row in rows[mode]]
+    offs = [abs(lead.off(row.value, row.width)) for row in found if row.value is not None]
+    inside = [off for off in offs if off <= _FARTHEST]
+    half = min(max([_NEAREST, *(1.25 * off for off in inside)]), _FARTHEST * 1.1)
+    return _Scale(-half, half, True)
+
+
+def _values_of(near: _Scale, lead: Lead) -> _Scale:
+    """The same neighbourhood with values along the axis."""
+    truth, width = lead.truth or 0.0, lead.width or 0.0
+    return _Scale(truth + near.low * width, truth + near.high * width, False)
+
+
+def _whole(lead: Lead, values: Sequence[float]) -> _Scale:
+    """All values and the truth; what is very far is left to arrows."""
+    true = [] if lead.truth is None else [lead.truth, 0.0]
+    size = max(abs(lead.truth or 0.0), 100 * (lead.width or 0.0))
+    kept = [v for v in values if lead.truth is None or abs(v - lead.truth) <= _WHOLE * size]
+    ends = [*kept, *true] or [0.0]
+    low, high = min(ends), max(ends)
+    margin = _MARGIN * ((high - low) or abs(high) or 1.0)
+    return _Scale(low - margin, high + margin, False)
+
+
+def _panel(run: Run, lead: Lead, found: dict[str, list[Row]], scale: _Scale, place: int) -> Panel:
+    names = runs.names(run)
+    # beside the truth only what is judged: all else has its place on the left
+    modes = [mode for mode in found if place == 0 or mode not in SHOWN_LEVELS] or list(found)
+    series: list[Series] = []
+    notes: list[Note] = []
+    drawn = {row.name for mode in modes for row in found[mode]}
+    for mode in modes:
+        shift = spread(list(found).index(mode), len(found), _SPREAD)
+        at = {row.name: row for row in found[mode]}
+        none = {name: Row(name, None, None, NOTHING) for name in drawn if name not in at}
+        places = [
+            (i + shift, {**at, **none}[name]) for i, name in enumerate(names) if name in drawn
+        ]
+        made, beside = _drawn(lead, mode, places, scale)
+        series += made
+        notes += beside
+    notes += [
+        Note(scale.low + scale.free, float(i), _missing(run, name))
+        for i, name in enumerate(names)
+        if name not in drawn
+    ]
+    if scale.in_tolerances:
+        title, label = "near the truth", f"deviation ÷ tolerance of {_width(lead)}"
+    else:
+        title = "the whole" if place == 0 else "near the truth"
+        label = f"{lead.words}{runs.unit_words(lead.unit)}"
+    return Panel(
+        title, label, "", tuple(series), spans=_truth(lead, scale), y_ticks=tuple(names),
+        x_limits=(scale.low, scale.high), notes=tuple(notes), weight=1.0 if place == 0 else 1.3,
+    )  # fmt: skip
+
+
+def _drawn(
+    lead: Lead, mode: str, places: Sequence[tuple[float, Row]], scale: _Scale
+) -> tuple[list[Series], list[Note]]:
+    """Points of one level with their scatter; arrows at the edge and dashes where there is none."""
+    style = _STYLES.get(mode, Style("#882255", marker="star"))
+    inside, arrows, notes = [], [], []
+    for y, row in places:
+        if row.value is None:
+            notes.append(Note(scale.low + scale.free, y, "–", colour=style.colour))
+            continue
+        x = scale.x(lead, row.value, row.width)
+        if scale.holds(x):
+            u, width = row.u or 0.0, row.width or lead.width
+            inside.append((x, y, u / width if scale.in_tolerances and width else u))
+            continue
+        left = x < scale.low
+        edge = scale.low + scale.free if left else scale.high - scale.free
+        arrows.append((edge, y, left))
+        text, side = lead.text(row.value), "right" if left else "left"
+        inner = edge + scale.free * (1 if left else -1)
+        notes.append(Note(inner, y, text, side, style.colour))
+    made = _points(mode, style, inside, scale) if inside else []
+    for left in (True, False):
+        ends = [(x, y, 0.0) for x, y, one in arrows if one == left]
+        if ends:
+            arrow = replace(style, marker="triangle-left" if left else "triangle-right")
+            made += _points(mode, arrow, ends, scale)
+    return made, notes
+
+
+def _points(
+    mode: str, style: Style, rows: Iterable[tuple[float, float, float]], scale: _Scale
+) -> list[Series]:
+    """Points with their scatter, and points whose scatter is too small to be seen."""
+    x, y, u = (np.array(column, dtype=float) for column in zip(*rows, strict=True))
+    # the ends of a bar that is no longer than its point would lie across it
+    short = u < _SHORT * (scale.high - scale.low)
+    label = runs.mode_words(mode)
+    return [
+        Series(label, x[own], y[own], style, bars, points=True, line=False)
+        for own, bars in ((~short, u[~short]), (short, None))
+        if own.any()
+    ]
+
+
+def _truth(lead: Lead, scale: _Scale) -> tuple[Span, ...]:
+    if lead.truth is None:
+        return ()
+    centre, half = scale.x(lead, lead.truth, None), lead.width or 0.0
+    half = 1.0 if scale.in_tolerances else half
+    line = Span(centre, centre, f"truth ({TRUTH})")
+    return (Span(centre - half, centre + half, "tolerance"), line) if lead.width else (line,)
+
+
+def _missing(run: Run, name: str) -> str:
+    """What became of a source of which nothing can be drawn."""
+    states = {s["status"] for s in run.record["sources"] if s["name"] == name} - {OK}
+    return f"– {', '.join(sorted(states))}"
+
+
+def _width(lead: Lead) -> str:
+    return lead.accepted + ("" if lead.unit in ("", "1") else f" {lead.unit}")
+
+
+def _caption(run: Run, lead: Lead, scales: Sequence[_Scale]) -> str:
+    parts = ["One row for each engine, one symbol for each level"]
+    repeats = run.record["repeats"]
+    if repeats > 1:
+        parts.append(
+            f"bars are one standard deviation over {repeats} repeats,"
+            " where it is more than the symbol is wide"
+        )
+    text = f"{'; '.join(parts)}."
+    if len(scales) > 1:
+        text += " On the right, what is judged, in units of the tolerance: from −1 to 1 is within."
+    return f"{text} Arrows at an edge point to values beyond it; – was not measured."

@@ -1,0 +1,103 @@
+"""The leading measure of every source and level as one small table, for the terminal."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+
+from simcompare import notation
+from simcompare.compare import FAIL, PASS
+from simcompare.jobs import OK
+from simcompare.reports import runs
+from simcompare.reports.lead import Lead, lead_as, lead_of
+from simcompare.reports.tables import Column, Group, Table, lines
+from simcompare.results import TRUTH, Run
+from simcompare.settings import SHOWN_LEVELS
+
+#: further digits than the tolerance leaves
+_MORE = 2
+_VERDICTS = {PASS: " pass", FAIL: " fail"}
+
+
+def overview(run: Run, measure: str | None = None) -> Table | None:
+    """Sources as rows, levels as columns, the truth below; ``None`` where nothing was asked for.
+
+    Args:
+        run: the run.
+        measure: what is shown; the leading measure where ``None``.
+    """
+    lead = lead_of(run) if measure is None else lead_as(run, measure)
+    modes = runs.modes(run)
+    if not modes:
+        return None
+    # a judged value is followed by its verdict
+    columns = [Column(mode, text=mode not in SHOWN_LEVELS, whole=True) for mode in modes]
+    rows = [(name, *(_cell(run, lead, name, mode) for mode in modes)) for name in runs.names(run)]
+    if lead is not None and lead.truth is not None:
+        true = _value(lead, lead.truth, None)
+        rows.append((TRUTH, *(true for _ in modes)))
+    return Table(
+        _title(run, lead), (Column("engine", text=True), *columns), (Group("", tuple(rows)),)
+    )
+
+
+def overviews(run: Run, *, every: bool) -> list[Table]:
+    """The table of the leading measure, and those of all others where they are wanted."""
+    lead = lead_of(run)
+    others = [name for name in runs.measures(run) if lead and name != lead.measure]
+    made = [overview(run), *(overview(run, name) for name in others if every)]
+    return [table for table in made if table is not None]
+
+
+def text(table: Table, width: int) -> Iterator[str]:
+    """A table with its title above it."""
+    yield from textwrap.wrap(table.title, width)
+    yield from lines(table, width)
+
+
+def _title(run: Run, lead: Lead | None) -> str:
+    if lead is None:
+        return ""
+    unit = "" if lead.unit in ("", "1") else f" in {lead.unit}"
+    title = f"{lead.words}{unit}"
+    if run.record["repeats"] > 1:
+        title += f", mean of {run.record['repeats']} (scatter in the last digits)"
+    if lead.width is None:
+        return title
+    return f"{title}; tolerance {lead.accepted}"
+
+
+def _cell(run: Run, lead: Lead | None, name: str, mode: str) -> str:
+    source = runs.source_of(run, name, mode)
+    if source is None:
+        return "–"
+    if source["status"] != OK:
+        return str(source["status"])
+    score = runs.score_of(run, name, mode, lead.measure) if lead else None
+    if lead is None or score is None:
+        return "–"
+    return _value(lead, score.value, score.u) + _VERDICTS.get(score.verdict, "")
+
+
+def _value(lead: Lead, value: float | None, u: float | None) -> str:
+    """A value in the concise notation, to a hundredth of the tolerance at most."""
+    if value is None:
+        return "–"
+    places = lead.places(value)
+    if places is None:
+        text = notation.number(value, u)
+        return f"−{text[1:]}" if text.startswith("-") else text
+    places += _MORE
+    text = f"{value:.{places}f}"
+    text = text.lstrip("-") if float(text) == 0 else text.replace("-", "−")
+    digits = round((u or 0.0) * 10**places)
+    if digits >= 100:  # two digits of the scatter are enough
+        less = len(str(digits)) - 2
+        kept = min(less, places)
+        return _value_at(value, u or 0.0, places - kept)
+    return f"{text}({digits})" if digits else text
+
+
+def _value_at(value: float, u: float, places: int) -> str:
+    text = f"{value:.{places}f}".replace("-", "−")
+    return f"{text}({round(u * 10**places)})"

@@ -1,0 +1,253 @@
+"""The answer of a run in words: golden sentences from made records."""
+
+from dataclasses import replace
+
+import pytest
+
+from simcompare.reports import listing, remarks, runs, words
+from simcompare.reports.leading import leading_figure
+from simcompare.results import Run
+from tests.test_reports import TOLERANCES, audit_row, make_run, source
+
+ANSWER = {
+    "measure": "restitution",
+    "within": "the ball bounces with {value}",
+    "outside": "the ball bounces with {value}",
+    "nothing": "the ball stays on the floor",
+    "causes": [{"quantity": "ball restitution", "says": "no restitution is set"}],
+}
+
+
+def answered(sources, **more):
+    return make_run(sources, **{"answer": ANSWER, **more})
+
+
+def changed(run, name, **fields):
+    """The same run with fields of the scores of one engine replaced."""
+    found = tuple(
+        replace(s, **fields) if s.source == name and s.measure == "restitution" else s
+        for s in run.scores
+    )
+    return Run(run.record, found, run.trajectories, None, run.interrupted)
+
+
+def level(mode, **values):
+    return [(name, mode, value) for name, value in values.items()]
+
+
+def test_all_engines_that_pass_are_one_clause_with_the_largest_deviation():
+    run = answered(level("assisted", north=0.8001, south=0.7998, west=0.8042))
+    # scores.tolerance is 0.008, so three decimals are told; 0.0042 is rounded up
+    assert words.answer(run) == [
+        "With our helps, the ball bounces with 0.801 ± 0.001 in all 3 engines,"
+        " within 0.005 of the closed form of 0.8."
+    ]
+
+
+def test_engines_that_agree_are_grouped_and_the_odd_ones_named():
+    values = {"north": 0.801, "south": 0.803, "east": 0.9, "west": 0.904, "far": 0.7}
+    assert words.answer(answered(level("tuned", **values))) == [
+        "Tuned, the ball bounces with 0.802 ± 0.001 in north and south;"
+        " outside the tolerance: 0.902 ± 0.001 in east and west, 0.700 ± 0.001 in far,"
+        " where the closed form gives 0.8."
+    ]
+
+
+def test_one_that_scatters_stands_apart_from_those_that_do_not():
+    run = changed(answered(level("tuned", north=0.9, south=0.9)), "south", u=0.05)
+    assert "0.900 ± 0.001 in north, 0.900 ± 0.050 in south" in words.answer(run)[0]
+
+
+def test_what_is_outside_is_told_with_enough_digits_to_see_it():
+    # 0.8083 would round to 0.808, which is on the edge of 0.8 ± 0.008
+    assert "0.8083" in words.answer(answered(level("tuned", north=0.8083)))[0]
+
+
+def test_by_default_nothing_happens_and_the_audit_tells_why():
+    (sentence,) = words.answer(answered(level("default", north=0.0, south=0.001)))
+    assert sentence == (
+        "By default the ball stays on the floor in north and south: no restitution is set."
+    )
+
+
+def test_what_most_engines_do_wrong_comes_first():
+    run = answered(level("tuned", north=0.0, south=0.0, west=0.5))
+    assert words.answer(run)[0] == (
+        "Tuned, the ball stays on the floor in north and south;"
+        " the ball bounces with 0.500 ± 0.001 in west, where the closed form gives 0.8."
+    )
+
+
+def test_a_cause_is_told_only_of_engines_that_hold_a_value_of_their_own():
+    run = answered(level("default", north=0.0, south=0.0))
+    run.record["sources"][1]["audit"] = [{**audit_row("default"), "read_value": 0.8}]
+    assert words.answer(run)[0].endswith(": in north no restitution is set.")
+    run.record["sources"][0]["audit"] = []
+    assert words.answer(run)[0].endswith("north and south.")
+
+
+def test_a_value_that_could_not_be_measured_is_nothing():
+    run = changed(answered(level("tuned", north=0.8, south=0.8)), "south", value=None)
+    assert words.answer(run)[0].endswith("; the ball stays on the floor in south.")
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_a_value_that_is_not_finite_is_nothing(value):
+    run = changed(answered(level("tuned", north=0.8)), "north", value=value)
+    assert words.answer(run) == ["Tuned, the ball stays on the floor in north."]
+
+
+def test_the_same_at_two_levels_is_said_once():
+    run = answered([*level("tuned", north=0.8), *level("assisted", north=0.8)])
+    (sentence,) = words.answer(run)
+    assert sentence.startswith("Tuned, the ball bounces with 0.800 ± 0.001 in north")
+    assert sentence.endswith("of 0.8; with our helps the same.")
+
+
+def test_the_step_is_told_where_all_took_the_same():
+    run = answered(level("tuned", north=0.8, south=0.8))
+    row = {**audit_row("tuned"), "quantity": "engine step_s", "set_value": 0.002}
+    for one in run.record["sources"]:
+        one["audit"] = [row]
+    assert words.answer(run)[0].startswith("Tuned at a step of 2 ms, the ball")
+    run.record["sources"][0]["audit"] = [{**row, "set_value": 0.001}]
+    assert words.answer(run)[0].startswith("Tuned, the ball")
+
+
+def test_without_helps_the_level_says_so():
+    run = answered(level("assisted", north=0.8), assist="none")
+    assert words.answer(run)[0].startswith("With none of our helps,")
+
+
+def test_another_measure_in_a_template_is_filled_in():
+    answer = {**ANSWER, "within": "the ball bounces with {value} for {settling_time}"}
+    run = answered(level("tuned", north=0.8), answer=answer)
+    timed = [replace(s, value=3.96) if s.measure == "settling_time" else s for s in run.scores]
+    (sentence,) = words.answer(Run(run.record, tuple(timed), run.trajectories))
+    assert "bounces with 0.800 ± 0.001 for 4.0 s in north" in sentence
+
+
+def test_many_values_end_in_a_range():
+    values = {f"e{i}": 0.1 * i for i in range(1, 8)}  # e7 is 0.7
+    (sentence,) = words.answer(answered(level("tuned", **values)))
+    assert sentence.count(" in e") == 6
+    assert "0.100 to 0.200 in e1 and e2" in sentence
+
+
+def test_without_an_answer_the_first_judged_measure_leads():
+    assert words.answer(make_run(level("default", north=0.5))) == [
+        "By default the restitution is 0.500 ± 0.001 in north, where the closed form gives 0.8."
+    ]
+    # a scenario may name what this run did not measure
+    other = {**ANSWER, "measure": "bounciness"}
+    assert words.answer(make_run(level("default", north=0.5), answer=other))[0].startswith(
+        "By default the restitution is"
+    )
+
+
+def test_without_a_truth_nothing_is_called_right_or_wrong():
+    assert words.answer(answered(level("assisted", north=0.7), truth=None)) == [
+        "With our helps, the ball bounces with 0.7000 ± 0.0010 in north.",
+        "There is no truth to hold the restitution against.",
+    ]
+
+
+def test_nothing_measured_says_so():
+    run = answered(level("default", north=None))
+    assert words.answer(run) == ["Nothing was measured."]
+    assert remarks.remarks(run) == ["Did not run: north (failed). The reasons are below."]
+
+
+# remarks
+
+
+def test_what_was_missed_is_named_measure_by_measure_and_the_farthest_with_its_size():
+    run = answered(level("assisted", north=0.801, south=0.9))
+    assert remarks.remarks(run) == [
+        "With our helps, missed: settling time by north and south; restitution by south;"
+        " farthest is south, restitution off by 0.1000 ± 0.0010, 12 times the tolerance."
+    ]
+
+
+def test_that_all_tolerances_are_met_is_said():
+    only = {"restitution": TOLERANCES["restitution"]}
+    run = answered(level("assisted", north=0.8, south=0.8, west=0.8), tolerances=only)
+    assert remarks.remarks(run) == ["With our helps, the one tolerance is met in all 3 engines."]
+
+
+def test_engines_that_did_not_run_are_told_once_by_what_became_of_them():
+    run = answered([*level("tuned", north=0.8, south=None), *level("assisted", south=None)])
+    run.record["sources"] += [source("east", "tuned", "missing", "pip install it")]
+    found = remarks.remarks(run)
+    assert "Did not run: south (failed); east (missing). The reasons are below." in found
+
+
+def test_an_interrupted_run_says_so():
+    run = answered(level("assisted", north=0.8), interrupted=True)
+    assert remarks.remarks(run)[-1] == "The run was interrupted before it was complete."
+
+
+def tuning(numbers, depth_m, contact_s):
+    at = {"penetration_m": depth_m, "contact_s": contact_s}
+    return [{"numbers": numbers, "restitution": 0.8, "size_m": 0.04, "at": [at], "pairs": []}]
+
+
+def test_what_is_typed_in_and_what_contacts_cost():
+    run = answered(level("tuned", north=0.8, south=0.8, west=0.8))
+    north, south, west = run.record["sources"]
+    north["tuning"] = tuning([0.80132], 1e-7, 0.0019)
+    south["tuning"] = tuning([-119338.1, -50.87462], 0.01172, 0.0086)
+    south["audit"] = [
+        {**audit_row("tuned"), "engine_parameter": f"spring[{i}]", "set_value": value}
+        for i, value in enumerate(south["tuning"][0]["numbers"])
+    ]
+    west["tuning"] = tuning([0.79853], 0.0043, 0.001)
+    assert remarks.remarks(run)[:2] == [
+        "Typed in for a restitution of 0.8: 0.8013 in north, spring = (−119338, −50.8746) in"
+        " south, 0.7985 in west.",
+        "Tuned, the first contact sinks 12 mm for 8.6 ms in south; 4.3 mm for 1 ms in west;"
+        " less than 0.4 mm for 1.9 ms in north.",
+    ]
+
+
+# lists
+
+
+@pytest.mark.parametrize(
+    ("part", "whole", "text"),
+    [(0, 3, "none of the 3 engines"), (2, 3, "2 of 3 engines"), (3, 3, "all 3 engines"),
+     (1, 1, "the one engine"), (0, 1, "not the one engine")],
+)  # fmt: skip
+def test_counts_in_words(part, whole, text):
+    assert listing.count_of(part, whole) == text
+
+
+def test_one_engine_in_several_rows_is_not_several_engines():
+    assert listing.engines(["a", "b", "c"], ["a", "b", "c"]) == "all 3 engines"
+    rows = ["a", "a@2ms", "a:rk4"]
+    assert listing.engines(rows, rows) == "all 3 rows"
+    assert listing.engines(["a", "c"], ["a", "b", "c"]) == "a and c"
+    assert listing.engines(list("acdef"), list("abcdef")) == "all 6 engines but b"
+
+
+def test_a_tolerance_with_both_widths_is_the_larger_one():
+    both = {"restitution": {"relative": 0.1, "absolute": 0.01, "reason": "Because of both."}}
+    run = make_run(level("default", north=0.5), tolerances=both)
+    score = next(s for s in run.scores if s.measure == "restitution" and s.index is None)
+    assert runs.width(run, score) == pytest.approx(0.08)
+
+
+def test_each_source_is_held_to_its_own_tolerance(monkeypatch):
+    """As where steps are compared, and longer ones are held to less."""
+    run = answered(level("tuned", north=0.82, south=0.82, west=0.8))
+    wide = {"north": 0.04}
+    monkeypatch.setattr(runs, "width", lambda run, score: wide.get(score.source, 0.008))
+    assert words.answer(run) == [
+        "Tuned, the ball bounces with 0.800 ± 0.001 in west, 0.820 ± 0.001 in north;"
+        " outside the tolerance: 0.820 ± 0.001 in south, where the closed form gives 0.8."
+    ]
+    whole, near = leading_figure(run).panels
+    assert near.x_label == "deviation ÷ tolerance of 0.008 or 0.04"
+    # north by its own tolerance; points with and without a bar are two series
+    assert sorted(x for s in near.series for x in s.x) == pytest.approx([0.0, 0.5, 2.5])
+    assert sorted(x for s in whole.series for x in s.x) == pytest.approx([0.8, 0.82, 0.82])
