@@ -23,6 +23,8 @@ from simcompare.tuning.statement import Statement
 
 #: impact speeds and step where none are given
 SPEEDS_M_S, STEP_S = (0.5, 4.0), 0.001
+#: steps that make sense for something that bounces [s]
+SHORTEST_S, LONGEST_S = 1e-6, 0.1
 #: contact levels in which numbers can be typed in
 LEVELS = (COEFFICIENTS, TUNED)
 
@@ -38,7 +40,7 @@ class Tuned:
         status: "ok", "unsupported", "missing" or "failed".
         reason: one sentence where the status is not "ok"; the nearest that can be had is in it.
         statement: what to type in, and what it does; ``None`` where the status is not "ok".
-        snippet: lines to copy into a loop of one's own.
+        snippet: lines to copy into a loop of one's own; empty where only the settings are known.
         about: which pairs of a scenario it is for.
         notes: in what the drop stands for something else than the scene.
     """
@@ -58,7 +60,7 @@ def tune(
     scenario: str | None = None,
     *,
     engine: str = "all",
-    restitution: float | None = None,
+    restitution: str | float | None = None,
     speed: str | float | Sequence[float] | None = None,
     step: str | float | None = None,
     mass: str | float | None = None,
@@ -143,7 +145,7 @@ class _Asked:
     """What was given, to be refused where it contradicts itself."""
 
     scenario: str | None
-    restitution: float | None
+    restitution: str | float | None
     numbers: tuple[float, ...]
     contact: str | None
     engines: Sequence[str]
@@ -200,14 +202,15 @@ def _check_numbers(engine: str, numbers: tuple[float, ...]) -> None:
 
 
 def _request(
-    restitution: float | None,
+    restitution: str | float | None,
     mass: str | float | None,
     radius: str | float | None,
     step: str | float | None,
 ) -> Request:
-    if restitution is not None and not restitution > 0:
-        raise InputError("--restitution", [f"{restitution:g}: expected a number above 0, up to 1"])
-    request = Request(restitution, *SPEEDS_M_S, STEP_S if step is None else _step_s(step))
+    wanted = None if restitution is None else units.to_si(restitution, "1", "--restitution")
+    if wanted is not None and not 0 < wanted <= 1:
+        raise InputError("--restitution", [f"{restitution}: expected a number above 0, up to 1"])
+    request = Request(wanted, *SPEEDS_M_S, STEP_S if step is None else _step_s(step))
     if mass is not None:
         request = replace(request, mass_kg=_above_0(mass, "kg", "--mass"))
     if radius is not None:
@@ -263,7 +266,11 @@ def _with_unit(text: str | float, unit: str) -> str | float:
 
 
 def _step_s(step: str | float) -> float:
-    return _above_0(step, "s", "--step")
+    found = _above_0(step, "s", "--step")
+    if not SHORTEST_S <= found <= LONGEST_S:
+        wanted = f"expected {SHORTEST_S:g} s to {LONGEST_S:g} s, such as 2ms"
+        raise InputError("--step", [f"{step} is {found:g} s; {wanted}"])
+    return found
 
 
 def _above_0(value: str | float, unit: str, where: str) -> float:
@@ -327,17 +334,14 @@ def _row(found: Answer, request: Request) -> Tuned:
 
 
 def _told(backend: Backend, row: Tuned) -> Tuned:
-    """The row with the lines to copy; what nothing leaves the floor with has none."""
-    assert row.statement is not None
-    template = getattr(backend, "snippet", "") if row.request.level == TUNED else ""
-    if template:
-        text = template.format(*row.statement.numbers, step_s=row.request.step_s)
-    else:
-        text = "\n".join(
-            f"{one.parameter} = {one.value!r}" + (f"  # {one.unit}" if one.unit else "")
-            for one in row.statement.typed
-        )
-    return replace(row, snippet=text)
+    """The row with the lines to copy, where the engine has some for all that is set."""
+    found, request = row.statement, row.request
+    template = getattr(backend, "snippet", "") if request.level == TUNED else ""
+    if found is None or not template:
+        return row
+    typed = {one.parameter: one.value for one in found.typed}
+    snippet = template.format(*found.numbers, step_s=request.step_s, typed=typed)
+    return replace(row, snippet=snippet)
 
 
 def numbers_of(options: Mapping[str, str], engine: str) -> tuple[float, ...]:

@@ -17,6 +17,7 @@ from simcompare.tune import numbers_of, tune
 from simcompare.tuning.drops import even_phases
 from tests.bare_drops import (
     COEFFICIENT_ENGINES,
+    BareDrops,
     DartDrops,
     G,
     MujocoDrops,
@@ -32,7 +33,7 @@ OTHER_PHASES = even_phases(25, 0.3)
 
 
 def tuned(engine, **asked):
-    need(engine)
+    need(engine.partition(":")[0])
     (row,) = tune(engine=engine, **{"restitution": 0.8, "step": "2ms", **asked})
     return row
 
@@ -117,6 +118,8 @@ def test_the_stiffest_contact_within_a_scatter_and_the_steadiest_within_a_depth(
     assert steady.at[0].penetration_m > usual.at[0].penetration_m
     shallow = tuned("mujoco", speed=2, depth="6mm").statement
     assert shallow.at[0].penetration_m <= 0.006
+    # what holds scatters by 3 % at most, whatever was sought
+    assert shallow.fault or shallow.scatter <= 0.03 * 0.8
     # nothing as shallow scatters less: the stiffest one of the same depth does not
     both = tuned("mujoco", speed=2, depth="6mm", scatter="10%").statement
     assert shallow.scatter <= both.scatter
@@ -226,7 +229,56 @@ class PastedMujoco(MujocoDrops):
         self.data = mujoco.MjData(self.model)
 
 
+class PastedBox2d(BareDrops):
+    def open(self, text):
+        import pyb2d3
+
+        names = {"pyb2d3": pyb2d3, "gravity": (0.0, -G)}
+        exec(text, names)
+        self.world, surface = names["world"], names["definition"]
+        floor = self.world.create_body(type=pyb2d3.BodyType.STATIC, position=(0.0, 0.0))
+        floor.create_shapes(surface, [pyb2d3.box(100.0, 0.5, (0.0, -0.5), pyb2d3.Rot(0.0))])
+        self.body = self.world.create_body(type=pyb2d3.BodyType.DYNAMIC, position=(0.0, 1.0))
+        self.body.create_shapes(surface, [pyb2d3.circle((0.0, 0.0), self.radius_m)])
+        # the line that steps, as it was printed
+        self.line = compile(text.splitlines()[-1], "pasted", "exec")
+        self.names = names
+
+    def place(self, height, speed):
+        self.body.set_transform((0.0, height + self.radius_m), self.body.rotation)
+        self.body.linear_velocity, self.body.angular_velocity = (0.0, speed), 0.0
+
+    def step(self):
+        exec(self.line, self.names)
+        return self.body.position.y - self.radius_m
+
+
+class PastedRapier(BareDrops):
+    def open(self, text):
+        import rapier3d
+
+        self.world = rapier3d.PhysicsWorld((0, 0, -G))
+        names = {"world": self.world, "rapier3d": rapier3d}
+        exec(text, names)
+        shapes = rapier3d.SharedShape
+        collider = rapier3d.Collider.new
+        floor = self.world.add_body(rapier3d.RigidBody.fixed())
+        self.world.add_collider(collider(shapes.halfspace((0, 0, 1)), **names["on_floor"]), floor)
+        ball = self.world.add_body(rapier3d.RigidBody.dynamic(**names["of_ball"]))
+        self.world.add_collider(collider(shapes.ball(self.radius_m), **names["on_ball"]), ball)
+        self.body = self.world.rigid_bodies[ball]
+
+    def place(self, height, speed):
+        self.body.translation = (0, 0, height + self.radius_m)
+        self.body.linvel, self.body.angvel = (0, 0, speed), (0, 0, 0)
+
+    def step(self):
+        self.world.step()
+        return self.body.translation.z - self.radius_m
+
+
 PASTED = {
+    "box2d": PastedBox2d, "rapier": PastedRapier,
     "dart": PastedDart, "pybullet": PastedPybullet, "pymunk": PastedPymunk, "mujoco": PastedMujoco
 }  # fmt: skip
 
@@ -248,6 +300,14 @@ def test_every_engine_says_what_to_type_in_by_its_own_names(engine):
     assert all(repr(value) in row.snippet for value in row.statement.numbers)
 
 
+@pytest.mark.parametrize("asked", [{"engine": "pymunk", "contact": "coefficients"},
+                                   {"engine": "mujoco:rk4"}])  # fmt: skip
+def test_where_there_are_no_lines_to_copy_the_settings_are_known(asked):
+    row = tuned(speed=2, **asked)
+    assert row.snippet == ""
+    assert [one.value for one in row.statement.typed][:1] == [row.statement.numbers[0]]
+
+
 # --- what cannot be had -----------------------------------------------------------------------
 
 
@@ -260,7 +320,6 @@ def test_every_engine_says_what_to_type_in_by_its_own_names(engine):
         ("mujoco", {"speed": 2, "scatter": "0.05%"}, "ms there is one"),
         ("mujoco", {"speed": 2, "restitution": 0.05}, "0.1"),
         ("mujoco", {"speed": 2, "restitution": 0.999}, "0.99"),
-        ("pymunk", {"speed": 2, "restitution": 1.2}, "0.99"),
     ],
 )
 def test_what_no_numbers_give_is_a_row_with_the_nearest_that_can_be_had(engine, asked, nearest):
@@ -292,7 +351,10 @@ def test_the_nearest_can_be_had():
         ({"scenario": "ball", "mass": "1kg"}, "--mass: the scenario has its own"),
         ({"restitution": 0.8, "preset": "golf"}, "--preset is for a scenario"),
         ({"restitution": -0.1}, "--restitution: -0.1: expected a number above 0"),
-        ({"restitution": math.nan}, "--restitution: nan"),
+        ({"restitution": math.nan}, "--restitution"),
+        ({"restitution": 1.5}, "--restitution: 1.5: expected a number above 0, up to 1"),
+        ({"restitution": "0,7"}, "'0,7' is not a number; expected a number without unit"),
+        ({"restitution": 0.8, "step": "2"}, "2 is 2 s; expected 1e-06 s to 0.1 s, such as 2ms"),
         ({"restitution": 0.8, "step": "0ms"}, "--step: 0ms: expected a number above 0 in s"),
         ({"restitution": 0.8, "step": "2kg"}, "--step"),
         ({"restitution": 0.8, "speed": "4..0.5"}, "the first speed is above the second"),

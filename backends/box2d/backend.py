@@ -33,6 +33,14 @@ class Box2dBackend(EngineBackend):
     }  # fmt: skip
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL})
     typed_as = "restitution"
+    snippet = """world = pyb2d3.World(
+    gravity=gravity, contact_hertz={typed[World.contact_hertz]},
+    maximum_linear_speed={typed[World.maximum_linear_speed]},
+)
+world.restitution_threshold, world.sleeping_enabled = 0.0, False
+material = pyb2d3.surface_material(restitution={0!r})  # of both shapes: Box2D takes the larger
+definition = pyb2d3.shape_def(material=material)  # for create_shapes of ball and floor
+world.step({step_s!r}, {typed[World.step(sub_step_count)]:.0f})  # in every step"""
     variants = VARIANTS
     known_limits = (
         KnownLimit(

@@ -34,6 +34,15 @@ class OdeBackend(EngineBackend):
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL})
     typed_as = "bounce"
+    snippet = """dWorldSetERP(world, {typed[dWorldSetERP]});
+dWorldSetCFM(world, {typed[dWorldSetCFM]});
+dWorldSetContactMaxCorrectingVel(world, {typed[dWorldSetContactMaxCorrectingVel]});
+contact.surface.mode = dContactBounce | dContactApprox1 | dContactSoft;
+contact.surface.bounce = {0!r};
+contact.surface.bounce_vel = 0;
+contact.surface.soft_erp = {typed[surface.soft_erp]};
+contact.surface.soft_cfm = {typed[surface.soft_cfm]};  /* by the step and the lighter mass */
+dWorldStep(world, {step_s!r});  /* in every step */"""
     variants = VARIANTS
     known_limits = (
         KnownLimit(

@@ -30,6 +30,21 @@ class RapierBackend(EngineBackend):
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL})
     typed_as = "restitution"
+    snippet = """parameters = world.integration_parameters
+parameters.dt = {step_s!r}
+parameters.num_solver_iterations = {typed[num_solver_iterations]:.0f}
+parameters.num_internal_pgs_iterations = {typed[num_internal_pgs_iterations]:.0f}
+parameters.num_internal_stabilization_iterations = 0
+parameters.contact_clustering = parameters.contact_recycling = False
+parameters.normalized_prediction_distance = {typed[normalized_prediction_distance]}
+parameters.normalized_max_linear_velocity = {typed[normalized_max_linear_velocity]}
+parameters.contact_softness = parameters.static_contact_softness = rapier3d.SpringCoefficients(
+    {typed[contact_softness.natural_frequency]}, {typed[contact_softness.damping_ratio]}
+)
+multiply = {{"restitution_combine_rule": rapier3d.CoefficientCombineRule.MULTIPLY}}
+on_ball = {{"restitution": {0!r}, **multiply}}  # arguments of the ball's Collider.new
+on_floor = {{"restitution": 1.0, **multiply}}  # and of the floor's
+of_ball = {{"can_sleep": False, "allow_fast_rotation": True}}  # of RigidBody.dynamic"""
     known_limits = (
         KnownLimit(
             "Single precision: accelerations and forces scatter by some hundredths of a m/s² at"

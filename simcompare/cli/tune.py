@@ -19,7 +19,7 @@ def tune(
     scenario: str = typer.Argument(
         None, help="Name, folder or file of a scenario.", autocompletion=complete.scenarios
     ),
-    restitution: float = typer.Option(None, help="What is wanted, in place of a scenario."),
+    restitution: str = typer.Option(None, help="What is wanted, in place of a scenario."),
     speed: str = typer.Option(
         None, help="Speed of the impact, such as 2 or 0.5..4 in m/s (0.5..4; a scenario's own)."
     ),
@@ -31,7 +31,7 @@ def tune(
     radius: str = typer.Option(None, help="Radius of the ball (50mm)."),
     within: str = typer.Option("1%", help="How far the mean may be off where the numbers hold."),
     scatter: str = typer.Option(
-        None, help="Largest scatter over the phases of the step, such as 1%: the stiffest contact."
+        None, help="Largest scatter over the phases of the step (2%): the stiffest contact."
     ),
     depth: str = typer.Option(
         None, help="Largest penetration, such as 5mm: the contact that scatters least."

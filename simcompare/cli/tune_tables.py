@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -14,27 +14,40 @@ from simcompare.cli import console
 from simcompare.jobs import OK
 from simcompare.settings import TUNED
 from simcompare.tune import Tuned
+from simcompare.tuning.calibration import PHASES, AtSpeed
 from simcompare.tuning.request import Request
 from simcompare.tuning.statement import Range, Statement
+
+_LEGEND = (
+    "restitution: lowest and highest mean over where in a step the impact falls; ± the largest"
+    " standard deviation, by which single impacts differ.",
+    "holds at: speeds, and steps at these speeds, with which the mean is near enough, the scatter"
+    " small and the ball not half sunk; ≤, ≥: no end was found so far.",
+)
+_LATE = ("late by: how much later the next impact comes than after a bounce that takes no time.",)
 
 
 def show(rows: Sequence[Tuned]) -> None:
     """Prints the answer for people."""
-    for about in dict.fromkeys((row.about, row.request) for row in rows):
-        own = [row for row in rows if (row.about, row.request) == about]
-        _show_request(own)
+    for asked in dict.fromkeys((row.about, row.request) for row in rows):
+        _show_request([row for row in rows if (row.about, row.request) == asked])
 
 
 def show_snippets(rows: Sequence[Tuned]) -> None:
-    """Prints the lines to copy, those of each engine below its name."""
+    """Prints the lines to copy, those of each engine below its name; settings where there are none.
+
+    What is no line of a program goes to stderr.
+    """
     for row in rows:
-        named = len(rows) > 1
         if row.status != OK:
-            typer.echo(f"{row.engine}: {row.reason}", err=True)
+            typer.echo(row.reason, err=True)
             continue
-        if named:
-            typer.echo(f"# {row.engine} {row.version}")
-        typer.echo(row.snippet + ("\n" if named else ""))
+        if len(rows) > 1:
+            typer.echo(f"# {row.engine} {row.version}", err=not row.snippet)
+        if row.snippet:
+            typer.echo(row.snippet + ("\n" if len(rows) > 1 else ""))
+        else:
+            typer.echo("\n".join(_settings(row)), err=True)
 
 
 def plain(rows: Sequence[Tuned]) -> dict[str, Any]:
@@ -51,24 +64,36 @@ def _finite(value: Any) -> Any:  # noqa: ANN401
 
 
 def _show_request(rows: Sequence[Tuned]) -> None:
-    typer.echo(_headline(rows))
+    console.print_wrapped([_headline(rows)])
     _show_table(rows)
-    for row in rows:
-        for sentence in _remarks(row):
-            typer.echo(f"{row.engine}: {sentence.removeprefix(f'{row.engine}: ')}")
-    for note in dict.fromkeys(note for row in rows for note in row.notes):
-        typer.echo(notation.sentence(note))
-    (first, *others) = rows
-    if others:
-        typer.echo(
-            "±: standard deviation over where in a step the impact falls. --snippet prints the"
-            " lines to copy, --engine NAME all speeds."
-        )
-    elif first.statement is not None:
-        if first.statement.bounces:
-            _show_speeds(first.statement)
-        typer.echo("To copy:")
-        typer.echo(first.snippet)
+    console.print_wrapped(sentence for row in rows for sentence in _remarks(row))
+    notes = dict.fromkeys(note for row in rows for note in row.notes)
+    console.print_wrapped(map(notation.sentence, notes))
+    console.print_wrapped(_LEGEND)
+    if len(rows) == 1:
+        _show_alone(rows[0])
+    else:
+        typer.echo("--snippet prints the lines to copy, --engine NAME all speeds.")
+
+
+def _show_alone(row: Tuned) -> None:
+    """All speeds, and what is typed in."""
+    if row.statement is None:
+        return
+    if row.statement.bounces:
+        _show_speeds(row.statement)
+        console.print_wrapped(_LATE)
+    if row.snippet:
+        typer.echo(f"To copy:\n{row.snippet}")
+    else:
+        typer.echo("Set, all else as it comes:" if row.request.level != TUNED else "Set:")
+        typer.echo("\n".join(f"  {line}" for line in _settings(row)))
+
+
+def _settings(row: Tuned) -> Iterator[str]:
+    assert row.statement is not None
+    for one in row.statement.typed:
+        yield f"{one.parameter}: {one.value:.10g} {one.unit}".rstrip()
 
 
 def _headline(rows: Sequence[Tuned]) -> str:
@@ -93,15 +118,15 @@ def _headline(rows: Sequence[Tuned]) -> str:
 def _found(row: Tuned, where: str) -> str:
     """Which restitution numbers are, in a sentence."""
     rest = "all else as tuned sets it" if row.request.level == TUNED else "all else as it comes"
-    start = f"{row.engine} with {_listed(row.request.numbers)}, {rest}, {where}: "
+    given = ", ".join(f"{value:.7g}" for value in row.request.numbers)
+    start = f"{row.engine} with {given}, {rest}, {where}: "
     if row.statement is None:
         return f"{start}{row.status}."
     found = row.statement.bounces
     if not found:
         return f"{start}nothing leaves the floor."
-    means = [one.restitution for one in found]
     some = "" if len(found) == len(row.statement.at) else ", and not every impact is a bounce"
-    return f"{start}a restitution of {_span(means)}{some}."
+    return f"{start}a restitution of {_span(found)}{some}."
 
 
 def _speeds(request: Request) -> str:
@@ -109,13 +134,9 @@ def _speeds(request: Request) -> str:
     return f"at {low:.3g} m/s" if low == high else f"from {low:g} to {high:g} m/s"
 
 
-def _listed(numbers: Sequence[float]) -> str:
-    return ", ".join(f"{value:.7g}" for value in numbers)
-
-
 def _show_table(rows: Sequence[Tuned]) -> None:
     """Two or three lines for each engine, so that all of it fits into 80 columns."""
-    made = console.table("engine", "type in", "restitution", "holds at", "costs")
+    made = console.table("engine", "type in", "restitution", "holds at", "sinks, lasts")
     for row in rows:
         name = f"{row.engine}\n{row.version or ''}"
         if row.statement is None:
@@ -129,7 +150,7 @@ def _cells(found: Statement) -> list[list[str]]:
     # both bodies may be given the same number
     names = {one.parameter.partition(" of ")[0]: one.value for one in found.typed if one.is_tuned}
     called = dict.fromkeys(name.partition("[")[0] for name in names)
-    typed = [f"{', '.join(called)} =", *(f"{value!r}" for value in names.values())]
+    typed = [", ".join(called), *(f"{value!r}" for value in names.values())]
     bounces = found.bounces
     if not bounces:
         return [typed, ["no bounce"], [], []]
@@ -137,18 +158,27 @@ def _cells(found: Statement) -> list[list[str]]:
     deepest_mm = 1e3 * max(one.penetration_m for one in bounces)
     longest_ms = 1e3 * max(one.contact_s for one in bounces)
     some = [] if len(bounces) == len(found.at) else ["or no bounce"]
+    held = [f"{_range(found.speed_m_s)} m/s", f"{_range(found.step_s, 1e3)} ms"]
     return [
         typed,
-        [_span([one.restitution for one in bounces]), f"±{scatter:.2g}", *some],
-        [f"{_range(found.speed_m_s)} m/s", f"{_range(found.step_s, 1e3)} ms"]
-        if found.speed_m_s else ["none of these speeds"],
-        [f"sinks {deepest_mm:.2g} mm", f"lasts {longest_ms:.2g} ms"],
-    ]  # fmt: skip
+        [_span(bounces), f"±{scatter:.2g}", *some],
+        held if found.speed_m_s else ["none of these"],
+        [f"{deepest_mm:.2g} mm", f"{longest_ms:.2g} ms"],
+    ]
 
 
-def _span(means: Sequence[float]) -> str:
-    low, high = f"{min(means):.4f}", f"{max(means):.4f}"
-    return low if low == high else f"{low} to {high}"
+def _span(bounces: Sequence[AtSpeed]) -> str:
+    low = min(bounces, key=lambda one: one.restitution)
+    high = max(bounces, key=lambda one: one.restitution)
+    first, last = _mean(low), _mean(high)
+    return first if first == last else f"{first} to {last}"
+
+
+def _mean(one: AtSpeed) -> str:
+    """A mean with as many digits as so many drops tell."""
+    u = one.scatter / math.sqrt(PHASES)
+    places = 4 if u <= 0 else min(max(math.ceil(-math.log10(u)), 2), 4)
+    return f"{one.restitution:.{places}f}"
 
 
 def _range(found: Range | None, factor: float = 1.0) -> str:
@@ -158,20 +188,38 @@ def _range(found: Range | None, factor: float = 1.0) -> str:
     return f"{'' if found.below else '≤'}{low} … {'' if found.above else '≥'}{high}"
 
 
-def _remarks(row: Tuned) -> list[str]:
+def _remarks(row: Tuned) -> Iterator[str]:
     """What a user of the numbers must know: where they do not hold, and why."""
-    if row.statement is None:
-        return [row.reason or row.status]
-    found, said = row.statement, []
-    speeds, steps = found.speed_m_s, found.step_s
-    if found.fault:
-        said.append(found.fault + _other_step(found))
-    elif speeds is not None:
-        said += [f"below {speeds.low:.3g} m/s {speeds.below}"] if speeds.below else []
-        said += [f"above {speeds.high:.3g} m/s {speeds.above}"] if speeds.above else []
-    if steps is not None and steps.above:
-        said.append(f"with steps above {1e3 * steps.high:.3g} ms {steps.above}")
-    return ["; ".join(said)] if said else []
+    found = row.statement
+    if found is None:
+        yield row.reason or row.status
+        return
+    said = [found.fault + _other_step(found)] if found.fault else []
+    if found.speed_m_s is not None and not found.fault:
+        said += _ends(found.speed_m_s, 1.0, "m/s", "")
+    if found.step_s is not None:
+        said += _ends(found.step_s, 1e3, "ms", "steps ")
+    if len(row.request.numbers) == 0 and len(found.numbers) == 2:
+        said.append(_choice(row.request))
+    if said:
+        yield f"{row.engine}: {'; '.join(said)}"
+
+
+def _ends(held: Range, factor: float, unit: str, what: str) -> list[str]:
+    low, high = (f"{factor * value:.3g} {unit}" for value in (held.low, held.high))
+    below = [f"{what}below {low}: {held.below}"] if held.below else []
+    return below + ([f"{what}above {high}: {held.above}"] if held.above else [])
+
+
+def _choice(request: Request) -> str:
+    """Which of many springs and dampers it is."""
+    if request.depth_m is not None and request.scatter is None:
+        return (
+            f"of those that sink {1e3 * request.depth_m:g} mm at most the one that scatters least"
+        )
+    limit = "2 %" if request.scatter is None else f"{100 * request.scatter:g} %"
+    more = "" if request.scatter is not None else " (--scatter 5% or --depth 5mm: a stiffer one)"
+    return f"the stiffest contact that scatters by {limit} at most{more}"
 
 
 def _other_step(found: Statement) -> str:
@@ -181,15 +229,14 @@ def _other_step(found: Statement) -> str:
 
 
 def _show_speeds(found: Statement) -> None:
-    made = console.table(
-        "impact at [m/s]", "restitution", "± scatter", "sinks [mm]", "lasts [ms]", "late by [ms]"
-    )
+    made = console.table("impact [m/s]", "restitution", "± scatter", "sinks [mm]", "lasts [ms]",
+                         "late by [ms]")  # fmt: skip
     for one in found.at:
         if not math.isfinite(one.restitution):
-            made.add_row(f"{one.speed_m_s:.3g}", "not every one bounces", *["–"] * 4)
+            made.add_row(f"{one.speed_m_s:.3g}", "not every one", *["–"] * 4)
             continue
         made.add_row(
-            f"{one.speed_m_s:.3g}", f"{one.restitution:.4f}", f"±{one.scatter:.2g}",
+            f"{one.speed_m_s:.3g}", _mean(one), f"±{one.scatter:.2g}",
             *(f"{1e3 * value:.3g}" for value in (one.penetration_m, one.contact_s, one.delay_s)),
         )  # fmt: skip
     console.show_table(made)

@@ -79,7 +79,8 @@ class EngineBackend(ABC):
         script_module: module whose ``SCRIPT`` writes scenes as standalone scripts; empty for none.
         typed_as: what the engine calls the numbers that stand for a restitution, such as "solref".
         snippet: lines to copy into a loop of one's own, in which ``{0}``, ``{1}`` stand for those
-            numbers and ``{step_s}`` for the step; empty where the settings are listed.
+            numbers, ``{step_s}`` for the step and ``{typed[NAME]}`` for what else was set; empty
+            where the settings are listed.
         variants: name -> the engine with one of its own choices made otherwise.
         variant: which of them this is; empty for the engine as it comes.
     """

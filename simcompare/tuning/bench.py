@@ -40,10 +40,12 @@ class Bench:
         self.depth_m = deepest_m if request.depth_m is None else min(request.depth_m, deepest_m)
         #: whether the least scatter is wanted, whatever it is, instead of the stiffest contact
         self.wants_steadiest = request.depth_m is not None and request.scatter is None
-        usual = math.inf if self.wants_steadiest else SCATTER
         #: largest scatter with which numbers are sought, and with which they hold
-        self.scatter = usual if request.scatter is None else request.scatter
-        self.most_scatter = self.scatter * (1 if request.scatter else HELD)
+        if request.scatter is None:
+            self.scatter = math.inf if self.wants_steadiest else SCATTER
+            self.most_scatter = HELD * SCATTER
+        else:
+            self.scatter = self.most_scatter = request.scatter
 
     def drops(self, step_s: float | None = None) -> Drops:
         """The engine's drops, at the step of the request or another one."""

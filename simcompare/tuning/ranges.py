@@ -10,7 +10,7 @@ from simcompare.tuning.calibration import AtSpeed
 from simcompare.tuning.statement import Range
 
 #: ratio from one value to the next while it still holds, and how close an end is found
-_STRIDE, _CLOSE = 1.2, 1.01
+_STRIDE, _CLOSE = 1.1, 1.01
 #: how far beyond the speeds and the step that were asked for an end is looked for
 WIDER_SPEED, WIDER_STEP = 10.0, 8.0
 
