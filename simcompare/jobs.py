@@ -7,7 +7,7 @@ bounces. Both are work for the engine's own process.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -80,25 +80,26 @@ class Inquiry:
     ask: Callable[[Backend], Any]
     about: str = ""
 
-    def execute(self) -> Answer:
+    def execute(self) -> Reply:
         """Asks in this process."""
+        version: str | None = None
         try:
             backend = engines.get(self.engine)
             version = backend.version()
-            return Answer(self, OK, value=self.ask(backend), version=version)
+            return Reply(self, OK, value=self.ask(backend), version=version)
         except SimcompareError as error:
-            return Answer(self, _status_of(error), str(error))
+            return Reply(self, _status_of(error), str(error), version=version)
         # as in a job, an engine may raise anything
         except (Exception, SystemExit) as error:  # noqa: BLE001
             return self.failed(f"{self.engine}: {type(error).__name__}: {error}")
 
-    def failed(self, reason: str, noise: str = "") -> Answer:
+    def failed(self, reason: str, noise: str = "") -> Reply:
         """The answer to a question that never came back."""
-        return Answer(self, FAILED, reason, noise=noise)
+        return Reply(self, FAILED, reason, noise=noise)
 
 
 @dataclass(frozen=True)
-class Answer:
+class Reply:
     """What came of an inquiry.
 
     Attributes:
@@ -192,6 +193,26 @@ def _status_of(error: SimcompareError) -> str:
     if isinstance(error, Unsupported):
         return UNSUPPORTED
     return MISSING if isinstance(error, EngineMissing) else FAILED
+
+
+def exit_code_of(statuses: Collection[str], asked: str, *, out_of_reach: bool) -> int:
+    """Exit code for how all that was asked for ended.
+
+    Args:
+        statuses: of all of it.
+        asked: engines as they were asked for; with "all", a missing one is no failure.
+        out_of_reach: whether another step or value would make something possible.
+
+    Returns:
+        0 fine; 2 where nothing was possible, and that is the user's to change; 3 where an engine
+        is broken, none of those asked for ran, or one that was named is missing.
+    """
+    named = "all" not in [name.strip() for name in asked.split(",")]
+    if set(statuses) == {UNSUPPORTED} and out_of_reach:
+        return 2
+    if FAILED in statuses or OK not in statuses or (named and MISSING in statuses):
+        return 3
+    return 0
 
 
 def does_not_act(help_name: str) -> str:

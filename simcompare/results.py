@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from simcompare.compare import FAIL, Score
-from simcompare.jobs import FAILED, MISSING, OK, UNSUPPORTED
+from simcompare.jobs import exit_code_of
 from simcompare.trajectory import Trajectory
 
 #: source of the true trajectory
@@ -55,14 +55,14 @@ class Run:
         an engine does by itself is no failure either, unless that level was to be judged. A step
         or value at which none of those asked for can do what is asked is the user's to change: 2.
         """
-        statuses = {source["status"] for source in self.record["sources"]}
-        named = "all" not in [name.strip() for name in self.record["engines_asked"].split(",")]
-        if statuses == {UNSUPPORTED} and any(
-            source.get("out_of_reach") for source in self.record["sources"]
-        ):
-            return 2
-        if FAILED in statuses or OK not in statuses or (named and MISSING in statuses):
-            return 3
+        sources = self.record["sources"]
+        code = exit_code_of(
+            [source["status"] for source in sources],
+            self.record["engines_asked"],
+            out_of_reach=any(source.get("out_of_reach") for source in sources),
+        )
+        if code:
+            return code
         judged = self.record.get("judge")
         failed = {score.contact for score in self.scores if score.verdict == FAIL}
         return 1 if (failed if judged is None else failed & set(judged)) else 0

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 from typing import IO, Any, overload
 
 from simcompare.errors import InputError
-from simcompare.jobs import Answer, Inquiry, Job, Outcome
+from simcompare.jobs import Inquiry, Job, Outcome, Reply
 from simcompare.worker import read_frame, write_frame
 
 #: longest time that one job may take, the engine's import included [s]
@@ -29,7 +29,7 @@ _LONGEST_WAIT_S = 3600.0
 _NOISE_KEPT = 4000
 
 Progress = Callable[[str, int, int], None]
-_Ended = Outcome | Answer
+_Ended = Outcome | Reply
 
 
 @dataclass(eq=False)
@@ -135,7 +135,7 @@ def run_jobs(
     time_limit_s: float = ...,
     processes: int | None = ...,
     progress: Progress | None = ...,
-) -> list[Answer]: ...
+) -> list[Reply]: ...
 def run_jobs(
     jobs: Iterable[Job | Inquiry],
     *,

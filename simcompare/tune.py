@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -10,16 +9,17 @@ from typing import Any
 from simcompare import catalogue, engines, units
 from simcompare.engine.backend import Backend
 from simcompare.errors import EngineBroken, EngineMissing, InputError
-from simcompare.jobs import OK, UNSUPPORTED, Answer, Inquiry
+from simcompare.jobs import OK, UNSUPPORTED, Inquiry, Reply
 from simcompare.repeats import sample_step_s
 from simcompare.runner import TIME_LIMIT_S, Progress, run_jobs
-from simcompare.settings import COEFFICIENT, COEFFICIENTS, SPRING, TUNED
+from simcompare.settings import COEFFICIENTS, TUNED
 from simcompare.tuning.asking import Ask, read
 from simcompare.tuning.calibration import CannotCalibrate
 from simcompare.tuning.engine_drops import LEAST_GRAVITY_M_S2
 from simcompare.tuning.plan import drop_plans
 from simcompare.tuning.request import Request
 from simcompare.tuning.statement import Statement
+from simcompare.tuning.typed_numbers import check_numbers
 
 #: impact speeds and step where none are given
 SPEEDS_M_S, STEP_S = (0.5, 4.0), 0.001
@@ -106,7 +106,7 @@ def tune(
     chosen = engines.select(engine)
     asked = _Asked(scenario, restitution, tuple(numbers), contact, chosen)
     if numbers:
-        _check_numbers(chosen[0], asked.numbers)
+        check_numbers(chosen[0], asked.numbers, "--numbers")
     if scenario is None:
         asked.refuse_for_scenario(set, preset)
         plans = [_Question(_request(restitution, mass, radius, step))]
@@ -124,7 +124,7 @@ def tune(
         lowest, highest = speeds_m_s or (plan.request.lowest_m_s, plan.request.highest_m_s)
         request = replace(
             plan.request, lowest_m_s=lowest, highest_m_s=highest, within=limits[0],
-            scatter=limits[1], depth_m=limits[2], numbers=tuple(numbers),
+            scatter_part=limits[1], depth_m=limits[2], numbers=tuple(numbers),
         )  # fmt: skip
         for level in asked.levels:
             questions.append(replace(plan, request=replace(request, level=level)))
@@ -166,8 +166,7 @@ class _Asked:
         if sum(given) == 1:
             return
         wanted = (
-            "a scenario, --restitution 0.8, or an engine's own numbers, such as --engine mujoco"
-            " --solref=-1e4,-14.6"
+            "a scenario, --restitution 0.8, or an engine's own numbers: --engine NAME --numbers A,B"
         )
         fault = f"expected {wanted}" if not any(given) else f"expected one of these: {wanted}"
         raise InputError("tune", [fault])
@@ -184,21 +183,6 @@ class _Asked:
         if given:
             cure = "the scenario has its own; change it with --set"
             raise InputError("tune", [f"{name}: {cure}" for name in given])
-
-
-def _check_numbers(engine: str, numbers: tuple[float, ...]) -> None:
-    """Refuses what is no spring and damper, or no coefficient, as the engine takes it."""
-    backend = engines.get(engine)
-    called = getattr(backend, "typed_as", "") or "restitution"
-    if getattr(backend, "bounces_by", COEFFICIENT) == SPRING:
-        wanted = "two numbers, both above 0 (time constant, damping ratio) or both below"
-        is_right = len(numbers) == 2 and (min(numbers) > 0 or max(numbers) < 0)
-    else:
-        wanted = "one number above 0"
-        is_right = len(numbers) == 1 and numbers[0] > 0
-    if not is_right or not all(map(math.isfinite, numbers)):
-        given = ", ".join(f"{value:g}" for value in numbers)
-        raise InputError("--numbers", [f"{given}: {called} of {engine} is {wanted}"])
 
 
 def _request(
@@ -326,7 +310,7 @@ def _from_cache(name: str, request: Request) -> Tuned | None:
     return _told(backend, Tuned(name, version, request, OK, None, statement))
 
 
-def _row(found: Answer, request: Request) -> Tuned:
+def _row(found: Reply, request: Request) -> Tuned:
     row = Tuned(found.job.engine, found.version, request, found.status, found.reason, found.value)
     if found.status != OK:
         return row
@@ -342,44 +326,3 @@ def _told(backend: Backend, row: Tuned) -> Tuned:
     typed = {one.parameter: one.value for one in found.typed}
     snippet = template.format(*found.numbers, step_s=request.step_s, typed=typed)
     return replace(row, snippet=snippet)
-
-
-def numbers_of(options: Mapping[str, str], engine: str) -> tuple[float, ...]:
-    """Numbers from options that are called as an engine calls them, such as ``--solref``.
-
-    Args:
-        options: name without dashes -> text.
-        engine: the one engine that was named.
-
-    Raises:
-        InputError: an option that is none, of no engine, or not numbers.
-    """
-    if not options:
-        return ()
-    chosen = engines.select(engine)
-    called = getattr(engines.get(chosen[0]), "typed_as", "") if len(chosen) == 1 else ""
-    faults = [
-        f"there is no such option; {chosen[0]} calls it --{called}" if called
-        else "there is no such option; an engine's own numbers need --engine NAME"
-        for name in options if name.lower() != called.lower()
-    ]  # fmt: skip
-    if faults:
-        raise InputError(", ".join(f"--{name}" for name in options), faults[:1])
-    ((name, text),) = options.items()
-    return read_numbers(text, f"--{name}")
-
-
-def read_numbers(text: str, where: str) -> tuple[float, ...]:
-    """Numbers with commas or blanks between them.
-
-    Raises:
-        InputError: it is not that.
-    """
-    parts = text.replace(",", " ").split()
-    try:
-        found = tuple(float(part) for part in parts)
-    except ValueError:
-        found = ()
-    if not found:
-        raise InputError(where, [f"{text!r}: expected numbers with commas, such as -1e4,-14.6"])
-    return found

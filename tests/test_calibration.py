@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from simcompare.engine.dashpot import damping_ratio
-from simcompare.engine.stepped_dashpot import SteppedDashpot
 from simcompare.tuning.calibration import CannotCalibrate, calibrate_coefficient
 from simcompare.tuning.drops import Bounces, even_phases, read_drop
 from simcompare.tuning.springs import SCATTER, calibrate_spring
+from simcompare.tuning.stepped_dashpot import SteppedDashpot
 from tests.bare_drops import COEFFICIENT_ENGINES, G, MujocoDrops, bounce_by_bounce
 from tests.present import need
 

@@ -23,6 +23,8 @@ from simcompare.kit import (
     Traits,
 )
 
+_SOLIMP = " ".join(map(str, SOLIMP))
+
 
 class MujocoBackend(EngineBackend):
     """MuJoCo through the package ``mujoco-core``, or a full one that is older than the split."""
@@ -39,7 +41,7 @@ class MujocoBackend(EngineBackend):
     typed_as = "solref"
     snippet = f"""<option timestep="{{step_s!r}}" cone="elliptic"/>
 <contact>
-  <pair geom1="ball" geom2="floor" solref="{{0!r}} {{1!r}}" solimp="{" ".join(map(str, SOLIMP))}"/>
+  <pair geom1="sphere" geom2="floor" solref="{{0!r}} {{1!r}}" solimp="{_SOLIMP}"/>
 </contact>"""
     variants = VARIANTS
     known_limits = (

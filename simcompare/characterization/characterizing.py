@@ -19,7 +19,7 @@ from simcompare.characterization.friction import FrictionQuestion
 from simcompare.characterization.joint import JointQuestion
 from simcompare.engine.library import installed_version
 from simcompare.errors import BackendError, InputError, OutputError, UnknownName
-from simcompare.jobs import FAILED, MISSING, OK, Answer, Inquiry
+from simcompare.jobs import MISSING, OK, Inquiry, Reply, exit_code_of
 from simcompare.runner import TIME_LIMIT_S, Progress, check_time_limit, run_jobs
 from simcompare.settings import CONTACT_LEVELS, OLD_LEVELS
 
@@ -55,9 +55,8 @@ class Characterization:
     @property
     def exit_code(self) -> int:
         """0 fine, 3 an engine is broken, or one that was named is missing."""
-        statuses = {answer["status"] for answer in self.record["answers"]}
-        named = self.record["engines_asked"] != "all"
-        return 3 if FAILED in statuses or (named and MISSING in statuses) else 0
+        statuses = [answer["status"] for answer in self.record["answers"]]
+        return exit_code_of(statuses, self.record["engines_asked"], out_of_reach=True)
 
 
 def characterize(
@@ -148,7 +147,7 @@ def _step_s(step: str | float) -> float:
     return step_s
 
 
-def _refuse_nothing(answers: Sequence[Answer]) -> None:
+def _refuse_nothing(answers: Sequence[Reply]) -> None:
     """Raises the first reason where no engine is there at all."""
     if all(answer.status == MISSING for answer in answers):
         reasons = dict.fromkeys(str(answer.reason) for answer in answers)
@@ -156,7 +155,7 @@ def _refuse_nothing(answers: Sequence[Answer]) -> None:
 
 
 def _record(
-    answers: Sequence[Answer], names: list[str], levels: list[str], step_s: float, asked: str
+    answers: Sequence[Reply], names: list[str], levels: list[str], step_s: float, asked: str
 ) -> dict[str, Any]:
     found = [_plain(answer) for answer in answers]
     return {
@@ -179,7 +178,7 @@ def _record(
     }
 
 
-def _plain(answer: Answer) -> dict[str, Any]:
+def _plain(answer: Reply) -> dict[str, Any]:
     """An answer as plain values, numbers that are not finite as ``None``."""
     name, level = answer.job.about.split()
     return {

@@ -9,9 +9,7 @@ import typer
 from simcompare.cli import complete
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from simcompare.tune import Tuned
+    pass
 
 
 def tune(
@@ -37,7 +35,8 @@ def tune(
         None, help="Largest penetration, such as 5mm: the contact that scatters least."
     ),
     numbers: str = typer.Option(
-        None, help="What an engine is given, whose restitution is wanted; also as --solref=A,B."
+        None,
+        help="What one engine is given, whose restitution is wanted; also by its own name for it.",
     ),
     contact: str = typer.Option(
         None,
@@ -55,11 +54,16 @@ def tune(
     """What to type into engines for a restitution, or what comes of what was typed in."""
     from simcompare import tune as verb
     from simcompare.cli import console, tune_tables
+    from simcompare.errors import InputError
+    from simcompare.jobs import exit_code_of
+    from simcompare.tuning import typed_numbers
 
     name, options = _own_options(scenario, context.args)
-    typed = verb.numbers_of(options, engine)
+    typed = typed_numbers.numbers_of(options, engine)
     if numbers is not None:
-        typed = verb.read_numbers(numbers, "--numbers")
+        if typed:
+            raise InputError("--numbers", [f"and --{next(iter(options))} are the same; give one"])
+        typed = typed_numbers.read_numbers(numbers, "--numbers")
     with console.progress_bar("tune") as progress:
         rows = verb.tune(
             name, engine=engine, restitution=restitution, speed=speed, step=step, mass=mass,
@@ -73,13 +77,9 @@ def tune(
         tune_tables.show_snippets(rows)
     else:
         tune_tables.show(rows)
-    raise typer.Exit(_exit_code(rows))
-
-
-def _exit_code(rows: Sequence[Tuned]) -> int:
-    """3 where no engine answered since each is missing or broken, else 0."""
-    bad = [row.status in ("missing", "failed") for row in rows]
-    return 3 if bad and all(bad) else 0
+    # numbers that cannot be had are the answer, where another step or speed has them
+    statuses = [row.status for row in rows]
+    raise typer.Exit(exit_code_of(statuses, engine, out_of_reach=True))
 
 
 def _own_options(first: str | None, rest: list[str]) -> tuple[str | None, dict[str, str]]:

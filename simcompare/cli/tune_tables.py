@@ -15,6 +15,7 @@ from simcompare.jobs import OK
 from simcompare.settings import TUNED
 from simcompare.tune import Tuned
 from simcompare.tuning.calibration import PHASES, AtSpeed
+from simcompare.tuning.drops import slowest_m_s
 from simcompare.tuning.request import Request
 from simcompare.tuning.statement import Range, Statement
 
@@ -81,7 +82,7 @@ def _show_alone(row: Tuned) -> None:
     if row.statement is None:
         return
     if row.statement.bounces:
-        _show_speeds(row.statement)
+        _show_speeds(row.statement, row.request)
         console.print_wrapped(_LATE)
     if row.snippet:
         typer.echo(f"To copy:\n{row.snippet}")
@@ -158,12 +159,12 @@ def _cells(found: Statement) -> list[list[str]]:
     deepest_mm = 1e3 * max(one.penetration_m for one in bounces)
     longest_ms = 1e3 * max(one.contact_s for one in bounces)
     some = [] if len(bounces) == len(found.at) else ["or no bounce"]
-    held = [f"{_range(found.speed_m_s)} m/s", f"{_range(found.step_s, 1e3)} ms"]
+    held = [f"{_range(found.holds_at_m_s)} m/s", f"{_range(found.holds_with_s, 1e3)} ms"]
     return [
         typed,
         [_span(bounces), f"±{scatter:.2g}", *some],
-        held if found.speed_m_s else ["none of these"],
-        [f"{deepest_mm:.2g} mm", f"{longest_ms:.2g} ms"],
+        held if found.holds_at_m_s else ["none of these"],
+        [f"{_plain(deepest_mm, 2)} mm", f"{_plain(longest_ms, 2)} ms"],
     ]
 
 
@@ -184,8 +185,14 @@ def _mean(one: AtSpeed) -> str:
 def _range(found: Range | None, factor: float = 1.0) -> str:
     if found is None:
         return "none"
-    low, high = (f"{factor * value:.3g}" for value in (found.low, found.high))
+    low, high = (_plain(factor * value) for value in (found.low, found.high))
     return f"{'' if found.below else '≤'}{low} … {'' if found.above else '≥'}{high}"
+
+
+def _plain(value: float, digits: int = 3) -> str:
+    """A number with so many digits that count, and without a power of ten."""
+    rounded = float(f"{value:.{digits}g}")
+    return f"{rounded:.{max(0, digits - 1 - math.floor(math.log10(abs(rounded) or 1)))}f}"
 
 
 def _remarks(row: Tuned) -> Iterator[str]:
@@ -195,10 +202,10 @@ def _remarks(row: Tuned) -> Iterator[str]:
         yield row.reason or row.status
         return
     said = [found.fault + _other_step(found)] if found.fault else []
-    if found.speed_m_s is not None and not found.fault:
-        said += _ends(found.speed_m_s, 1.0, "m/s", "")
-    if found.step_s is not None:
-        said += _ends(found.step_s, 1e3, "ms", "steps ")
+    if found.holds_at_m_s is not None and not found.fault:
+        said += _ends(found.holds_at_m_s, 1.0, "m/s", "")
+    if found.holds_with_s is not None:
+        said += _ends(found.holds_with_s, 1e3, "ms", "steps ")
     if len(row.request.numbers) == 0 and len(found.numbers) == 2:
         said.append(_choice(row.request))
     if said:
@@ -206,19 +213,21 @@ def _remarks(row: Tuned) -> Iterator[str]:
 
 
 def _ends(held: Range, factor: float, unit: str, what: str) -> list[str]:
-    low, high = (f"{factor * value:.3g} {unit}" for value in (held.low, held.high))
+    low, high = (f"{_plain(factor * value)} {unit}" for value in (held.low, held.high))
     below = [f"{what}below {low}: {held.below}"] if held.below else []
     return below + ([f"{what}above {high}: {held.above}"] if held.above else [])
 
 
 def _choice(request: Request) -> str:
     """Which of many springs and dampers it is."""
-    if request.depth_m is not None and request.scatter is None:
+    if request.depth_m is not None and request.scatter_part is None:
         return (
             f"of those that sink {1e3 * request.depth_m:g} mm at most the one that scatters least"
         )
-    limit = "2 %" if request.scatter is None else f"{100 * request.scatter:g} %"
-    more = "" if request.scatter is not None else " (--scatter 5% or --depth 5mm: a stiffer one)"
+    limit = "2 %" if request.scatter_part is None else f"{100 * request.scatter_part:g} %"
+    more = (
+        "" if request.scatter_part is not None else " (--scatter 5% or --depth 5mm: a stiffer one)"
+    )
     return f"the stiffest contact that scatters by {limit} at most{more}"
 
 
@@ -228,15 +237,17 @@ def _other_step(found: Statement) -> str:
     return f" (with --step {1e3 * found.longest_step_s:.3g}ms other numbers hold at all speeds)"
 
 
-def _show_speeds(found: Statement) -> None:
+def _show_speeds(found: Statement, request: Request) -> None:
     made = console.table("impact [m/s]", "restitution", "± scatter", "sinks [mm]", "lasts [ms]",
                          "late by [ms]")  # fmt: skip
     for one in found.at:
         if not math.isfinite(one.restitution):
-            made.add_row(f"{one.speed_m_s:.3g}", "not every one", *["–"] * 4)
+            slow = one.speed_m_s < slowest_m_s(request.step_s, request.gravity_m_s2)
+            words = "too short to read" if slow else "not every one"
+            made.add_row(_plain(one.speed_m_s), words, *["–"] * 4)
             continue
         made.add_row(
-            f"{one.speed_m_s:.3g}", _mean(one), f"±{one.scatter:.2g}",
-            *(f"{1e3 * value:.3g}" for value in (one.penetration_m, one.contact_s, one.delay_s)),
+            _plain(one.speed_m_s), _mean(one), f"±{one.scatter:.2g}",
+            *(_plain(1e3 * value) for value in (one.penetration_m, one.contact_s, one.delay_s)),
         )  # fmt: skip
     console.show_table(made)

@@ -102,18 +102,21 @@ def _can(bench: Bench, request: Request, *, everywhere: bool = True) -> bool:
 def _with_nearest(bench: Bench, request: Request, error: CannotCalibrate) -> CannotCalibrate:
     """The error with what can be had instead: a shorter step, or another speed."""
 
-    def at_step(step_s: float) -> bool:
+    def at_some_speeds(step_s: float) -> bool:
         return _can(bench, request.with_step(step_s), everywhere=False)
 
     def at_speed(speed_m_s: float) -> bool:
         return _can(bench, replace(request, lowest_m_s=speed_m_s, highest_m_s=speed_m_s))
 
-    step_s = nearest(at_step, request.step_s, 0.5)
+    where = " at all speeds" if len(request.speeds_m_s) > 1 else ""
+    step_s = _longest_step_s(bench)
+    if step_s is None and where:
+        where, step_s = " at some of the speeds", nearest(at_some_speeds, request.step_s, 0.5)
     if step_s is not None:
-        can = f"with a step of {1e3 * step_s:.3g} ms there is one"
+        can = f"with a step of {1e3 * step_s:.3g} ms it can be had{where}"
         return CannotCalibrate(f"{error}; {can}", step_s)
     for factor, speed_m_s in ((2.0, request.highest_m_s), (0.5, request.lowest_m_s)):
         found = nearest(at_speed, speed_m_s, factor)
         if found is not None:
-            return CannotCalibrate(f"{error}; at {found:.3g} m/s there is one")
+            return CannotCalibrate(f"{error}; at {found:.3g} m/s it can be had")
     return error

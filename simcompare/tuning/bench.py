@@ -17,6 +17,8 @@ from simcompare.tuning.springs import DEPTH, SCATTER
 #: height above the floor that an engine as it comes must not begin below: it may foresee a contact
 #: (Bullet within 20 mm) [m]
 CLEAR_M = 0.03
+#: what is said of impacts that were not tried
+TOO_SLOW = "its flight is too short to be read at this step"
 #: factor by which the scatter may be larger than what numbers are usually sought with, where they
 #: still hold: else they would begin to fail right beside the speed for which they were sought
 HELD = 1.5
@@ -39,13 +41,13 @@ class Bench:
         deepest_m = DEPTH * request.size_m
         self.depth_m = deepest_m if request.depth_m is None else min(request.depth_m, deepest_m)
         #: whether the least scatter is wanted, whatever it is, instead of the stiffest contact
-        self.wants_steadiest = request.depth_m is not None and request.scatter is None
+        self.wants_steadiest = request.depth_m is not None and request.scatter_part is None
         #: largest scatter with which numbers are sought, and with which they hold
-        if request.scatter is None:
-            self.scatter = math.inf if self.wants_steadiest else SCATTER
-            self.most_scatter = HELD * SCATTER
+        if request.scatter_part is None:
+            self.scatter_part = math.inf if self.wants_steadiest else SCATTER
+            self.most_scatter_part = HELD * SCATTER
         else:
-            self.scatter = self.most_scatter = request.scatter
+            self.scatter_part = self.most_scatter_part = request.scatter_part
 
     def drops(self, step_s: float | None = None) -> Drops:
         """The engine's drops, at the step of the request or another one."""
@@ -62,8 +64,7 @@ class Bench:
     def at(self, numbers: Numbers, speed_m_s: float, step_s: float | None = None) -> AtSpeed:
         """What bounces do; what runs away, or is too slow for a flight, has no restitution."""
         nothing = AtSpeed(speed_m_s, *(math.nan,) * 5)
-        step = self.request.step_s if step_s is None else step_s
-        if speed_m_s < slowest_m_s(step, self.request.gravity_m_s2):
+        if speed_m_s < self.slowest_m_s(step_s):
             return nothing
         try:
             return measured(self.drops(step_s), numbers, speed_m_s)
@@ -78,6 +79,11 @@ class Bench:
         finally:
             simulation.close()
 
+    def slowest_m_s(self, step_s: float | None = None) -> float:
+        """Slowest impact that can be read at a step, that of the request or another one."""
+        step_s = self.request.step_s if step_s is None else step_s
+        return slowest_m_s(step_s, self.request.gravity_m_s2)
+
     def rebounds(self, found: AtSpeed) -> bool:
         """Whether every impact is followed by a flight, and none goes too deep."""
         return math.isfinite(found.restitution) and found.penetration_m <= self.depth_m
@@ -85,11 +91,13 @@ class Bench:
     def fault(self, found: AtSpeed, restitution: float) -> str:
         """Why a statement does not hold for what was found; empty where it does."""
         mean = found.restitution
+        if found.speed_m_s < self.slowest_m_s():
+            return TOO_SLOW
         if math.isnan(mean):
             return "not every impact is followed by a flight"
         if abs(mean / restitution - 1) > self.request.within:
             return f"the restitution is {mean:.4f}"
-        if found.scatter > self.most_scatter * restitution:
+        if found.scatter > self.most_scatter_part * restitution:
             return f"it scatters by ±{found.scatter:.2g}"
         if found.penetration_m > self.depth_m:
             return f"it sinks {1e3 * found.penetration_m:.3g} mm"

@@ -10,7 +10,7 @@ _FAR, _NEAR = 8, 4
 
 
 def nearest(can: Callable[[float], bool], start: float, factor: float) -> float | None:
-    """The nearest value on one side with which something can be had, to two digits.
+    """The nearest value on one side with which something can be had, to two or three digits.
 
     Args:
         can: whether it can be had with a value.
@@ -34,11 +34,14 @@ def nearest(can: Callable[[float], bool], start: float, factor: float) -> float 
             good = middle
         else:
             bad = middle
-    rounded = _two_digits(good, up=factor > 1)
-    return rounded if can(rounded) else good
+    for digits in (2, 3):  # as it is printed, and typed in
+        rounded = _rounded(good, digits, up=factor > 1)
+        if can(rounded):
+            return rounded
+    return None
 
 
-def _two_digits(value: float, *, up: bool) -> float:
-    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+def _rounded(value: float, digits: int, *, up: bool) -> float:
+    unit = 10.0 ** (math.floor(math.log10(value)) + 1 - digits)
     count = math.ceil(value / unit) if up else math.floor(value / unit)
-    return float(f"{count * unit:.2g}")
+    return float(f"{count * unit:.{digits}g}")

@@ -38,7 +38,8 @@ def speed_range(
     speeds = [one.speed_m_s for one in at]
     # beyond the end of the run it fails, so that is where to look; else as far as makes sense
     first, last = held
-    low_end = speeds[first - 1] if first else speeds[0] / WIDER_SPEED
+    slowest = max(speeds[0] / WIDER_SPEED, bench.slowest_m_s())
+    low_end = speeds[first - 1] if first else min(slowest, speeds[0])
     high_end = speeds[last + 1] if last + 1 < len(speeds) else speeds[-1] * WIDER_SPEED
     low, below = _end(fault, speeds[first], low_end)
     high, above = _end(fault, speeds[last], high_end)
@@ -58,7 +59,9 @@ def step_range(
     if fault(step_s):
         return None
     low, below = _end(fault, step_s, step_s / WIDER_STEP)
-    high, above = _end(fault, step_s, step_s * WIDER_STEP)
+    # no further than its slowest impact can be read
+    readable_s = step_s * min(speeds_m_s) / bench.slowest_m_s()
+    high, above = _end(fault, step_s, max(min(step_s * WIDER_STEP, readable_s), step_s))
     return Range(low, high, below, above)
 
 

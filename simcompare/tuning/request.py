@@ -27,8 +27,8 @@ class Request:
         size_m: its smallest size, a sphere's diameter.
         gravity_m_s2: towards the floor.
         within: part of the restitution by which its mean may be off where the numbers hold.
-        scatter: largest standard deviation over the phases of the step, as part of the restitution;
-            ``None``: what the numbers are usually sought with.
+        scatter_part: largest standard deviation over the phases of the step, as part of the
+            restitution; ``None``: what the numbers are usually sought with.
         depth_m: largest penetration; ``None``: half the body.
         numbers: an engine's numbers, whose restitution is wanted; empty where they are sought.
         level: contact level of all else in the engine.
@@ -42,7 +42,7 @@ class Request:
     size_m: float = 0.1
     gravity_m_s2: float = 9.80665
     within: float = 0.01
-    scatter: float | None = None
+    scatter_part: float | None = None
     depth_m: float | None = None
     numbers: tuple[float, ...] = ()
     level: str = TUNED

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Protocol
 
+from simcompare.errors import SimulationDiverged
 from simcompare.settings import SPRING
 from simcompare.tuning.bench import Bench, Numbers
 from simcompare.tuning.calibration import (
@@ -31,7 +32,11 @@ def numbers_for(bench: Bench, restitution: float) -> Numbers:
     Raises:
         CannotCalibrate: there are none.
     """
-    return tuple(float(f"{value:.{DIGITS}g}") for value in _exactly(bench, restitution))
+    try:
+        found = _exactly(bench, restitution)
+    except SimulationDiverged as error:
+        raise CannotCalibrate(f"while numbers were sought, {error}") from None
+    return tuple(float(f"{value:.{DIGITS}g}") for value in found)
 
 
 def _exactly(bench: Bench, restitution: float) -> Numbers:
@@ -47,7 +52,10 @@ def _exactly(bench: Bench, restitution: float) -> Numbers:
         if not abs(off) > AIM * restitution or not 0 < target - off <= LARGEST:
             break
         target -= off
-        numbers = search.moved(numbers, target)
+        try:
+            numbers = search.moved(numbers, target)
+        except CannotCalibrate:  # those that are right at one speed are there
+            break
     return numbers
 
 
@@ -97,14 +105,14 @@ class _Spring:
             depth_m = bench.depth_m * speed_m_s / request.highest_m_s
             found = find_spring(
                 bench.drops(), restitution, speed_m_s, request.step_s, request.gravity_m_s2,
-                depth_m, bench.scatter, steadiest=bench.wants_steadiest,
+                depth_m, bench.scatter_part, steadiest=bench.wants_steadiest,
             )  # fmt: skip
             if found is not None:
                 return found
         raise CannotCalibrate(
             f"no spring and damper of up to {1e3 * bench.depth_m:.3g} mm gives a restitution of"
             f" {restitution:g} with a step of {1e3 * request.step_s:.3g} ms and a scatter of at"
-            f" most {bench.scatter * restitution:.2g}"
+            f" most {bench.scatter_part * restitution:.2g}"
         )
 
     def moved(self, numbers: Numbers, restitution: float) -> Numbers:

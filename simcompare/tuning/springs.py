@@ -13,7 +13,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from simcompare.engine.dashpot import damping_ratio, restitution
-from simcompare.engine.stepped_dashpot import SteppedDashpot
 from simcompare.tuning.calibration import (
     PHASES,
     Calibration,
@@ -24,6 +23,7 @@ from simcompare.tuning.calibration import (
     verified,
 )
 from simcompare.tuning.drops import Bounces, Drops, even_phases
+from simcompare.tuning.stepped_dashpot import SteppedDashpot
 
 #: largest scatter over the phases at the first impact, as part of e
 SCATTER = 0.02
@@ -43,8 +43,6 @@ _SMOOTH_PHASE = 0.22
 _LEAP, _CLIMB, _CLOSE = 1.5, 1.04, 1.01
 #: how much stiffer than the softest one a steadier one is looked for
 _STIFFER = (1.05, 1.1, 1.2, 1.35, 1.5)
-#: how much shorter steps are looked at, at most
-_SHORTEST = 50
 
 
 @dataclass(frozen=True)
@@ -216,7 +214,7 @@ def find_spring(
     step_s: float,
     gravity_m_s2: float,
     depth_m: float,
-    scatter: float = SCATTER,
+    scatter_part: float = SCATTER,
     *,
     steadiest: bool = False,
 ) -> tuple[float, float] | None:
@@ -229,10 +227,10 @@ def find_spring(
         step_s: the engine's time step [s].
         gravity_m_s2: acceleration towards the floor [m/s²].
         depth_m: largest penetration [m].
-        scatter: largest standard deviation over the phases, as part of ``e``.
+        scatter_part: largest standard deviation over the phases, as part of ``e``.
         steadiest: the one that scatters least, instead of the stiffest.
     """
-    search = _Search(drops, e, speed_m_s, step_s, depth_m, scatter)
+    search = _Search(drops, e, speed_m_s, step_s, depth_m, scatter_part)
     found = search.steadiest() if steadiest else _in_engine(search, gravity_m_s2)
     return None if found is None else found.numbers
 

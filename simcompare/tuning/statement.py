@@ -53,8 +53,9 @@ class Statement:
         numbers: the engine's numbers.
         typed: all that is typed in, the numbers first.
         at: what bounces do at speeds of the range that was asked for, the slowest first.
-        speed_m_s: speeds at which they hold; ``None`` where they do at none that was asked for.
-        step_s: steps with which they hold at those speeds.
+        holds_at_m_s: speeds at which they hold; ``None`` where they do at none that was asked for.
+        holds_with_s: steps with which they hold at the ends and in the middle of those speeds that
+            were asked for.
         longest_step_s: longest step with which other numbers hold at all speeds that were asked
             for, where these do not; ``None`` where it is not known.
         fault: what is wrong at speeds that were asked for and at which they do not hold.
@@ -65,27 +66,16 @@ class Statement:
     numbers: tuple[float, ...]
     typed: tuple[Typed, ...]
     at: tuple[AtSpeed, ...]
-    speed_m_s: Range | None
-    step_s: Range | None
+    holds_at_m_s: Range | None
+    holds_with_s: Range | None
     longest_step_s: float | None = None
     fault: str = ""
     drops: int = 0
 
     @property
-    def means(self) -> tuple[float, float]:
-        """Lowest and highest mean restitution at the speeds that were asked for."""
-        means = [one.restitution for one in self.at]
-        return min(means), max(means)
-
-    @property
     def bounces(self) -> tuple[AtSpeed, ...]:
         """Those of ``at`` in which every impact is followed by a flight."""
         return tuple(one for one in self.at if math.isfinite(one.restitution))
-
-    @property
-    def scatter(self) -> float:
-        """Largest standard deviation over the phases at the speeds that were asked for."""
-        return max(one.scatter for one in self.at)
 
     def to_plain(self) -> dict[str, Any]:
         """As plain values, for JSON."""
@@ -100,8 +90,8 @@ class Statement:
                 "numbers": tuple(plain["numbers"]),
                 "typed": tuple(Typed(**one) for one in plain["typed"]),
                 "at": tuple(AtSpeed(**one) for one in plain["at"]),
-                "speed_m_s": _range(plain["speed_m_s"]),
-                "step_s": _range(plain["step_s"]),
+                "holds_at_m_s": _range(plain["holds_at_m_s"]),
+                "holds_with_s": _range(plain["holds_with_s"]),
             }
         )
 
