@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from simcompare import elsewhere
-from simcompare.errors import EngineBroken, EngineElsewhere, UnknownName, UnknownVariant
+from simcompare.errors import EngineBroken, EngineElsewhere, InputError, UnknownName, UnknownVariant
 
 if TYPE_CHECKING:
     from simcompare.engine.backend import Backend
@@ -111,6 +111,7 @@ def select(text: str) -> list[str]:
 
     Raises:
         UnknownName: one of them does not exist.
+        InputError: a variant of all.
         EngineBroken: a variant is asked for, and the backend's own code cannot be imported.
     """
     wanted = [part.strip() for part in text.split(",") if part.strip()]
@@ -118,6 +119,8 @@ def select(text: str) -> list[str]:
     if "all" in wanted:
         wanted = [*known, *(name for name in wanted if VARIANT in name)]
     for name in wanted or [text]:
+        if split(name)[0] == "all":
+            raise InputError("--engine", [f"{name}: a variant is of one engine; name that one"])
         if split(name)[0] not in known:
             raise _unknown(split(name)[0], [*known, "all"])
         if VARIANT in name:

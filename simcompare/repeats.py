@@ -96,6 +96,20 @@ def asked_steps(step: str | float | Sequence[str | float] | None) -> list[str | 
     return found
 
 
+def one_step_s(step: str | float) -> float:
+    """A step where only one is taken [s].
+
+    Raises:
+        InputError: several, or no time above 0.
+    """
+    if isinstance(step, str) and "," in step:
+        raise InputError("--step", [f"{step}: expected one step; only run takes several"])
+    step_s = units.to_si(step, "s", "--step")
+    if not step_s > 0:
+        raise InputError("--step", [f"{step}: expected a time above 0, such as 1ms"])
+    return step_s
+
+
 def sample_steps_s(
     file: ScenarioFile,
     values: Mapping[str, float],
@@ -155,14 +169,12 @@ def sample_step_s(
         InputError: a step that makes no sense in the scenario; says which do.
     """
     own = file.resolve(values, preset=preset)
-    step_s = units.to_si(step, "s", "--step") * own.world.substeps
+    step_s = one_step_s(step) * own.world.substeps
     _check_step(own, step_s)
     return step_s
 
 
 def _check_step(scenario: Scenario, step_s: float) -> None:
-    if step_s <= 0:
-        raise InputError("--step", [f"{step_s:g} s is not a time above 0"])
     duration, parts = scenario.world.duration_s, scenario.world.substeps
     shortest, longest = duration / MOST_SAMPLES, duration / LEAST_SAMPLES
     if not shortest <= step_s <= longest:

@@ -10,7 +10,7 @@ from simcompare import catalogue, engines, units
 from simcompare.engine.backend import Backend
 from simcompare.errors import EngineBroken, EngineMissing, InputError
 from simcompare.jobs import OK, UNSUPPORTED, Inquiry, Reply
-from simcompare.repeats import sample_step_s
+from simcompare.repeats import one_step_s, sample_step_s
 from simcompare.runner import TIME_LIMIT_S, Progress, run_jobs
 from simcompare.settings import COEFFICIENTS, TUNED
 from simcompare.tuning.asking import Ask, read
@@ -25,6 +25,8 @@ from simcompare.tuning.typed_numbers import check_numbers
 SPEEDS_M_S, STEP_S = (0.5, 4.0), 0.001
 #: steps that make sense for something that bounces [s]
 SHORTEST_S, LONGEST_S = 1e-6, 0.1
+#: masses and radii of a ball that engines can be expected to take
+MASSES_KG, RADII_M = (1e-6, 1e6), (1e-4, 1e2)
 #: contact levels in which numbers can be typed in
 LEVELS = (COEFFICIENTS, TUNED)
 
@@ -196,9 +198,9 @@ def _request(
         raise InputError("--restitution", [f"{restitution}: expected a number above 0, up to 1"])
     request = Request(wanted, *SPEEDS_M_S, STEP_S if step is None else _step_s(step))
     if mass is not None:
-        request = replace(request, mass_kg=_above_0(mass, "kg", "--mass"))
+        request = replace(request, mass_kg=_between(mass, "kg", "--mass", MASSES_KG))
     if radius is not None:
-        request = replace(request, size_m=2 * _above_0(radius, "m", "--radius"))
+        request = replace(request, size_m=2 * _between(radius, "m", "--radius", RADII_M))
     return request
 
 
@@ -213,14 +215,17 @@ def _of_scenario(
     if not plans:
         raise InputError(scenario, ["nothing in it has a restitution above 0, so nothing is tuned"])
     for plan in plans:
-        gravity = max(plan.gravity_m_s2, LEAST_GRAVITY_M_S2)
+        gravity, notes = plan.gravity_m_s2, plan.notes
+        if gravity < LEAST_GRAVITY_M_S2:
+            gravity = LEAST_GRAVITY_M_S2
+            notes = (*notes, f"nothing pulls them together; drops are made at {gravity:g} m/s²")
         yield _Question(
             Request(
                 plan.restitution, plan.speed_m_s, plan.speed_m_s, plan.step_s, plan.mass_kg,
                 plan.size_m, gravity,
             ),
             ", ".join("-".join(pair) for pair in plan.pairs),
-            plan.notes,
+            notes,
         )  # fmt: skip
 
 
@@ -231,8 +236,8 @@ def _speeds_m_s(speed: str | float | Sequence[float]) -> tuple[float, float]:
         parts = [*speed.split("..")]
     else:
         parts = [float(speed)] if isinstance(speed, (int, float)) else [*speed]
-    if not 1 <= len(parts) <= 2:
-        raise InputError("--speed", [f"{speed}: expected one speed, or LOWEST..HIGHEST"])
+    if not 1 <= len(parts) <= 2 or any(isinstance(p, str) and not p.strip() for p in parts):
+        raise InputError("--speed", [f"{speed}: expected one speed, or a range such as 1..2m/s"])
     unit = _unit_of(parts[-1])
     values = [_above_0(_with_unit(part, unit), "m/s", "--speed") for part in parts]
     if values[0] > values[-1]:
@@ -250,7 +255,7 @@ def _with_unit(text: str | float, unit: str) -> str | float:
 
 
 def _step_s(step: str | float) -> float:
-    found = _above_0(step, "s", "--step")
+    found = one_step_s(step)
     if not SHORTEST_S <= found <= LONGEST_S:
         wanted = f"expected {SHORTEST_S:g} s to {LONGEST_S:g} s, such as 2ms"
         raise InputError("--step", [f"{step} is {found:g} s; {wanted}"])
@@ -261,6 +266,14 @@ def _above_0(value: str | float, unit: str, where: str) -> float:
     found = units.to_si(value, unit, where)
     if not found > 0:
         raise InputError(where, [f"{value}: expected a number above 0 in {units.symbol(unit)}"])
+    return found
+
+
+def _between(value: str | float, unit: str, where: str, limits: tuple[float, float]) -> float:
+    found = _above_0(value, unit, where)
+    if not limits[0] <= found <= limits[1]:
+        low, high = (f"{limit:g} {unit}" for limit in limits)
+        raise InputError(where, [f"{value}: expected {low} to {high}"])
     return found
 
 

@@ -337,6 +337,26 @@ def test_what_hardly_loses_anything_is_typed_in_as_it_stands():
     assert found.at[0].restitution == pytest.approx(1.0, abs=1e-4)  # and what comes of it is shown
 
 
+def test_where_the_stiffest_contact_does_not_hold_everywhere_a_softer_one_that_does_is_told():
+    found = tuned("mujoco", restitution=0.7, speed="0.5..4", step="1ms").statement
+    assert found.is_steadiest
+    assert not found.fault
+    stiffest = tuned("mujoco", restitution=0.7, speed="0.5..4", step="1ms", scatter="2%").statement
+    assert stiffest.fault
+
+
+def test_a_depth_that_no_contact_keeps_is_told_without_a_limit_of_scatter():
+    row = tuned("mujoco", depth="0.1mm")
+    assert row.status == "unsupported"
+    assert "inf" not in row.reason
+
+
+def test_the_rule_that_goes_with_a_coefficient_is_told():
+    row = tuned("rapier", contact="coefficients", restitution=None, numbers=(0.8,))
+    notes = {one.parameter: one.note for one in row.statement.typed}
+    assert "MULTIPLY" in notes["restitution of ball"]
+
+
 def test_the_nearest_can_be_had():
     need("pymunk")
     row = tuned("pymunk", speed=500)
@@ -359,14 +379,19 @@ def test_the_nearest_can_be_had():
         ({"restitution": 1.5}, "--restitution: 1.5: expected a number above 0, up to 1"),
         ({"restitution": "0,7"}, "--restitution: ',7' is not a unit; expected a plain number"),
         ({"restitution": 0.8, "step": "2"}, "2 is 2 s; expected 1e-06 s to 0.1 s, such as 2ms"),
-        ({"restitution": 0.8, "step": "0ms"}, "--step: 0ms: expected a number above 0 in s"),
+        ({"restitution": 0.8, "step": "0ms"}, "--step: 0ms: expected a time above 0"),
         ({"restitution": 0.8, "step": "2kg"}, "--step"),
         ({"restitution": 0.8, "speed": "4..0.5"}, "the first speed is above the second"),
-        ({"restitution": 0.8, "speed": "1..2..3"}, "expected one speed, or LOWEST..HIGHEST"),
+        ({"restitution": 0.8, "speed": "1..2..3"}, "expected one speed, or a range"),
         ({"restitution": 0.8, "speed": "fast"}, "'fast' is not a number"),
         ({"restitution": 0.8, "speed": "-1..2"}, "--speed: -1: expected a number above 0"),
         ({"restitution": 0.8, "within": "200%"}, "expected a part between 0 and 1"),
         ({"restitution": 0.8, "radius": "0"}, "--radius"),
+        ({"restitution": 0.8, "radius": "1km"}, "--radius: 1km: expected 0.0001 m to 100 m"),
+        ({"restitution": 0.8, "mass": "1e-30"}, "--mass: 1e-30: expected 1e-06 kg to"),
+        ({"restitution": 0.8, "step": "1ms,2ms"}, "expected one step; only run takes several"),
+        ({"restitution": 0.8, "speed": "1.."}, "or a range such as 1..2m/s"),
+        ({"restitution": 0.8, "engine": "all:rk4"}, "a variant is of one engine"),
         ({"restitution": 0.8, "contact": "assisted"}, "expected coefficients or tuned"),
         ({"numbers": (1.0,)}, "are those of one engine"),
     ],

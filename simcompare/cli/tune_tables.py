@@ -17,6 +17,7 @@ from simcompare.tune import Tuned
 from simcompare.tuning.calibration import PHASES, AtSpeed
 from simcompare.tuning.drops import slowest_m_s
 from simcompare.tuning.request import Request
+from simcompare.tuning.springs import SCATTER
 from simcompare.tuning.statement import Range, Statement
 
 _LEGEND = (
@@ -94,7 +95,8 @@ def _show_alone(row: Tuned) -> None:
 def _settings(row: Tuned) -> Iterator[str]:
     assert row.statement is not None
     for one in row.statement.typed:
-        yield f"{one.parameter}: {one.value:.10g} {one.unit}".rstrip()
+        note = f" ({one.note})" if one.note else ""
+        yield f"{one.parameter}: {one.value:.10g} {one.unit}".rstrip() + note
 
 
 def _headline(rows: Sequence[Tuned]) -> str:
@@ -169,17 +171,16 @@ def _cells(found: Statement) -> list[list[str]]:
 
 
 def _span(bounces: Sequence[AtSpeed]) -> str:
-    low = min(bounces, key=lambda one: one.restitution)
-    high = max(bounces, key=lambda one: one.restitution)
-    first, last = _mean(low), _mean(high)
-    return first if first == last else f"{first} to {last}"
+    """Lowest and highest mean, with as many digits as so many drops tell of either."""
+    means = [one.restitution for one in bounces]
+    places = max(_places(one) for one in bounces)
+    low, high = f"{min(means):.{places}f}", f"{max(means):.{places}f}"
+    return low if low == high else f"{low} to {high}"
 
 
-def _mean(one: AtSpeed) -> str:
-    """A mean with as many digits as so many drops tell."""
+def _places(one: AtSpeed) -> int:
     u = one.scatter / math.sqrt(PHASES)
-    places = 4 if u <= 0 else min(max(math.ceil(-math.log10(u)), 2), 4)
-    return f"{one.restitution:.{places}f}"
+    return 4 if u <= 0 else min(max(math.ceil(-math.log10(u)), 2), 4)
 
 
 def _range(found: Range | None, factor: float = 1.0) -> str:
@@ -207,7 +208,7 @@ def _remarks(row: Tuned) -> Iterator[str]:
     if found.holds_with_s is not None:
         said += _ends(found.holds_with_s, 1e3, "ms", "steps ")
     if len(row.request.numbers) == 0 and len(found.numbers) == 2:
-        said.append(_choice(row.request))
+        said.append(_choice(row.request, found))
     if said:
         yield f"{row.engine}: {'; '.join(said)}"
 
@@ -218,17 +219,15 @@ def _ends(held: Range, factor: float, unit: str, what: str) -> list[str]:
     return below + ([f"{what}above {high}: {held.above}"] if held.above else [])
 
 
-def _choice(request: Request) -> str:
+def _choice(request: Request, found: Statement) -> str:
     """Which of many springs and dampers it is."""
-    if request.depth_m is not None and request.scatter_part is None:
-        return (
-            f"of those that sink {1e3 * request.depth_m:g} mm at most the one that scatters least"
-        )
-    limit = "2 %" if request.scatter_part is None else f"{100 * request.scatter_part:g} %"
-    more = (
-        "" if request.scatter_part is not None else " (--scatter 5% or --depth 5mm: a stiffer one)"
+    if found.is_steadiest:
+        limit = "half of the ball" if request.depth_m is None else f"{1e3 * request.depth_m:g} mm"
+        return f"of the contacts that sink {limit} at most the one that scatters least"
+    part = SCATTER if request.scatter_part is None else request.scatter_part
+    return (
+        f"the stiffest contact that scatters by {100 * part:g} % at most; --depth asks for others"
     )
-    return f"the stiffest contact that scatters by {limit} at most{more}"
 
 
 def _other_step(found: Statement) -> str:
@@ -247,7 +246,7 @@ def _show_speeds(found: Statement, request: Request) -> None:
             made.add_row(_plain(one.speed_m_s), words, *["–"] * 4)
             continue
         made.add_row(
-            _plain(one.speed_m_s), _mean(one), f"±{one.scatter:.2g}",
+            _plain(one.speed_m_s), f"{one.restitution:.{_places(one)}f}", f"±{one.scatter:.2g}",
             *(_plain(1e3 * value) for value in (one.penetration_m, one.contact_s, one.delay_s)),
         )  # fmt: skip
     console.show_table(made)

@@ -8,6 +8,7 @@ from dataclasses import replace
 from types import ModuleType
 
 from simcompare.engine.audit import AuditRow
+from simcompare.settings import SPRING
 from simcompare.tuning.bench import Bench, Numbers
 from simcompare.tuning.calibration import AtSpeed, CannotCalibrate
 from simcompare.tuning.engine_drops import Tunable
@@ -31,7 +32,7 @@ def answer(backend: Tunable, engine: ModuleType, request: Request) -> Statement:
     if request.restitution is None:
         return _stated(bench, request.numbers, None)
     try:
-        found = _stated(bench, numbers_for(bench, request.restitution), request.restitution)
+        found = _sought(bench, request.restitution)
         if not any(bench.rebounds(one) for one in found.at):
             raise CannotCalibrate(f"with what comes nearest to it, {found.fault}")
     except CannotCalibrate as error:
@@ -39,6 +40,21 @@ def answer(backend: Tunable, engine: ModuleType, request: Request) -> Statement:
     if not found.fault:
         return found
     return replace(found, longest_step_s=_longest_step_s(bench))
+
+
+def _sought(bench: Bench, restitution: float) -> Statement:
+    """The stiffest contact; where it does not hold everywhere and a softer one does, that one."""
+    found = _stated(bench, numbers_for(bench, restitution), restitution)
+    if bench.wants_steadiest:
+        return replace(found, is_steadiest=True)
+    if not found.fault or bench.kind != SPRING or bench.request.scatter_part is not None:
+        return found
+    softer = bench.of(replace(bench.request, depth_m=bench.depth_m))
+    try:
+        other = _stated(softer, numbers_for(softer, restitution), restitution)
+    except CannotCalibrate:
+        return found
+    return found if other.fault else replace(other, is_steadiest=True)
 
 
 def _stated(bench: Bench, numbers: Numbers, wanted: float | None) -> Statement:
@@ -56,7 +72,7 @@ def _stated(bench: Bench, numbers: Numbers, wanted: float | None) -> Statement:
         steps = step_range(bench, numbers, restitution, ends)
     wrong = next((f"at {one.speed_m_s:.3g} m/s {words}" for one, words in faults if words), "")
     typed = tuple(typed_in(bench.audit(numbers), numbers))
-    return Statement(restitution, numbers, typed, at, speeds, steps, None, wrong, bench.count)
+    return Statement(restitution, numbers, typed, at, speeds, steps, None, wrong, drops=bench.count)
 
 
 def _found(at: Sequence[AtSpeed]) -> float:
@@ -77,7 +93,7 @@ def typed_in(audit: Sequence[AuditRow], numbers: Numbers) -> list[Typed]:
             continue
         is_tuned = row.quantity.endswith(_RESTITUTION) and row.set_value in numbers
         unit = "" if row.unit in ("1", "SI") else row.unit
-        found.append(Typed(row.engine_parameter, row.set_value, unit, is_tuned))
+        found.append(Typed(row.engine_parameter, row.set_value, unit, is_tuned, row.note))
     return sorted(found, key=lambda one: not one.is_tuned)
 
 
@@ -88,7 +104,7 @@ def _longest_step_s(bench: Bench) -> float | None:
 
 
 def _can(bench: Bench, request: Request, *, everywhere: bool = True) -> bool:
-    """Whether there are numbers for a request that hold at all its speeds, or at some."""
+    """Whether there are numbers for a request that hold at all its speeds, or at some of them."""
     other, wanted = bench.of(request), request.restitution
     assert wanted is not None
     try:

@@ -138,6 +138,6 @@ def _height_m(body: Body, direction: Array) -> float:
 
 def _assumed(contact: Contact) -> str:
     return (
-        f"how fast {'-'.join(contact.pair)} meet does not follow from the start;"
+        f"the speed at which {' and '.join(contact.pair)} meet does not follow from the start;"
         f" {UNKNOWN_SPEED_M_S:g} m/s is assumed"
     )

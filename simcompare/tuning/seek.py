@@ -42,7 +42,8 @@ def numbers_for(bench: Bench, restitution: float) -> Numbers:
 def _exactly(bench: Bench, restitution: float) -> Numbers:
     if bench.kind != SPRING and LARGEST < restitution <= 1:
         return (restitution,)  # what hardly loses anything is typed in as it stands
-    refuse_extremes(restitution)
+    if bench.kind != SPRING:
+        refuse_extremes(restitution)
     search: _Search = _Spring(bench) if bench.kind == SPRING else _Coefficient(bench)
     numbers, target = search.first(restitution), restitution
     if len(bench.request.speeds_m_s) == 1:
@@ -95,9 +96,10 @@ class _Spring:
         self._bench = bench
 
     def first(self, restitution: float) -> Numbers:
-        if restitution < LEAST:
+        if not LEAST <= restitution <= LARGEST:
             raise CannotCalibrate(
-                f"no spring and damper is sought for a restitution below {LEAST:g}"
+                f"a spring and damper is sought for restitutions from {LEAST:g} to {LARGEST:g}, not"
+                f" for {restitution:g}"
             )
         request, bench = self._bench.request, self._bench
         # slow impacts scatter most, fast ones sink deepest; then what the fast ones allow
@@ -109,10 +111,12 @@ class _Spring:
             )  # fmt: skip
             if found is not None:
                 return found
+        steady = f" and a scatter of at most {bench.scatter_part * restitution:.2g}"
+        if math.isinf(bench.scatter_part):
+            steady = ""
         raise CannotCalibrate(
             f"no spring and damper of up to {1e3 * bench.depth_m:.3g} mm gives a restitution of"
-            f" {restitution:g} with a step of {1e3 * request.step_s:.3g} ms and a scatter of at"
-            f" most {bench.scatter_part * restitution:.2g}"
+            f" {restitution:g} with a step of {1e3 * request.step_s:.3g} ms{steady}"
         )
 
     def moved(self, numbers: Numbers, restitution: float) -> Numbers:

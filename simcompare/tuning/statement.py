@@ -19,12 +19,14 @@ class Typed:
         value: what is typed in.
         unit: its unit.
         is_tuned: whether it stands for the restitution; else the loop needs it beside.
+        note: what goes with it, such as the rule by which two bodies' values are combined.
     """
 
     parameter: str
     value: float
     unit: str
     is_tuned: bool = False
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,8 @@ class Statement:
             were asked for.
         longest_step_s: longest step with which other numbers hold at all speeds that were asked
             for, where these do not; ``None`` where it is not known.
+        is_steadiest: whether of several contacts it is the one that scatters least, not the
+            stiffest one.
         fault: what is wrong at speeds that were asked for and at which they do not hold.
         drops: how many drops it took.
     """
@@ -70,6 +74,7 @@ class Statement:
     holds_with_s: Range | None
     longest_step_s: float | None = None
     fault: str = ""
+    is_steadiest: bool = False
     drops: int = 0
 
     @property
