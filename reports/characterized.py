@@ -102,7 +102,7 @@ def _answer(record: Mapping[str, Any], lead: list[Figure]) -> Filled:
     answer = leading or [one["text"] for one in record["sentences"]]
     missing = {a["engine"]: a["reason"] for a in record["answers"] if a["status"] == "missing"}
     answer += [f"Did not run: {reason}" for reason in missing.values()]
-    context = {"answer": list(map(_tied, answer)), **parts_of(lead, [])}
+    context = {"answer": list(map(tied, answer)), **parts_of(lead, [])}
     return Filled(_Part("answer", "Answer", "real_answer.html"), context)
 
 
@@ -114,13 +114,13 @@ def _experiment(record: Mapping[str, Any], name: str, figures: list[Figure]) -> 
         *sentences,
         *characterized_tables.reasons(record, name),
     )
-    context["notes"] = list(map(_tied, context["notes"]))
+    context["notes"] = list(map(tied, context["notes"]))
     return Filled(_Part(name, _TITLES[name]), context)
 
 
-def _tied(text: str) -> str:
+def tied(text: str) -> str:
     """Numbers stay on one line with their sign and unit."""
-    return re.sub(r"(?<=±) | (?=(?:%|ms|mm/s|m/s)(?:\W|$))", "\u00a0", text)
+    return re.sub(r"(?<=±) |(?<=\d) (?=±)| (?=(?:%|ms|mm/s|m/s)(?:\W|$))", "\u00a0", text)
 
 
 def _how(record: Mapping[str, Any]) -> Filled:

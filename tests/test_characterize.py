@@ -275,11 +275,21 @@ def test_nothing_reads_like_micronewton_or_microgram(pymunk, tmp_path):
     assert "µ·N, the coefficient of friction times the normal force" in body
 
 
+@pytest.mark.parametrize("text", ["0.078 ± 0.058", "by ± 1.8 %", "2.9 ms", "0.04 m/s", "5 mm/s"])
+def test_a_number_stays_on_the_line_of_its_scatter_and_unit(text):
+    assert characterized.tied(text).split(" ")[-1] == text.removeprefix("by ").replace(
+        " ", "\u00a0"
+    )
+
+
 def test_long_sentences_are_wrapped(call):
     _, out, _ = call("characterize", "--engine", "pymunk", "--contact", "default,tuned")
     answer = out[: out.index("Stored in")]
     assert "Tuned for 0.8 at 2 m/s" in answer
-    assert max(map(len, answer.splitlines())) <= 80
+    lines = answer.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert not any(re.match(" *(%|ms|m/s|mm/s)", line) for line in lines)  # a number has its unit
+    assert "\u00a0" not in answer
 
 
 def test_a_hinge_is_told_in_words():

@@ -165,6 +165,10 @@ def test_edges_are_found_between_the_speeds_that_are_tried(answer):
     assert found["hops_at_m_s"] == pytest.approx(4 * G * STEP_S, rel=0.01)
 
 
+def test_what_gains_at_every_speed_ends_in_no_steady_hops(answer):
+    assert answer(lambda v, dt: 1.1)["hops_at_m_s"] is None
+
+
 def test_edges_are_found_between_the_steps_that_are_tried(answer):
     found = answer(lambda v, dt: 0.8 + 2 * dt)
     assert found["too_large"] == {"below_s": None, "above_s": pytest.approx(4e-3, rel=0.01)}

@@ -180,7 +180,8 @@ class _Bouncer:
         """Slower impacts gain in the mean, faster ones lose: so it hops for ever [m/s]."""
         asked = self._asked
         slower = (_JUST_READ * asked.gravity_m_s2 * asked.step_s, *speeds)
-        return first_edge(lambda v: self.spread(v, asked.step_s).mean < 1, slower[::-1])
+        found = first_edge(lambda v: self.spread(v, asked.step_s).mean < 1, slower[::-1])
+        return None if found == speeds[-1] else found  # if no impact loses, it gets faster
 
     def _range(self, is_right: Callable[[Spread], bool]) -> dict[str, float | None]:
         """Steps below and above the asked one at which something is no longer right."""

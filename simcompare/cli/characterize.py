@@ -80,9 +80,10 @@ def _write(result: Characterization, figures: str | None, *, report: bool) -> li
 def _print(result: Characterization, written: list[Path], *, details: bool) -> None:
     """The answer in sentences, what did not run, and the tables where they are wanted."""
     from simcompare.cli import console
-    from simcompare.reports import characterized_tables
+    from simcompare.reports import characterized, characterized_tables
 
-    console.print_wrapped(one["text"] for one in result.record["sentences"] if one["leads"])
+    sentences = [one["text"] for one in result.record["sentences"] if one["leads"]]
+    console.print_wrapped(map(characterized.tied, sentences))
     for name in result.record["experiments"]:
         if details:
             _print_table(result, name)
