@@ -88,19 +88,21 @@ def write_figures(result: Characterization, folder: Path, format: str) -> list[P
 
 def _block(record: Mapping[str, Any]) -> Block:
     figures = {name: _FIGURES[name](record) for name in record["experiments"]}
-    first = next((drawn.pop(0) for drawn in figures.values() if drawn), None)
-    parts = [_answer(record, first)]
+    first = next(filter(None, figures.values()), [])
+    lead = [figure for figure in first if figure.title.startswith(first[0].title)]
+    del first[: len(lead)]
+    parts = [_answer(record, lead)]
     parts += [_experiment(record, name, drawn) for name, drawn in figures.items()]
     return Block("c1", {**record, "preset": None, "against": None}, [*parts, _how(record)])
 
 
-def _answer(record: Mapping[str, Any], first: Figure | None) -> Filled:
-    """What leads, with the first picture; the rest is in the sections."""
+def _answer(record: Mapping[str, Any], lead: list[Figure]) -> Filled:
+    """What leads, with the first picture, which may go on; the rest is in the sections."""
     leading = [one["text"] for one in record["sentences"] if one["leads"]]
     answer = leading or [one["text"] for one in record["sentences"]]
     missing = {a["engine"]: a["reason"] for a in record["answers"] if a["status"] == "missing"}
     answer += [f"Did not run: {reason}" for reason in missing.values()]
-    context = {"answer": list(map(_tied, answer)), **parts_of([first], [])}
+    context = {"answer": list(map(tied, answer)), **parts_of(lead, [])}
     return Filled(_Part("answer", "Answer", "real_answer.html"), context)
 
 
@@ -112,13 +114,13 @@ def _experiment(record: Mapping[str, Any], name: str, figures: list[Figure]) -> 
         *sentences,
         *characterized_tables.reasons(record, name),
     )
-    context["notes"] = list(map(_tied, context["notes"]))
+    context["notes"] = list(map(tied, context["notes"]))
     return Filled(_Part(name, _TITLES[name]), context)
 
 
-def _tied(text: str) -> str:
+def tied(text: str) -> str:
     """Numbers stay on one line with their sign and unit."""
-    return re.sub(r"(?<=±) | (?=(?:%|ms|mm/s|m/s|µN)(?:\W|$))", "\u00a0", text)
+    return re.sub(r"(?<=±) |(?<=\d) (?=±)| (?=(?:%|ms|mm/s|m/s)(?:\W|$))", "\u00a0", text)
 
 
 def _how(record: Mapping[str, Any]) -> Filled:

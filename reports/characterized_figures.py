@@ -36,6 +36,8 @@ LEVELS = {
     ASSISTED: "With our helps",
 }
 _WANTED, _FIRST_M_S = BounceQuestion("", 0.0).restitution, BounceQuestion("", 0.0).speed_m_s
+#: a restitution below this is drawn as none [1]
+_SEEN = 0.01
 #: deviations that a panel shows [%]; what is off by more leaves it
 _SHOWN_PERCENT = 6.0
 #: what is smaller is drawn there, on a logarithmic axis: creep [mm/s], and parts of a force [%]
@@ -56,44 +58,48 @@ class _Curve(NamedTuple):
 
 
 def of_bounce(record: Record) -> list[Figure]:
-    """Restitution over speeds, its deviation over speeds, phases and steps."""
-    levels = [level for level in record["contact"] if _bounces(record, level)]
+    """Restitution over speeds; where that is near, its deviation over speeds, phases and steps."""
+    speeds = list(_over_speed(record, _levels(record, _SEEN)))
+    levels = _levels(record, _WANTED / 2)
     if not levels:
-        return []
+        return speeds
     return [
-        _over_speed(record, levels),
+        *speeds,
         _off_over_speed(record, levels),
         _over_phase(record, levels),
         *_over_step(record, levels),
     ]
 
 
-def _bounces(record: Record, level: str) -> bool:
-    """Whether anything bounces at a level, so that there is something to draw."""
-    found = by_engine(record["answers"], "bounce", level).values()
-    means = [row["mean"] or 0.0 for one in found for row in one["over_speed"]]
-    return max(means, default=0.0) > _WANTED / 2
+def _levels(record: Record, least: float) -> list[str]:
+    """Levels at which anything bounces with more than this, so that there is something to draw."""
+    found = []
+    for level in record["contact"]:
+        ones = by_engine(record["answers"], "bounce", level).values()
+        means = [row["mean"] or 0.0 for one in ones for row in one["over_speed"]]
+        found += [level] if max(means, default=0.0) > least else []
+    return found
 
 
-def _over_speed(record: Record, levels: Sequence[str]) -> Figure:
+def _over_speed(record: Record, levels: Sequence[str]) -> Iterator[Figure]:
     curve = _Curve(
         lambda row: row["speed_m_s"], lambda row: _or_nan(row["mean"]),
         lambda row: _or_nan(row["scatter"]),
     )  # fmt: skip
     lines = {level: _series(record, "bounce", level, curve, "over_speed") for level in levels}
-    panels = tuple(
+    panels = [
         Panel(
             LEVELS[level], _SPEED, "Restitution", lines[level], _wanted(_WANTED), log_x=True,
             y_range=(-0.03, 1.13),
         )
         for level in levels
-    )  # fmt: skip
+    ]  # fmt: skip
     caption = (
         f"Mean of {PHASES} drops that fall at even phases of a step of"
         f" {1e3 * record['step_s']:g} ms; the bars are their standard deviation. At 0 the bounce is"
         " dead; above 1 the ball gains energy and never stops."
     )
-    return Figure("speed", "How much comes back, over impact speeds", caption, panels, share_y=True)
+    return _in_rows("speed", "How much comes back, over impact speeds", caption, panels)
 
 
 def _off_over_speed(record: Record, levels: Sequence[str]) -> Figure:
@@ -146,11 +152,16 @@ def _over_step(record: Record, levels: Sequence[str]) -> Iterator[Figure]:
         " where there is one. What is off by more leaves the panel; points are shifted sideways a"
         " little so that their bars stand apart."
     )
-    rows = 1 if len(panels) <= MOST_PANELS else 2
+    return _in_rows("step", "How far it is off, over steps", caption, panels)
+
+
+def _in_rows(name: str, title: str, caption: str, panels: list[Panel]) -> Iterator[Figure]:
+    """One figure, or two where there are more panels than can be read side by side."""
+    rows = math.ceil(len(panels) / MOST_PANELS)
     for i in range(rows):
         part = tuple(panels[i * len(panels) // rows : (i + 1) * len(panels) // rows])
-        name, title = f"step{i + 1 if i else ''}", "How far it is off, over steps"
-        yield Figure(name, title + (", continued" if i else ""), caption, part, share_y=True)
+        number, more = (f"{i + 1}", ", continued") if i else ("", "")
+        yield Figure(name + number, title + more, caption, part, share_y=True)
 
 
 def _off_panel(title: str, x_label: str, series: tuple[Series, ...]) -> Panel:
@@ -178,14 +189,15 @@ def _friction(record: Record, level: str) -> Iterator[Figure]:
         _Curve(lambda row: row["speed_m_s"], lambda row: _or_nan(row["braking"])), "braking",
     )  # fmt: skip
     panels = (
-        _over_truth("Lets go at", _STEP, "Load (µN)", holds),
+        _over_truth("Lets go at", _STEP, "Load ÷ µ·N", holds),
         Panel("Creeps", _STEP, "Speed (mm/s)", creeps, log_x=True, log_y=True),
-        _over_truth("Is braked", "Speed (m/s)", "Deceleration (µg)", brakes),
+        _over_truth("Is braked", "Speed (m/s)", "Deceleration ÷ µ·g", brakes),
     )
     caption = (
-        "By Coulomb a block sticks up to a load of µN along the plane, and one that slides is"
-        " braked by µg. Creep is the speed of a block that should stick under"
-        f" {LOAD:g} µN; what is below {_LEAST_CREEP:g} mm/s is drawn there."
+        "By Coulomb a block sticks up to a load along the plane of µ·N, the coefficient of friction"
+        " times the normal force, and one that slides is braked by µ·g. Creep is the speed of a"
+        f" block that should stick, under {LOAD:g} of that load; what is below"
+        f" {_LEAST_CREEP:g} mm/s is drawn there."
     )
     yield Figure(f"friction_{level}", f"{LEVELS[level]}: a block on a plane", caption, panels)
 

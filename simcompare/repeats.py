@@ -106,7 +106,7 @@ def one_step_s(step: str | float) -> float:
         raise InputError("--step", [f"{step}: expected one step; only run takes several"])
     step_s = units.to_si(step, "s", "--step")
     if not step_s > 0:
-        raise InputError("--step", [f"{step}: expected a time above 0, such as 1ms"])
+        raise InputError("--step", [f"{step} is not a time above 0; expected such as 1ms"])
     return step_s
 
 

@@ -2,14 +2,21 @@
 
 import json
 import math
+import re
 
 import pytest
 
 import simcompare
-from simcompare.characterization import characterizing, findings
+from simcompare.characterization import characterizing, findings, words
 from simcompare.characterization.characterizing import Characterization
 from simcompare.characterization.force import CASES
-from simcompare.reports import characterized, characterized_tables, tables
+from simcompare.reports import (
+    characterized,
+    characterized_figures,
+    characterized_tables,
+    tables,
+)
+from simcompare.reports.figures import MOST_PANELS
 from simcompare.settings import CONTACT_LEVELS
 from simcompare.tuning import cache
 from tests.present import need
@@ -93,6 +100,10 @@ def test_nothing_is_asked_twice(pymunk, monkeypatch):
 # --- sentences --------------------------------------------------------------------------------
 
 
+#: there is no step at which it is off
+NEVER = {"below_s": None, "above_s": None}
+
+
 def bounce_of(engine, level, **more):
     """A stored answer in which everything is right but what is given."""
     speeds = (0.1, 0.5, 2.0, 5.0)
@@ -101,8 +112,13 @@ def bounce_of(engine, level, **more):
         "over_speed": [{"speed_m_s": v, **row} for v in speeds],
         "retuned": [],
         "dies_below_m_s": None,
-        "hops_below_m_s": None,
-        "too_much_above_s": None,
+        "hops_at_m_s": None,
+        "too_large": NEVER,
+        "too_small": NEVER,
+        "slowest_m_s": 0.049,
+        "phases": [0.5],
+        "over_phase": [0.8],
+        "over_step": [{"step_s": 1e-3, **row}],
         "gains_above_s": None,
         **more,
     }
@@ -126,16 +142,84 @@ def test_a_sentence_names_the_engines_that_differ_with_their_numbers():
         bounce_of("a", "tuned"),
         bounce_of("b", "tuned", **with_row(2.0, scatter=0.016)),
         bounce_of("c", "tuned", **with_row(0.5, mean=0.82)),
-        bounce_of("d", "tuned", dies_below_m_s=0.123, hops_below_m_s=0.0405),
-        bounce_of("e", "tuned", too_much_above_s=2.9e-3, gains_above_s=4.1e-3),
+        bounce_of("d", "tuned", dies_below_m_s=0.123, hops_at_m_s=0.0412),
+        bounce_of("e", "tuned", too_large=beyond(2.9e-3), gains_above_s=4.1e-3),
+        bounce_of("f", "tuned", too_small={"below_s": 5e-4, "above_s": 3.5e-3}),
     )
     assert "Tuned for 0.8 at 2 m/s, at 1 ms: the mean restitution is right, within 0.5 %" in text
     assert "by ± 2 % in b, ± 0 % at most in the others" in text
-    assert "At 0.5 m/s the mean that the same number gives is off by +2.5 % in c" in text
-    assert "the bounce dies below 0.12 m/s in d" in text
-    assert "hops for ever, below 0.041 m/s in d" in text or "below 0.04 m/s in d" in text
-    assert "more than 1 % too large beyond 2.9 ms in e" in text
+    assert (
+        "Tuned, slower impacts: at 0.5 m/s the mean that the same number gives is off by +2.5 % in"
+        " c; the bounce dies below 0.12 m/s in d; the ball never comes to rest, but hops on at"
+        " about 0.04 m/s in d."
+    ) in text
+    assert (
+        "With the number of 1 ms held at other steps, the mean restitution is more than 1 % too"
+        " large beyond 2.9 ms in e, and more than 1 % too small below 0.5 ms in f, and more than"
+        " 1 % too small beyond 3.5 ms in f;"
+    ) in text
     assert "some impacts gain energy beyond 4.1 ms in e" in text
+
+
+def beyond(step_s):
+    return {"below_s": None, "above_s": step_s}
+
+
+@pytest.mark.parametrize("level", ["coefficients", "tuned", "assisted"])
+def test_where_a_bounce_dies_is_told_with_its_level(level):
+    text = said(bounce_of("a", level), bounce_of("b", level, dies_below_m_s=0.12))
+    head = words.capital(words.HEADS[level])
+    assert f"{head}, slower impacts: the bounce dies below 0.12 m/s in b." in text
+
+
+def test_what_little_comes_back_by_default_is_told_with_its_scatter():
+    little = bounce_of("a", "default", **with_row(2.0, mean=0.0777, scatter=0.0582))
+    dead = bounce_of("b", "default", **with_row(2.0, mean=0.0))
+    told = "comes back with 0.078 ± 0.058 in a, and not at all in the others."
+    assert told in said(little, dead)
+
+
+def test_the_table_tells_both_ways_of_being_off():
+    answers = [
+        bounce_of("a", "tuned", too_large=beyond(2.9e-3)),
+        bounce_of("b", "tuned", too_small=beyond(3.5e-3)),
+        bounce_of("c", "tuned", too_small={"below_s": 5e-4, "above_s": 3.5e-3}),
+        bounce_of("d", "tuned", too_small={"below_s": 1e-3, "above_s": 1e-3}),  # at the step itself
+    ]
+    table = characterized_tables.of(record_of(answers), "bounce")
+    heads = [column.head for column in table.columns]
+    large, small = (heads.index(f"1 % too {too} at (ms)") for too in ("large", "small"))
+    cells = [(row[large], row[small]) for row in table.groups[0].rows]
+    assert cells == [("> 2.9", "–"), ("–", "> 3.5"), ("–", "< 0.5, > 3.5"), ("–", "1")]
+    assert max(map(len, tables.lines(table, 80))) <= 80
+
+
+def record_of(answers):
+    levels = [level for level in CONTACT_LEVELS if level in {a["contact"] for a in answers}]
+    return {"answers": answers, "contact": levels, "step_s": 1e-3}
+
+
+def bouncing_with(level, mean):
+    rows = bounce_of("x", level)["found"]["over_speed"]
+    return bounce_of("x", level, over_speed=[{**row, "mean": mean} for row in rows])
+
+
+def test_the_first_picture_shows_the_default_where_something_happens():
+    others = [bounce_of("x", level) for level in ("coefficients", "tuned", "assisted")]
+
+    def pictures(mean):
+        drawn = characterized_figures.of_bounce(
+            record_of([bouncing_with("default", mean), *others])
+        )
+        return {figure.name: [panel.title for panel in figure.panels] for figure in drawn}
+
+    known = ["Coefficients typed in", "Tuned", "With our helps"]
+    little = pictures(0.09)
+    # no more panels side by side than can be read
+    assert little["speed"] + little["speed2"] == ["By default", *known]
+    assert max(map(len, little.values())) <= MOST_PANELS
+    assert little["off_speed"] == known  # 89 % off leaves every panel of deviations
+    assert pictures(0.0)["speed"] == known
 
 
 def test_what_is_right_is_not_told_as_wrong():
@@ -175,13 +259,37 @@ def test_friction_is_told_in_words():
         friction_of("g", lets_go_at=0.0, creep_m_s=1.1, braking=0.0),
     )
     assert text == (
-        "By default, at 1 ms: a block falls through the floor in f; a block that friction should"
-        " hold up to µN lets go at 0.00 µN in g, 0.50 µN in b; it holds whatever pulls in c; while"
+        "By default, at 1 ms: a block falls through the floor in f; of the load that friction"
+        " should hold, a block lets go at 0.00 in g, 0.50 in b; it holds whatever pulls in c; while"
         " it should stick it creeps by 2.1 mm/s in d; sliding, its deceleration is off by"
         " up to −3 % in e."
     )
-    right = "By default, at 1 ms: friction holds a block up to µN, within 1 %."
+    right = "By default, at 1 ms: friction holds a block up to the load that it should, within 1 %."
     assert said(friction_of("a")) == right
+
+
+def test_nothing_reads_like_micronewton_or_microgram(pymunk, tmp_path):
+    page = characterized.write_html(pymunk, tmp_path / "page.html").read_text(encoding="utf-8")
+    body = page[page.index('class="answer"') :]
+    assert not re.findall("µ[Ng]", body)
+    assert "µ·N, the coefficient of friction times the normal force" in body
+
+
+@pytest.mark.parametrize("text", ["0.078 ± 0.058", "by ± 1.8 %", "2.9 ms", "0.04 m/s", "5 mm/s"])
+def test_a_number_stays_on_the_line_of_its_scatter_and_unit(text):
+    assert characterized.tied(text).split(" ")[-1] == text.removeprefix("by ").replace(
+        " ", "\u00a0"
+    )
+
+
+def test_long_sentences_are_wrapped(call):
+    _, out, _ = call("characterize", "--engine", "pymunk", "--contact", "default,tuned")
+    answer = out[: out.index("Stored in")]
+    assert "Tuned for 0.8 at 2 m/s" in answer
+    lines = answer.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert not any(re.match(" *(%|ms|m/s|mm/s)", line) for line in lines)  # a number has its unit
+    assert "\u00a0" not in answer
 
 
 def test_a_hinge_is_told_in_words():
@@ -287,7 +395,7 @@ def test_the_command_says_what_could_not_be_asked_and_where_the_answers_lie(call
     words = ("characterize", "bounce", "--engine", "toy", "--no-report")
     code, out, _ = call(*words)
     assert code == 2  # nothing that was asked for can be had
-    assert "toy is not built on simcompare's kit" in out
+    assert "toy is not built on simcompare's kit" in " ".join(out.split())
     assert "unsupported" not in out
     assert call(*words, "--details")[1].count("unsupported") == len(CONTACT_LEVELS)
     assert "Stored in runs" in out

@@ -155,7 +155,7 @@ def test_a_step_is_named_as_it_is_typed(step_s, words):
     [
         (("--step", "1ms,1s"), "--step: 1 s gives"),
         (("--step", "1ms,nonsense"), "nonsense"),
-        (("--step", "1ms,-1ms"), "--step: -1ms: expected a time above 0"),
+        (("--step", "1ms,-1ms"), "--step: -1ms is not a time above 0"),
         (("--step", "1ms,"), "lacks a step"),
     ],
 )

@@ -379,7 +379,7 @@ def test_the_nearest_can_be_had():
         ({"restitution": 1.5}, "--restitution: 1.5: expected a number above 0, up to 1"),
         ({"restitution": "0,7"}, "--restitution: ',7' is not a unit; expected a plain number"),
         ({"restitution": 0.8, "step": "2"}, "2 is 2 s; expected 1e-06 s to 0.1 s, such as 2ms"),
-        ({"restitution": 0.8, "step": "0ms"}, "--step: 0ms: expected a time above 0"),
+        ({"restitution": 0.8, "step": "0ms"}, "--step: 0ms is not a time above 0"),
         ({"restitution": 0.8, "step": "2kg"}, "--step"),
         ({"restitution": 0.8, "speed": "4..0.5"}, "the first speed is above the second"),
         ({"restitution": 0.8, "speed": "1..2..3"}, "expected one speed, or a range"),

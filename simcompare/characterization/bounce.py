@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -31,8 +31,8 @@ SPEEDS_M_S = (
 _READ, _JUST_READ = 5.0, 3.5
 #: steps over which the bounce is looked at [s]
 STEPS_S = geometric(0.25e-3, 8e-3, 11)
-#: a mean restitution that is this much above the wanted one is too large
-TOO_MUCH = 0.01
+#: a mean restitution that is off by more than this part is too large, or too small
+OFF = 0.01
 #: drops begin so high, where their speed allows: engines foresee contacts up to 20 mm ahead [m]
 _CLEAR_M = 0.04
 
@@ -159,11 +159,10 @@ class _Bouncer:
             "retuned": self._retuned(),
             "slowest_m_s": asked.slowest_m_s,
             "dies_below_m_s": self._dies_below(speeds),
-            "hops_below_m_s": self._hops_below(speeds),
-            "too_much_above_s": self._step_up_to(
-                lambda one: one.mean <= (1 + TOO_MUCH) * asked.restitution
-            ),
-            "gains_above_s": self._step_up_to(lambda one: one.most <= 1),
+            "hops_at_m_s": self._hops_at(speeds),
+            "too_large": self._range(lambda one: one.mean <= (1 + OFF) * asked.restitution),
+            "too_small": self._range(lambda one: one.mean >= (1 - OFF) * asked.restitution),
+            "gains_above_s": self._up_to(STEPS_S, lambda one: one.most <= 1),
         }
 
     def _over_phase(self) -> list[float]:
@@ -177,15 +176,26 @@ class _Bouncer:
             lambda v: self.spread(v, asked.step_s).mean >= asked.restitution / 2, speeds[::-1]
         )
 
-    def _hops_below(self, speeds: tuple[float, ...]) -> float | None:
-        """Slower impacts lose nothing in the mean, so that the body hops for ever [m/s]."""
+    def _hops_at(self, speeds: tuple[float, ...]) -> float | None:
+        """Slower impacts gain in the mean, faster ones lose: so it hops for ever [m/s]."""
         asked = self._asked
         slower = (_JUST_READ * asked.gravity_m_s2 * asked.step_s, *speeds)
-        return first_edge(lambda v: self.spread(v, asked.step_s).mean < 1, slower[::-1])
+        found = first_edge(lambda v: self.spread(v, asked.step_s).mean < 1, slower[::-1])
+        return None if found == speeds[-1] else found  # if no impact loses, it gets faster
 
-    def _step_up_to(self, is_right: Callable[[Spread], bool]) -> float | None:
-        """The longest step up to which something is right [s]; ``None`` if it is at all of them."""
-        return first_edge(lambda dt: is_right(self.spread(self._asked.speed_m_s, dt)), STEPS_S)
+    def _range(self, is_right: Callable[[Spread], bool]) -> dict[str, float | None]:
+        """Steps below and above the asked one at which something is no longer right."""
+        at = self._asked.step_s
+        shorter = (at, *(dt for dt in STEPS_S[::-1] if dt < at))
+        longer = (at, *(dt for dt in STEPS_S if dt > at))
+        return {
+            "below_s": self._up_to(shorter, is_right),
+            "above_s": self._up_to(longer, is_right),
+        }
+
+    def _up_to(self, steps_s: Sequence[float], is_right: Callable[[Spread], bool]) -> float | None:
+        """The last of these steps up to which something is right [s]; ``None``: at all of them."""
+        return first_edge(lambda dt: is_right(self.spread(self._asked.speed_m_s, dt)), steps_s)
 
     def _retuned(self) -> list[dict[str, Any]]:
         """The same over steps with numbers that are found anew at each; only at "tuned"."""

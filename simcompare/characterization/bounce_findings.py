@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from simcompare.characterization.bounce import TOO_MUCH, BounceQuestion
+from simcompare.characterization.bounce import OFF, BounceQuestion
 from simcompare.characterization.words import (
     HEADS,
     Found,
@@ -40,13 +40,18 @@ def sentences(found: Mapping[str, Found], step_s: float) -> list[tuple[str, bool
 
 def _default(found: Found, step_s: float) -> str:
     """How little comes back by default."""
-    bounces = {n: m for n, one in found.items() if (m := _at(one, _ASKED.speed_m_s)["mean"] or 0.0)}
+    rows = {name: _at(one, _ASKED.speed_m_s) for name, one in found.items()}
+    bounces = {n: (row["mean"], row["scatter"]) for n, row in rows.items() if row["mean"]}
     ball = f"a ball that should come back with {_ASKED.restitution:g} of its speed"
     head = f"By default, at {1e3 * step_s:g} ms, {ball}"
     if not bounces:
         return f"{head} does not bounce in {'any engine' if len(found) > 1 else listed(found)}."
     rest = ", and not at all in the others" if len(bounces) < len(found) else ""
-    return f"{head} comes back with {amounts(bounces, rounded)}{rest}."
+    return f"{head} comes back with {amounts(bounces, _with_scatter)}{rest}."
+
+
+def _with_scatter(value: tuple[float, float]) -> str:
+    return " ± ".join(map(rounded, value))
 
 
 def _given(level: str, found: Found, step_s: float) -> list[str]:
@@ -60,7 +65,7 @@ def _given(level: str, found: Found, step_s: float) -> list[str]:
         return [f"{head}: {parts[0]}."]
     slow = [*_slower(alive), *_ends(alive)]
     said = [f"{head}: {'; '.join([*parts, *_mean(alive), _scatter(alive)])}."]
-    return [*said, f"{capital('; '.join(slow))}."] if slow else said
+    return [*said, f"{capital(HEADS[level])}, slower impacts: {'; '.join(slow)}."] if slow else said
 
 
 def _mean(found: Found) -> list[str]:
@@ -103,28 +108,23 @@ def _off(found: Found, speed_m_s: float) -> dict[str, float]:
 def _ends(found: Found) -> list[str]:
     """Where the bounce dies, and where it never does."""
     dies = {name: _dies(one) for name, one in found.items() if _dies(one)}
-    hops = {n: one["hops_below_m_s"] for n, one in found.items() if one["hops_below_m_s"]}
+    hops = {n: one["hops_at_m_s"] for n, one in found.items() if one["hops_at_m_s"]}
     parts = []
     if dies:
         parts.append(f"the bounce dies below {amounts(dies, _speed)}")
     if hops:
-        parts.append(
-            f"impacts lose nothing, and the ball hops for ever, below {amounts(hops, _speed)}"
-        )
+        # one digit: a step alone changes the speed by a quarter of it
+        told = amounts(hops, lambda speed: f"{rounded(speed, 1)} m/s")
+        parts.append(f"the ball never comes to rest, but hops on at about {told}")
     return parts
 
 
 def _over_steps(found: Found, step_s: float) -> list[str]:
     """What the number of one step does at others."""
-    much = {n: one["too_much_above_s"] for n, one in found.items() if one["too_much_above_s"]}
     gains = {n: one["gains_above_s"] for n, one in found.items() if one["gains_above_s"]}
     lost = {n: step for n, one in found.items() if (step := _first_untuned(one)) is not None}
-    parts = []
-    if much:
-        parts.append(
-            f"the mean restitution is more than {percent(TOO_MUCH)} too large beyond"
-            f" {amounts(much, _step)}"
-        )
+    off = [*_off_over_steps(found, "large"), *_off_over_steps(found, "small")]
+    parts = [f"the mean restitution is {', and '.join(off)}"] if off else []
     if gains:
         parts.append(f"some impacts gain energy beyond {amounts(gains, _step)}")
     head = f"With the number of {1e3 * step_s:g} ms held at other steps"
@@ -133,6 +133,16 @@ def _over_steps(found: Found, step_s: float) -> list[str]:
         steps = amounts(lost, lambda step: f"{_step(step)} or more")
         said.append(f"No number at all gives a steady bounce at {steps}.")
     return said
+
+
+def _off_over_steps(found: Found, too: str) -> list[str]:
+    """Below and beyond which steps the mean is too "large", or too "small"."""
+    parts = []
+    for side, word in (("below_s", "below"), ("above_s", "beyond")):
+        steps = {n: step for n, one in found.items() if (step := one[f"too_{too}"][side])}
+        if steps:
+            parts.append(f"more than {percent(OFF)} too {too} {word} {amounts(steps, _step)}")
+    return parts
 
 
 def _first_untuned(one: Mapping[str, Any]) -> float | None:

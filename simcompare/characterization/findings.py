@@ -60,12 +60,13 @@ def _holding(found: Found) -> list[str]:
     holds = [name for name, one in found.items() if one["lets_go_at"] is None]
     parts = []
     if wrong:
-        loads = amounts(wrong, lambda load: f"{load:.2f} µN")
-        parts.append(f"a block that friction should hold up to µN lets go at {loads}")
+        loads = amounts(wrong, lambda load: f"{load:.2f}")
+        parts.append(f"of the load that friction should hold, a block lets go at {loads}")
     if holds:
         parts.append(f"it holds whatever pulls in {listed(holds)}")
     right = found and not parts
-    return [f"friction holds a block up to µN, within {percent(_NAMED)}"] if right else parts
+    right_words = f"friction holds a block up to the load that it should, within {percent(_NAMED)}"
+    return [right_words] if right else parts
 
 
 def _lets_go_wrongly(found: Found) -> dict[str, float]:

@@ -35,7 +35,7 @@ def listed(names: Iterable[str]) -> str:
     return every[0] if len(every) == 1 else f"{', '.join(every[:-1])} and {every[-1]}"
 
 
-def amounts(values: Mapping[str, float], text: Callable[[float], str]) -> str:
+def amounts(values: Mapping[str, Any], text: Callable[[Any], str]) -> str:
     """``−2 % in mujoco, +3 % in dart and pybullet``, the smallest first."""
     groups: dict[str, list[str]] = {}
     for name, value in sorted(values.items(), key=lambda item: item[1]):

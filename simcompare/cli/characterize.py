@@ -79,28 +79,25 @@ def _write(result: Characterization, figures: str | None, *, report: bool) -> li
 
 def _print(result: Characterization, written: list[Path], *, details: bool) -> None:
     """The answer in sentences, what did not run, and the tables where they are wanted."""
-    from simcompare.reports import characterized_tables
+    from simcompare.cli import console
+    from simcompare.reports import characterized, characterized_tables
 
-    for one in result.record["sentences"]:
-        if one["leads"]:
-            typer.echo(one["text"])
+    sentences = [one["text"] for one in result.record["sentences"] if one["leads"]]
+    console.print_wrapped(map(characterized.tied, sentences))
     for name in result.record["experiments"]:
         if details:
             _print_table(result, name)
-        for reason in characterized_tables.reasons(result.record, name):
-            typer.echo(reason)
+        console.print_wrapped(characterized_tables.reasons(result.record, name))
     typer.echo(f"Stored in {result.folder}")
     for path in written[-1:]:
         typer.echo(f"Report: {path}")
 
 
 def _print_table(result: Characterization, name: str) -> None:
-    import shutil
-    import sys
-
+    from simcompare.cli import console
     from simcompare.reports import characterized_tables, tables
 
-    width = min(shutil.get_terminal_size().columns, 100) if sys.stdout.isatty() else 80
+    width = min(console.width(), 100)
     typer.echo(f"\n{name}, at {1e3 * result.record['step_s']:g} ms")
     for line in tables.lines(characterized_tables.of(result.record, name), width):
         typer.echo(line)

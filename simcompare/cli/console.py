@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from simcompare.runner import Progress
 
 
-#: a value and its scatter stay on one line
-_WHOLE = "\u00a0±\u00a0"
+#: what stands on both sides of it stays on one line, such as a value and its scatter
+_TIED = "\u00a0"
 
 
 def print_json(value: object) -> None:
@@ -53,10 +53,10 @@ def print_wrapped(sentences: Iterable[str]) -> None:
     """Sentences one below the other, lines that go on indented."""
     for sentence in sentences:
         for line in textwrap.wrap(
-            sentence.replace(" ± ", _WHOLE), width(), subsequent_indent="  ",
+            sentence.replace(" ± ", f"{_TIED}±{_TIED}"), width(), subsequent_indent="  ",
             break_long_words=False, break_on_hyphens=False,
         ):  # fmt: skip
-            typer.echo(line.replace(_WHOLE, " ± "))
+            typer.echo(line.replace(_TIED, " "))
 
 
 @contextmanager
