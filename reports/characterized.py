@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from simcompare.characterization.characterizing import Characterization
+from simcompare.characterization.result import Characterization
 from simcompare.errors import UnknownName
 from simcompare.reports import builder, characterized_figures, characterized_tables, output
 from simcompare.reports.builder import FIGURE_FORMATS, Block, Filled

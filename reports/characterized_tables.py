@@ -52,7 +52,7 @@ def of(record: Record, experiment: str) -> Table:
     groups = []
     for level in record["contact"]:
         rows = tuple(
-            (answer["engine"], *_cells(experiment, answer, record["step_s"]))
+            (answer["engine"], *_cells(experiment, answer))
             for answer in record["answers"]
             if (answer["experiment"], answer["contact"]) == (experiment, level)
         )
@@ -74,13 +74,13 @@ def reasons(record: Record, experiment: str) -> list[str]:
     return [f"{name}, {', '.join(levels)}: {why}" for (name, why), levels in found.items()]
 
 
-def _cells(experiment: str, answer: Row, step_s: float) -> Sequence[str]:
+def _cells(experiment: str, answer: Row) -> Sequence[str]:
     if answer["found"] is None:
         return ["–"] * (len(_HEADS[experiment]) - 1) + [answer["status"]]
-    return _CELLS[experiment](answer["found"], step_s)
+    return _CELLS[experiment](answer["found"])
 
 
-def _bounce(found: Row, step_s: float) -> Sequence[str]:
+def _bounce(found: Row) -> Sequence[str]:
     rows = found["over_speed"]
     row = min(rows, key=lambda one: abs(one["speed_m_s"] - _ASKED.speed_m_s))
     dies = found["dies_below_m_s"]
@@ -99,19 +99,19 @@ def _bounce(found: Row, step_s: float) -> Sequence[str]:
     )
 
 
-def _friction(found: Row, step_s: float) -> Sequence[str]:
+def _friction(found: Row) -> Sequence[str]:
     at_load = next(row for row in found["creep"] if row["load"] == LOAD)
     braked = next(row for row in found["braking"] if row["speed_m_s"] == 1.0)
     lets_go = found["lets_go_at"]
     return (
         "> 4" if lets_go is None else f"{lets_go:.3f}",
-        _small(1e3 * abs(at_load["creep_m_s"]), 1e-6),
-        _small(1e3 * at_load["sinks_m"], 5e-4),
+        _small(_times(1e3, at_load["creep_m_s"], abs), 1e-6),
+        _small(_times(1e3, at_load["sinks_m"]), 5e-4),
         "at once" if braked["stops_at_once"] else _digits(braked["braking"]),
     )
 
 
-def _joint(found: Row, step_s: float) -> Sequence[str]:
+def _joint(found: Row) -> Sequence[str]:
     names = ("damping", "damping_with_armature", "inertia", "frequency", "damping_ratio")
     return [
         "–" if name not in found else "held" if found[name] is None else _digits(found[name])
@@ -119,7 +119,7 @@ def _joint(found: Row, step_s: float) -> Sequence[str]:
     ]
 
 
-def _force(found: Row, step_s: float) -> Sequence[str]:
+def _force(found: Row) -> Sequence[str]:
     wanted = (
         ("contact_rest", "ratio"), ("contact_rest", "jitter"), ("contact_slides", "jitter"),
         ("weld_pushed", "ratio"), ("weld_shaken", "ratio"),
@@ -130,11 +130,12 @@ def _force(found: Row, step_s: float) -> Sequence[str]:
         if one is None:
             cells.append("–")
         else:
-            cells.append(_small(100 * (one[part] - (part == "ratio")), 100 * _ROUNDING))
+            value = None if one[part] is None else one[part] - (part == "ratio")
+            cells.append(_small(_times(100, value), 100 * _ROUNDING))
     return cells
 
 
-_CELLS: Mapping[str, Callable[[Row, float], Sequence[str]]] = {
+_CELLS: Mapping[str, Callable[[Row], Sequence[str]]] = {
     "bounce": _bounce,
     "friction": _friction,
     "joint": _joint,
@@ -159,5 +160,13 @@ def _digits(value: float | None) -> str:
     return "–" if value is None else f"{value:.4f}".replace("-", "−")
 
 
-def _small(value: float, least: float) -> str:
+def _times(
+    factor: float, value: float | None, of: Callable[[float], float] = float
+) -> float | None:
+    return None if value is None else factor * of(value)
+
+
+def _small(value: float | None, least: float) -> str:
+    if value is None:  # it ran away
+        return "–"
     return "0" if abs(value) < least else numbers.plain(value, 2)

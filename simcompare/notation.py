@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 
 def number(value: float | None, u: float | None = None) -> str:
@@ -28,3 +30,12 @@ def number(value: float | None, u: float | None = None) -> str:
 def sentence(text: str) -> str:
     """A remark with a capital and a full stop."""
     return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
+
+
+def finite(value: Any) -> Any:  # noqa: ANN401
+    """Nested plain values with ``None`` for numbers that are not finite, for JSON."""
+    if isinstance(value, Mapping):
+        return {name: finite(part) for name, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(part) for part in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

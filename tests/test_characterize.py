@@ -7,9 +7,10 @@ import re
 import pytest
 
 import simcompare
+from simcompare import notation
 from simcompare.characterization import characterizing, findings, words
-from simcompare.characterization.characterizing import Characterization
 from simcompare.characterization.force import CASES
+from simcompare.characterization.result import Characterization
 from simcompare.reports import (
     characterized,
     characterized_figures,
@@ -146,7 +147,7 @@ def test_a_sentence_names_the_engines_that_differ_with_their_numbers():
         bounce_of("e", "tuned", too_large=beyond(2.9e-3), gains_above_s=4.1e-3),
         bounce_of("f", "tuned", too_small={"below_s": 5e-4, "above_s": 3.5e-3}),
     )
-    assert "Tuned for 0.8 at 2 m/s, at 1 ms: the mean restitution is right, within 0.5 %" in text
+    assert "at 1 ms: the mean restitution is right in all 6 engines, within 0.5 %" in text
     assert "by ± 2 % in b, ± 0 % at most in the others" in text
     assert (
         "Tuned, slower impacts: at 0.5 m/s the mean that the same number gives is off by +2.5 % in"
@@ -175,8 +176,39 @@ def test_where_a_bounce_dies_is_told_with_its_level(level):
 def test_what_little_comes_back_by_default_is_told_with_its_scatter():
     little = bounce_of("a", "default", **with_row(2.0, mean=0.0777, scatter=0.0582))
     dead = bounce_of("b", "default", **with_row(2.0, mean=0.0))
-    told = "comes back with 0.078 ± 0.058 in a, and not at all in the others."
+    told = "comes back with 0.078 ± 0.058 in a, not at all in b."
     assert told in said(little, dead)
+
+
+@pytest.mark.parametrize("level", ["default", "coefficients", "tuned", "assisted"])
+def test_a_ball_that_runs_away_is_neither_right_nor_dead(level):
+    lost = bounce_of("b", level, **with_row(2.0, mean=None, scatter=None))
+    text = said(bounce_of("a", level), lost)
+    assert "runs away in b" in text
+    assert "all" not in text.split()
+    assert "± 0 % at most in the others" not in text
+    assert characterized_tables.of(record_of([lost]), "bounce").groups
+
+
+def test_what_runs_away_has_no_cell_and_no_deviation():
+    gone = {"ratio": None, "jitter": None}
+    right = {case: {"ratio": 1.0, "jitter": 0.0} for case in CASES}
+    found = {"cases": {**right, "weld_rest": gone}}
+    answer = {"engine": "a", "experiment": "force", "contact": "tuned", "status": "ok",
+              "found": {**found, "lacks": {}}}  # fmt: skip
+    assert "the force on a weld at rest runs away in a" in said(answer)
+    assert characterized_tables.of(record_of([answer]), "force").groups
+    assert characterized_tables._small(characterized_tables._times(1e3, None), 1e-6) == "–"
+
+
+def test_a_variant_without_helps_is_not_shown_with_them(call):
+    need("mujoco")
+    words = ("bounce", "--engine", "mujoco:rk4", "--contact", "assisted", "--json")
+    code, out, _ = call("characterize", *words)
+    assert code == 2
+    (answer,) = json.loads(out)["answers"]
+    assert answer["status"] == "unsupported"
+    assert "takes none of our helps" in answer["reason"]
 
 
 def test_the_table_tells_both_ways_of_being_off():
@@ -264,8 +296,8 @@ def test_friction_is_told_in_words():
         " it should stick it creeps by 2.1 mm/s in d; sliding, its deceleration is off by"
         " up to −3 % in e."
     )
-    right = "By default, at 1 ms: friction holds a block up to the load that it should, within 1 %."
-    assert said(friction_of("a")) == right
+    right = "friction holds a block up to the load that it should in a, within 1 %."
+    assert said(friction_of("a")) == f"By default, at 1 ms: {right}"
 
 
 def test_nothing_reads_like_micronewton_or_microgram(pymunk, tmp_path):
@@ -300,7 +332,7 @@ def test_a_hinge_is_told_in_words():
 
     text = said(hinge("a"), hinge("b", damping=None), hinge("c", damping_ratio=0.8))
     assert text == (
-        "Tuned, at 1 ms: the hinge is held and does not move at all in b; the damping ratio of a"
+        "Tuned, at 1 ms: a hinge that is set turning does not turn on in b; the damping ratio of a"
         " sprung hinge is off by −20 % in c."
     )
     assert "are right within 1 %" in said(hinge("a", frequency=1.009))
@@ -343,8 +375,8 @@ def test_a_run_in_which_nothing_is_known_is_told_nothing_of():
         (("",), "no experiment is called ''"),
         (("--contact", "best"), "no contact level is called 'best'"),
         (("--engine", "mujocco"), "no engine is called 'mujocco'; did you mean mujoco?"),
-        (("--step", "0"), "--step: 0 s is not a step at which the experiments can be read"),
-        (("--step=-1ms",), "--step: -0.001 s is not a step"),
+        (("--step", "0"), "--step: 0 is not a time above 0"),
+        (("--step=-1ms",), "--step: -1ms is not a time above 0"),
         (("--step", "1s"), "use 0.1 ms to 10 ms"),
         (("--step", "1kg"), "--step"),
         (("--figures", "bmp"), "no figure format is called 'bmp'"),
@@ -403,7 +435,7 @@ def test_the_command_says_what_could_not_be_asked_and_where_the_answers_lie(call
 
 
 def test_numbers_that_are_not_finite_are_none():
-    assert characterizing._finite({"a": math.inf, "b": [math.nan, 1]}) == {
+    assert notation.finite({"a": math.inf, "b": [math.nan, 1]}) == {
         "a": None,
         "b": [None, 1],
     }

@@ -18,7 +18,7 @@ from simcompare.settings import ASSISTED, TUNED, DropPlan, Settings
 from simcompare.tuning import cache
 from simcompare.tuning.calibration import CannotCalibrate
 from simcompare.tuning.drops import even_phases
-from simcompare.tuning.engine_drops import PAIR, EngineDrops
+from simcompare.tuning.engine_drops import CLEAR_M, PAIR, EngineDrops
 from simcompare.tuning.tuned import calibrate
 
 #: drops at each speed and step, at even phases of the step
@@ -33,8 +33,6 @@ _READ, _JUST_READ = 5.0, 3.5
 STEPS_S = geometric(0.25e-3, 8e-3, 11)
 #: a mean restitution that is off by more than this part is too large, or too small
 OFF = 0.01
-#: drops begin so high, where their speed allows: engines foresee contacts up to 20 mm ahead [m]
-_CLEAR_M = 0.04
 
 
 @dataclass(frozen=True)
@@ -64,7 +62,16 @@ class BounceQuestion:
         if not isinstance(backend, EngineBackend):
             raise Unsupported(f"{backend.name} is not built on simcompare's kit: it drops nothing")
         known = {"ask": "bounce", **asdict(self)}
-        return cache.kept(backend, known, lambda: _Bouncer(self, backend).answer())
+        found = cache.kept(backend, known, lambda: self._found(backend))
+        if "cannot" in found:
+            raise Unsupported(found["cannot"])
+        return found
+
+    def _found(self, backend: EngineBackend) -> dict[str, Any]:
+        try:
+            return _Bouncer(self, backend).answer()
+        except CannotCalibrate as error:  # that takes longest to find out
+            return {"cannot": f"{backend.name}: {error}"}
 
     def plan(self, step_s: float) -> DropPlan:
         """The drop at another step."""
@@ -115,7 +122,7 @@ class _Bouncer:
     def _drops(self, step_s: float) -> EngineDrops:
         asked = self._asked
         return EngineDrops(
-            self._backend, self._engine, asked.plan(step_s), asked.level, _CLEAR_M
+            self._backend, self._engine, asked.plan(step_s), asked.level, CLEAR_M
         )  # fmt: skip
 
     def _numbers(self, step_s: float) -> tuple[float, ...]:

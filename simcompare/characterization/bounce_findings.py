@@ -40,14 +40,30 @@ def sentences(found: Mapping[str, Found], step_s: float) -> list[tuple[str, bool
 
 def _default(found: Found, step_s: float) -> str:
     """How little comes back by default."""
+    lost, found = _without_lost(found)
     rows = {name: _at(one, _ASKED.speed_m_s) for name, one in found.items()}
     bounces = {n: (row["mean"], row["scatter"]) for n, row in rows.items() if row["mean"]}
+    dead = [name for name in rows if name not in bounces]
+    parts = [f"comes back with {amounts(bounces, _with_scatter)}"] if bounces else []
+    if dead:
+        parts.append(f"{'not at all' if bounces else 'does not bounce'} in {_all_or(dead, found)}")
+    parts += _runs_away(lost)
     ball = f"a ball that should come back with {_ASKED.restitution:g} of its speed"
-    head = f"By default, at {1e3 * step_s:g} ms, {ball}"
-    if not bounces:
-        return f"{head} does not bounce in {'any engine' if len(found) > 1 else listed(found)}."
-    rest = ", and not at all in the others" if len(bounces) < len(found) else ""
-    return f"{head} comes back with {amounts(bounces, _with_scatter)}{rest}."
+    return f"By default, at {1e3 * step_s:g} ms, {ball} {', '.join(parts)}."
+
+
+def _all_or(names: list[str], every: Found) -> str:
+    return f"all {len(names)} engines" if len(names) == len(every) > 2 else listed(names)
+
+
+def _without_lost(found: Found) -> tuple[list[str], Found]:
+    """Engines in which the ball runs away, and what was found of the others."""
+    lost = [name for name, one in found.items() if _at(one, _ASKED.speed_m_s)["mean"] is None]
+    return lost, {name: one for name, one in found.items() if name not in lost}
+
+
+def _runs_away(lost: list[str]) -> list[str]:
+    return [f"it runs away in {listed(lost)}"] if lost else []
 
 
 def _with_scatter(value: tuple[float, float]) -> str:
@@ -58,11 +74,13 @@ def _given(level: str, found: Found, step_s: float) -> list[str]:
     """Mean and scatter at the speed of the plan; then slower impacts, and where it ends."""
     tuned = f" for {_ASKED.restitution:g} at {_ASKED.speed_m_s:g} m/s" if level == TUNED else ""
     head = f"{capital(HEADS[level])}{tuned}, at {1e3 * step_s:g} ms"
+    lost, found = _without_lost(found)
     dead = [name for name, one in found.items() if _dies(one) >= _fastest(one)]
     alive = {name: one for name, one in found.items() if name not in dead}
     parts = [f"{listed(dead)} {'does' if len(dead) == 1 else 'do'} not bounce"] if dead else []
+    parts += _runs_away(lost)
     if not alive:
-        return [f"{head}: {parts[0]}."]
+        return [f"{head}: {'; '.join(parts)}."]
     slow = [*_slower(alive), *_ends(alive)]
     said = [f"{head}: {'; '.join([*parts, *_mean(alive), _scatter(alive)])}."]
     return [*said, f"{capital(HEADS[level])}, slower impacts: {'; '.join(slow)}."] if slow else said
@@ -71,7 +89,8 @@ def _given(level: str, found: Found, step_s: float) -> list[str]:
 def _mean(found: Found) -> list[str]:
     off = _off(found, _ASKED.speed_m_s)
     if not off:
-        return [f"the mean restitution is right, within {percent(_NAMED)}"]
+        where = _all_or(list(found), found)
+        return [f"the mean restitution is right in {where}, within {percent(_NAMED)}"]
     return [f"at {_ASKED.speed_m_s:g} m/s the mean restitution is off by {amounts(off, signed)}"]
 
 

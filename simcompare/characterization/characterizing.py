@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import datetime
 import json
-import math
 import platform
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from simcompare import engines, units
+from simcompare import engines, notation
 from simcompare.characterization import findings
 from simcompare.characterization.bounce import BounceQuestion
 from simcompare.characterization.force import ForceQuestion
 from simcompare.characterization.friction import FrictionQuestion
 from simcompare.characterization.joint import JointQuestion
+from simcompare.characterization.result import Characterization
 from simcompare.engine.library import installed_version
 from simcompare.errors import BackendError, InputError, OutputError, UnknownName
-from simcompare.jobs import MISSING, OK, Inquiry, Reply, exit_code_of
+from simcompare.jobs import MISSING, OK, Inquiry, Reply
+from simcompare.repeats import one_step_s
 from simcompare.runner import TIME_LIMIT_S, Progress, check_time_limit, run_jobs
 from simcompare.settings import CONTACT_LEVELS, OLD_LEVELS
 
@@ -33,30 +34,6 @@ EXPERIMENTS: Mapping[str, Callable[[str, float], Callable[[Any], dict[str, Any]]
 #: steps between which the experiments can be read [s]
 SHORTEST_S, LONGEST_S = 0.1e-3, 10e-3
 FILE, FORMAT = "characterization.json", 1
-
-
-@dataclass(frozen=True)
-class Characterization:
-    """What the experiments found.
-
-    Attributes:
-        record: what characterization.json holds; plain values.
-        folder: where it is stored, ``None`` where it is not.
-    """
-
-    record: Mapping[str, Any]
-    folder: Path | None = None
-
-    @property
-    def sentences(self) -> list[str]:
-        """What there is to see, a sentence each."""
-        return [one["text"] for one in self.record["sentences"]]
-
-    @property
-    def exit_code(self) -> int:
-        """0 fine, 3 an engine is broken, or one that was named is missing."""
-        statuses = [answer["status"] for answer in self.record["answers"]]
-        return exit_code_of(statuses, self.record["engines_asked"], out_of_reach=True)
 
 
 def characterize(
@@ -126,7 +103,7 @@ def _chosen(
     """
     words = asked.split(",") if isinstance(asked, str) else asked
     names = [OLD_LEVELS.get(word.strip(), word.strip()) for word in words]
-    if names == ["all"]:
+    if "all" in names:
         return list(known)
     for name in names or [""]:
         if name not in known:
@@ -135,7 +112,7 @@ def _chosen(
 
 
 def _step_s(step: str | float) -> float:
-    step_s = units.to_si(step, "s", "--step")
+    step_s = one_step_s(step)
     if not SHORTEST_S <= step_s <= LONGEST_S:
         raise InputError(
             "--step",
@@ -188,16 +165,8 @@ def _plain(answer: Reply) -> dict[str, Any]:
         "contact": level,
         "status": answer.status,
         "reason": answer.reason,
-        "found": _finite(answer.value) if answer.status == OK else None,
+        "found": notation.finite(answer.value) if answer.status == OK else None,
     }
-
-
-def _finite(value: Any) -> Any:  # noqa: ANN401
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, dict):
-        return {name: _finite(one) for name, one in value.items()}
-    return [_finite(one) for one in value] if isinstance(value, list | tuple) else value
 
 
 def _place(folder: Path) -> Path:

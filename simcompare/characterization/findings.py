@@ -65,7 +65,10 @@ def _holding(found: Found) -> list[str]:
     if holds:
         parts.append(f"it holds whatever pulls in {listed(holds)}")
     right = found and not parts
-    right_words = f"friction holds a block up to the load that it should, within {percent(_NAMED)}"
+    where = "all engines" if len(found) > 2 else listed(found) if found else ""
+    right_words = (
+        f"friction holds a block up to the load that it should in {where}, within {percent(_NAMED)}"
+    )
     return [right_words] if right else parts
 
 
@@ -122,7 +125,7 @@ def _joint(found: Found) -> str:
     parts = []
     held = [name for name, one in found.items() if one.get("damping", 0) is None]
     if held:
-        parts.append(f"the hinge is held and does not move at all in {listed(held)}")
+        parts.append(f"a hinge that is set turning does not turn on in {listed(held)}")
     for quantity, words in _OF_HINGE.items():
         off = {
             name: one[quantity] - 1
@@ -138,7 +141,9 @@ def _joint(found: Found) -> str:
 def _force(found: Found) -> str:
     parts = []
     for case, words in CASES.items():
-        told = {name: one["cases"][case] for name, one in found.items() if case in one["cases"]}
+        every = {name: one["cases"][case] for name, one in found.items() if case in one["cases"]}
+        told = {name: one for name, one in every.items() if one["ratio"] is not None}
+        lost = [name for name in every if name not in told]
         off = {n: one["ratio"] - 1 for n, one in told.items() if abs(one["ratio"] - 1) > _NAMED}
         jitters = {n: one["jitter"] for n, one in told.items() if one["jitter"] > _NAMED}
         both = []
@@ -146,6 +151,8 @@ def _force(found: Found) -> str:
             both.append(f"is off by {amounts(off, signed)}")
         if jitters:
             both.append(f"jitters by {amounts(jitters, lambda part: f'± {percent(part)}')}")
+        if lost:
+            both.append(f"runs away in {listed(lost)}")
         if both:
             parts.append(f"the force on a {words} {' and '.join(both)}")
     if not parts:

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from simcompare.characterization.friction import FrictionQuestion
 from simcompare.characterization.grids import STEPS_S
+from simcompare.characterization.question import Question
 from simcompare.characterization.scenes import G_M_S2, over_steps, run, scene
 from simcompare.engine.backend import Backend
 from simcompare.errors import BackendError, Unsupported
 from simcompare.scenario import Scenario
 from simcompare.trajectory import Array
-from simcompare.tuning import cache
 
 #: mass of the block, of the base that is moved, and of what is welded to it [kg]
 _BLOCK_KG, _BASE_KG, _WELDED_KG = 0.5, 1.0, 0.1
@@ -36,23 +36,13 @@ CASES = {
 
 
 @dataclass(frozen=True)
-class ForceQuestion:
-    """Which forces an engine tells at one contact level; called with a backend.
+class ForceQuestion(Question):
+    """Which forces an engine tells at one contact level."""
 
-    Attributes:
-        level: contact level.
-        step_s: the engine's step [s].
-    """
+    name = "force"
 
-    level: str
-    step_s: float
-
-    def __call__(self, backend: Backend) -> dict[str, Any]:
-        """The answer as plain values, from the cache where it is known."""
-        known = {"ask": "force", **asdict(self)}
-        return cache.kept(backend, known, lambda: self._answer(backend))
-
-    def _answer(self, backend: Backend) -> dict[str, Any]:
+    def answer(self, backend: Backend) -> dict[str, Any]:
+        """Each case at the step, and over steps."""
         return {
             **self._at_step(backend, self.step_s),
             "over_step": over_steps(STEPS_S, lambda step_s: self._at_step(backend, step_s)),

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from simcompare.characterization.grids import STEPS_S
+from simcompare.characterization.question import Question
 from simcompare.characterization.scenes import G_M_S2, over_steps, run, scene
 from simcompare.engine.backend import Backend
 from simcompare.scenario import Scenario
 from simcompare.trajectory import Array, Trajectory
-from simcompare.tuning import cache
 
 #: the block's edges [m]; it is so low that it does not tip at the largest load
 SIZE_M = (0.12, 0.12, 0.03)
@@ -36,25 +36,18 @@ _LEAST, _AT_ONCE = 6, 2
 
 
 @dataclass(frozen=True)
-class FrictionQuestion:
-    """How friction holds and brakes at one contact level; called with a backend.
+class FrictionQuestion(Question):
+    """How friction holds and brakes at one contact level.
 
     Attributes:
-        level: contact level.
-        step_s: the engine's step [s].
         friction: Coulomb's coefficient µ [1]; none that an engine has by default.
     """
 
-    level: str
-    step_s: float
+    name = "friction"
     friction: float = 0.4
 
-    def __call__(self, backend: Backend) -> dict[str, Any]:
-        """The answer as plain values, from the cache where it is known."""
-        known = {"ask": "friction", **asdict(self)}
-        return cache.kept(backend, known, lambda: self._answer(backend))
-
-    def _answer(self, backend: Backend) -> dict[str, Any]:
+    def answer(self, backend: Backend) -> dict[str, Any]:
+        """Where it lets go, how it creeps and brakes, and both over steps."""
         lets_go = self.lets_go_at(backend, self.step_s)
         return {
             "lets_go_at": lets_go,

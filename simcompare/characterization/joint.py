@@ -5,18 +5,18 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from simcompare.characterization.grids import STEPS_S
+from simcompare.characterization.question import Question
 from simcompare.characterization.scenes import over_steps, run, scene
 from simcompare.engine.backend import Backend
 from simcompare.errors import BackendError
 from simcompare.scenario import Scenario
 from simcompare.trajectory import Array
-from simcompare.tuning import cache
 
 #: moment of inertia and armature [kg·m²]; torque of the motor [N·m]
 _INERTIA, _ARMATURE, _TORQUE = 1e-3, 1.5e-3, 0.05
@@ -30,23 +30,13 @@ _APART = 0.4
 
 
 @dataclass(frozen=True)
-class JointQuestion:
-    """How a hinge moves at one contact level; called with a backend.
+class JointQuestion(Question):
+    """How a hinge moves at one contact level."""
 
-    Attributes:
-        level: contact level.
-        step_s: the engine's step [s].
-    """
+    name = "joint"
 
-    level: str
-    step_s: float
-
-    def __call__(self, backend: Backend) -> dict[str, Any]:
-        """The answer as plain values, from the cache where it is known."""
-        known = {"ask": "joint", **asdict(self)}
-        return cache.kept(backend, known, lambda: self._answer(backend))
-
-    def _answer(self, backend: Backend) -> dict[str, Any]:
+    def answer(self, backend: Backend) -> dict[str, Any]:
+        """Each quantity at the step, and over steps."""
         return {
             **self._at_step(backend, self.step_s),
             "over_step": over_steps(STEPS_S, lambda step_s: self._at_step(backend, step_s)),

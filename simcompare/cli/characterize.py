@@ -10,7 +10,7 @@ import typer
 from simcompare.cli import complete
 
 if TYPE_CHECKING:
-    from simcompare.characterization.characterizing import Characterization
+    from simcompare.characterization.result import Characterization
 
 
 def characterize(

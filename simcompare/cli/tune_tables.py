@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -54,15 +54,7 @@ def show_snippets(rows: Sequence[Tuned]) -> None:
 
 def plain(rows: Sequence[Tuned]) -> dict[str, Any]:
     """All of it as plain values for JSON; what has no value is null."""
-    return {"answers": [_finite({**asdict(row)}) for row in rows]}
-
-
-def _finite(value: Any) -> Any:  # noqa: ANN401
-    if isinstance(value, Mapping):
-        return {name: _finite(part) for name, part in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(part) for part in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    return {"answers": [notation.finite(asdict(row)) for row in rows]}
 
 
 def _show_request(rows: Sequence[Tuned]) -> None:

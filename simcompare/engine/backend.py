@@ -149,7 +149,6 @@ class EngineBackend(ABC):
     def open(self, scenario: Scenario, settings: Settings) -> Simulation:
         """Refuses what the engine cannot do, builds the scene and reads every value back."""
         refuse(self, scenario, settings)
-        self._refuse_no_help(settings)
         if settings.contact == ASSISTED:
             taken = self.helps if settings.helps is None else self.helps & settings.helps
             settings = dataclasses.replace(settings, helps=taken)
@@ -218,8 +217,12 @@ class EngineBackend(ABC):
     def make(self, engine: Any, scene: Scene) -> Simulation:  # noqa: ANN401
         """Builds a scene in the loaded engine."""
 
-    def _refuse_no_help(self, settings: Settings) -> None:
-        """Refuses "assisted" of a variant that takes no help: it would be "tuned"."""
+    def refuse_no_help(self, settings: Settings) -> None:
+        """Refuses "assisted" of a variant that takes no help: it would be "tuned".
+
+        Raises:
+            Unsupported: it is such a variant; says why it takes none.
+        """
         own = self.variants[self.variant] if self.variant else None
         asked = settings.contact == ASSISTED and settings.helps != frozenset()
         if asked and own is not None and own.without and not self.helps:
@@ -267,6 +270,8 @@ def refuse(backend: Backend, scenario: Scenario, settings: Settings) -> None:
 
     Restitution is needed only where the mode is to apply it.
     """
+    if isinstance(backend, EngineBackend):
+        backend.refuse_no_help(settings)
     wanted = needs(scenario).required
     if settings.contact == DEFAULT:
         wanted -= {Feature.RESTITUTION, Feature.FRICTION}

@@ -10,13 +10,10 @@ from simcompare.errors import SimulationDiverged
 from simcompare.settings import TUNED
 from simcompare.tuning.calibration import AtSpeed, Counted, measured
 from simcompare.tuning.drops import Drops, slowest_m_s
-from simcompare.tuning.engine_drops import EngineDrops, Tunable
+from simcompare.tuning.engine_drops import CLEAR_M, EngineDrops, Tunable
 from simcompare.tuning.request import Request
 from simcompare.tuning.springs import DEPTH, SCATTER
 
-#: height above the floor that an engine as it comes must not begin below: it may foresee a contact
-#: (Bullet within 20 mm) [m]
-CLEAR_M = 0.03
 #: what is said of impacts that were not tried
 TOO_SLOW = "its flight is too short to be read at this step"
 #: factor by which the scatter may be larger than what numbers are usually sought with, where they

@@ -38,6 +38,8 @@ class Tunable(Protocol):
 
 #: what drops, and what it drops on
 BALL, FLOOR = PAIR = ("ball", "floor")
+#: height from which drops begin where an engine may foresee a contact (Bullet does 20 mm ahead) [m]
+CLEAR_M = 0.04
 #: weakest gravity with which a drop is read; without any it would have no apex [m/s²]
 LEAST_GRAVITY_M_S2 = 0.1
 #: steps that are recorded at once, and at most

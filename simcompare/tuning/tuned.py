@@ -93,8 +93,8 @@ def calibrate(backend: Tunable, engine: ModuleType, plan: DropPlan) -> Calibrati
     )
     depth_m = found.at[0].penetration_m if found.at else 0.0
     if depth_m > DEPTH * plan.size_m:
-        # in a step it goes no further than this
-        longest_ms = math.floor(1e5 * DEPTH * plan.size_m / plan.speed_m_s) / 100
+        # how deep it goes grows with the step
+        longest_ms = math.floor(1e5 * plan.step_s * DEPTH * plan.size_m / depth_m) / 100
         raise CannotCalibrate(
             f"in a step of {1e3 * plan.step_s:.3g} ms a body at {plan.speed_m_s:.3g} m/s goes"
             f" {1e3 * depth_m:.3g} mm deep, more than half its size of {1e3 * plan.size_m:.3g} mm;"
