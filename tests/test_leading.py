@@ -149,7 +149,8 @@ def shown(run, measure=None):
 
 def test_levels_stand_side_by_side_with_verdicts_and_the_truth_below():
     assert shown(three_levels()) == [
-        "restitution, mean of 3 (scatter in the last digits); tolerance 0.008",
+        "restitution, mean over all events of a repeat and 3 repeats (scatter in the last",
+        "digits); tolerance 0.008",
         "engine          default  tuned            assisted",
         "─" * 57,
         "north        0.0000(10)  0.8100(10) fail  0.8000(10) pass",

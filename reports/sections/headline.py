@@ -6,9 +6,9 @@ from typing import Any
 
 from simcompare.compare import FAIL, PASS
 from simcompare.jobs import OK
-from simcompare.reports import curves, remarks, runs, timelines, words
+from simcompare.reports import by_step, curves, remarks, runs, timelines, words
 from simcompare.reports.figures import Figure, style_of
-from simcompare.reports.lead import lead_of
+from simcompare.reports.lead import Lead, lead_of
 from simcompare.reports.leading import leading_figure
 from simcompare.reports.sections.base import Section
 from simcompare.results import Run
@@ -31,13 +31,20 @@ class Headline(Section):
             "question": run.record["question"],
             "answer": words.answer(run),
             "remarks": remarks.remarks(run),
-            "figures": [f for f in (leading_figure(run), _second_figure(run)) if f is not None],
+            "figures": [figure for figure in _figures(run, found) if figure is not None],
             "modes": [runs.mode_words(mode) for mode in runs.modes(run)],
             "lead": runs.measure_words(lead) if lead else None,
             "lead_unit": _unit(run, lead),
             "missing": runs.not_run(run),
             "rows": [_row(run, name, lead) for name in runs.names(run)],
         }
+
+
+def _figures(run: Run, lead: Lead | None) -> tuple[Figure | None, ...]:
+    """The leading measure over the step where there are several, and level by level; the motion."""
+    if lead is not None and runs.steps(run):
+        return by_step.figure(run, lead), leading_figure(run)
+    return leading_figure(run), _second_figure(run)
 
 
 def _second_figure(run: Run) -> Figure | None:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 #: a value and its scatter stay on one line
 _WHOLE = "\u00a0±\u00a0"
+#: what stands before a command
+_CURE = "; cure: "
 
 
 def print_json(value: object) -> None:
@@ -52,11 +54,14 @@ def width() -> int:
 def print_wrapped(sentences: Iterable[str]) -> None:
     """Sentences one below the other, lines that go on indented."""
     for sentence in sentences:
+        said, cure, command = sentence.partition(_CURE)
         for line in textwrap.wrap(
-            sentence.replace(" ± ", _WHOLE), width(), subsequent_indent="  ",
+            (said + cure).replace(" ± ", _WHOLE), width(), subsequent_indent="  ",
             break_long_words=False, break_on_hyphens=False,
         ):  # fmt: skip
             typer.echo(line.replace(_WHOLE, " ± "))
+        if command:  # on a line of its own, however long: it is there to be copied
+            typer.echo(f"  {command}")
 
 
 @contextmanager
