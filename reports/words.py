@@ -137,16 +137,15 @@ def _filled(run: Run, lead: Lead, mode: str, template: str, group: Group) -> str
     measured = {score.measure for score in run.scores if score.index is None}
     for name in placeholders(template):
         if name != VALUE:
-            other = lead_as(run, name) if name in measured else None
-            own = (
-                [row for row in rows_of(run, other, mode) if row.name in group.names]
-                if other
-                else []
-            )
-            values[name] = (
-                other.told([replace(row, u=None, kind=UNJUDGED) for row in own]) if other else "–"
-            )
+            values[name] = _other(run, name, mode, group) if name in measured else "–"
     return template.format(**values)
+
+
+def _other(run: Run, measure: str, mode: str, group: Group) -> str:
+    """What the same engines have of another measure, which is not judged here."""
+    lead = lead_as(run, measure)
+    rows = [row for row in rows_of(run, lead, mode) if row.name in group.names]
+    return lead.told([replace(row, u=None, kind=UNJUDGED) for row in rows])
 
 
 def _nearness(lead: Lead, rows: Sequence[Row]) -> str:

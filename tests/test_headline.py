@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from simcompare.cli import console
-from simcompare.reports import listing, remarks, runs, words
+from simcompare.reports import listing, matplotlib_, plotly_, remarks, runs, words
 from simcompare.reports.leading import leading_figure
 from simcompare.results import Run
 from tests.test_reports import TOLERANCES, audit_row, make_run, source
@@ -315,11 +315,17 @@ def test_each_source_is_held_to_its_own_tolerance(monkeypatch):
         "Tuned, the ball bounces with 0.800 ± 0.001 in west, 0.820 ± 0.001 in north;"
         " outside the tolerance: 0.820 ± 0.001 in south, where the closed form gives 0.8."
     ]
-    whole, near = leading_figure(run).panels
-    assert near.x_label == "deviation ÷ tolerance of 0.008 or 0.04"
-    # north by its own tolerance; points with and without a bar are two series
-    assert sorted(x for s in near.series for x in s.x) == pytest.approx([0.0, 0.5, 2.5])
-    assert sorted(x for s in whole.series for x in s.x) == pytest.approx([0.8, 0.82, 0.82])
+    (panel,) = leading_figure(run).panels
+    *bands, truth = panel.spans
+    assert [band.rows for band in bands] == [(-0.5, 0.5), (0.5, 1.5), (1.5, 2.5)]
+    assert [band.high for band in bands] == pytest.approx([0.84, 0.808, 0.808])
+    assert truth.rows is None
+    # both renderers draw them
+    shapes = plotly_.as_dict(leading_figure(run))["layout"]["shapes"]
+    assert [(one["y0"], one["y1"], one["yref"]) for one in shapes[:2]] == [
+        (-0.5, 0.5, "y"), (0.5, 1.5, "y"),
+    ]  # fmt: skip
+    assert matplotlib_.rendered(leading_figure(run), "svg")
 
 
 # on a terminal

@@ -12,7 +12,7 @@ from simcompare.reports.lead import Lead, lead_of
 from simcompare.reports.leading import leading_figure
 from simcompare.reports.sections.base import Section
 from simcompare.results import Run
-from simcompare.settings import SHOWN_LEVELS, TUNED
+from simcompare.settings import DEFAULT, SHOWN_LEVELS, TUNED
 
 #: never told by colour alone
 _MARKS = {PASS: "✓", FAIL: "✗"}
@@ -50,7 +50,7 @@ def _figures(run: Run, lead: Lead | None) -> tuple[Figure | None, ...]:
 def _second_figure(run: Run) -> Figure | None:
     """A curve over something else than time, which answers more than its making; else the motion.
 
-    The motion is shown as the engines have it by themselves.
+    The motion is shown as the engines have it by themselves: as they come, and tuned.
     """
     axis = curves.leading_axis(run)
     if axis is not None:
@@ -58,8 +58,9 @@ def _second_figure(run: Run) -> Figure | None:
     probes = list(runs.probes(run).items())
     if not probes:
         return None
-    mode = TUNED if TUNED in runs.modes(run) else runs.judged_modes(run)[-1]
-    return timelines.motion_figure(run, *probes[0], mode)
+    shown = [mode for mode in (DEFAULT, TUNED) if mode in runs.modes(run)]
+    modes = shown if TUNED in shown else runs.judged_modes(run)[-1:]
+    return timelines.motion_figure(run, *probes[0], modes)
 
 
 def _row(run: Run, name: str, lead: str | None) -> dict[str, Any]:
@@ -80,6 +81,7 @@ def _row(run: Run, name: str, lead: str | None) -> dict[str, Any]:
             {
                 "value": runs.value_words(run, score),
                 "mark": _MARKS.get(score.verdict, "") if score else "",
+                "mode": runs.mode_words(mode),
                 "met": None if mode in SHOWN_LEVELS or not of else met,
                 "of": len(runs.judged(run)),
             }
