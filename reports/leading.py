@@ -216,7 +216,7 @@ def _caption(run: Run, lead: Lead, scales: Sequence[_Scale]) -> str:
     if lead.of_events:
         text += f" The {lead.words} is the mean over all events of a repeat."
     if len(scales) > 1:
-        text += f" “{scales[-1].title}” shows what is judged, and the tolerance."
+        text += f" The panel “{scales[-1].title}” shows what is judged, and the tolerance."
     if len(lead.widths) > 1:
         text += " Each row has its own tolerance."
     return f"{text} Arrows at an edge point to values beyond it; – was not measured."

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from simcompare.cli import console
-from simcompare.reports import listing, matplotlib_, plotly_, remarks, runs, words
+from simcompare.reports import builder, listing, matplotlib_, plotly_, remarks, runs, words
 from simcompare.reports.leading import leading_figure
 from simcompare.results import Run
 from tests.test_reports import TOLERANCES, audit_row, make_run, source
@@ -337,3 +337,20 @@ def test_long_reasons_are_folded_and_commands_stay_in_one_piece(capsys):
     *folded, last = capsys.readouterr().out.splitlines()
     assert max(map(len, folded)) <= 80
     assert last == f"  {command}"
+
+
+def test_a_value_and_its_scatter_stay_on_one_line(capsys):
+    console.print_wrapped(["x" * 70 + " 0.5 (± 0.1 at most)"])
+    assert any(line.strip().startswith("(± 0.1") for line in capsys.readouterr().out.splitlines())
+
+
+# the table of the report
+
+
+def test_counts_of_tolerances_name_their_level_and_ends_stand_for_a_mean(tmp_path):
+    run = answered([*level("tuned", north=0.8), *level("assisted", north=0.8)])
+    run = changed(run, "north", value=None, low=0.01, high=0.17)
+    page = builder.write_html([run], tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "tuned&nbsp;1&nbsp;of&nbsp;2" in page
+    assert "assisted&nbsp;1&nbsp;of&nbsp;2" in page
+    assert "0.01 to 0.17" in page

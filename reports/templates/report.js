@@ -22,7 +22,7 @@
       layout[key].domain = [0, 1];
       y.domain = [top - 0.68 * part, top];
       y.showticklabels = true;
-      layout[key].nticks = 5;
+      Object.assign(layout[key], { nticks: 5, tickfont: { size: 12 } });
       layout[key].title.text = folded(layout[key].title.text, (wide - 110) / LETTER);
       y.title.text = folded(y.title.text, 0.68 * each / LETTER);
       const head = layout.annotations[i];

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 #: a value and its scatter stay on one line
-_WHOLE = "\u00a0±\u00a0"
+_WHOLE = {" ± ": "\u00a0±\u00a0", "(± ": "(±\u00a0"}
 #: what stands before a command
 _CURE = "; cure: "
 
@@ -55,11 +55,13 @@ def print_wrapped(sentences: Iterable[str]) -> None:
     """Sentences one below the other, lines that go on indented."""
     for sentence in sentences:
         said, cure, command = sentence.partition(_CURE)
+        text = said + cure
+        for plain, whole in _WHOLE.items():
+            text = text.replace(plain, whole)
         for line in textwrap.wrap(
-            (said + cure).replace(" ± ", _WHOLE), width(), subsequent_indent="  ",
-            break_long_words=False, break_on_hyphens=False,
-        ):  # fmt: skip
-            typer.echo(line.replace(_WHOLE, " ± "))
+            text, width(), subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
+        ):
+            typer.echo(line.replace("\u00a0", " "))
         if command:  # on a line of its own, however long: it is there to be copied
             typer.echo(f"  {command}")
 
