@@ -29,6 +29,8 @@ _PLAIN_SIZES = (1e-3, 1e6)
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#882255")
 _DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
 _MARKERS = ("circle", "square", "diamond", "triangle-up", "triangle-down", "x", "star")
+#: shades of an engine's colour for its variants: how bright the grey is, and its part
+_SHADES = ((0, 0.65), (0, 0.35), (255, 0.4))
 PATTERNS = len(_DASHES) * len(_MARKERS)
 
 
@@ -144,11 +146,13 @@ class Span:
         low: where it begins.
         high: where it ends.
         label: name in the legend, listed once; empty for none.
+        rows: lowest and highest y of it, ``None`` for the whole height.
     """
 
     low: float
     high: float
     label: str = ""
+    rows: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -292,7 +296,8 @@ class Figure:
 def style_of(source: str) -> Style:
     """The look of an engine, the same in every report; see ``looks`` where it has several sources.
 
-    A variant of it, or one of several steps, has its colour with another dash and marker.
+    One of several steps has its colour with another dash and marker, a variant of it a shade of
+    it besides.
     """
     name = source.partition(AT)[0]
     engine, variant = engines.split(name)
@@ -301,7 +306,16 @@ def style_of(source: str) -> Style:
         return plain
     known = list(engines.quick_variants(engine))
     ahead = 1 + (known.index(variant) if variant in known else 0)
-    return with_pattern(plain, _MARKERS.index(plain.marker) + ahead)
+    own = with_pattern(plain, _MARKERS.index(plain.marker) + ahead)
+    return (
+        replace(own, colour=_shade(own.colour, *_SHADES[ahead % len(_SHADES)])) if variant else own
+    )
+
+
+def _shade(colour: str, grey: int, part: float) -> str:
+    """A colour with so much of it replaced by a grey."""
+    own = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return "#" + "".join(f"{round((1 - part) * one + part * grey):02X}" for one in own)
 
 
 def with_pattern(style: Style, number: int) -> Style:

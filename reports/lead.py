@@ -12,6 +12,8 @@ from simcompare.reports import numbers, runs
 from simcompare.results import Run
 
 WITHIN, OUTSIDE, NOTHING, UNJUDGED = "within", "outside", "nothing", "unjudged"
+#: nothing in some repeats alone, and in none that is known
+MIXED, UNMEASURED = "mixed", "unmeasured"
 #: a value below this part of the truth is none at all
 _NONE = 0.01
 #: values agree within this part where the scenario states no tolerance
@@ -34,6 +36,7 @@ class Lead:
             tightest, where sources are held to several.
         widths: every one of these, each once.
         answer: what the scenario says of it, ``None`` where it says nothing.
+        of_events: whether it is the mean over the events of a repeat, such as all its bounces.
     """
 
     measure: str
@@ -42,6 +45,7 @@ class Lead:
     width: float | None
     widths: tuple[float, ...]
     answer: Mapping[str, Any] | None
+    of_events: bool = False
 
     @property
     def words(self) -> str:
@@ -58,6 +62,11 @@ class Lead:
         """The tolerance, or the tolerances of several sources, as a number."""
         return " or ".join(dict.fromkeys(numbers.plain(width, 2) for width in self.widths))
 
+    @property
+    def true(self) -> str:
+        """The true value with its unit."""
+        return numbers.plain(self.truth, 4) + ("" if self.unit in ("", "1") else f" {self.unit}")
+
     def off(self, value: float, width: float | None = None) -> float:
         """How far a value is from the truth, in tolerances."""
         accepted = width or self.width
@@ -73,30 +82,52 @@ class Lead:
             u: its scatter, left out where it is no more than rounding.
             more: further digits.
         """
-        if value is None:
-            return "–"
-        unit = "" if self.unit in ("", "1") else f" {self.unit}"
-        places = self.places(value)
-        if places is None:
-            return numbers.with_u(value, u, self.unit, self.truth, 4)
-        shown, scatter = (f"{v:.{places + more}f}" for v in (value, u or 0.0))
-        shown = shown.lstrip("-") if float(shown) == 0 else shown.replace("-", "−")
-        if float(scatter) == 0 or not math.isfinite(float(scatter)):
-            return shown + unit
-        both = f"{shown} ± {scatter}"
-        return f"({both}){unit}" if unit else both
+        return "–" if value is None else self._of([(value, u)], more)
 
-    def told(self, row: Row) -> str:
-        """A value with as many digits as it takes to see that it is outside."""
-        value = row.value
-        for more in range(_MORE + 1):
-            text = self.text(value, row.u, more)
-            places = None if value is None else self.places(value)
-            if row.kind != OUTSIDE or value is None or places is None:
-                return text
-            if abs(self.off(round(value, places + more), row.width)) > 1 + _EQUAL:
-                return text
+    def told(self, rows: Sequence[Row]) -> str:
+        """What rows have, as one value or a range, with the digits that show what is outside."""
+        known = [row for row in rows if row.value is not None]
+        text = "–"
+        for more in range(_MORE + 1 if known else 0):
+            text = self._of([(row.value or 0.0, row.u) for row in known], more)
+            if all(self._seen(row, more) for row in known):
+                break
         return text
+
+    def ends(self, row: Row) -> str:
+        """The lowest and the highest repeat of a source."""
+        return self._of([(end, None) for end in row.ends or ()], 0) if row.ends else "–"
+
+    def _seen(self, row: Row, more: int) -> bool:
+        """Whether the digits that are told show that a value is outside, where it is."""
+        value = row.value or 0.0
+        places = self.places(value)
+        if row.kind != OUTSIDE or places is None:
+            return True
+        return abs(self.off(round(value, places + more), row.width)) > 1 + _EQUAL
+
+    def _of(self, pairs: Sequence[tuple[float, float | None]], more: int) -> str:
+        """Values from the lowest to the highest; the same digits are told once."""
+        after = "" if self.unit in ("", "1") else f" {self.unit}"
+        (low, u), (high, _) = min(pairs, key=lambda p: p[0]), max(pairs, key=lambda p: p[0])
+        if self.places(high) is None:
+            if low == high:
+                return numbers.with_u(low, u, self.unit, self.truth, 4)
+            return " to ".join(dict.fromkeys(numbers.plain(v, 4) for v in (low, high))) + after
+        ends = dict.fromkeys(self._digits(value, more) for value in (low, high))
+        scatters = {self._digits(u, more) for _, u in pairs if u and math.isfinite(u)}
+        most = max(scatters, key=float, default="0")
+        if float(most) == 0:
+            return " to ".join(ends) + after
+        if len(ends) == len(scatters) == 1:
+            both = f"{next(iter(ends))} ± {most}"
+            return f"({both}){after}" if after else both
+        at_most = " at most" if len(scatters) > 1 else ""
+        return f"{' to '.join(ends)}{after} (± {most}{after}{at_most})"
+
+    def _digits(self, value: float, more: int) -> str:
+        text = f"{value:.{(self.places(value) or 0) + more}f}"
+        return text.lstrip("-") if float(text) == 0 else text.replace("-", "−")
 
     def places(self, value: float) -> int | None:
         """Decimals that the tolerance leaves, ``None`` where a power of ten reads better."""
@@ -113,8 +144,12 @@ class Row:
         name: of the source.
         value: mean over the repeats; ``None`` where it could not be measured.
         u: their standard deviation, ``None`` for a single one.
-        kind: within the tolerance, outside, nothing at all, or not judged.
+        kind: within the tolerance, outside, nothing at all, nothing in some repeats, not measured
+            in any, or not judged.
         width: its own tolerance, ``None`` where it is not judged.
+        ends: lowest and highest of the repeats that could be measured, where those are known.
+        repeats: how many these are.
+        lacking: why there is no value, where the source does not give a signal.
     """
 
     name: str
@@ -122,6 +157,9 @@ class Row:
     u: float | None
     kind: str
     width: float | None = None
+    ends: tuple[float, float] | None = None
+    repeats: int = 0
+    lacking: str = ""
 
 
 class Group(NamedTuple):
@@ -139,14 +177,10 @@ class Group(NamedTuple):
         return [row.name for row in self.rows]
 
     @property
-    def row(self) -> Row:
-        """One that stands for all: their mean, and the largest scatter."""
+    def middle(self) -> float:
+        """Mean of their values, to order groups by."""
         known = [row.value for row in self.rows if row.value is not None]
-        scatters = [row.u for row in self.rows if row.u is not None]
-        mean = sum(known) / len(known) if known else None
-        widths = [row.width for row in self.rows if row.width is not None]
-        most = max(scatters, default=None)
-        return Row("", mean, most, self.rows[0].kind, max(widths, default=None))
+        return sum(known) / max(len(known), 1)
 
 
 def lead_of(run: Run) -> Lead | None:
@@ -158,6 +192,16 @@ def lead_of(run: Run) -> Lead | None:
     return _lead(run, measures[0], None) if measures else None
 
 
+def first_events(run: Run, lead: Lead, mode: str) -> list[Row]:
+    """What every source has of the first event alone, where the measure is a mean over events."""
+    return [
+        Row(score.source, score.value, score.u, UNJUDGED)
+        for score in run.scores
+        if (score.measure, score.contact, score.index) == (lead.measure, mode, 1)
+        and score.value is not None
+    ]
+
+
 def lead_as(run: Run, measure: str) -> Lead:
     """The same of any measure of whole runs."""
     return _lead(run, measure, None)
@@ -165,15 +209,20 @@ def lead_as(run: Run, measure: str) -> Lead:
 
 def rows_of(run: Run, lead: Lead, mode: str) -> list[Row]:
     """What every source that ran at a level has of the leading measure."""
-    found = []
-    for name in runs.ran(run, mode):
-        score = runs.score_of(run, name, mode, lead.measure)
-        value, u = (None, None) if score is None else (score.value, score.u)
-        if value is not None and not math.isfinite(value):
-            value = None
-        width = None if score is None else _width(run, score)
-        found.append(Row(name, value, u, _kind(lead, value, width), width))
-    return found
+    return [
+        _row(run, lead, name, runs.score_of(run, name, mode, lead.measure))
+        for name in runs.ran(run, mode)
+    ]
+
+
+def _row(run: Run, lead: Lead, name: str, score: Score | None) -> Row:
+    if score is None:
+        return Row(name, None, None, UNMEASURED)
+    value = score.value if score.value is not None and math.isfinite(score.value) else None
+    ends = None if score.low is None or score.high is None else (score.low, score.high)
+    width = _width(run, score)
+    kind = _kind(lead, value, width, ends)
+    return Row(name, value, score.u, kind, width, ends, score.repeats, score.lacking)
 
 
 def groups_of(lead: Lead, rows: Sequence[Row]) -> list[Group]:
@@ -193,26 +242,32 @@ def groups_of(lead: Lead, rows: Sequence[Row]) -> list[Group]:
             groups.append([row])
     order = {row.name: i for i, row in enumerate(rows)}
     found = [Group(tuple(sorted(group, key=lambda row: order[row.name]))) for group in groups]
-    return sorted(found, key=lambda group: (-len(group.rows), abs(lead.off(group.row.value or 0))))
+    return sorted(found, key=lambda group: (-len(group.rows), abs(lead.off(group.middle))))
 
 
 def _lead(run: Run, measure: str, answer: Mapping[str, Any] | None) -> Lead:
-    scores = [s for s in run.scores if s.measure == measure and s.index is None]
+    every = [s for s in run.scores if s.measure == measure]
+    scores = [s for s in every if s.index is None]
     known = next((score for score in scores if score.truth is not None), scores[0])
     widths = sorted({w for score in scores if (w := _width(run, score)) is not None})
-    return Lead(measure, known.unit, known.truth, min(widths, default=None), (*widths,), answer)
+    least, of_events = min(widths, default=None), len(scores) < len(every)
+    return Lead(measure, known.unit, known.truth, least, (*widths,), answer, of_events)
 
 
 def _width(run: Run, score: Score) -> float | None:
     return None if score.truth is None else runs.width(run, score)
 
 
-def _kind(lead: Lead, value: float | None, width: float | None) -> str:
-    if value is None:
-        return NOTHING
+def _kind(
+    lead: Lead, value: float | None, width: float | None, ends: tuple[float, float] | None
+) -> str:
+    if value is None:  # of some repeats there may be one
+        return UNMEASURED if ends is None else MIXED
     if lead.truth is None or width is None:
         return UNJUDGED
     if abs(value - lead.truth) <= width:
         return WITHIN
     least = max(width, _NONE * abs(lead.truth))
-    return NOTHING if abs(value) <= least < abs(lead.truth) else OUTSIDE
+    if not abs(value) <= least < abs(lead.truth):
+        return OUTSIDE
+    return NOTHING if max(map(abs, ends or (value,))) <= least else MIXED

@@ -39,25 +39,21 @@ _SMALLEST, _TALLEST = 0.8, 3.0
 
 @dataclass(frozen=True)
 class _Scale:
-    """How a panel shows values.
+    """The part of the axis that a panel shows.
 
     Attributes:
+        title: of the panel.
         low: left end.
         high: right end.
-        in_tolerances: whether deviations in tolerances are drawn, and not values.
     """
 
+    title: str
     low: float
     high: float
-    in_tolerances: bool
 
-    def x(self, lead: Lead, value: float, width: float | None) -> float:
-        """Where a value stands."""
-        return lead.off(value, width) if self.in_tolerances else value
-
-    def holds(self, x: float) -> bool:
-        """Whether something can be drawn at a place."""
-        return self.low <= x <= self.high
+    def holds(self, value: float) -> bool:
+        """Whether a value can be drawn."""
+        return self.low <= value <= self.high
 
     @property
     def free(self) -> float:
@@ -76,9 +72,8 @@ def leading_figure(run: Run) -> Figure | None:
     near = _near(lead, known)
     whole = _whole(lead, values)
     scales = [scale for scale in (whole, near) if scale is not None]
-    alike = len(lead.widths) == 1
-    if near is not None and alike and all(near.holds(lead.off(value)) for value in values):
-        scales = [_values_of(near, lead)]
+    if near is not None and all(near.holds(value) for value in values):
+        scales = [near]
     panels = tuple(_panel(run, lead, found, scale, i) for i, scale in enumerate(scales))
     rows = len(runs.names(run)) * (len(found) + 0.6)
     height = min(max(_FRAME + _ROW * rows, _SMALLEST), _TALLEST)
@@ -88,20 +83,15 @@ def leading_figure(run: Run) -> Figure | None:
 
 def _near(lead: Lead, rows: dict[str, list[Row]]) -> _Scale | None:
     """The neighbourhood of the truth, as wide as what is judged needs."""
-    if not lead.is_judged or not lead.width:
+    if lead.truth is None or not lead.width:
         return None
+    width = max(lead.widths)
     judged = [mode for mode in rows if mode not in SHOWN_LEVELS] or list(rows)
-    found = [row for mode in judged for row in rows[mode]]
-    offs = [abs(lead.off(row.value, row.width)) for row in found if row.value is not None]
-    inside = [off for off in offs if off <= _FARTHEST]
-    half = min(max([_NEAREST, *(1.25 * off for off in inside)]), _FARTHEST * 1.1)
-    return _Scale(-half, half, True)
-
-
-def _values_of(near: _Scale, lead: Lead) -> _Scale:
-    """The same neighbourhood with values along the axis."""
-    truth, width = lead.truth or 0.0, lead.width or 0.0
-    return _Scale(truth + near.low * width, truth + near.high * width, False)
+    found = [row.value for mode in judged for row in rows[mode] if row.value is not None]
+    offs = [abs(value - lead.truth) for value in found]
+    inside = [1.25 * off for off in offs if off <= _FARTHEST * width]
+    half = max([_NEAREST * width, *inside])
+    return _Scale("near the truth", lead.truth - half, lead.truth + half)
 
 
 def _whole(lead: Lead, values: Sequence[float]) -> _Scale:
@@ -112,7 +102,7 @@ def _whole(lead: Lead, values: Sequence[float]) -> _Scale:
     ends = [*kept, *true] or [0.0]
     low, high = min(ends), max(ends)
     margin = _MARGIN * ((high - low) or abs(high) or 1.0)
-    return _Scale(low - margin, high + margin, False)
+    return _Scale("the whole", low - margin, high + margin)
 
 
 def _panel(run: Run, lead: Lead, found: dict[str, list[Row]], scale: _Scale, place: int) -> Panel:
@@ -137,13 +127,9 @@ def _panel(run: Run, lead: Lead, found: dict[str, list[Row]], scale: _Scale, pla
         for i, name in enumerate(names)
         if name not in drawn
     ]
-    if scale.in_tolerances:
-        title, label = "near the truth", f"deviation ÷ tolerance of {_width(lead)}"
-    else:
-        title = "the whole" if place == 0 else "near the truth"
-        label = f"{lead.words}{runs.unit_words(lead.unit)}"
+    label = f"{lead.words}{runs.unit_words(lead.unit)}"
     return Panel(
-        title, label, "", tuple(series), spans=_truth(lead, scale), y_ticks=tuple(names),
+        scale.title, label, "", tuple(series), spans=_truth(run, lead), y_ticks=tuple(names),
         x_limits=(scale.low, scale.high), notes=tuple(notes), weight=1.0 if place == 0 else 1.3,
     )  # fmt: skip
 
@@ -156,14 +142,12 @@ def _drawn(
     inside, arrows, notes = [], [], []
     for y, row in places:
         if row.value is None:
-            notes.append(Note(scale.low + scale.free, y, "–", colour=style.colour))
+            notes.append(Note(scale.low + scale.free, y, lead.ends(row), colour=style.colour))
             continue
-        x = scale.x(lead, row.value, row.width)
-        if scale.holds(x):
-            u, width = row.u or 0.0, row.width or lead.width
-            inside.append((x, y, u / width if scale.in_tolerances and width else u))
+        if scale.holds(row.value):
+            inside.append((row.value, y, row.u or 0.0))
             continue
-        left = x < scale.low
+        left = row.value < scale.low
         edge = scale.low + scale.free if left else scale.high - scale.free
         arrows.append((edge, y, left))
         text, side = lead.text(row.value), "right" if left else "left"
@@ -193,23 +177,31 @@ def _points(
     ]
 
 
-def _truth(lead: Lead, scale: _Scale) -> tuple[Span, ...]:
+def _truth(run: Run, lead: Lead) -> tuple[Span, ...]:
+    """The truth and the tolerance about it; of each row where sources have their own."""
     if lead.truth is None:
         return ()
-    centre, half = scale.x(lead, lead.truth, None), lead.width or 0.0
-    half = 1.0 if scale.in_tolerances else half
-    line = Span(centre, centre, f"truth ({TRUTH})")
-    return (Span(centre - half, centre + half, "tolerance"), line) if lead.width else (line,)
+    line = Span(lead.truth, lead.truth, f"truth ({TRUTH})")
+    if len(lead.widths) < 2:
+        return (*(_tolerance(lead.truth, width) for width in lead.widths), line)
+    scores = {s.source: s for s in run.scores if (s.measure, s.index) == (lead.measure, None)}
+    widths = [runs.width(run, scores[name]) if name in scores else None for name in runs.names(run)]
+    bands = [
+        _tolerance(lead.truth, width, (i - 0.5, i + 0.5))
+        for i, width in enumerate(widths)
+        if width is not None
+    ]
+    return (*bands, line)
+
+
+def _tolerance(truth: float, width: float, rows: tuple[float, float] | None = None) -> Span:
+    return Span(truth - width, truth + width, "tolerance", rows)
 
 
 def _missing(run: Run, name: str) -> str:
     """What became of a source of which nothing can be drawn."""
     states = {s["status"] for s in run.record["sources"] if s["name"] == name} - {OK}
     return f"– {', '.join(sorted(states))}"
-
-
-def _width(lead: Lead) -> str:
-    return lead.accepted + ("" if lead.unit in ("", "1") else f" {lead.unit}")
 
 
 def _caption(run: Run, lead: Lead, scales: Sequence[_Scale]) -> str:
@@ -221,6 +213,10 @@ def _caption(run: Run, lead: Lead, scales: Sequence[_Scale]) -> str:
             " where it is more than the symbol is wide"
         )
     text = f"{'; '.join(parts)}."
+    if lead.of_events:
+        text += f" The {lead.words} is the mean over all events of a repeat."
     if len(scales) > 1:
-        text += " On the right, what is judged, in units of the tolerance: from −1 to 1 is within."
+        text += f" The panel “{scales[-1].title}” shows what is judged, and the tolerance."
+    if len(lead.widths) > 1:
+        text += " Each row has its own tolerance."
     return f"{text} Arrows at an edge point to values beyond it; – was not measured."

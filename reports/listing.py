@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from simcompare.results import AT
+
 #: more names than this are counted where they are all that there are; no more are left out
 _FEW = 2
 
@@ -21,7 +23,20 @@ def engines(names: Sequence[str], every: Sequence[str]) -> str:
         return f"all {len(names)} {noun(every)}"
     if others and len(others) <= _FEW and len(names) > 2 * _FEW:
         return f"all {len(every)} {noun(every)} but {joined(others)}"
-    return joined(names)
+    return joined(steps_together(names, every))
+
+
+def steps_together(names: Sequence[str], every: Sequence[str]) -> list[str]:
+    """The same, an engine at all of its steps as one, and at some as one with these steps."""
+    found: dict[str, list[str]] = {}
+    for name in names:
+        engine, _, step = name.partition(AT)
+        found.setdefault(engine, []).append(step)
+    whole = {e: [n for n in every if n.partition(AT)[0] == e] for e in found}
+    return [
+        engine if len(steps) == len(whole[engine]) else f"{engine}{AT}{'/'.join(steps)}"
+        for engine, steps in found.items()
+    ]
 
 
 def noun(every: Sequence[str]) -> str:

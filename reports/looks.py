@@ -14,8 +14,9 @@ from simcompare.results import AT, Run
 def look(run: Run, source: str) -> Style:
     """The look of a source in all figures of a run.
 
-    An engine looks the same in every report. Its variants and steps have its colour, each with a
-    dash and a marker that no other source of the run has, as far as there are enough of them.
+    An engine looks the same in every report. Its steps have its colour and its variants a shade of
+    it, each with a dash and a marker that no other source of the run has, as far as there are
+    enough of them.
     """
     return looks(tuple(runs.names(run)))[source]
 

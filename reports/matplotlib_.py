@@ -194,7 +194,10 @@ def _text(text: str) -> str:
 def _span(axes: Axes, span: Span) -> Any:  # noqa: ANN401  (a handle for the legend)
     if span.low == span.high:
         return axes.axvline(span.low, color="#555555", linewidth=0.8, dashes=(3, 2), zorder=1)
-    return axes.axvspan(span.low, span.high, color="#000000", alpha=0.1, linewidth=0)
+    look: Any = {"color": "#000000", "alpha": 0.1, "linewidth": 0}
+    if span.rows is not None:
+        return axes.fill_betweenx(span.rows, span.low, span.high, **look)
+    return axes.axvspan(span.low, span.high, **look)
 
 
 def _band(axes: Axes, band: Band) -> Any:  # noqa: ANN401  (a handle for the legend)

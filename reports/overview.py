@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from simcompare import notation
 from simcompare.compare import FAIL, PASS
 from simcompare.jobs import OK
-from simcompare.reports import runs
+from simcompare.reports import by_step, numbers, runs
 from simcompare.reports.lead import Lead, lead_as, lead_of
 from simcompare.reports.tables import Column, Group, Table, lines
 from simcompare.results import TRUTH, Run
@@ -60,11 +60,20 @@ def _title(run: Run, lead: Lead | None) -> str:
         return ""
     unit = "" if lead.unit in ("", "1") else f" in {lead.unit}"
     title = f"{lead.words}{unit}"
+    means = ["all events of a repeat"] if lead.of_events else []
     if run.record["repeats"] > 1:
-        title += f", mean of {run.record['repeats']} (scatter in the last digits)"
-    if lead.width is None:
-        return title
-    return f"{title}; tolerance {lead.accepted}"
+        means.append(f"{run.record['repeats']} repeats (scatter in the last digits)")
+    if means:
+        title += f", mean over {' and '.join(means)}"
+    return title if lead.width is None else f"{title}; tolerance {_tolerances(run, lead)}"
+
+
+def _tolerances(run: Run, lead: Lead) -> str:
+    """Half-width of what is accepted; of several steps that of each."""
+    each = by_step.widths(run, lead)
+    if len({width for _, width in each}) < 2:
+        return lead.accepted
+    return ", ".join(f"{numbers.plain(w, 2)} at {step}" for step, w in each if w is not None)
 
 
 def _cell(run: Run, lead: Lead | None, name: str, mode: str) -> str:
@@ -76,6 +85,10 @@ def _cell(run: Run, lead: Lead | None, name: str, mode: str) -> str:
     score = runs.score_of(run, name, mode, lead.measure) if lead else None
     if lead is None or score is None:
         return "–"
+    if score.value is None and score.low is not None and score.high is not None:
+        # a mean over some of the repeats would be none over all
+        ends = " to ".join(_value(lead, end, None) for end in (score.low, score.high))
+        return ends + _VERDICTS.get(score.verdict, "")
     return _value(lead, score.value, score.u) + _VERDICTS.get(score.verdict, "")
 
 

@@ -230,9 +230,12 @@ def _band(band: Band, axis: str, listed: bool) -> list[dict[str, Any]]:
 def _span(span: Span, axis: str, listed: bool) -> dict[str, Any]:
     instant = span.low == span.high
     line = {"color": _BAND_LINE, "width": 1.5, "dash": "dash"} if instant else {"width": 0}
+    low, high = span.rows or (0, 1)
     return {
-        "type": "line" if instant else "rect", "x0": span.low, "x1": span.high, "y0": 0, "y1": 1,
-        "xref": f"x{axis}", "yref": f"y{axis} domain", "layer": "below", "line": line,
+        "type": "line" if instant else "rect", "x0": span.low, "x1": span.high,
+        "y0": low, "y1": high,
+        "xref": f"x{axis}", "yref": f"y{axis}" if span.rows else f"y{axis} domain",
+        "layer": "below", "line": line,
         "fillcolor": _BAND_FILL, "name": _text(span.label), "showlegend": listed,
     }  # fmt: skip
 

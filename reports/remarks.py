@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from simcompare.compare import FAIL
+from simcompare.compare import FAIL, PASS, Score
+from simcompare.engines import VARIANT
+from simcompare.jobs import OK
 from simcompare.reports import listing, numbers, runs
-from simcompare.reports.words import how, merged
-from simcompare.results import Run
+from simcompare.reports.lead import Lead, first_events, groups_of, lead_of
+from simcompare.reports.level_words import how, merged
+from simcompare.results import AT, Run
 from simcompare.settings import SHOWN_LEVELS, TUNED
 
 #: contacts whose depths differ by less than this factor are told as one
@@ -19,13 +22,50 @@ _SHALLOW = 0.01
 
 def remarks(run: Run) -> list[str]:
     """Sentences, as far as there is something to say."""
-    found = [_typed_in(run), _contacts(run)]
     judged = [mode for mode in runs.modes(run) if mode not in SHOWN_LEVELS]
+    found = [*_means(run, judged), _typed_in(run), _contacts(run)]
     found += merged((how(run, mode), _missed(run, mode)) for mode in judged)
-    found += [_not_run(run)]
+    found += [*_variants(run), *_not_run(run)]
     if run.interrupted:
         found.append("The run was interrupted before it was complete.")
     return [sentence for sentence in found if sentence]
+
+
+def _means(run: Run, judged: Sequence[str]) -> list[str]:
+    """What the scatter is, and what the first event gives where the value is a mean of several."""
+    lead, repeats = lead_of(run), run.record["repeats"]
+    if lead is None:
+        return []
+    found = []
+    dither = run.record.get("dither")
+    if repeats > 1 and dither:
+        found.append(f"± is the standard deviation over {repeats} repeats. {dither['reason']}")
+    if lead.of_events and not runs.steps(run):
+        found += merged((how(run, mode), _first(run, lead, mode)) for mode in judged)
+    return found
+
+
+def _first(run: Run, lead: Lead, mode: str) -> str:
+    rows = first_events(run, lead, mode)
+    every = runs.ran(run, mode)
+    said = [
+        f"{lead.told(group.rows)} in {listing.engines(group.names, every)}"
+        for group in groups_of(lead, rows)
+    ]
+    return f"the first {lead.words} alone is {', '.join(said)}" if said else ""
+
+
+def _variants(run: Run) -> list[str]:
+    """What each variant is, as its source notes it."""
+    found: dict[str, str] = {}
+    for source in run.record["sources"]:
+        name = source["name"].partition(AT)[0]
+        mark = f"variant {name.partition(VARIANT)[2]}: "
+        for note in source["notes"]:
+            if VARIANT in name and note.startswith(mark):
+                # behind it stands where that is documented
+                found[name] = note.removeprefix(mark).rpartition(" [")[0]
+    return [f"{name}: {text}." for name, text in found.items()]
 
 
 def typed(source: Mapping[str, Any], record: Mapping[str, Any], digits: int = 6) -> str:
@@ -71,14 +111,15 @@ def _contacts(run: Run) -> str:
         else:
             groups.append([one])
     order = runs.names(run)
-    said = [_contact(sorted(group, key=lambda row: order.index(row[2]))) for group in groups]
+    every = [source["name"] for source, _ in _tuned(run)]
+    said = [_contact(sorted(group, key=lambda row: order.index(row[2])), every) for group in groups]
     return f"Tuned, the first contact sinks {'; '.join(said)}."
 
 
-def _contact(group: Sequence[tuple[float, float, str, float]]) -> str:
+def _contact(group: Sequence[tuple[float, float, str, float]], every: Sequence[str]) -> str:
     depth, size = max(row[0] for row in group), group[0][3]
     lasts = _span([1e3 * row[1] for row in group], "ms")
-    names = listing.joined([row[2] for row in group])
+    names = listing.joined(listing.steps_together([row[2] for row in group], every))
     if depth <= _SHALLOW * size:
         return f"less than {numbers.plain(1e3 * _SHALLOW * size, 2)} mm for {lasts} in {names}"
     return f"{_span([1e3 * row[0] for row in group], 'mm')} for {lasts} in {names}"
@@ -92,13 +133,22 @@ def _span(values: Sequence[float], unit: str, digits: int = 2) -> str:
 
 def _typed_in(run: Run) -> str:
     """Which numbers stand for the restitution, engine by engine."""
-    rows = _tuned(run)
+    rows = sorted(_tuned(run), key=lambda row: float(row[0].get("engine_step_s", 0.0)))
     if not rows:
         return ""
-    said = [f"{_short(source, record)} in {source['name']}" for source, record in rows]
+    by_engine: dict[str, list[str]] = {}
+    for source, record in rows:  # at several steps, one after the other
+        engine = source["name"].partition(AT)[0]
+        by_engine.setdefault(engine, []).append(_short(source, record))
+    said = [f"{', '.join(numbers)} in {engine}" for engine, numbers in by_engine.items()]
     wanted = {record["restitution"] for _, record in rows}
     goal = f" for a restitution of {numbers.plain(wanted.pop())}" if len(wanted) == 1 else ""
-    return f"Typed in{goal}: {', '.join(said)}."
+    steps = [
+        str(step["at"]).removeprefix(AT)
+        for step in sorted(runs.steps(run), key=lambda step: float(step["engine_step_s"]))
+    ]
+    at = f" at {listing.joined(steps)}" if steps else ""
+    return f"Typed in{goal}{at}: {('; ' if steps else ', ').join(said)}."
 
 
 def _short(source: Mapping[str, Any], record: Mapping[str, Any]) -> str:
@@ -115,24 +165,45 @@ def _missed(run: Run, mode: str) -> str:
     every, judged = runs.ran(run, mode), runs.judged(run)
     if not every or not judged:
         return ""
+    lacking = {name: lost for name in every if (lost := _unmeasured(run, name, mode))}
+    whole = [name for name in every if name not in lacking]
     by_names: dict[tuple[str, ...], list[str]] = {}
     for measure in judged:
         names = tuple(name for name in every if _failed(run, name, mode, measure))
         if names:
             by_names.setdefault(names, []).append(runs.measure_words(measure))
-    if not by_names:
-        what = _ALL.get(len(judged), f"all {len(judged)} tolerances are")
-        return f"{what} met in {listing.engines(every, every)}"
     said = [
         f"{listing.joined(measures)} by {listing.engines(names, every)}"
         for names, measures in sorted(by_names.items(), key=lambda item: -len(item[0]))
     ]
-    return f"missed: {'; '.join(said)}{_worst(run, mode)}"
+    if said:
+        said = [f"missed: {'; '.join(said)}{_worst(run, mode)}"]
+    elif whole:
+        what = _ALL.get(len(judged), f"all {len(judged)} tolerances are")
+        said = [f"{what} met in {listing.engines(whole, every)}"]
+    said += [_met(run, name, mode, lost) for name, lost in lacking.items()]
+    return "; ".join(said)
 
 
 def _failed(run: Run, name: str, mode: str, measure: str) -> bool:
     score = runs.score_of(run, name, mode, measure)
     return score is not None and score.verdict == FAIL
+
+
+def _unmeasured(run: Run, name: str, mode: str) -> list[Score | None]:
+    """What has a tolerance and was neither met nor missed: there is nothing to judge."""
+    scores = [runs.score_of(run, name, mode, measure) for measure in runs.judged(run)]
+    return [one for one in scores if one is None or one.verdict not in (PASS, FAIL)]
+
+
+def _met(run: Run, name: str, mode: str, lost: Sequence[Score | None]) -> str:
+    """How many tolerances a source met where not all could be judged, and why not."""
+    met, _ = runs.passed(run, name, mode)
+    were = "was" if len(lost) == 1 else "were"
+    reasons = "; ".join(dict.fromkeys(one.lacking for one in lost if one and one.lacking))
+    why = f" ({reasons})" if reasons else ""
+    of = len(runs.judged(run))
+    return f"in {name} {met} of {of} tolerances are met, {len(lost)} {were} not measured{why}"
 
 
 def _worst(run: Run, mode: str) -> str:
@@ -158,14 +229,20 @@ def _worst(run: Run, mode: str) -> str:
     )
 
 
-def _not_run(run: Run) -> str:
-    """Engines that did not run at any level or at some, by what became of them."""
-    by_status: dict[str, list[str]] = {}
-    for row in runs.not_run(run):
-        names = by_status.setdefault(row["status"], [])
-        if row["name"] not in names:
-            names.append(row["name"])
-    if not by_status:
-        return ""
-    said = [f"{listing.joined(sorted(names))} ({status})" for status, names in by_status.items()]
-    return f"Did not run: {'; '.join(said)}. The reasons are below."
+def _not_run(run: Run) -> list[str]:
+    """Engines that did not run at any level, and those that ran at some, by what became of them."""
+    heads: dict[str, dict[str, list[str]]] = {}
+    for name in dict.fromkeys(row["name"] for row in runs.not_run(run)):
+        own = [source for source in run.record["sources"] if source["name"] == name]
+        bad = [source for source in own if source["status"] != OK]
+        levels = listing.joined([runs.mode_words(source["contact"]) for source in bad])
+        head = "Did not run" if len(bad) == len(own) else f"Not run {levels}"
+        for status in dict.fromkeys(source["status"] for source in bad):
+            heads.setdefault(head, {}).setdefault(status, []).append(name)
+    found = []
+    for head, by_status in heads.items():
+        said = [f"{listing.joined(sorted(n))} ({status})" for status, n in by_status.items()]
+        found.append(f"{head}: {'; '.join(said)}.")
+    if found:
+        found[-1] += " The reasons are below."
+    return found

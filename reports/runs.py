@@ -198,9 +198,11 @@ def passed(run: Run, source: str, mode: str) -> tuple[int, int]:
 
 
 def value_words(run: Run, score: Score | None) -> str:
-    """A score as ``value ± u``."""
+    """A score as ``value ± u``; of some repeats alone, from the lowest to the highest."""
     if score is None:
         return "–"
+    if score.value is None and score.low is not None and score.high is not None:
+        return f"{numbers.plain(score.low, 2)} to {numbers.plain(score.high, 2)}"
     scale, digits = size(run, score), numbers.digits(score.value, width(run, score))
     return numbers.with_u(score.value, score.u, scale=scale, digits=digits)
 

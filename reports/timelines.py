@@ -19,9 +19,9 @@ def probe_figure(run: Run, name: str, probe: Probe) -> Figure:
     return _probe_figure(run, f"probe-{name}", probe, runs.modes(run))
 
 
-def motion_figure(run: Run, name: str, probe: Probe, mode: str) -> Figure:
-    """The same at one contact level alone."""
-    return _probe_figure(run, f"motion-{name}", probe, [mode])
+def motion_figure(run: Run, name: str, probe: Probe, modes: Sequence[str]) -> Figure:
+    """The same at some contact levels alone."""
+    return _probe_figure(run, f"motion-{name}", probe, modes)
 
 
 def _probe_figure(run: Run, name: str, probe: Probe, modes: Sequence[str]) -> Figure:
@@ -80,5 +80,7 @@ def _panels(
             found = curve(trajectory) if trajectory is not None else None
             if found is not None:
                 series.append(Series(label, *found, style))
+        # a solid line would hide dashed ones; the truth is the widest, and at the bottom
+        series.sort(key=lambda one: (one.style != TRUTH_STYLE, one.style.dash != "solid"))
         panels.append(Panel(runs.mode_title(mode), TIME, y_label, tuple(series)))
     return tuple(panels)

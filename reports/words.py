@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from simcompare.answer import VALUE, placeholders
-from simcompare.reports import audit, listing, numbers, runs
+from simcompare.reports import audit, by_step, listing, numbers, runs
 from simcompare.reports.lead import (
+    MIXED,
     NOTHING,
     OUTSIDE,
     UNJUDGED,
+    UNMEASURED,
     WITHIN,
     Group,
     Lead,
@@ -23,60 +25,29 @@ from simcompare.reports.lead import (
     lead_of,
     rows_of,
 )
+from simcompare.reports.level_words import how, merged
 from simcompare.results import TRUTH, Run
-from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, SHOWN_LEVELS, TUNED
+from simcompare.settings import SHOWN_LEVELS
 
 #: so many values are told apart, the others as a range
 _MOST_GROUPS = 5
 
 
 def answer(run: Run) -> list[str]:
-    """One sentence for each contact level: what it gives, in which engines, beside the truth."""
+    """One sentence for each contact level: what it gives, in which engines, beside the truth.
+
+    Where steps are compared, one line for each engine: how the value changes with the step.
+    """
     lead = lead_of(run)
     if lead is None:
         return ["Nothing was measured."]
-    found = merged((how(run, mode), _level(run, lead, mode)) for mode in runs.modes(run))
+    if runs.steps(run):
+        found = [line for mode in runs.modes(run) for line in by_step.lines(run, lead, mode)]
+    else:
+        found = merged((how(run, mode), _level(run, lead, mode)) for mode in runs.modes(run))
     if lead.truth is None and found:
         found.append(f"There is no truth to hold the {lead.words} against.")
     return found or ["Nothing was measured."]
-
-
-def merged(said: Iterable[tuple[str, str]]) -> list[str]:
-    """Sentences of a begin and a rest; those after each other with the same rest are one."""
-    found: list[str] = []
-    for rest, group in itertools.groupby(((head, rest) for head, rest in said if rest), _rest):
-        first, *others = (head for head, _ in group)
-        also = "".join(f"; {head[0].lower()}{head[1:].rstrip(',')} the same" for head in others)
-        found.append(f"{first} {rest}{also}.")
-    return found
-
-
-def _rest(said: tuple[str, str]) -> str:
-    return said[1]
-
-
-def how(run: Run, mode: str) -> str:
-    """A level as the begin of a sentence, with the step that all engines took in it."""
-    if mode == ASSISTED and run.record.get("assist") == "none":
-        return "With none of our helps,"
-    if mode == TUNED:
-        return f"Tuned{_step(run, mode)},"
-    return _HOW.get(mode, f"At the level {mode},")
-
-
-_HOW = {
-    DEFAULT: "By default",
-    COEFFICIENTS: "With the coefficients alone,",
-    ASSISTED: "With our helps,",
-    "fitted": "With the fitted parameters,",
-}
-
-
-def _step(run: Run, mode: str) -> str:
-    ran = [run_source for run_source in run.record["sources"] if run_source["contact"] == mode]
-    steps = {audit.step_of(source) for source in ran if source["status"] == "ok"}
-    step_s = steps.pop() if len(steps) == 1 else None
-    return "" if step_s is None else f" at a step of {numbers.plain(1e3 * step_s, 3)} ms"
 
 
 def _level(run: Run, lead: Lead, mode: str) -> str:
@@ -96,19 +67,26 @@ def _clauses(run: Run, lead: Lead, mode: str, rows: Sequence[Row]) -> str:
     every = [row.name for row in rows]
     said: list[str] = []
     counts = Counter(row.kind for row in rows)
+    said_alone = {
+        NOTHING: _template(lead, NOTHING),
+        UNMEASURED: f"the {lead.words} could not be measured",
+    }
     # what most engines do wrong comes first
     wrong = sorted((OUTSIDE, NOTHING), key=lambda kind: -counts[kind])
     same = _template(lead, WITHIN) == _template(lead, OUTSIDE)
-    for kind in (WITHIN, UNJUDGED, *wrong):
+    for kind in (WITHIN, UNJUDGED, *wrong, MIXED, UNMEASURED):
         own = [row for row in rows if row.kind == kind]
-        if own and kind == NOTHING:
+        if own and kind in said_alone:
             names = listing.engines([row.name for row in own], every)
-            said.append(f"{_template(lead, NOTHING)} in {names}")
+            said.append(f"{said_alone[kind]} in {names}{_lacking(own)}")
+        elif own and kind == MIXED:
+            ends = ", ".join(_mixed(run, lead, row) for row in own)
+            said.append(f"the {lead.words} differs from repeat to repeat, {ends}")
         elif own:
             repeated = kind == OUTSIDE and counts[WITHIN] > 0 and same
             values = _values(run, lead, mode, own, every, bare=repeated)
             values = f"outside the tolerance: {values}" if repeated else values
-            truth = f", where the {TRUTH} gives {_true(lead)}" if kind == OUTSIDE else ""
+            truth = f", where the {TRUTH} gives {lead.true}" if kind == OUTSIDE else ""
             said.append(values + truth)
     return "; ".join(said)
 
@@ -124,15 +102,26 @@ def _values(
     parts: list[str] = []
     for group in groups[:_MOST_GROUPS]:
         first = not parts and not bare
-        value = _filled(run, lead, mode, template, group) if first else lead.told(group.row)
+        value = _filled(run, lead, mode, template, group) if first else lead.told(group.rows)
         parts.append(f"{value} in {listing.engines(group.names, every)}")
     others = [row for group in groups[_MOST_GROUPS:] for row in group.rows]
     if others:
         others = sorted(others, key=lambda row: row.value or 0.0)
-        low, high = (lead.text(others[i].value) for i in (0, -1))
-        ends = low if low == high else f"{low} to {high}"
-        parts.append(f"{ends} in {listing.joined([row.name for row in others])}")
+        parts.append(f"{lead.told(others)} in {listing.joined([row.name for row in others])}")
     return ", ".join(parts)
+
+
+def _mixed(run: Run, lead: Lead, row: Row) -> str:
+    """The lowest and highest repeat of a source, and how many there are where some are missing."""
+    of = run.record["repeats"]
+    count = "" if row.repeats == of else f" (measured in {row.repeats} of {of})"
+    return f"{lead.ends(row)} in {row.name}{count}"
+
+
+def _lacking(rows: Sequence[Row]) -> str:
+    """Why sources give no value, as far as they tell."""
+    reasons = dict.fromkeys(row.lacking for row in rows if row.lacking)
+    return f" ({'; '.join(reasons)})" if reasons else ""
 
 
 def _template(lead: Lead, kind: str) -> str:
@@ -144,15 +133,19 @@ def _template(lead: Lead, kind: str) -> str:
 
 def _filled(run: Run, lead: Lead, mode: str, template: str, group: Group) -> str:
     """A template with the values of some engines that agree."""
-    values = {VALUE: lead.told(group.row)}
+    values = {VALUE: lead.told(group.rows)}
     measured = {score.measure for score in run.scores if score.index is None}
     for name in placeholders(template):
         if name != VALUE:
-            known = [runs.score_of(run, one, mode, name) for one in group.names]
-            found = [s.value for s in known if s is not None and s.value is not None]
-            mean = sum(found) / len(found) if found else None
-            values[name] = lead_as(run, name).text(mean) if name in measured else "–"
+            values[name] = _other(run, name, mode, group) if name in measured else "–"
     return template.format(**values)
+
+
+def _other(run: Run, measure: str, mode: str, group: Group) -> str:
+    """What the same engines have of another measure, which is not judged here."""
+    lead = lead_as(run, measure)
+    rows = [row for row in rows_of(run, lead, mode) if row.name in group.names]
+    return lead.told([replace(row, u=None, kind=UNJUDGED) for row in rows])
 
 
 def _nearness(lead: Lead, rows: Sequence[Row]) -> str:
@@ -162,7 +155,7 @@ def _nearness(lead: Lead, rows: Sequence[Row]) -> str:
     unit = "" if lead.unit in ("", "1") else f" {lead.unit}"
     least = max(numbers.ROUNDING * abs(truth), 1e-6 * (lead.width or 0.0))
     near = f"{numbers.plain(_rounded_up(max(worst, least)), 1)}{unit}"
-    return f", within {near} of the {TRUTH} of {_true(lead)}"
+    return f", within {near} of the {TRUTH} of {lead.true}"
 
 
 def _rounded_up(value: float) -> float:
@@ -173,13 +166,9 @@ def _rounded_up(value: float) -> float:
     return math.ceil(value / place * (1 - 1e-9)) * place
 
 
-def _true(lead: Lead) -> str:
-    return numbers.plain(lead.truth, 4) + ("" if lead.unit in ("", "1") else f" {lead.unit}")
-
-
 def _causes(run: Run, lead: Lead, mode: str, rows: Sequence[Row]) -> str:
     """What the scenario names as a cause, where the audit shows that it holds."""
-    missing = [row.name for row in rows if row.kind in (OUTSIDE, NOTHING)]
+    missing = [row.name for row in rows if row.kind not in (WITHIN, UNJUDGED)]
     said = []
     for cause in (lead.answer or {}).get("causes", ()):
         own = [name for name in missing if _keeps(run, name, mode, cause)]

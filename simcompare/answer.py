@@ -32,7 +32,7 @@ class Answer(Frozen):
     measure: str = Field(description="the measure that leads the report")
     within: str = Field(min_length=1, description="said where the value is within its tolerance")
     outside: str = Field(min_length=1, description="said where it is not")
-    nothing: str = Field(min_length=1, description="said where there is none, or it is 0 and wrong")
+    nothing: str = Field(min_length=1, description="said where it is 0 in every repeat, and wrong")
     causes: tuple[Cause, ...] = ()
 
     def faults(self, measured: Collection[str], held: Collection[str]) -> dict[str, str]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -41,6 +41,9 @@ class Score:
         truth: value of the closed form, for the nominal parameters.
         tolerance: half-width of the accepted band around the truth.
         verdict: "pass", "fail" or "info" (simple acceptance, JCGM 106:2012, 8.2).
+        low: lowest value of the repeats that could be measured, ``None`` where none could.
+        high: highest of them.
+        lacking: why it could not be measured, where the source does not give a signal.
     """
 
     source: str
@@ -55,6 +58,9 @@ class Score:
     truth: float | None
     tolerance: float | None
     verdict: str
+    low: float | None = None
+    high: float | None = None
+    lacking: str = ""
 
     def to_dict(self) -> dict[str, Any]:
         """The score as plain values for JSON and CSV."""
@@ -98,6 +104,8 @@ class _Found(NamedTuple):
     u: float | None
     unit: str
     repeats: int
+    low: float | None = None
+    high: float | None = None
 
 
 def _judged(
@@ -115,7 +123,8 @@ def _judged(
         found = _mean_and_sd(truth, deviations, units[name], of=len(pairs))
         shown = measure.names.get(name, name)
         tolerance = tolerances.get(shown)
-        scores.append(_score(nominal, (shown, measure.probe, None), found, truth, tolerance))
+        made = _score(nominal, (shown, measure.probe, None), found, truth, tolerance)
+        scores.append(replace(made, lacking=seen.lacking))
     judged = {score.measure for score in scores}
     for name, unit in units.items():
         shown = measure.names.get(name, name)
@@ -155,20 +164,23 @@ def _without_truth(nominal: Repeat, measure: Measure, ours: Sequence[Measured]) 
         known = [value for m in ours if (value := m.values[name]) is not None]
         found = _mean_and_sd(0.0, known, ours[0].units[name], of=len(ours))
         shown = measure.names.get(name, name)
-        scores.append(_score(nominal, (shown, measure.probe, None), found, None, None))
+        made = _score(nominal, (shown, measure.probe, None), found, None, None)
+        scores.append(replace(made, lacking=ours[0].lacking))
     return scores
 
 
 def _mean_and_sd(offset: float, deviations: Sequence[float], unit: str, *, of: int) -> _Found:
-    """Mean and standard deviation; no value unless all ``of`` repeats have one."""
+    """Mean and standard deviation, which take all ``of`` repeats, and the ends of those known."""
+    finite = [offset + deviation for deviation in deviations if math.isfinite(deviation)]
+    ends = (min(finite, default=None), max(finite, default=None))
     if len(deviations) < of:
-        return _Found(None, None, unit, len(deviations))
+        return _Found(None, None, unit, len(deviations), *ends)
     value = offset + float(np.mean(deviations))
     sd = float(np.std(deviations, ddof=1)) if of > 1 else None
     # what the subtraction and addition of the truth leave behind is rounding, not a spread
     rounding = ROUNDING * max(abs(offset), abs(value))
     value = value if abs(value) > rounding else 0.0
-    return _Found(value, 0.0 if sd is not None and sd <= rounding else sd, unit, of)
+    return _Found(value, 0.0 if sd is not None and sd <= rounding else sd, unit, of, *ends)
 
 
 def _score(
@@ -178,7 +190,7 @@ def _score(
     truth: float | None,
     tolerance: Tolerance | None,
 ) -> Score:
-    value, u, unit, repeats = found
+    value, u, unit, repeats, low, high = found
     source, contact = nominal.trajectory.source, nominal.trajectory.contact
     width, verdict = None, INFO
     # what an engine does as it comes is shown, not judged
@@ -186,4 +198,4 @@ def _score(
         width = tolerance.width(truth)
         within = value is not None and math.isfinite(value) and abs(value - truth) <= width
         verdict = PASS if within else FAIL
-    return Score(source, contact, *name, value, u, unit, repeats, truth, width, verdict)
+    return Score(source, contact, *name, value, u, unit, repeats, truth, width, verdict, low, high)

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from simcompare.reports import listing, remarks, runs, words
+from simcompare.cli import console
+from simcompare.reports import builder, listing, matplotlib_, plotly_, remarks, runs, words
 from simcompare.reports.leading import leading_figure
 from simcompare.results import Run
 from tests.test_reports import TOLERANCES, audit_row, make_run, source
@@ -39,7 +40,7 @@ def test_all_engines_that_pass_are_one_clause_with_the_largest_deviation():
     run = answered(level("assisted", north=0.8001, south=0.7998, west=0.8042))
     # scores.tolerance is 0.008, so three decimals are told; 0.0042 is rounded up
     assert words.answer(run) == [
-        "With our helps, the ball bounces with 0.801 ± 0.001 in all 3 engines,"
+        "With our helps, the ball bounces with 0.800 to 0.804 (± 0.001) in all 3 engines,"
         " within 0.005 of the closed form of 0.8."
     ]
 
@@ -47,9 +48,9 @@ def test_all_engines_that_pass_are_one_clause_with_the_largest_deviation():
 def test_engines_that_agree_are_grouped_and_the_odd_ones_named():
     values = {"north": 0.801, "south": 0.803, "east": 0.9, "west": 0.904, "far": 0.7}
     assert words.answer(answered(level("tuned", **values))) == [
-        "Tuned, the ball bounces with 0.802 ± 0.001 in north and south;"
-        " outside the tolerance: 0.902 ± 0.001 in east and west, 0.700 ± 0.001 in far,"
-        " where the closed form gives 0.8."
+        "Tuned, the ball bounces with 0.801 to 0.803 (± 0.001) in north and south;"
+        " outside the tolerance: 0.900 to 0.904 (± 0.001) in east and west,"
+        " 0.700 ± 0.001 in far, where the closed form gives 0.8."
     ]
 
 
@@ -86,15 +87,43 @@ def test_a_cause_is_told_only_of_engines_that_hold_a_value_of_their_own():
     assert words.answer(run)[0].endswith("north and south.")
 
 
-def test_a_value_that_could_not_be_measured_is_nothing():
+def test_of_engines_that_agree_no_value_is_told_that_none_of_them_has():
+    answer = {**ANSWER, "within": "the ball bounces with {value} for {settling_time}"}
+    run = answered(level("tuned", north=0.797, south=0.803), answer=answer)
+    times = {"north": 3.9, "south": 4.1}
+    timed = [
+        replace(s, value=times[s.source]) if s.measure == "settling_time" else s for s in run.scores
+    ]
+    run = changed(Run(run.record, tuple(timed), run.trajectories), "south", u=0.003)
+    (sentence,) = words.answer(run)
+    assert "with 0.797 to 0.803 (± 0.003 at most) for 3.9 to 4.1 s in north" in sentence
+
+
+def test_a_value_that_could_not_be_measured_says_nothing_of_the_ball():
     run = changed(answered(level("tuned", north=0.8, south=0.8)), "south", value=None)
-    assert words.answer(run)[0].endswith("; the ball stays on the floor in south.")
+    (sentence,) = words.answer(run)
+    assert sentence.endswith("; the restitution could not be measured in south.")
+    why = "south does not give ball.position_m: it has none"
+    run = changed(run, "south", lacking=why)
+    assert words.answer(run)[0].endswith(f"measured in south ({why}).")
+
+
+def test_values_of_some_repeats_are_told_as_such():
+    run = answered(level("default", north=0.0, south=0.0, west=0.004))
+    run = changed(run, "south", value=None, low=0.01, high=0.17, repeats=2)
+    # the mean is next to nothing, and yet one of the repeats bounces
+    run = changed(run, "west", low=0.0, high=0.018)
+    assert words.answer(run) == [
+        "By default the ball stays on the floor in north; the restitution differs from repeat to"
+        " repeat, 0.010 to 0.170 in south (measured in 2 of 3), 0.000 to 0.018 in west: no"
+        " restitution is set."
+    ]
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
-def test_a_value_that_is_not_finite_is_nothing(value):
+def test_a_value_that_is_not_finite_is_none(value):
     run = changed(answered(level("tuned", north=0.8)), "north", value=value)
-    assert words.answer(run) == ["Tuned, the ball stays on the floor in north."]
+    assert words.answer(run) == ["Tuned, the restitution could not be measured in north."]
 
 
 def test_the_same_at_two_levels_is_said_once():
@@ -131,7 +160,7 @@ def test_many_values_end_in_a_range():
     values = {f"e{i}": 0.1 * i for i in range(1, 8)}  # e7 is 0.7
     (sentence,) = words.answer(answered(level("tuned", **values)))
     assert sentence.count(" in e") == 6
-    assert "0.100 to 0.200 in e1 and e2" in sentence
+    assert "0.100 to 0.200 (± 0.001) in e1 and e2" in sentence
 
 
 def test_without_an_answer_the_first_judged_measure_leads():
@@ -155,7 +184,7 @@ def test_without_a_truth_nothing_is_called_right_or_wrong():
 def test_nothing_measured_says_so():
     run = answered(level("default", north=None))
     assert words.answer(run) == ["Nothing was measured."]
-    assert remarks.remarks(run) == ["Did not run: north (failed). The reasons are below."]
+    assert remarks.remarks(run)[-1] == "Did not run: north (failed). The reasons are below."
 
 
 # remarks
@@ -163,16 +192,45 @@ def test_nothing_measured_says_so():
 
 def test_what_was_missed_is_named_measure_by_measure_and_the_farthest_with_its_size():
     run = answered(level("assisted", north=0.801, south=0.9))
-    assert remarks.remarks(run) == [
+    assert remarks.remarks(run)[-1] == (
         "With our helps, missed: settling time by north and south; restitution by south;"
         " farthest is south, restitution off by 0.1000 ± 0.0010, 12 times the tolerance."
-    ]
+    )
 
 
 def test_that_all_tolerances_are_met_is_said():
     only = {"restitution": TOLERANCES["restitution"]}
     run = answered(level("assisted", north=0.8, south=0.8, west=0.8), tolerances=only)
-    assert remarks.remarks(run) == ["With our helps, the one tolerance is met in all 3 engines."]
+    assert remarks.remarks(run)[-1] == "With our helps, the one tolerance is met in all 3 engines."
+
+
+def test_what_was_not_measured_is_not_called_met():
+    run = answered(level("assisted", north=0.8, south=0.8))
+    why = "south does not give ball.position_m: it has none"
+    met = [replace(s, value=4.0, verdict="pass") if s.measure == "settling_time" else s
+           for s in run.scores]  # fmt: skip
+    run = changed(Run(run.record, tuple(met), run.trajectories), "south", value=None,
+                  verdict="info", lacking=why)  # fmt: skip
+    assert remarks.remarks(run)[-1] == (
+        "With our helps, both tolerances are met in north;"
+        f" in south 1 of 2 tolerances are met, 1 was not measured ({why})."
+    )
+
+
+def test_what_the_scatter_is_and_what_the_first_event_gives_is_said():
+    run = answered(level("tuned", north=0.8, south=0.8))
+    first = [replace(s, value=0.78) if (s.source, s.index) == ("south", 1) else s
+             for s in run.scores]  # fmt: skip
+    assert remarks.remarks(Run(run.record, tuple(first), run.trajectories))[:2] == [
+        "± is the standard deviation over 3 repeats. Phases.",
+        "Tuned, the first restitution alone is 0.800 ± 0.001 in north, 0.780 ± 0.001 in south.",
+    ]
+
+
+def test_variants_say_what_they_are():
+    run = answered(level("tuned", **{"north:fine": 0.8, "north": 0.8}))
+    run.record["sources"][0]["notes"] = ["variant fine: ten sweeps [its manual, §2]"]
+    assert "north:fine: ten sweeps." in remarks.remarks(run)
 
 
 def test_engines_that_did_not_run_are_told_once_by_what_became_of_them():
@@ -180,6 +238,11 @@ def test_engines_that_did_not_run_are_told_once_by_what_became_of_them():
     run.record["sources"] += [source("east", "tuned", "missing", "pip install it")]
     found = remarks.remarks(run)
     assert "Did not run: south (failed); east (missing). The reasons are below." in found
+
+
+def test_an_engine_that_ran_at_some_levels_is_not_said_not_to_have_run():
+    run = answered([*level("tuned", north=0.8), *level("assisted", north=None)])
+    assert remarks.remarks(run)[-1] == ("Not run assisted: north (failed). The reasons are below.")
 
 
 def test_an_interrupted_run_says_so():
@@ -202,7 +265,7 @@ def test_what_is_typed_in_and_what_contacts_cost():
         for i, value in enumerate(south["tuning"][0]["numbers"])
     ]
     west["tuning"] = tuning([0.79853], 0.0043, 0.001)
-    assert remarks.remarks(run)[:2] == [
+    assert remarks.remarks(run)[2:4] == [
         "Typed in for a restitution of 0.8: 0.8013 in north, spring = (−119338, −50.8746) in"
         " south, 0.7985 in west.",
         "Tuned, the first contact sinks 12 mm for 8.6 ms in south; 4.3 mm for 1 ms in west;"
@@ -230,6 +293,12 @@ def test_one_engine_in_several_rows_is_not_several_engines():
     assert listing.engines(list("acdef"), list("abcdef")) == "all 6 engines but b"
 
 
+def test_an_engine_at_all_of_its_steps_is_one_name():
+    every = ["a@1ms", "a@2ms", "b@1ms", "b@2ms", "c@1ms", "c@2ms", "c@4ms"]
+    some = ["a@1ms", "a@2ms", "b@2ms", "c@1ms", "c@4ms"]
+    assert listing.steps_together(some, every) == ["a", "b@2ms", "c@1ms/4ms"]
+
+
 def test_a_tolerance_with_both_widths_is_the_larger_one():
     both = {"restitution": {"relative": 0.1, "absolute": 0.01, "reason": "Because of both."}}
     run = make_run(level("default", north=0.5), tolerances=both)
@@ -246,8 +315,42 @@ def test_each_source_is_held_to_its_own_tolerance(monkeypatch):
         "Tuned, the ball bounces with 0.800 ± 0.001 in west, 0.820 ± 0.001 in north;"
         " outside the tolerance: 0.820 ± 0.001 in south, where the closed form gives 0.8."
     ]
-    whole, near = leading_figure(run).panels
-    assert near.x_label == "deviation ÷ tolerance of 0.008 or 0.04"
-    # north by its own tolerance; points with and without a bar are two series
-    assert sorted(x for s in near.series for x in s.x) == pytest.approx([0.0, 0.5, 2.5])
-    assert sorted(x for s in whole.series for x in s.x) == pytest.approx([0.8, 0.82, 0.82])
+    (panel,) = leading_figure(run).panels
+    *bands, truth = panel.spans
+    assert [band.rows for band in bands] == [(-0.5, 0.5), (0.5, 1.5), (1.5, 2.5)]
+    assert [band.high for band in bands] == pytest.approx([0.84, 0.808, 0.808])
+    assert truth.rows is None
+    # both renderers draw them
+    shapes = plotly_.as_dict(leading_figure(run))["layout"]["shapes"]
+    assert [(one["y0"], one["y1"], one["yref"]) for one in shapes[:2]] == [
+        (-0.5, 0.5, "y"), (0.5, 1.5, "y"),
+    ]  # fmt: skip
+    assert matplotlib_.rendered(leading_figure(run), "svg")
+
+
+# on a terminal
+
+
+def test_long_reasons_are_folded_and_commands_stay_in_one_piece(capsys):
+    command = "'.venv/bin/python' -m pip install " + "'a package with a long name' " * 4
+    console.print_wrapped([f"{'north is not installed ' * 5}; cure: {command}"])
+    *folded, last = capsys.readouterr().out.splitlines()
+    assert max(map(len, folded)) <= 80
+    assert last == f"  {command}"
+
+
+def test_a_value_and_its_scatter_stay_on_one_line(capsys):
+    console.print_wrapped(["x" * 70 + " 0.5 (± 0.1 at most)"])
+    assert any(line.strip().startswith("(± 0.1") for line in capsys.readouterr().out.splitlines())
+
+
+# the table of the report
+
+
+def test_counts_of_tolerances_name_their_level_and_ends_stand_for_a_mean(tmp_path):
+    run = answered([*level("tuned", north=0.8), *level("assisted", north=0.8)])
+    run = changed(run, "north", value=None, low=0.01, high=0.17)
+    page = builder.write_html([run], tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "tuned&nbsp;1&nbsp;of&nbsp;2" in page
+    assert "assisted&nbsp;1&nbsp;of&nbsp;2" in page
+    assert "0.01 to 0.17" in page

@@ -31,20 +31,22 @@ def test_far_and_near_have_a_panel_each_and_only_what_is_judged_is_near():
     assert list(by_label(whole)) == ["by default", "tuned", "assisted"]
     assert list(by_label(near)) == ["tuned", "assisted"]
     assert whole.y_ticks == near.y_ticks == ("north", "south")
-    # the tolerance is 0.008, and the scatter 0.001
     tuned = by_label(near)["tuned"]
-    assert tuned.x == pytest.approx([0.01 / 0.008, 0.03 / 0.008])
-    assert tuned.u == pytest.approx([0.001 / 0.008] * 2)
+    assert tuned.x == pytest.approx([0.81, 0.83])
+    assert tuned.u == pytest.approx([0.001] * 2)
+    # in the unit of the measure, so that both panels show the same numbers
+    assert whole.x_label == near.x_label == "restitution"
     assert by_label(whole)["by default"].x == pytest.approx([0.0, 0.5])
 
 
 def test_truth_and_tolerance_are_marked_in_both():
-    for panel, centre, half in zip(
-        leading_figure(three_levels()).panels, (0.8, 0), (0.008, 1), strict=True
-    ):
+    panels = leading_figure(three_levels()).panels
+    assert len(panels) == 2
+    for panel in panels:
         tolerance, truth = panel.spans
-        assert (tolerance.low, tolerance.high) == pytest.approx((centre - half, centre + half))
-        assert truth.low == truth.high == pytest.approx(centre)
+        assert (tolerance.low, tolerance.high) == pytest.approx((0.792, 0.808))
+        assert tolerance.rows is None
+        assert truth.low == truth.high == pytest.approx(0.8)
 
 
 def test_values_that_are_all_near_need_one_panel_in_their_own_unit():
@@ -82,6 +84,14 @@ def test_a_level_at_which_a_source_did_not_run_is_a_dash():
     (panel,) = leading_figure(run).panels
     # north was not asked for at the second level, and south failed at the first
     assert sorted((round(note.y), note.text) for note in panel.notes) == [(0, "–"), (1, "–")]
+
+
+def test_repeats_that_differ_are_told_by_their_ends():
+    run = changed(three_levels(), "south", value=None, low=0.01, high=0.17)
+    whole, _ = leading_figure(run).panels
+    assert "0.010 to 0.170" in [note.text for note in whole.notes]
+    (row,) = [line for line in shown(run) if line.startswith("south")]
+    assert "0.01000 to 0.17000" in row
 
 
 def test_no_scatter_is_no_bar_and_no_end_of_one():
@@ -149,7 +159,8 @@ def shown(run, measure=None):
 
 def test_levels_stand_side_by_side_with_verdicts_and_the_truth_below():
     assert shown(three_levels()) == [
-        "restitution, mean of 3 (scatter in the last digits); tolerance 0.008",
+        "restitution, mean over all events of a repeat and 3 repeats (scatter in the last",
+        "digits); tolerance 0.008",
         "engine          default  tuned            assisted",
         "─" * 57,
         "north        0.0000(10)  0.8100(10) fail  0.8000(10) pass",

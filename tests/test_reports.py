@@ -465,7 +465,9 @@ def test_motion_shows_truth_below_the_engines_at_every_level_on_one_axis():
 def test_the_answer_shows_the_motion_of_the_engines_by_themselves():
     run = make_run([("north", mode, 0.8) for mode in ("default", "tuned", "assisted")])
     figure = builder.blocks_of([run])[0].figures[1]
-    assert [panel.title for panel in figure.panels] == ["everything typed in, plain loop"]
+    assert [panel.title for panel in figure.panels] == [
+        "as each engine behaves by default", "everything typed in, plain loop",
+    ]  # fmt: skip
 
 
 def test_figures_are_files(tmp_path):

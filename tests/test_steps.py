@@ -244,5 +244,7 @@ def test_variants_and_steps_make_sources_together():
     numbers = {tuple(s["tuning"][0]["numbers"]) for s in run.record["sources"]}
     assert len(numbers) == 4, "each is tuned by itself"
     styles = looks(tuple(names))
-    assert len({style.colour for style in styles.values()}) == 1
+    colours = [styles[name].colour for name in names]
+    assert colours[0] == colours[1]
+    assert colours[2] == colours[3] != colours[0], "a variant has a shade of its own"
     assert len({(style.dash, style.marker) for style in styles.values()}) == 4

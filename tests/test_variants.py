@@ -275,7 +275,9 @@ def test_a_plain_engine_looks_as_ever_beside_its_variants_and_none_looks_like_an
     patterns = [(style.dash, style.marker) for style in styles.values()]
     assert len(set(patterns)) == len(patterns) == len(sources)
     for name in sources:
-        assert styles[name].colour == styles[name.partition("@")[0].partition(":")[0]].colour
+        engine, _, variant = name.partition("@")[0].partition(":")
+        # a step has the colour of its engine, a variant a shade of it
+        assert (styles[name].colour == styles[engine].colour) == (not variant)
 
 
 def test_the_cache_keeps_variants_apart(tmp_path, monkeypatch):
@@ -369,3 +371,8 @@ def test_a_backend_of_somebody_else_without_variants_says_so(add_engine):
 def test_every_variant_is_shown_to_differ():
     assert {*SHOWN, *SAME} == set(SETS) == set(NAMES)
     assert INSTALLED
+
+
+def test_variants_of_one_engine_differ_in_shade():
+    styles = looks(("mujoco", "mujoco:rk4", "mujoco:implicit", "mujoco:implicitfast"))
+    assert len({style.colour for style in styles.values()}) == 4

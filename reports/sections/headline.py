@@ -6,13 +6,13 @@ from typing import Any
 
 from simcompare.compare import FAIL, PASS
 from simcompare.jobs import OK
-from simcompare.reports import curves, remarks, runs, timelines, words
+from simcompare.reports import by_step, curves, remarks, runs, timelines, words
 from simcompare.reports.figures import Figure, style_of
-from simcompare.reports.lead import lead_of
+from simcompare.reports.lead import Lead, lead_of
 from simcompare.reports.leading import leading_figure
 from simcompare.reports.sections.base import Section
 from simcompare.results import Run
-from simcompare.settings import SHOWN_LEVELS, TUNED
+from simcompare.settings import DEFAULT, SHOWN_LEVELS, TUNED
 
 #: never told by colour alone
 _MARKS = {PASS: "✓", FAIL: "✗"}
@@ -31,7 +31,7 @@ class Headline(Section):
             "question": run.record["question"],
             "answer": words.answer(run),
             "remarks": remarks.remarks(run),
-            "figures": [f for f in (leading_figure(run), _second_figure(run)) if f is not None],
+            "figures": [figure for figure in _figures(run, found) if figure is not None],
             "modes": [runs.mode_words(mode) for mode in runs.modes(run)],
             "lead": runs.measure_words(lead) if lead else None,
             "lead_unit": _unit(run, lead),
@@ -40,10 +40,17 @@ class Headline(Section):
         }
 
 
+def _figures(run: Run, lead: Lead | None) -> tuple[Figure | None, ...]:
+    """The leading measure over the step where there are several, and level by level; the motion."""
+    if lead is not None and runs.steps(run):
+        return by_step.figure(run, lead), leading_figure(run)
+    return leading_figure(run), _second_figure(run)
+
+
 def _second_figure(run: Run) -> Figure | None:
     """A curve over something else than time, which answers more than its making; else the motion.
 
-    The motion is shown as the engines have it by themselves.
+    The motion is shown as the engines have it by themselves: as they come, and tuned.
     """
     axis = curves.leading_axis(run)
     if axis is not None:
@@ -51,8 +58,9 @@ def _second_figure(run: Run) -> Figure | None:
     probes = list(runs.probes(run).items())
     if not probes:
         return None
-    mode = TUNED if TUNED in runs.modes(run) else runs.judged_modes(run)[-1]
-    return timelines.motion_figure(run, *probes[0], mode)
+    shown = [mode for mode in (DEFAULT, TUNED) if mode in runs.modes(run)]
+    modes = shown if TUNED in shown else runs.judged_modes(run)[-1:]
+    return timelines.motion_figure(run, *probes[0], modes)
 
 
 def _row(run: Run, name: str, lead: str | None) -> dict[str, Any]:
@@ -73,6 +81,7 @@ def _row(run: Run, name: str, lead: str | None) -> dict[str, Any]:
             {
                 "value": runs.value_words(run, score),
                 "mark": _MARKS.get(score.verdict, "") if score else "",
+                "mode": runs.mode_words(mode),
                 "met": None if mode in SHOWN_LEVELS or not of else met,
                 "of": len(runs.judged(run)),
             }

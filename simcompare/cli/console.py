@@ -16,8 +16,12 @@ if TYPE_CHECKING:
     from simcompare.runner import Progress
 
 
-#: what stands on both sides of it stays on one line, such as a value and its scatter
+#: what stands on both sides of it stays on one line
 _TIED = "\u00a0"
+#: such as a value and its scatter
+_WHOLE = {" ± ": f"{_TIED}±{_TIED}", "(± ": f"(±{_TIED}"}
+#: what stands before a command
+_CURE = "; cure: "
 
 
 def print_json(value: object) -> None:
@@ -52,11 +56,16 @@ def width() -> int:
 def print_wrapped(sentences: Iterable[str]) -> None:
     """Sentences one below the other, lines that go on indented."""
     for sentence in sentences:
+        said, cure, command = sentence.partition(_CURE)
+        text = said + cure
+        for plain, whole in _WHOLE.items():
+            text = text.replace(plain, whole)
         for line in textwrap.wrap(
-            sentence.replace(" ± ", f"{_TIED}±{_TIED}"), width(), subsequent_indent="  ",
-            break_long_words=False, break_on_hyphens=False,
-        ):  # fmt: skip
+            text, width(), subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
+        ):
             typer.echo(line.replace(_TIED, " "))
+        if command:  # on a line of its own, however long: it is there to be copied
+            typer.echo(f"  {command}")
 
 
 @contextmanager

@@ -146,14 +146,15 @@ _LEVELS = {
 
 def _print_remarks(result: Run) -> None:
     """What did not run, what was held against, and what lies outside of a fit's range."""
+    from simcompare.cli import console
     from simcompare.reports import runs
 
-    for row in runs.not_run(result):  # on one line: a command to copy must not be folded
-        typer.echo(f"{row['name']} ({row['modes']}): {row['reason']}")
+    console.print_wrapped(
+        f"{row['name']} ({row['modes']}): {row['reason']}" for row in runs.not_run(result)
+    )
     if result.record["against"] is not None:
         _print_against(result.record["against"])
-    for sentence in result.record.get("cautions", ()):
-        typer.echo(f"Caution: {sentence}")
+    console.print_wrapped(f"Caution: {said}" for said in result.record.get("cautions", ()))
 
 
 def _measured(match: dict[str, Any]) -> str:

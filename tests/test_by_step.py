@@ -1,0 +1,94 @@
+"""How the leading measure changes with the step: lines of the answer, and the picture."""
+
+from dataclasses import replace
+
+import pytest
+
+from simcompare.reports import remarks, words
+from simcompare.reports.by_step import figure
+from simcompare.reports.lead import lead_of
+from simcompare.reports.overview import overview
+from simcompare.reports.sections.headline import Headline
+from simcompare.results import Run
+from tests.test_headline import ANSWER, changed, level, tuning
+from tests.test_reports import TOLERANCES, make_run
+
+WIDE = {"restitution": {"relative": 0.05, "absolute": None, "reason": "Because steps are long."}}
+
+
+def stepped(mode, tolerances=WIDE, **engines):
+    """Engines at 1 and 2 ms; at the longer step less is asked."""
+    values = {
+        f"{e}@{at}ms": v for e, pair in engines.items() for at, v in zip((1, 2), pair, strict=True)
+    }
+    steps = [
+        {"at": f"@{at}ms", "engine_step_s": 1e-3 * at, "tolerances": own}
+        for at, own in ((2, tolerances), (1, TOLERANCES))
+    ]
+    run = make_run(level(mode, **values), answer=ANSWER, steps=steps)
+    for one in run.record["sources"]:
+        one["engine"], _, at = one["name"].partition("@")
+        one["engine_step_s"] = 1e-3 * float(at.removesuffix("ms"))
+    # then the tolerance of a score is that of its step
+    scores = [replace(score, tolerance=None) for score in run.scores]
+    return Run(run.record, tuple(scores), run.trajectories)
+
+
+def test_each_engine_is_a_line_of_its_values_in_the_order_of_the_steps():
+    run = stepped("tuned", north=(0.81, 0.81), south=(0.81, 0.81), west=(0.8, 0.85))
+    assert words.answer(run) == [
+        "Tuned, restitution (mean over all events of a repeat) at steps of 1 and 2 ms, where the"
+        " closed form gives 0.8 (✗ is off by more than 0.008 and 0.04):",
+        "north and south: 0.810 ± 0.001 ✗, 0.810 ± 0.001",
+        "west: 0.800 ± 0.001, 0.850 ± 0.001 ✗",
+    ]
+
+
+def test_what_is_the_same_at_every_step_is_told_once_and_what_is_shown_is_not_judged():
+    run = stepped("default", TOLERANCES, north=(0.0, 0.0), south=(0.0, 0.5), west=(0.0, 0.0))
+    run = changed(run, "south@1ms", value=None, low=0.1, high=0.2)
+    run = changed(run, "west@2ms", value=None)
+    assert words.answer(run) == [
+        "By default restitution (mean over all events of a repeat) at steps of 1 and 2 ms, where"
+        " the closed form gives 0.8:",
+        "north: 0.000 ± 0.001 at every step",
+        "south: 0.100 to 0.200, 0.500 ± 0.001",
+        "west: 0.000 ± 0.001, –",
+    ]
+
+
+def test_the_table_says_which_tolerance_is_whose():
+    assert (
+        "tolerance 0.008 at 1ms, 0.04 at 2ms" in overview(stepped("tuned", north=(0.8, 0.8))).title
+    )
+    same = overview(stepped("tuned", TOLERANCES, north=(0.8, 0.8))).title
+    assert same.endswith("tolerance 0.008")
+
+
+def test_the_first_picture_has_a_line_for_each_engine_over_the_step():
+    run = stepped("tuned", north=(0.81, 0.81), south=(0.79, 0.85))
+    first, *_ = Headline().context(run)["figures"]
+    assert first.name == "answer-steps"
+    (panel,) = first.panels
+    truth, north, south = panel.series
+    assert [one.label for one in (north, south)] == ["north", "south"]
+    assert list(south.x) == [1.0, 2.0]
+    assert list(south.y) == pytest.approx([0.79, 0.85])
+    # the tolerance of each step about the truth
+    assert list(truth.y) == pytest.approx([0.8, 0.8])
+    assert list(truth.u) == pytest.approx([0.008, 0.04])
+
+
+def test_a_run_with_one_step_has_no_such_picture():
+    run = make_run(level("tuned", north=0.8), answer=ANSWER)
+    assert figure(run, lead_of(run)) is None
+
+
+def test_what_is_typed_in_is_told_engine_by_engine():
+    run = stepped("tuned", north=(0.8, 0.8), south=(0.8, 0.8))
+    for source, number in zip(run.record["sources"], (0.81, 0.82, 0.71, 0.72), strict=True):
+        source["tuning"] = tuning([number], None, None)
+    assert (
+        "Typed in for a restitution of 0.8 at 1ms and 2ms: 0.81, 0.82 in north;"
+        " 0.71, 0.72 in south." in remarks.remarks(run)
+    )

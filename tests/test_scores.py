@@ -1,0 +1,56 @@
+"""Scores of repeats of which not all can be measured."""
+
+import numpy as np
+import pytest
+
+from simcompare.compare import Repeat, scores_of
+from simcompare.results import TRUTH
+from simcompare.scenario import Scenario
+from simcompare.trajectory import Trajectory
+
+TIME_S = np.linspace(0.0, 1.0, 11)
+
+
+@pytest.fixture
+def scene():
+    return Scenario.model_validate(
+        {
+            "name": "fall", "title": "A fall", "question": "How deep?",
+            "world": {"duration_s": 1.0},
+            "bodies": {"ball": {"mass_kg": 1, "inertia_kg_m2": [1, 1, 1]}},
+            "probes": {"height_m": {"observe": "ball.position_m", "component": 2,
+                                    "label": "Height", "unit": "m"}},
+            "measures": [{"function": "final", "probe": "height_m"}],
+            "tolerances": {"final": {"absolute": 0.1, "reason": "Because of a ruler."}},
+        }
+    )  # fmt: skip
+
+
+def at(height, lacks=False):
+    signals = {} if lacks else {"ball.position_m": np.full((11, 3), float(height))}
+    why = {"ball.position_m": "it has none"} if lacks else {}
+    return Trajectory("north", TIME_S, signals, contact="tuned", lacks=why)
+
+
+def final_of(scene, *found):
+    truth = Trajectory(TRUTH, TIME_S, {"ball.position_m": np.ones((11, 3))})
+    (score,) = scores_of([Repeat(scene, one, truth) for one in found])
+    return score
+
+
+def test_the_ends_of_the_repeats_stand_beside_their_mean(scene):
+    score = final_of(scene, at(1.0), at(1.3), at(0.7))
+    assert (score.value, score.low, score.high) == pytest.approx((1.0, 0.7, 1.3))
+
+
+def test_the_ends_of_those_that_are_known_are_kept_where_there_is_no_mean(scene):
+    score = final_of(scene, at(1.0), at(1.3), at(0.7, lacks=True))
+    assert score.value is None
+    assert score.repeats == 2
+    assert (score.low, score.high) == pytest.approx((1.0, 1.3))
+
+
+def test_why_nothing_is_known_is_told_and_nothing_is_judged(scene):
+    score = final_of(scene, *(at(1.0, lacks=True) for _ in range(3)))
+    assert (score.low, score.high, score.verdict) == (None, None, "info")
+    assert score.lacking == "north does not give ball.position_m: it has none"
