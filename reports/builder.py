@@ -97,14 +97,18 @@ def write_figures(runs: Sequence[Run], folder: Path, format: str) -> list[Path]:
         UnknownName: another format.
         OutputError: a file cannot be written.
     """
+    return write_figures_of(blocks_of(runs), folder, format)
+
+
+def write_figures_of(blocks: Sequence[Block], folder: Path, format: str) -> list[Path]:
+    """The same for what is shown of something, which need not be a run."""
     if format not in FIGURE_FORMATS:
         raise UnknownName("figure format", format, FIGURE_FORMATS)
     from simcompare.reports import matplotlib_
 
-    blocks = blocks_of(runs)
     written = []
     for block in blocks:
-        # with several runs their number keeps the names apart
+        # with several of them their number keeps the names apart
         prefix = f"{block.anchor}-" if len(blocks) > 1 else ""
         for figure in block.figures:
             stem = re.sub(r"[^\w.-]+", "_", f"{prefix}{block.record['scenario']}-{figure.name}")

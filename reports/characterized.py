@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from simcompare.characterization.result import Characterization
-from simcompare.errors import UnknownName
 from simcompare.reports import builder, characterized_figures, characterized_tables, output
-from simcompare.reports.builder import FIGURE_FORMATS, Block, Filled
+from simcompare.reports.builder import Block, Filled
 from simcompare.reports.figures import Figure
 from simcompare.reports.sections.base import Section
 from simcompare.reports.sections.parts import parts_of
@@ -73,17 +72,7 @@ def write_figures(result: Characterization, folder: Path, format: str) -> list[P
         UnknownName: another format.
         OutputError: a file cannot be written.
     """
-    if format not in FIGURE_FORMATS:
-        raise UnknownName("figure format", format, FIGURE_FORMATS)
-    from simcompare.reports import matplotlib_
-
-    return [
-        output.write(
-            Path(folder) / f"characterization-{figure.name}.{format}",
-            matplotlib_.rendered(figure, format),
-        )
-        for figure in _block(result.record).figures
-    ]
+    return builder.write_figures_of([_block(result.record)], folder, format)
 
 
 def _block(record: Mapping[str, Any]) -> Block:
@@ -93,7 +82,11 @@ def _block(record: Mapping[str, Any]) -> Block:
     del first[: len(lead)]
     parts = [_answer(record, lead)]
     parts += [_experiment(record, name, drawn) for name, drawn in figures.items()]
-    return Block("c1", {**record, "preset": None, "against": None}, [*parts, _how(record)])
+    return Block(
+        "c1",
+        {**record, "scenario": "characterization", "preset": None, "against": None},
+        [*parts, _how(record)],
+    )
 
 
 def _answer(record: Mapping[str, Any], lead: list[Figure]) -> Filled:
