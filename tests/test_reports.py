@@ -470,6 +470,14 @@ def test_the_answer_shows_the_motion_of_the_engines_by_themselves():
     ]  # fmt: skip
 
 
+def test_a_solid_line_is_drawn_below_dashed_ones():
+    run = make_run([("dart", "tuned", 0.8), ("box2d", "tuned", 0.8)])
+    (panel,) = builder.blocks_of([run])[0].figures[1].panels
+    dashes = {series.label: series.style.dash for series in panel.series}
+    assert (dashes["box2d"], dashes["dart"]) == ("solid", "dash")
+    assert [*dashes] == [f"truth ({TRUTH})", "box2d", "dart"]
+
+
 def test_figures_are_files(tmp_path):
     found = builder.write_figures([RUNS["no gravity"]], tmp_path / "new" / "folder", "pdf")
     assert [path.name for path in found] == [
