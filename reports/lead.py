@@ -221,7 +221,9 @@ def _row(run: Run, lead: Lead, name: str, score: Score | None) -> Row:
     value = score.value if score.value is not None and math.isfinite(score.value) else None
     ends = None if score.low is None or score.high is None else (score.low, score.high)
     width = _width(run, score)
-    kind = _kind(lead, value, width, ends)
+    # of several steps each has a truth of its own
+    truth = lead.truth if score.truth is None else score.truth
+    kind = _kind(truth, value, width, ends)
     return Row(name, value, score.u, kind, width, ends, score.repeats, score.lacking)
 
 
@@ -259,15 +261,18 @@ def _width(run: Run, score: Score) -> float | None:
 
 
 def _kind(
-    lead: Lead, value: float | None, width: float | None, ends: tuple[float, float] | None
+    truth: float | None,
+    value: float | None,
+    width: float | None,
+    ends: tuple[float, float] | None,
 ) -> str:
     if value is None:  # of some repeats there may be one
         return UNMEASURED if ends is None else MIXED
-    if lead.truth is None or width is None:
+    if truth is None or width is None:
         return UNJUDGED
-    if abs(value - lead.truth) <= width:
+    if abs(value - truth) <= width:
         return WITHIN
-    least = max(width, _NONE * abs(lead.truth))
-    if not abs(value) <= least < abs(lead.truth):
+    least = max(width, _NONE * abs(truth))
+    if not abs(value) <= least < abs(truth):
         return OUTSIDE
     return NOTHING if max(map(abs, ends or (value,))) <= least else MIXED

@@ -11,7 +11,7 @@ from simcompare.jobs import OK
 from simcompare.reports import by_step, numbers, runs
 from simcompare.reports.lead import Lead, lead_as, lead_of
 from simcompare.reports.tables import Column, Group, Table, lines
-from simcompare.results import TRUTH, Run
+from simcompare.results import AT, TRUTH, Run
 from simcompare.settings import SHOWN_LEVELS
 
 #: further digits than the tolerance leaves
@@ -33,12 +33,23 @@ def overview(run: Run, measure: str | None = None) -> Table | None:
     # a judged value is followed by its verdict
     columns = [Column(mode, text=mode not in SHOWN_LEVELS, whole=True) for mode in modes]
     rows = [(name, *(_cell(run, lead, name, mode) for mode in modes)) for name in runs.names(run)]
-    if lead is not None and lead.truth is not None:
-        true = _value(lead, lead.truth, None)
-        rows.append((TRUTH, *(true for _ in modes)))
+    if lead is not None:
+        rows += [(name, *(true for _ in modes)) for name, true in _truths(run, lead).items()]
     return Table(
         _title(run, lead), (Column("engine", text=True), *columns), (Group("", tuple(rows)),)
     )
+
+
+def _truths(run: Run, lead: Lead) -> dict[str, str]:
+    """The truth as a row; one for each step where they differ in what is shown."""
+    found = {
+        score.source.partition(AT)[2]: _value(lead, score.truth, None)
+        for score in run.scores
+        if score.measure == lead.measure and score.index is None and score.truth is not None
+    }
+    if len(set(found.values())) < 2:
+        return dict.fromkeys([TRUTH] if found else [], next(iter(found.values()), ""))
+    return {f"{TRUTH}{AT}{step}": true for step, true in found.items()}
 
 
 def overviews(run: Run, *, every: bool) -> list[Table]:

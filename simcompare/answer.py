@@ -66,8 +66,11 @@ def placeholders(template: str) -> Iterator[str]:
     """Names in braces.
 
     Raises:
-        ValueError: a brace has no partner.
+        ValueError: a brace has no partner, or more than a name stands in one: how a value is
+            written follows from its tolerance.
     """
-    for _, name, _, _ in Formatter().parse(template):
+    for _, name, form, conversion in Formatter().parse(template):
+        if form or conversion:
+            raise ValueError(f"{{{name}}} takes no format")
         if name is not None:
             yield name

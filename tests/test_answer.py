@@ -50,6 +50,8 @@ def test_an_answer_is_read(read):
     [
         ("measure: final", "measure: finale", "answer.measure", "did you mean final?"),
         ("{value}\"\n  outside", "{velue}\"\n  outside", "answer.within", "did you mean value?"),
+        ("{value}\"\n  outside", "{value:.1f}\"\n  outside", "answer.within", "takes no format"),
+        ("{value}\"\n  outside", "{value!r}\"\n  outside", "answer.within", "takes no format"),
         ('"it rests"', '"it rests {"', "answer.nothing", "expected placeholders such as {value}"),
         ("quantity: block-floor friction", "quantity: block-floor frict",
          "answer.causes.0.quantity", "did you mean block-floor friction"),

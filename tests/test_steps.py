@@ -248,3 +248,15 @@ def test_variants_and_steps_make_sources_together():
     assert colours[0] == colours[1]
     assert colours[2] == colours[3] != colours[0], "a variant has a shade of its own"
     assert len({(style.dash, style.marker) for style in styles.values()}) == 4
+
+
+@pytest.mark.engines("pymunk")
+def test_each_step_stands_beside_its_own_truth(call):
+    words = ("--engine", "pymunk", "--contact", "tuned", "--step", "1ms,2ms", "--details")
+    _, out, _ = call("run", "ball", *words, "--no-report")
+    counts = out[out.index("resolved bounces") :].splitlines()
+    rows = dict(line.rsplit(maxsplit=1) for line in counts[3:7])
+    # from longer steps fewer bounces can be resolved, also of the closed form
+    assert rows["pymunk@1ms"] == rows["closed form@1ms"]
+    assert rows["pymunk@2ms"] == rows["closed form@2ms"]
+    assert rows["closed form@2ms"] != rows["closed form@1ms"]
