@@ -23,7 +23,7 @@ _SHALLOW = 0.01
 def remarks(run: Run) -> list[str]:
     """Sentences, as far as there is something to say."""
     judged = [mode for mode in runs.modes(run) if mode not in SHOWN_LEVELS]
-    found = [*_means(run, judged), _typed_in(run), _contacts(run)]
+    found = [*_means(run, judged), *_typed_in(run), _contacts(run)]
     found += merged((how(run, mode), _missed(run, mode)) for mode in judged)
     found += [*_variants(run), *_not_run(run)]
     if run.interrupted:
@@ -131,18 +131,26 @@ def _span(values: Sequence[float], unit: str, digits: int = 2) -> str:
     return f"{low}{after}" if low == high else f"{low} to {high}{after}"
 
 
-def _typed_in(run: Run) -> str:
-    """Which numbers stand for the restitution, engine by engine."""
-    rows = sorted(_tuned(run), key=lambda row: float(row[0].get("engine_step_s", 0.0)))
-    if not rows:
-        return ""
+def _typed_in(run: Run) -> list[str]:
+    """Which numbers stand for each restitution, engine by engine."""
+    sources = [source for source in run.record["sources"] if source["contact"] == TUNED]
+    sources.sort(key=lambda source: float(source.get("engine_step_s", 0.0)))
+    rows = [(source, record) for source in sources for record in source.get("tuning") or ()]
+    return [
+        _typed_for(run, restitution, [row for row in rows if row[1]["restitution"] == restitution])
+        for restitution in dict.fromkeys(record["restitution"] for _, record in rows)
+    ]
+
+
+def _typed_for(
+    run: Run, restitution: float, rows: Sequence[tuple[Mapping[str, Any], Mapping[str, Any]]]
+) -> str:
     by_engine: dict[str, list[str]] = {}
     for source, record in rows:  # at several steps, one after the other
         engine = source["name"].partition(AT)[0]
         by_engine.setdefault(engine, []).append(_short(source, record))
     said = [f"{', '.join(numbers)} in {engine}" for engine, numbers in by_engine.items()]
-    wanted = {record["restitution"] for _, record in rows}
-    goal = f" for a restitution of {numbers.plain(wanted.pop())}" if len(wanted) == 1 else ""
+    goal = f" for a restitution of {numbers.plain(restitution)}"
     steps = [
         str(step["at"]).removeprefix(AT)
         for step in sorted(runs.steps(run), key=lambda step: float(step["engine_step_s"]))

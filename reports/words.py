@@ -1,4 +1,4 @@
-"""The answer of a run in plain words, written from its scores and from nothing else."""
+"""The answer of a run in plain words, written from its record: scores, audit, what is lacking."""
 
 from __future__ import annotations
 

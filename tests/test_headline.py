@@ -354,3 +354,34 @@ def test_counts_of_tolerances_name_their_level_and_ends_stand_for_a_mean(tmp_pat
     assert "tuned&nbsp;1&nbsp;of&nbsp;2" in page
     assert "assisted&nbsp;1&nbsp;of&nbsp;2" in page
     assert "0.01 to 0.17" in page
+
+
+TWO = """
+name: two
+title: Two balls
+question: Do both bounce?
+world: {duration_s: 0.6, step_s: 0.001}
+bodies:
+  floor: {fixed: true, shapes: [{type: plane}]}
+  a: {mass_kg: 0.1, inertia_kg_m2: [1e-4, 1e-4, 1e-4], position_m: [0, 0, 0.3],
+      shapes: [{type: sphere, radius_m: 0.05}]}
+  b: {mass_kg: 0.1, inertia_kg_m2: [1e-4, 1e-4, 1e-4], position_m: [1, 0, 0.3],
+      shapes: [{type: sphere, radius_m: 0.05}]}
+contacts:
+  - {pair: [a, floor], restitution: 0.8}
+  - {pair: [b, floor], restitution: 0.5}
+probes:
+  height_m: {observe: a.position_m, component: 2, offset: -0.05, label: Height, unit: m}
+measures:
+  - {function: bounces, probe: height_m}
+"""
+
+
+@pytest.mark.engines("pymunk")
+def test_numbers_are_told_for_every_restitution_of_a_scene(call, tmp_path):
+    (tmp_path / "two").mkdir()
+    (tmp_path / "two" / "two.yaml").write_text(TWO, encoding="utf-8")
+    words = ("--engine", "pymunk", "--contact", "tuned", "--no-report")
+    _, out, _ = call("run", str(tmp_path / "two"), *words)
+    assert "Typed in for a restitution of 0.8: 0.80" in out
+    assert "Typed in for a restitution of 0.5: 0.50" in out
