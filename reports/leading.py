@@ -141,6 +141,10 @@ def _drawn(
     style = _STYLES.get(mode, Style("#882255", marker="star"))
     inside, arrows, notes = [], [], []
     for y, row in places:
+        if row.value is None and row.ends is not None and scale.holds(sum(row.ends) / 2):
+            low, high = row.ends
+            inside.append(((low + high) / 2, y, (high - low) / 2))
+            continue
         if row.value is None:
             notes.append(Note(scale.low + scale.free, y, lead.ends(row), colour=style.colour))
             continue
@@ -211,6 +215,11 @@ def _caption(run: Run, lead: Lead, scales: Sequence[_Scale]) -> str:
         parts.append(
             f"bars are one standard deviation over {repeats} repeats,"
             " where it is more than the symbol is wide"
+        )
+    if any(row.value is None and row.ends for mode in runs.modes(run)
+           for row in rows_of(run, lead, mode)):  # fmt: skip
+        parts.append(
+            "where only some repeats could be measured, from their lowest to their highest"
         )
     text = f"{'; '.join(parts)}."
     if lead.of_events:

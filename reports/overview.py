@@ -99,7 +99,7 @@ def _cell(run: Run, lead: Lead | None, name: str, mode: str) -> str:
     if score.value is None and score.low is not None and score.high is not None:
         # a mean over some of the repeats would be none over all
         ends = " to ".join(_value(lead, end, None) for end in (score.low, score.high))
-        return ends + _VERDICTS.get(score.verdict, "")
+        return f"{ends} {runs.measured_words(run, score)}{_VERDICTS.get(score.verdict, '')}"
     return _value(lead, score.value, score.u) + _VERDICTS.get(score.verdict, "")
 
 

@@ -103,6 +103,9 @@ def _contacts(run: Run) -> str:
     ]
     if not known:
         return ""
+    head = "In the drops that were tuned, the first contact sinks up to"
+    if runs.steps(run):
+        return f"{head}, and lasts: {'; '.join(_over_steps(known))}."
     groups: list[list[tuple[float, float, str, float]]] = []
     for one in sorted(known, key=lambda row: -row[0]):
         first = groups[-1][0] if groups else None
@@ -111,18 +114,32 @@ def _contacts(run: Run) -> str:
         else:
             groups.append([one])
     order = runs.names(run)
-    every = [source["name"] for source, _ in _tuned(run)]
-    said = [_contact(sorted(group, key=lambda row: order.index(row[2])), every) for group in groups]
-    return f"Tuned, the first contact sinks {'; '.join(said)}."
+    said = [_contact(sorted(group, key=lambda row: order.index(row[2]))) for group in groups]
+    return f"{head} {'; '.join(said)}."
 
 
-def _contact(group: Sequence[tuple[float, float, str, float]], every: Sequence[str]) -> str:
+def _over_steps(known: Sequence[tuple[float, float, str, float]]) -> list[str]:
+    """Depths and times of each engine, in the order of the steps."""
+    by_engine: dict[str, list[tuple[float, float]]] = {}
+    for depth, lasts, name, _ in known:
+        by_engine.setdefault(name.partition(AT)[0], []).append((1e3 * depth, 1e3 * lasts))
+    found = []
+    for engine, rows in by_engine.items():
+        depths, times = (
+            [numbers.plain(v, 2) for v in column] for column in zip(*rows, strict=True)
+        )
+        found.append(f"{', '.join(depths)} mm, and {', '.join(times)} ms in {engine}")
+    return found
+
+
+def _contact(group: Sequence[tuple[float, float, str, float]]) -> str:
     depth, size = max(row[0] for row in group), group[0][3]
     lasts = _span([1e3 * row[1] for row in group], "ms")
-    names = listing.joined(listing.steps_together([row[2] for row in group], every))
+    names = listing.joined([row[2] for row in group])
     if depth <= _SHALLOW * size:
-        return f"less than {numbers.plain(1e3 * _SHALLOW * size, 2)} mm for {lasts} in {names}"
-    return f"{_span([1e3 * row[0] for row in group], 'mm')} for {lasts} in {names}"
+        most = numbers.plain(1e3 * _SHALLOW * size, 2)
+        return f"{most} mm and lasts {lasts} in {names}"
+    return f"{_span([1e3 * row[0] for row in group], 'mm')} and lasts {lasts} in {names}"
 
 
 def _span(values: Sequence[float], unit: str, digits: int = 2) -> str:

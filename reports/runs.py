@@ -16,11 +16,11 @@ from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, SHOWN_LEVELS, T
 from simcompare.trajectory import Array, Trajectory
 
 _MODES = {
-    DEFAULT: ("as each engine behaves by default", "by default"),
-    COEFFICIENTS: ("with the scenario's coefficients", "with coefficients"),
-    TUNED: ("everything typed in, plain loop", "tuned"),
+    DEFAULT: ("by default, as it comes", "by default"),
+    COEFFICIENTS: ("coefficients typed in", "with coefficients"),
+    TUNED: ("tuned, in a plain loop", "tuned"),
     ASSISTED: ("with our helps", "assisted"),
-    "fitted": ("with parameters fitted to a measurement", "fitted"),
+    "fitted": ("fitted to a measurement", "fitted"),
 }
 
 
@@ -202,9 +202,17 @@ def value_words(run: Run, score: Score | None) -> str:
     if score is None:
         return "–"
     if score.value is None and score.low is not None and score.high is not None:
-        return f"{numbers.plain(score.low, 2)} to {numbers.plain(score.high, 2)}"
+        least = numbers.ROUNDING * size(run, score)
+        low, high = (numbers.plain(end if abs(end) > least else 0.0, 4)
+                     for end in (score.low, score.high))  # fmt: skip
+        return f"{low} to {high} {measured_words(run, score)}"
     scale, digits = size(run, score), numbers.digits(score.value, width(run, score))
     return numbers.with_u(score.value, score.u, scale=scale, digits=digits)
+
+
+def measured_words(run: Run, score: Score) -> str:
+    """In how many of the repeats something could be measured."""
+    return f"({score.repeats} of {run.record['repeats']})"
 
 
 def size(run: Run, score: Score) -> float:

@@ -69,7 +69,7 @@ def events_figure(run: Run, measure: str) -> Figure:
         deviations = _event_series(run, rows, [mode], relative)
         right.append(
             Panel(
-                f"deviation from the truth, {runs.mode_words(mode)}",
+                f"{runs.mode_words(mode)}: deviation",
                 number,
                 "deviation (%)" if relative else f"deviation{runs.unit_words(unit)}",
                 deviations,
@@ -85,7 +85,7 @@ def events_figure(run: Run, measure: str) -> Figure:
     )
     hollow = [runs.mode_words(mode) for mode in modes if mode in SHOWN_LEVELS]
     if hollow and len(modes) > 1:
-        caption += f" On the left, hollow points are the engines {' or '.join(hollow)}."
+        caption += f" Hollow points are the engines {' or '.join(hollow)}."
     title = f"{words[0].upper()}{words[1:]}, event by event"
     return Figure(f"events-{measure}", title, caption, (left, *right))
 

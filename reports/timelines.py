@@ -32,7 +32,10 @@ def _probe_figure(run: Run, name: str, probe: Probe, modes: Sequence[str]) -> Fi
     label = f"{probe.label}{runs.unit_words(probe.unit)}"
     caption = "One line for each engine"
     if run.record["repeats"] > 1:
-        caption += f", the middle one of {run.record['repeats']} repeats"
+        caption += (
+            f", the middle one of {run.record['repeats']} repeats, which may differ from their mean"
+            " as much as ± says"
+        )
     if runs.truth(run) is not None:
         caption += (
             f". The thick grey line is the truth ({TRUTH}): "

@@ -192,7 +192,7 @@ def test_a_ball_that_runs_away_is_neither_right_nor_dead(level):
 
 def test_what_runs_away_has_no_cell_and_no_deviation():
     gone = {"ratio": None, "jitter": None}
-    right = {case: {"ratio": 1.0, "jitter": 0.0} for case in CASES}
+    right = {case: {"ratio": 1.0, "jitter": 0.0, "u": 0.0} for case in CASES}
     found = {"cases": {**right, "weld_rest": gone}}
     answer = {"engine": "a", "experiment": "force", "contact": "tuned", "status": "ok",
               "found": {**found, "lacks": {}}}  # fmt: skip
@@ -262,7 +262,7 @@ def test_what_is_right_is_not_told_as_wrong():
 
 def test_a_step_without_a_number_is_told():
     again = [{"step_s": 2e-3, "reason": ""}, {"step_s": 4e-3, "reason": "none"}]
-    assert "No number at all gives a steady bounce at 4 ms or more in a." in said(
+    assert "No number gives this ball of 40 mm a steady bounce at 4 ms or more in a." in said(
         bounce_of("a", "tuned", retuned=again)
     )
 
@@ -340,13 +340,13 @@ def test_a_hinge_is_told_in_words():
 
 def test_forces_are_told_in_words():
     def forces(engine, lacks=(), **more):
-        right = {case: {"ratio": 1.0, "jitter": 0.0} for case in CASES}
+        right = {case: {"ratio": 1.0, "jitter": 0.0, "u": 0.0} for case in CASES}
         cases = {case: one for case, one in {**right, **more}.items() if case not in lacks}
         return {"engine": engine, "experiment": "force", "contact": "tuned", "status": "ok",
                 "found": {"cases": cases, "lacks": dict.fromkeys(lacks, "why")}}  # fmt: skip
 
     text = said(
-        forces("a", contact_slides={"ratio": 0.94, "jitter": 3.7}),
+        forces("a", contact_slides={"ratio": 0.94, "jitter": 3.7, "u": 0.01}),
         forces("b", lacks=("weld_rest",)),
     )
     assert text == (
@@ -354,6 +354,10 @@ def test_forces_are_told_in_words():
         " ± 370 % in a; not all forces are told in b."
     )
     assert "right within 1 %, and steady." in said(forces("a"))
+    # what a mean jitters by itself is no deviation
+    unsure = said(forces("a", contact_slides={"ratio": 0.94, "jitter": 3.7, "u": 0.04}))
+    assert "is off by" not in unsure
+    assert "jitters by ± 370 %" in unsure
 
 
 def test_levels_that_are_alike_are_told_in_one_sentence():

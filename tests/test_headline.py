@@ -268,8 +268,9 @@ def test_what_is_typed_in_and_what_contacts_cost():
     assert remarks.remarks(run)[2:4] == [
         "Typed in for a restitution of 0.8: 0.8013 in north, spring = (−119338, −50.8746) in"
         " south, 0.7985 in west.",
-        "Tuned, the first contact sinks 12 mm for 8.6 ms in south; 4.3 mm for 1 ms in west;"
-        " less than 0.4 mm for 1.9 ms in north.",
+        "In the drops that were tuned, the first contact sinks up to 12 mm and lasts 8.6 ms in"
+        " south; 4.3 mm and lasts 1 ms in west;"
+        " 0.4 mm and lasts 1.9 ms in north.",
     ]
 
 

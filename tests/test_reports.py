@@ -456,7 +456,7 @@ def test_motion_shows_truth_below_the_engines_at_every_level_on_one_axis():
     (figure,) = builder.blocks_of([run])[0].contexts["signals"]["figures"]
     assert figure.share_y
     assert [panel.title for panel in figure.panels] == [
-        "as each engine behaves by default",
+        "by default, as it comes",
         "with our helps",
     ]
     assert [series.label for series in figure.panels[1].series] == [f"truth ({TRUTH})", "north"]
@@ -466,7 +466,7 @@ def test_the_answer_shows_the_motion_of_the_engines_by_themselves():
     run = make_run([("north", mode, 0.8) for mode in ("default", "tuned", "assisted")])
     figure = builder.blocks_of([run])[0].figures[1]
     assert [panel.title for panel in figure.panels] == [
-        "as each engine behaves by default", "everything typed in, plain loop",
+        "by default, as it comes", "tuned, in a plain loop",
     ]  # fmt: skip
 
 

@@ -49,7 +49,8 @@ def _default(found: Found, step_s: float) -> str:
         parts.append(f"{'not at all' if bounces else 'does not bounce'} in {_all_or(dead, found)}")
     parts += _runs_away(lost)
     ball = f"a ball that should come back with {_ASKED.restitution:g} of its speed"
-    return f"By default, at {1e3 * step_s:g} ms, {ball} {', '.join(parts)}."
+    where = f"at {_ASKED.speed_m_s:g} m/s and {1e3 * step_s:g} ms"
+    return f"By default, {where}, {ball} {', '.join(parts)}."
 
 
 def _all_or(names: list[str], every: Found) -> str:
@@ -150,7 +151,8 @@ def _over_steps(found: Found, step_s: float) -> list[str]:
     said = [f"{head}, {'; '.join(parts)}."] if parts else []
     if lost:
         steps = amounts(lost, lambda step: f"{_step(step)} or more")
-        said.append(f"No number at all gives a steady bounce at {steps}.")
+        ball = f"this ball of {1e3 * _ASKED.size_m:g} mm"
+        said.append(f"No number gives {ball} a steady bounce at {steps}.")
     return said
 
 

@@ -24,6 +24,8 @@ from simcompare.settings import CONTACT_LEVELS, TUNED
 Answers = Sequence[Mapping[str, Any]]
 #: creep below this is none that one would see [m/s]
 _CREEPS_M_S = 1e-5
+#: so many standard uncertainties are no deviation
+_COVERS = 2.0
 #: a deviation, or a jitter, below this part is not named
 _NAMED = 0.01
 
@@ -144,7 +146,12 @@ def _force(found: Found) -> str:
         every = {name: one["cases"][case] for name, one in found.items() if case in one["cases"]}
         told = {name: one for name, one in every.items() if one["ratio"] is not None}
         lost = [name for name in every if name not in told]
-        off = {n: one["ratio"] - 1 for n, one in told.items() if abs(one["ratio"] - 1) > _NAMED}
+        # a mean that jitters is off only where that is more than what it jitters by itself
+        off = {
+            n: one["ratio"] - 1
+            for n, one in told.items()
+            if abs(one["ratio"] - 1) > max(_NAMED, _COVERS * one["u"])
+        }
         jitters = {n: one["jitter"] for n, one in told.items() if one["jitter"] > _NAMED}
         both = []
         if off:

@@ -22,9 +22,11 @@ _BLOCK_KG, _BASE_KG, _WELDED_KG = 0.5, 1.0, 0.1
 #: constant acceleration, and amplitude [m/s²] and frequency [Hz] of the shaking
 _PUSHED_M_S2, _FREQUENCY_HZ = 2.0, 10.0
 #: how long it is watched, and from when on it is read: contacts settle first [s]
-_LASTS_S, _SETTLES_S = 0.4, 0.2
+_LASTS_S, _SETTLES_S = 1.8, 0.2
 #: speed of the block that slides [m/s]; it does not stop while it is watched
-_SLIDES_M_S, _FRICTION = 2.0, 0.2
+_SLIDES_M_S, _FRICTION = 4.0, 0.2
+#: parts into which a signal is divided to see how sure its mean is
+_BLOCKS = 10
 #: what is asked, with its name
 CASES = {
     "contact_rest": "block at rest",
@@ -116,7 +118,11 @@ def _welded(case: str, step_s: float) -> Scenario:
 
 def of_level(force: Array, truth: float) -> dict[str, float]:
     """Mean over the truth, and the standard deviation about it as jitter."""
-    return {"ratio": float(force.mean()) / truth, "jitter": float(force.std()) / truth}
+    return {
+        "ratio": float(force.mean()) / truth,
+        "jitter": float(force.std()) / truth,
+        "u": _of_mean(force) / truth,
+    }
 
 
 def of_sine(time_s: Array, force: Array, truth: float) -> dict[str, float]:
@@ -126,4 +132,11 @@ def of_sine(time_s: Array, force: Array, truth: float) -> dict[str, float]:
     parts, *_ = np.linalg.lstsq(waves, force, rcond=None)
     rest = force - waves @ parts
     amplitude = float(math.hypot(*parts[:2]))
-    return {"ratio": amplitude / truth, "jitter": float(rest.std()) / truth}
+    jitter = float(rest.std()) / truth
+    return {"ratio": amplitude / truth, "jitter": jitter, "u": _of_mean(rest) / truth}
+
+
+def _of_mean(force: Array) -> float:
+    """Standard uncertainty of the mean of a signal whose neighbours depend on each other."""
+    means = [part.mean() for part in np.array_split(force, _BLOCKS)]
+    return float(np.std(means, ddof=1)) / math.sqrt(_BLOCKS)
