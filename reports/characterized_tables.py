@@ -71,7 +71,10 @@ def reasons(record: Record, experiment: str) -> list[str]:
         for reason in dict.fromkeys([answer["reason"], *lacking]):
             if reason:
                 found.setdefault((answer["engine"], reason), []).append(answer["contact"])
-    return [f"{name}, {', '.join(levels)}: {why}" for (name, why), levels in found.items()]
+    return [
+        f"{name}, {', '.join(levels)}: {why.removeprefix(f'{name}: ')}"
+        for (name, why), levels in found.items()
+    ]
 
 
 def _cells(experiment: str, answer: Row) -> Sequence[str]:

@@ -65,7 +65,16 @@ class Lead:
     @property
     def true(self) -> str:
         """The true value with its unit."""
-        return numbers.plain(self.truth, 4) + ("" if self.unit in ("", "1") else f" {self.unit}")
+        if self.truth is not None and self.width and self.places(self.truth) is not None:
+            text = self._of([(self.truth, None)], 0)
+            if float(f"{self.truth:.{self.places(self.truth)}f}") == self.truth:
+                return numbers.plain(self.truth, 4) + self._unit
+            return text
+        return numbers.plain(self.truth, 4) + self._unit
+
+    @property
+    def _unit(self) -> str:
+        return "" if self.unit in ("", "1") else f" {self.unit}"
 
     def off(self, value: float, width: float | None = None) -> float:
         """How far a value is from the truth, in tolerances."""
@@ -267,7 +276,8 @@ def _kind(
     ends: tuple[float, float] | None,
 ) -> str:
     if value is None:  # of some repeats there may be one
-        return UNMEASURED if ends is None else MIXED
+        same = ends is None or ends[0] == ends[1]
+        return UNMEASURED if same else MIXED
     if truth is None or width is None:
         return UNJUDGED
     if abs(value - truth) <= width:

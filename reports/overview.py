@@ -82,7 +82,7 @@ def _title(run: Run, lead: Lead | None) -> str:
 def _tolerances(run: Run, lead: Lead) -> str:
     """Half-width of what is accepted; of several steps that of each."""
     each = by_step.widths(run, lead)
-    if len({width for _, width in each}) < 2:
+    if len({numbers.plain(width, 2) for _, width in each if width is not None}) < 2:
         return lead.accepted
     return ", ".join(f"{numbers.plain(w, 2)} at {step}" for step, w in each if w is not None)
 
@@ -98,7 +98,9 @@ def _cell(run: Run, lead: Lead | None, name: str, mode: str) -> str:
         return "–"
     if score.value is None and score.low is not None and score.high is not None:
         # a mean over some of the repeats would be none over all
-        ends = " to ".join(_value(lead, end, None) for end in (score.low, score.high))
+        ends = " to ".join(
+            dict.fromkeys(_value(lead, end, None) for end in (score.low, score.high))
+        )
         return f"{ends} {runs.measured_words(run, score)}{_VERDICTS.get(score.verdict, '')}"
     return _value(lead, score.value, score.u) + _VERDICTS.get(score.verdict, "")
 

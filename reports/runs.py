@@ -75,7 +75,12 @@ def not_run(run: Run) -> list[dict[str, str]]:
             key = (source["name"], source["status"], source["reason"] or "no reason is known")
             rows.setdefault(key, []).append(mode_words(source["contact"]))
     return [
-        {"name": name, "status": status, "reason": reason, "modes": ", ".join(found)}
+        {
+            "name": name,
+            "status": status,
+            "modes": ", ".join(found),
+            "reason": reason.removeprefix(f"{name}: "),
+        }
         for (name, status, reason), found in rows.items()
     ]
 
@@ -205,7 +210,8 @@ def value_words(run: Run, score: Score | None) -> str:
         least = numbers.ROUNDING * size(run, score)
         low, high = (numbers.plain(end if abs(end) > least else 0.0, 4)
                      for end in (score.low, score.high))  # fmt: skip
-        return f"{low} to {high} {measured_words(run, score)}"
+        ends = low if low == high else f"{low} to {high}"
+        return f"{ends} {measured_words(run, score)}"
     scale, digits = size(run, score), numbers.digits(score.value, width(run, score))
     return numbers.with_u(score.value, score.u, scale=scale, digits=digits)
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from simcompare.compare import Score
+from simcompare.compare import FAIL, Score
 from simcompare.reports import runs
 from simcompare.reports.figures import (
     TRUTH_STYLE,
@@ -122,6 +122,14 @@ def contrast_figure(run: Run) -> Figure | None:
         "Lower is better; below 1, in the shaded band, is within the scenario's tolerance. "
         "The scale is logarithmic and ends at a thousandth: smaller deviations are drawn there."
     )
+    lost = sorted({
+        f"{runs.measure_words(score.measure)} in {score.source}, {runs.mode_words(score.contact)}"
+        for score in run.scores
+        if score.index is None and score.measure in measures
+        and score.value is None and score.verdict == FAIL
+    })  # fmt: skip
+    if lost:
+        caption += f" Missed, and not drawn, since not every repeat has it: {'; '.join(lost)}."
     return Figure(
         "contrast",
         "Deviation from the truth, in tolerances",

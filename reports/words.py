@@ -58,15 +58,19 @@ def _level(run: Run, lead: Lead, mode: str) -> str:
     rows = rows_of(run, lead, mode)
     if not rows:
         return ""
-    clauses = _clauses(run, lead, mode, rows)
+    clauses = _clauses(run, lead, mode, rows, (WITHIN, UNJUDGED, OUTSIDE, NOTHING))
     if all(row.kind == WITHIN for row in rows):
         clauses += _nearness(lead, rows)
+    unknown = _clauses(run, lead, mode, rows, (MIXED, UNMEASURED))
     if mode in SHOWN_LEVELS:
-        clauses += _causes(run, lead, mode, rows)
-    return clauses
+        causes = _causes(run, lead, mode, rows, (OUTSIDE, NOTHING))
+        clauses += f": {causes}" if causes else ""
+        causes = _causes(run, lead, mode, rows, (UNMEASURED,))
+        unknown += f" ({causes})" if causes else ""
+    return "; ".join(part for part in (clauses, unknown) if part)
 
 
-def _clauses(run: Run, lead: Lead, mode: str, rows: Sequence[Row]) -> str:
+def _clauses(run: Run, lead: Lead, mode: str, rows: Sequence[Row], kinds: Sequence[str]) -> str:
     """What is within the tolerance, then what is not, and where nothing is."""
     every = [row.name for row in rows]
     said: list[str] = []
@@ -79,6 +83,8 @@ def _clauses(run: Run, lead: Lead, mode: str, rows: Sequence[Row]) -> str:
     wrong = sorted((OUTSIDE, NOTHING), key=lambda kind: -counts[kind])
     same = _template(lead, WITHIN) == _template(lead, OUTSIDE)
     for kind in (WITHIN, UNJUDGED, *wrong, MIXED, UNMEASURED):
+        if kind not in kinds:
+            continue
         own = [row for row in rows if row.kind == kind]
         if own and kind in said_alone:
             names = listing.engines([row.name for row in own], every)
@@ -170,16 +176,16 @@ def _rounded_up(value: float) -> float:
     return math.ceil(value / place * (1 - 1e-9)) * place
 
 
-def _causes(run: Run, lead: Lead, mode: str, rows: Sequence[Row]) -> str:
+def _causes(run: Run, lead: Lead, mode: str, rows: Sequence[Row], kinds: Sequence[str]) -> str:
     """What the scenario names as a cause, where the audit shows that it holds."""
-    missing = [row.name for row in rows if row.kind not in (WITHIN, UNJUDGED)]
+    missing = [row.name for row in rows if row.kind in kinds]
     said = []
     for cause in (lead.answer or {}).get("causes", ()):
         own = [name for name in missing if _keeps(run, name, mode, cause)]
         if own:
             where = "" if own == missing else f"in {listing.joined(own)} "
             said.append(f"{where}{cause['says']}")
-    return f": {'; '.join(said)}" if said else ""
+    return "; ".join(said)
 
 
 def _keeps(run: Run, name: str, mode: str, cause: Mapping[str, Any]) -> bool:

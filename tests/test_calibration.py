@@ -1,16 +1,22 @@
 """Numbers found on one-bounce drops hold in phases, at heights and in long drops they never saw."""
 
+import dataclasses
 import importlib
 import math
 
 import numpy as np
 import pytest
 
+from simcompare import engines
 from simcompare.engine.dashpot import damping_ratio
+from simcompare.settings import DropPlan
+from simcompare.tuning import ranges
 from simcompare.tuning.calibration import CannotCalibrate, calibrate_coefficient
 from simcompare.tuning.drops import Bounces, even_phases, read_drop
+from simcompare.tuning.engine_drops import PAIR
 from simcompare.tuning.springs import SCATTER, calibrate_spring
 from simcompare.tuning.stepped_dashpot import SteppedDashpot
+from simcompare.tuning.tuned import calibrate
 from tests.bare_drops import COEFFICIENT_ENGINES, G, MujocoDrops, bounce_by_bounce
 from tests.present import need
 
@@ -221,3 +227,25 @@ def test_a_calibration_repeats_itself():
 def test_the_bare_engines_are_the_ones_that_have_adapters():
     for engine in ("mujoco", *COEFFICIENT_ENGINES):
         assert importlib.util.find_spec(f"simcompare.backends.{engine}.backend")
+
+
+@pytest.mark.parametrize("engine", ["dart", "pymunk"])
+def test_the_step_that_is_named_as_a_cure_works_when_it_is_asked_for(engine):
+    need(engine)
+    backend = engines.get(engine)
+    plan = DropPlan((PAIR,), 0.8, 4.43, 0.0027, 0.04, G, 0.007)
+    with pytest.raises(CannotCalibrate, match="more than half its size") as caught:
+        calibrate(backend, backend.load(), plan)
+    step_s = caught.value.longest_step_s
+    assert f"with a step of {1e3 * step_s:g} ms it does not" in str(caught.value)
+    found = calibrate(backend, backend.load(), dataclasses.replace(plan, step_s=step_s))
+    assert found.at[0].penetration_m <= 0.02
+
+
+def test_a_mean_that_ripples_at_its_limit_ends_a_range_where_it_first_crosses_it():
+    def fault(value):  # beyond 1.5 it fails, but also about 1.42
+        return "off" if value > 1.5 or 1.41 < value < 1.43 else ""
+
+    end, why = ranges._end(fault, 1.0, 10.0)
+    assert 1.3 < end <= 1.42
+    assert why == "off"

@@ -114,9 +114,9 @@ def test_values_of_some_repeats_are_told_as_such():
     # the mean is next to nothing, and yet one of the repeats bounces
     run = changed(run, "west", low=0.0, high=0.018)
     assert words.answer(run) == [
-        "By default the ball stays on the floor in north; the restitution differs from repeat to"
-        " repeat, 0.010 to 0.170 in south (measured in 2 of 3), 0.000 to 0.018 in west: no"
-        " restitution is set."
+        "By default the ball stays on the floor in north: no restitution is set; the restitution"
+        " differs from repeat to repeat, 0.010 to 0.170 in south (measured in 2 of 3), 0.000 to"
+        " 0.018 in west."
     ]
 
 

@@ -54,3 +54,15 @@ def test_why_nothing_is_known_is_told_and_nothing_is_judged(scene):
     score = final_of(scene, *(at(1.0, lacks=True) for _ in range(3)))
     assert (score.low, score.high, score.verdict) == (None, None, "info")
     assert score.lacking == "north does not give ball.position_m: it has none"
+
+
+def test_a_repeat_that_cannot_be_measured_fails_nobody_whose_others_are_right(scene):
+    right = final_of(scene, at(1.0), at(0.95), at(0.7, lacks=True))
+    assert (right.value, right.verdict) == (None, "info")
+    wrong = final_of(scene, at(1.0), at(1.3), at(0.7, lacks=True))
+    assert (wrong.value, wrong.verdict) == (None, "fail")
+
+
+def test_what_rounding_leaves_of_an_end_is_nothing(scene):
+    score = final_of(scene, at(3e-16), at(1.3), at(0.7, lacks=True))
+    assert score.low == 0.0

@@ -23,6 +23,8 @@ from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED
 _ASKED, _SLOW_M_S = BounceQuestion("", 0.0), 0.5
 #: a scatter, or a deviation, below this part of the restitution is not named
 _NAMED = 0.005
+#: and below this part it is no more than told as such
+_SEEN = 1e-4
 
 
 def sentences(found: Mapping[str, Found], step_s: float) -> list[tuple[str, bool]]:
@@ -101,10 +103,16 @@ def _scatter(found: Found) -> str:
     scatter = {n: (row["scatter"] or 0.0) / _ASKED.restitution for n, row in rows.items()}
     wide = {name: part for name, part in scatter.items() if part > _NAMED}
     words = "it scatters, over where in the step the impact falls, by"
-    rest = max((part for name, part in scatter.items() if name not in wide), default=None)
+    rest = {name: part for name, part in scatter.items() if name not in wide}
     told = [amounts(wide, lambda part: f"± {percent(part)}")] if wide else []
-    if rest is not None:
-        told.append(f"± {percent(rest)} at most{' in the others' if wide else ''}")
+    if rest:
+        # less than so much nobody can see
+        most = max(max(rest.values()), _SEEN)
+        at_most = " at most" if len(rest) > 1 or most == _SEEN else ""
+        where = (
+            "" if not wide else f" in {next(iter(rest))}" if len(rest) == 1 else " in the others"
+        )
+        told.append(f"± {percent(most)}{at_most}{where}")
     return f"{words} {', '.join(told)}"
 
 

@@ -97,7 +97,8 @@ class Bench:
         if found.scatter > self.most_scatter_part * restitution:
             return f"it scatters by ±{found.scatter:.2g}"
         if found.penetration_m > self.depth_m:
-            return f"it sinks {1e3 * found.penetration_m:.3g} mm"
+            deep_m = found.penetration_m
+            return f"it sinks {deep_m:.3g} m" if deep_m >= 1 else f"it sinks {1e3 * deep_m:.3g} mm"
         return ""
 
     def of(self, request: Request) -> Bench:

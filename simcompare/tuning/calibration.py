@@ -250,7 +250,7 @@ def verified(
         raise CannotCalibrate(
             f"a restitution of {e:g} at {first:.3g} m/s depends too much on where in a step of"
             f" {step_s * 1e3:.3g} ms the impact falls: other phases give"
-            f" {at[0].restitution:.4f}; use a shorter --step"
+            f" {at[0].restitution:.4f}; simcompare tune tells at which step or speed it can be had"
         )
     checks = tuple(measured(drops, numbers, first * part) for part in (0.5**0.5, 2**0.5))
     return Calibration(e, numbers, at, checks, stall_m_s, drops.count)

@@ -5,12 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
+import numpy as np
+
 from simcompare.tuning.bench import Bench, Numbers
 from simcompare.tuning.calibration import AtSpeed
 from simcompare.tuning.statement import Range
 
 #: ratio from one value to the next while it still holds, and how close an end is found
 _STRIDE, _CLOSE = 1.1, 1.01
+#: strides before an end that are walked again, in so many places
+_BACK, _CLOSER = 2, 24
 #: how far beyond the speeds and the step that were asked for an end is looked for
 WIDER_SPEED, WIDER_STEP = 10.0, 8.0
 
@@ -89,9 +93,15 @@ def _end(fault: Fault, start: float, stop: float) -> tuple[float, str]:
             further = stop
         wrong = fault(further)
         if wrong:
-            return _between(fault, good, further, wrong)
+            return _first(fault, max(start, good / stride**_BACK, key=_along(stop - start)),
+                          *_between(fault, good, further, wrong))  # fmt: skip
         good = further
     return good, ""
+
+
+def _along(way: float) -> Callable[[float], float]:
+    """Order of values along a way up or down."""
+    return lambda value: value if way > 0 else -value
 
 
 def _between(fault: Fault, good: float, bad: float, wrong: str) -> tuple[float, str]:
@@ -103,3 +113,14 @@ def _between(fault: Fault, good: float, bad: float, wrong: str) -> tuple[float, 
         else:
             good = middle
     return good, wrong
+
+
+def _first(fault: Fault, start: float, end: float, wrong: str) -> tuple[float, str]:
+    """The first of several ends: near its limit a mean ripples, and crosses it more than once."""
+    good = start
+    for further in np.geomspace(start, end, _CLOSER)[1:-1].tolist():
+        found = fault(further)
+        if found:
+            return good, found
+        good = further
+    return end, wrong

@@ -19,6 +19,8 @@ from simcompare.tuning.springs import DEPTH, calibrate_spring
 
 #: impacts of a body that bounces on, whose speeds are looked at; the first one is right
 IMPACTS = 4
+#: how many shorter steps are tried as a cure
+_CURES = 12
 
 
 def tuned(
@@ -75,8 +77,14 @@ def _finite(values: Mapping[str, float]) -> dict[str, float | None]:
     return {name: value if math.isfinite(value) else None for name, value in values.items()}
 
 
-def calibrate(backend: Tunable, engine: ModuleType, plan: DropPlan) -> Calibration:
-    """Finds numbers for a plan by dropping a sphere in the engine."""
+def calibrate(
+    backend: Tunable, engine: ModuleType, plan: DropPlan, *, _is_cure: bool = False
+) -> Calibration:
+    """Finds numbers for a plan by dropping a sphere in the engine.
+
+    Raises:
+        CannotCalibrate: there are none; says with which step there are, where one was found.
+    """
     is_lossless = plan.restitution > calibration.LARGEST and backend.bounces_by != SPRING
     if is_lossless or not backend.bounces_by:
         # what hardly loses anything is typed in as it stands, and what comes of it is shown
@@ -92,16 +100,32 @@ def calibrate(backend: Tunable, engine: ModuleType, plan: DropPlan) -> Calibrati
         EngineDrops(backend, engine, plan), e, speeds, plan.step_s, gravity
     )
     depth_m = found.at[0].penetration_m if found.at else 0.0
-    if depth_m > DEPTH * plan.size_m:
-        # how deep it goes grows with the step
-        longest_ms = math.floor(1e5 * plan.step_s * DEPTH * plan.size_m / depth_m) / 100
-        raise CannotCalibrate(
-            f"in a step of {1e3 * plan.step_s:.3g} ms a body at {plan.speed_m_s:.3g} m/s goes"
-            f" {1e3 * depth_m:.3g} mm deep, more than half its size of {1e3 * plan.size_m:.3g} mm;"
-            f" with a step of {longest_ms:g} ms it does not",
-            longest_ms / 1e3,
-        )
-    return found
+    if depth_m <= DEPTH * plan.size_m:
+        return found
+    longest_s = None if _is_cure else _longest_step_s(backend, engine, plan, depth_m)
+    cure = "" if longest_s is None else f"; with a step of {1e3 * longest_s:g} ms it does not"
+    raise CannotCalibrate(
+        f"in a step of {1e3 * plan.step_s:.3g} ms a body at {plan.speed_m_s:.3g} m/s goes"
+        f" {1e3 * depth_m:.4g} mm deep, more than half its size of {1e3 * plan.size_m:.3g}"
+        f" mm{cure}",
+        math.nan if longest_s is None else longest_s,
+    )
+
+
+def _longest_step_s(
+    backend: Tunable, engine: ModuleType, plan: DropPlan, depth_m: float
+) -> float | None:
+    """The longest step that was tried with which a body does not go too deep [s]."""
+    step_s = plan.step_s * DEPTH * plan.size_m / depth_m  # how deep it goes grows with the step
+    for _ in range(_CURES):
+        step_s = math.floor(1e5 * step_s) / 1e5
+        try:
+            calibrate(backend, engine, replace(plan, step_s=step_s), _is_cure=True)
+        except CannotCalibrate:
+            step_s *= 0.97
+        else:
+            return step_s
+    return None
 
 
 def _cached(backend: Tunable, engine: ModuleType, plan: DropPlan) -> Calibration:
