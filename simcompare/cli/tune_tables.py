@@ -14,7 +14,8 @@ from simcompare.cli import console
 from simcompare.jobs import OK
 from simcompare.settings import TUNED
 from simcompare.tune import Tuned
-from simcompare.tuning.calibration import PHASES, AtSpeed
+from simcompare.tuning.bench import STATED
+from simcompare.tuning.calibration import AtSpeed
 from simcompare.tuning.drops import slowest_m_s
 from simcompare.tuning.request import Request
 from simcompare.tuning.springs import SCATTER
@@ -171,7 +172,7 @@ def _span(bounces: Sequence[AtSpeed]) -> str:
 
 
 def _places(one: AtSpeed) -> int:
-    u = one.scatter / math.sqrt(PHASES)
+    u = one.scatter / math.sqrt(STATED)
     return 4 if u <= 0 else min(max(math.ceil(-math.log10(u)), 2), 4)
 
 

@@ -9,7 +9,7 @@ from types import ModuleType
 
 from simcompare.engine.audit import AuditRow
 from simcompare.settings import SPRING
-from simcompare.tuning.bench import Bench, Numbers
+from simcompare.tuning.bench import STATED, Bench, Numbers
 from simcompare.tuning.calibration import AtSpeed, CannotCalibrate
 from simcompare.tuning.engine_drops import Tunable
 from simcompare.tuning.nearest import nearest
@@ -60,7 +60,7 @@ def _sought(bench: Bench, restitution: float) -> Statement:
 def _stated(bench: Bench, numbers: Numbers, wanted: float | None) -> Statement:
     """What numbers do, held against what is wanted, or against what they do in the middle."""
     request = bench.request
-    at = tuple(bench.at(numbers, speed) for speed in request.speeds_m_s)
+    at = tuple(bench.at(numbers, speed, phases=STATED) for speed in request.speeds_m_s)
     restitution = _found(at) if wanted is None else wanted
     speeds, steps, faults = None, None, []
     if math.isfinite(restitution):

@@ -8,12 +8,14 @@ from types import ModuleType
 from simcompare.engine.audit import AuditRow
 from simcompare.errors import SimulationDiverged
 from simcompare.settings import TUNED
-from simcompare.tuning.calibration import AtSpeed, Counted, measured
+from simcompare.tuning.calibration import PHASES, AtSpeed, Counted, measured
 from simcompare.tuning.drops import Drops, slowest_m_s
 from simcompare.tuning.engine_drops import CLEAR_M, EngineDrops, Tunable
 from simcompare.tuning.request import Request
 from simcompare.tuning.springs import DEPTH, SCATTER
 
+#: phases at which a statement is measured; its range is looked for with fewer
+STATED = 2 * PHASES
 #: what is said of impacts that were not tried
 TOO_SLOW = "its flight is too short to be read at this step"
 #: factor by which the scatter may be larger than what numbers are usually sought with, where they
@@ -58,13 +60,19 @@ class Bench:
         """How many drops there were."""
         return sum(drops.count for drops in self._benches.values())
 
-    def at(self, numbers: Numbers, speed_m_s: float, step_s: float | None = None) -> AtSpeed:
+    def at(
+        self,
+        numbers: Numbers,
+        speed_m_s: float,
+        step_s: float | None = None,
+        phases: int = PHASES,
+    ) -> AtSpeed:
         """What bounces do; what runs away, or is too slow for a flight, has no restitution."""
         nothing = AtSpeed(speed_m_s, *(math.nan,) * 5)
         if speed_m_s < self.slowest_m_s(step_s):
             return nothing
         try:
-            return measured(self.drops(step_s), numbers, speed_m_s)
+            return measured(self.drops(step_s), numbers, speed_m_s, phases)
         except SimulationDiverged:
             return nothing
 

@@ -218,9 +218,11 @@ def solve(
     return x, drops
 
 
-def measured(drops: Drops, numbers: tuple[float, ...], speed_m_s: float) -> AtSpeed:
-    """Bounces at a speed, in phases halfway between those of the search."""
-    found = drops(numbers, speed_m_s, even_phases(PHASES, 0.0))
+def measured(
+    drops: Drops, numbers: tuple[float, ...], speed_m_s: float, phases: int = PHASES
+) -> AtSpeed:
+    """Bounces at a speed, in phases halfway between those of the search; or in more of them."""
+    found = drops(numbers, speed_m_s, even_phases(phases, 0.0))
     return AtSpeed(
         speed_m_s,
         found.mean,

@@ -48,7 +48,7 @@ class Range:
 
 @dataclass(frozen=True)
 class Statement:
-    """What numbers do, measured on drops at 25 phases of the step.
+    """What numbers do, measured on drops at 50 phases of the step.
 
     Attributes:
         restitution: what they stand for: what was asked for, or what was found [1].
