@@ -12,9 +12,9 @@ from simcompare.tuning.calibration import AtSpeed
 from simcompare.tuning.statement import Range
 
 #: ratio from one value to the next while it still holds, and how close an end is found
-_STRIDE, _CLOSE = 1.1, 1.01
-#: strides before an end that are walked again, in so many places
-_BACK, _CLOSER = 2, 24
+_STRIDE, _CLOSE = 1.13, 1.01
+#: strides before the last one that are walked again, and in how many places
+_BACK, _CLOSER = 1, 9
 #: how far beyond the speeds and the step that were asked for an end is looked for
 WIDER_SPEED, WIDER_STEP = 10.0, 8.0
 
@@ -52,16 +52,14 @@ def speed_range(
 
 def step_range(
     bench: Bench, numbers: Numbers, restitution: float, speeds_m_s: Sequence[float]
-) -> Range | None:
-    """Steps about the one that was asked for with which numbers hold at some speeds."""
+) -> Range:
+    """Steps about the one that was asked for with which numbers hold at speeds where they do."""
 
     def fault(step_s: float) -> str:
         faults = (bench.fault(bench.at(numbers, v, step_s), restitution) for v in speeds_m_s)
         return next((words for words in faults if words), "")
 
     step_s = bench.request.step_s
-    if fault(step_s):
-        return None
     low, below = _end(fault, step_s, step_s / WIDER_STEP)
     # no further than its slowest impact can be read
     readable_s = step_s * min(speeds_m_s) / bench.slowest_m_s()
