@@ -47,10 +47,6 @@ def answer(run: Run) -> list[str]:
         found = merged((how(run, mode), _level(run, lead, mode)) for mode in runs.modes(run))
     if lead.truth is None and found:
         found.append(f"There is no truth to hold the {lead.words} against.")
-    wanted = (run.record.get("answer") or {}).get("measure", lead.measure)
-    if wanted != lead.measure:
-        words = runs.measure_words(wanted)
-        found.append(f"The {words}, which was asked for, is known of single events only.")
     return found or ["Nothing was measured."]
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import datetime
 import hashlib
-import math
 import platform
 import statistics
 import sys
@@ -12,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from simcompare import measures
+from simcompare import measures, notation
 from simcompare.against import Match
 from simcompare.compare import Score
 from simcompare.engine.library import installed_version
@@ -41,7 +40,7 @@ def of_source(name: str, mode: str, outcomes: Sequence[Outcome]) -> dict[str, An
         "status": bad[0].status if bad else OK,
         "reason": bad[0].reason if bad else None,
         "out_of_reach": bool(bad) and bad[0].longest_step_s is not None,
-        "longest_step_s": _finite(bad[0].longest_step_s) if bad else None,
+        "longest_step_s": notation.finite(bad[0].longest_step_s) if bad else None,
         "steps": len(nominal.time_s) - 1 if nominal else None,
         "repeats": len(done),
         "wall_s": {
@@ -162,10 +161,6 @@ def _caution(file: ScenarioFile, table: BounceTable) -> str | None:
 def _sha256_of(paths: Sequence[Path]) -> str:
     """Digest of the scenario file, and of those that it extends."""
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()
-
-
-def _finite(value: float | None) -> float | None:
-    return value if value is not None and math.isfinite(value) else None
 
 
 def _median(values: Sequence[float]) -> float | None:

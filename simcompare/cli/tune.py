@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import typer
 
 from simcompare.cli import complete
-
-if TYPE_CHECKING:
-    pass
 
 
 def tune(

@@ -13,8 +13,8 @@ from simcompare.tuning.statement import Range
 
 #: ratio from one value to the next while it still holds, and how close an end is found
 _STRIDE, _CLOSE = 1.13, 1.01
-#: strides before the last one that are walked again, and in how many places
-_BACK, _CLOSER = 1, 9
+#: places between the last two strides and an end that are looked at again
+_CLOSER = 9
 #: how far beyond the speeds and the step that were asked for an end is looked for
 WIDER_SPEED, WIDER_STEP = 10.0, 8.0
 
@@ -84,22 +84,16 @@ def _longest_run(held: Sequence[bool]) -> tuple[int, int] | None:
 def _end(fault: Fault, start: float, stop: float) -> tuple[float, str]:
     """The last value that holds on the way from one that does, and what is wrong beyond it."""
     stride = _STRIDE if stop > start else 1 / _STRIDE
-    good = start
+    before = good = start
     while good != stop:
         further = good * stride
         if (further - stop) * (stop - start) >= 0:
             further = stop
         wrong = fault(further)
         if wrong:
-            return _first(fault, max(start, good / stride**_BACK, key=_along(stop - start)),
-                          *_between(fault, good, further, wrong))  # fmt: skip
-        good = further
+            return _first(fault, before, *_between(fault, good, further, wrong))
+        before, good = good, further
     return good, ""
-
-
-def _along(way: float) -> Callable[[float], float]:
-    """Order of values along a way up or down."""
-    return lambda value: value if way > 0 else -value
 
 
 def _between(fault: Fault, good: float, bad: float, wrong: str) -> tuple[float, str]:

@@ -8,6 +8,7 @@ from dataclasses import asdict, replace
 from types import ModuleType
 from typing import Any
 
+from simcompare import notation
 from simcompare.engine.contacts import touching_pairs
 from simcompare.scenario import Scenario
 from simcompare.settings import SPRING, DropPlan, PairNumbers, Settings
@@ -68,13 +69,9 @@ def record(plan: DropPlan, found: Calibration) -> dict[str, Any]:
         "notes": list(plan.notes),
         **{name: value for name, value in plain.items() if not isinstance(value, tuple)},
         "numbers": list(found.numbers),
-        "at": [_finite(asdict(one)) for one in found.at],
-        "checks": [_finite(asdict(one)) for one in found.checks],
+        "at": [notation.finite(asdict(one)) for one in found.at],
+        "checks": [notation.finite(asdict(one)) for one in found.checks],
     }
-
-
-def _finite(values: Mapping[str, float]) -> dict[str, float | None]:
-    return {name: value if math.isfinite(value) else None for name, value in values.items()}
 
 
 def calibrate(
