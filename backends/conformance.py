@@ -27,9 +27,9 @@ from simcompare.engine.backend import Backend
 from simcompare.engine.features import Feature, needs
 from simcompare.engine.simulation import sample_times
 from simcompare.errors import SimcompareError, Unsupported
-from simcompare.scenario import Joint, Scenario
-from simcompare.settings import ASSISTED, DEFAULT, TUNED, Settings
-from simcompare.trajectory import BODY_SIGNALS
+from simcompare.model.scenario import Joint, Scenario
+from simcompare.model.settings import ASSISTED, DEFAULT, TUNED, Settings
+from simcompare.model.trajectory import BODY_SIGNALS
 
 __all__ = ["CHECKS", "PHYSICS", "Run", "check", "check_physics", "faults"]
 

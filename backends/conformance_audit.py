@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterable, Iterator
 
 from simcompare.backends.conformance_run import Run
-from simcompare.engine.audit import AuditRow
 from simcompare.engine.features import Feature
-from simcompare.scenario import Contact, Scenario
-from simcompare.settings import COEFFICIENTS
-from simcompare.shapes import sizes_m
+from simcompare.model.audit import AuditRow
+from simcompare.model.scenario import Contact, Scenario
+from simcompare.model.settings import COEFFICIENTS
+from simcompare.model.shapes import sizes_m
 
 #: what is on record of a joint besides where it is
 _LAWS = {"friction", "damping", "stiffness", "rest", "armature", "rate", "lower", "upper"}

@@ -20,8 +20,8 @@ from simcompare.backends.conformance_scenes import (
     scene,
     signal,
 )
-from simcompare.scenario import Scenario
-from simcompare.trajectory import Trajectory
+from simcompare.model.scenario import Scenario
+from simcompare.model.trajectory import Trajectory
 
 _DROP_M, _RADIUS_M, _E = 0.3, 0.05, 0.6
 _LANDS_S = math.sqrt(2 * _DROP_M / G)

@@ -16,9 +16,9 @@ from simcompare.backends.conformance_scenes import (
     signal,
     turned,
 )
-from simcompare.rotations import conjugate, matrix_of, rotate
-from simcompare.scenario import Scenario
-from simcompare.trajectory import Array, Trajectory
+from simcompare.model.rotations import conjugate, matrix_of, rotate
+from simcompare.model.scenario import Scenario
+from simcompare.model.trajectory import Array, Trajectory
 
 #: 30 degrees
 _TURN = math.pi / 6

@@ -20,8 +20,8 @@ from simcompare.backends.conformance_scenes import (
     signal,
     turned,
 )
-from simcompare.rotations import matrix_of, multiply, rotate
-from simcompare.trajectory import Trajectory
+from simcompare.model.rotations import matrix_of, multiply, rotate
+from simcompare.model.trajectory import Trajectory
 
 #: 30 and -20 degrees
 _TURN, _LEAN = math.pi / 6, -math.pi / 9

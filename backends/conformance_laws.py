@@ -19,8 +19,8 @@ from simcompare.backends.conformance_scenes import (
     signal,
     turned,
 )
-from simcompare.rotations import matrix_of, rotate
-from simcompare.trajectory import Array, Trajectory
+from simcompare.model.rotations import matrix_of, rotate
+from simcompare.model.trajectory import Array, Trajectory
 
 _TERMINAL_M_S = 2.0
 _DOWN = np.array([0.6, 0.0, -0.8])

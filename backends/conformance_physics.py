@@ -25,10 +25,10 @@ from simcompare.backends import (
 )
 from simcompare.backends.conformance_scenes import PhysicsCheck, SignalNotGiven
 from simcompare.engine.backend import Backend
+from simcompare.engine.calibration.calibration import CannotCalibrate
 from simcompare.engine.features import needs
 from simcompare.errors import ReadBackMismatch, SimulationDiverged, Unsupported
-from simcompare.settings import ASSISTED, TUNED, Settings
-from simcompare.tuning.calibration import CannotCalibrate
+from simcompare.model.settings import ASSISTED, TUNED, Settings
 
 #: all scenes, each with its judge
 PHYSICS: tuple[PhysicsCheck, ...] = (

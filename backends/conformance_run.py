@@ -10,10 +10,10 @@ from simcompare.engine.backend import Backend
 from simcompare.engine.scene import Traits
 from simcompare.engine.simulation import Simulation, sample_times
 from simcompare.engine.state import State
-from simcompare.scenario import ACTUATOR_SIGNALS, MOVABLE, SENSOR_SIGNALS, Scenario
-from simcompare.settings import Settings
-from simcompare.shapes import Vector
-from simcompare.trajectory import Array, Trajectory
+from simcompare.model.scenario import ACTUATOR_SIGNALS, MOVABLE, SENSOR_SIGNALS, Scenario
+from simcompare.model.settings import Settings
+from simcompare.model.shapes import Vector
+from simcompare.model.trajectory import Array, Trajectory
 
 #: most steps that are taken by hand
 MOST_STEPS = 600

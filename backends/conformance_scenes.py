@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from simcompare.scenario import Scenario
-from simcompare.trajectory import Array, Trajectory
+from simcompare.model.scenario import Scenario
+from simcompare.model.trajectory import Array, Trajectory
 
 #: standard gravity [m/s²]
 G = 9.80665

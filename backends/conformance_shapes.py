@@ -25,9 +25,9 @@ from simcompare.backends.conformance_scenes import (
     signal,
     turned,
 )
-from simcompare.rotations import matrix_of
-from simcompare.scenario import Scenario
-from simcompare.trajectory import Array, Trajectory
+from simcompare.model.rotations import matrix_of
+from simcompare.model.scenario import Scenario
+from simcompare.model.trajectory import Array, Trajectory
 
 _X, _Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 _QUARTER = math.pi / 2

@@ -10,7 +10,7 @@ of the torques. Engines in a plane run the one-wheeled variant, where there is n
 import math
 
 import simcompare
-from simcompare import engines
+from simcompare.engine import engines
 from simcompare.errors import EngineMissing, Unsupported
 
 SPEED_M_S = 0.3

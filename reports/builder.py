@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from simcompare.errors import UnknownName
-from simcompare.reports import output
-from simcompare.reports.figures import Figure, style_of
+from simcompare.reports.render import output
+from simcompare.reports.render.figures import Figure, style_of
 from simcompare.reports.sections import of_run
 from simcompare.reports.sections.base import Section
-from simcompare.results import Run
+from simcompare.results.run import Run
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -71,7 +71,7 @@ def html_of(blocks: Sequence[Block]) -> str:
     """
     from markupsafe import Markup
 
-    from simcompare.reports import plotly_
+    from simcompare.reports.render import plotly_
 
     return (
         _environment()
@@ -104,7 +104,7 @@ def write_figures_of(blocks: Sequence[Block], folder: Path, format: str) -> list
     """The same for what is shown of something, which need not be a run."""
     if format not in FIGURE_FORMATS:
         raise UnknownName("figure format", format, FIGURE_FORMATS)
-    from simcompare.reports import matplotlib_
+    from simcompare.reports.render import matplotlib_
 
     written = []
     for block in blocks:
@@ -123,7 +123,7 @@ def write_pdf(runs: Sequence[Run], path: Path) -> Path:
     Raises:
         OutputError: it cannot be written.
     """
-    from simcompare.reports import matplotlib_, pages
+    from simcompare.reports.render import matplotlib_, pages
 
     found = [page for block in blocks_of(runs) for page in pages.of(block)]
     return output.write(Path(path), matplotlib_.document(found))
@@ -160,7 +160,7 @@ def _environment() -> Environment:
     import jinja2
     from markupsafe import Markup
 
-    from simcompare.reports import plotly_
+    from simcompare.reports.render import plotly_
 
     def figure_json(figure: Figure) -> Markup:
         return Markup(plotly_.embedded(figure))  # it has escaped itself

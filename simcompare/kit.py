@@ -3,7 +3,6 @@
 Each name is explained in the module that it comes from; CONTRIBUTING.md leads through them.
 """
 
-from simcompare.engine.audit import Audit
 from simcompare.engine.backend import EngineBackend, KnownLimit
 from simcompare.engine.contacts import Pair, Rule, combined, untouching_pairs
 from simcompare.engine.features import JOINTS_AND_FORCES, SPATIAL_RIGID_BODIES, Feature
@@ -45,12 +44,13 @@ from simcompare.engine.sweeps import Row, row_of, sweeps_for
 from simcompare.engine.turns import Turns
 from simcompare.engine.variants import Variant
 from simcompare.errors import EngineBroken, SimulationDiverged, Unsupported
-from simcompare.rotations import matrix_of, xyzw
-from simcompare.scenario import Scenario
-from simcompare.settings import COEFFICIENTS, SPRING, TUNED
-from simcompare.shapes import Shape, Vector, sizes_m
-from simcompare.trajectory import Array
-from simcompare.vectors import (
+from simcompare.model.audit import Audit
+from simcompare.model.rotations import matrix_of, xyzw
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import COEFFICIENTS, SPRING, TUNED
+from simcompare.model.shapes import Shape, Vector, sizes_m
+from simcompare.model.trajectory import Array
+from simcompare.model.vectors import (
     Numbers,
     dot,
     minus,

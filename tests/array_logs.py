@@ -9,7 +9,7 @@ import pytest
 
 from simcompare.errors import InputError
 from simcompare.hardware.logs import importers
-from simcompare.hardware.logs.mapping import NOTHING
+from simcompare.hardware.mapping import NOTHING
 
 TIMES = np.arange(100) * 0.01
 START_NS = 1_700_000_000_000_000_001

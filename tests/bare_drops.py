@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 
-from simcompare.tuning.drops import read_drop, read_drops, start_above
+from simcompare.engine.calibration.drops import read_drop, read_drops, start_above
 
 G = 9.80665
 #: flight after the contact that is recorded [steps]

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from simcompare.fitting import arcs
-from simcompare.fitting.bounce_models import MODELS, bounces, height_at
-from simcompare.fitting.impacts import Impacts, from_times
-from simcompare.recording import Channel, Clock, Event, Provenance, Recording, Stream
+from simcompare.fitting.bounces import arcs
+from simcompare.fitting.bounces.bounce_models import MODELS, bounces, height_at
+from simcompare.fitting.bounces.impacts import Impacts, from_times
+from simcompare.model.recording import Channel, Clock, Event, Provenance, Recording, Stream
 
 TRUTH = {"restitution": 0.85, "drop_height_m": 1.0, "release_time_s": 0.3}
 #: a table-tennis ball in air

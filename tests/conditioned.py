@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from simcompare.hardware.conditioning import naming
+from simcompare.hardware.conditioning.units import naming
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.logs.mapping import of_tree
-from simcompare.hardware.logs.raw import RawColumn, RawStream
+from simcompare.hardware.mapping import of_tree
+from simcompare.hardware.raw import RawColumn, RawStream
 
 
 def work_of(time_s, columns, mapping=None, *, assume_units=False):

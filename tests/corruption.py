@@ -13,9 +13,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from simcompare.hardware.conditioning.condition import condition
-from simcompare.hardware.logs.mapping import NOTHING, of_tree
-from simcompare.hardware.logs.raw import RawColumn, RawLog, RawStream
-from simcompare.recording import Provenance, Repair
+from simcompare.hardware.mapping import NOTHING, of_tree
+from simcompare.hardware.raw import RawColumn, RawLog, RawStream
+from simcompare.model.recording import Provenance, Repair
 
 #: the first sample stands in this line: a header of three lines is above
 FIRST_ROW = 4

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from simcompare.scenario import Scenario
+from simcompare.model.scenario import Scenario
 
 HEAD = {"title": "Scene", "question": "Is it the same?"}
 TURNED = [0.5, 0.5, 0.5, 0.5]

@@ -226,8 +226,8 @@ class Judge:
         self.valid = {name: self._import(log, log.files) for name, log in self.logs.items()}
 
     def _import(self, log: Log, files: dict[str, bytes], *, kind: str | None = None):
-        from simcompare import importing, recording_store
-        from simcompare.hardware.logs import mapping
+        from simcompare.hardware import importing, mapping
+        from simcompare.model import recording_store
 
         path = log.write(self.place / "log", files)
         wanted = mapping.of_tree(log.mapping, "map")

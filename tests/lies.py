@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from simcompare.rotations import conjugate, matrix_of, multiply, quaternions_of, rotate
-from simcompare.scenario import Contact, Drag
+from simcompare.model.rotations import conjugate, matrix_of, multiply, quaternions_of, rotate
+from simcompare.model.scenario import Contact, Drag
 
 
 @dataclasses.dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from simcompare.rotations import matrix_of
+from simcompare.model.rotations import matrix_of
 from tests.lies import Lie, every, every_moving_body
 
 

@@ -8,7 +8,7 @@ for all accelerations and forces, integrated by DOP853. Everything is read from 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from simcompare.rotations import matrix_of
+from simcompare.model.rotations import matrix_of
 
 UP = np.array([0.0, 0.0, 1.0])
 

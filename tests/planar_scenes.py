@@ -2,9 +2,9 @@
 
 import math
 
-from simcompare import engines
-from simcompare.scenario import Scenario
-from simcompare.settings import Settings
+from simcompare.engine import engines
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import Settings
 
 G = 9.80665
 FRAME = {"frame": {"fixed": True}}

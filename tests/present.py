@@ -5,7 +5,7 @@ import importlib.util
 
 import pytest
 
-from simcompare import engines
+from simcompare.engine import engines
 from simcompare.engine.backend import EngineBackend
 from simcompare.engine.library import SharedLibrary
 from simcompare.errors import EngineMissing

@@ -10,8 +10,8 @@ import pytest
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning.condition import condition
 from simcompare.hardware.logs import importers
-from simcompare.hardware.logs.mapping import NOTHING
-from simcompare.recording import Provenance
+from simcompare.hardware.mapping import NOTHING
+from simcompare.model.recording import Provenance
 
 START_NS = 1_700_000_000_123_456_789
 STEP_NS = 10_000_001

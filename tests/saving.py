@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from simcompare import catalogue
-from simcompare.settings import ASSISTED, Settings
+from simcompare.model.settings import ASSISTED, Settings
+from simcompare.scenarios import catalogue
 
 EDGE = 0.04
 

@@ -11,17 +11,18 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from simcompare import catalogue, measures
+from simcompare import measures
 from simcompare.engine.drives import input_values
 from simcompare.engine.sensing import complete
 from simcompare.engine.simulation import sample_times
+from simcompare.model.trajectory import Trajectory
+from simcompare.scenarios import catalogue
 from simcompare.scenarios.accelerometer import reference as seismic
 from simcompare.scenarios.accelerometer_chirp import reference as swept
 from simcompare.scenarios.accelerometer_fall import reference as falling
 from simcompare.scenarios.accelerometer_force import reference as rigid
 from simcompare.scenarios.accelerometer_tilt import reference as tilted
 from simcompare.scenarios.robot_accelerometer import reference as driving
-from simcompare.trajectory import Trajectory
 
 G = 9.80665
 CHANGES = [

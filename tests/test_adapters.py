@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from simcompare import engines
 from simcompare.backends import conformance
+from simcompare.engine import engines
 
 FOLDER = Path(conformance.__file__).resolve().parent
 #: most statements of an adapter, its script writer and known limits apart: a planar engine whose

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from simcompare.against import matches
-from simcompare.compare import Score
-from simcompare.hardware.logs.bounce_table import BounceTable, Quantity
+from simcompare.compare.against import matches
+from simcompare.compare.comparison import Score
+from simcompare.hardware.recordings.bounce_table import BounceTable, Quantity
 
 UNITS = {"rebound_height": "m", "restitution": "1"}
 

@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from simcompare.errors import InputError
-from simcompare.validation.alignment import (
+from simcompare.alignment.alignment import (
     align,
     by_correlation,
     by_events,
@@ -14,8 +13,9 @@ from simcompare.validation.alignment import (
     by_waveform,
     unaligned,
 )
-from simcompare.validation.matching import match
-from simcompare.validation.wave_alignment import sandwich, smoothing
+from simcompare.alignment.matching import match
+from simcompare.alignment.wave_alignment import sandwich, smoothing
+from simcompare.errors import InputError
 
 PPM = 1e-6
 

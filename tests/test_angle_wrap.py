@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from simcompare.hardware.conditioning import angle_wrap, counter_wrap, saturation
+from simcompare.hardware.conditioning.values import angle_wrap, counter_wrap, saturation
 from tests.conditioned import work_of
 
 TIME = np.arange(400) / 100

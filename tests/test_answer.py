@@ -2,8 +2,8 @@
 
 import pytest
 
-from simcompare import catalogue, scenario_file
 from simcompare.errors import InputError
+from simcompare.scenarios import catalogue, scenario_file
 
 SCENE = """
 name: slide

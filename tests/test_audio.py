@@ -7,9 +7,10 @@ import pytest
 
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning.condition import condition
-from simcompare.hardware.logs import audio_, importers, onsets
-from simcompare.hardware.logs.mapping import NOTHING, of_tree
-from simcompare.recording import Provenance
+from simcompare.hardware.logs import audio_, importers
+from simcompare.hardware.mapping import NOTHING, of_tree
+from simcompare.hardware.sensors import sound_onsets
+from simcompare.model.recording import Provenance
 
 soundfile = pytest.importorskip("soundfile")
 RATE = 48000
@@ -47,7 +48,7 @@ def _click(time, pitch, decay):
 
 
 def found_in(sound, rate=RATE):
-    return onsets.onsets(lambda first, end: sound[first:end], len(sound), rate)
+    return sound_onsets.onsets(lambda first, end: sound[first:end], len(sound), rate)
 
 
 def judged(found, times):
@@ -129,7 +130,7 @@ def test_an_impact_on_the_border_of_two_pieces_is_found_once(monkeypatch):
     sound, times = bounces(5)
     whole = [onset.time_s for onset in found_in(sound)]
     # the second click falls on the border
-    monkeypatch.setattr(onsets, "_CHUNK", round(times[1] * RATE))
+    monkeypatch.setattr(sound_onsets, "_CHUNK", round(times[1] * RATE))
     pieces = [onset.time_s for onset in found_in(sound)]
     assert pieces == pytest.approx(whole, abs=2e-5)
 

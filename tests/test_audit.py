@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from simcompare.engine.audit import Audit
 from simcompare.errors import ReadBackMismatch
+from simcompare.model.audit import Audit
 
 
 def test_equal_values_pass_and_are_kept_in_order():

@@ -6,9 +6,8 @@ import re
 import numpy as np
 import pytest
 
-from simcompare import catalogue, engines
 from simcompare.backends.dart.backend import DartBackend
-from simcompare.engine.audit import Audit
+from simcompare.engine import engines
 from simcompare.engine.features import Feature
 from simcompare.errors import (
     EngineBroken,
@@ -17,8 +16,10 @@ from simcompare.errors import (
     SimulationDiverged,
     Unsupported,
 )
-from simcompare.scenario import Scenario
-from simcompare.settings import ASSISTED, TUNED, PairNumbers, Settings
+from simcompare.model.audit import Audit
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import ASSISTED, TUNED, PairNumbers, Settings
+from simcompare.scenarios import catalogue
 
 ENGINES = engines.names()
 
@@ -67,7 +68,7 @@ def test_default_mode_shows_that_the_restitution_was_not_applied(engine):
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_an_engine_that_keeps_another_value_fails(engine, monkeypatch):
-    from simcompare.engine import audit
+    from simcompare.model import audit
 
     monkeypatch.setattr(audit.Audit, "_agrees", lambda self, row: row.quantity != "ball.mass_kg")
     with pytest.raises(ReadBackMismatch, match=r"did not take what was set: ball\.mass_kg"):

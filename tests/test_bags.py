@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from simcompare.hardware.logs import bag_layout
+from simcompare.hardware.logs.bags import layout as bag_layout
 from tests.ros_bags import (
     CONTAINERS,
     COUNT,

@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from simcompare import catalogue, engines
-from simcompare.compare import Repeat, scores_of
+from simcompare.compare.comparison import Repeat, scores_of
+from simcompare.compare.repeats import repeats_of
+from simcompare.engine import engines
 from simcompare.engine.simulation import sample_times
-from simcompare.repeats import repeats_of
+from simcompare.model.settings import Settings
+from simcompare.model.trajectory import Trajectory
+from simcompare.scenarios import catalogue
 from simcompare.scenarios.ball.reference import reference
-from simcompare.settings import Settings
-from simcompare.trajectory import Trajectory
 
 ENGINES = engines.names()
 FILE = catalogue.load("ball")
@@ -83,7 +84,7 @@ def test_nothing_jumps_up_at_rest(engine):
 
 
 def test_failing_a_tolerance_is_told():
-    from simcompare.scenario import Tolerance
+    from simcompare.model.scenario import Tolerance
 
     strict = {"restitution": Tolerance(relative=1e-12, reason="impossible on purpose")}
     scenario = FILE.resolve({}).model_copy(update={"tolerances": strict})

@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from simcompare import catalogue
 from simcompare.measures import Request, bounces
+from simcompare.model.trajectory import Trajectory
+from simcompare.scenarios import catalogue
 from simcompare.scenarios.ball import reference as ball
-from simcompare.trajectory import Trajectory
 
 DEFAULTS = {
     "drop_height_m": 1.0,

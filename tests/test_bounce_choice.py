@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from simcompare.errors import InputError
-from simcompare.fitting import bootstrap, choose
-from simcompare.fitting.impacts import from_times
-from simcompare.fitting.likelihood import fit
+from simcompare.fitting.bounces import bootstrap, model_selection
+from simcompare.fitting.bounces.impacts import from_times
+from simcompare.fitting.bounces.likelihood import fit
 from tests.bounces import IN_AIR, TRUTH, filmed, heard, times_of
 
 E = 0.85
@@ -19,7 +19,7 @@ E = 0.85
 
 
 def test_the_choice_of_model_sees_the_drag_and_says_what_leaving_it_out_costs():
-    choice = choose.compare(heard(IN_AIR, count=8))
+    choice = model_selection.compare(heard(IN_AIR, count=8))
     assert choice.best.model == "constant+drag"
     simple = next(c for c in choice.candidates if c.model == "constant")
     assert simple.delta > 1000
@@ -30,14 +30,14 @@ def test_the_choice_of_model_sees_the_drag_and_says_what_leaving_it_out_costs():
 
 
 def test_drag_in_a_video_is_seen_by_its_arcs():
-    choice = choose.compare(filmed(IN_AIR), ["constant", "constant+drag"])
+    choice = model_selection.compare(filmed(IN_AIR), ["constant", "constant+drag"])
     assert choice.best.model == "constant+drag"
     low, high = choice.best.intervals[0]
     assert low <= E <= high
 
 
 def test_a_constant_restitution_is_chosen_where_there_is_nothing_else():
-    chosen = [choose.compare(heard(seed=s, count=8)) for s in range(10)]
+    chosen = [model_selection.compare(heard(seed=s, count=8)) for s in range(10)]
     assert sum(c.best.model == "constant" for c in chosen) >= 7
     assert all(c.criterion == "AIC" for c in chosen)
     assert all(sum(r.weight for r in c.candidates) == pytest.approx(1) for c in chosen)
@@ -45,29 +45,31 @@ def test_a_constant_restitution_is_chosen_where_there_is_nothing_else():
 
 def test_velocity_dependence_is_told_from_drag_where_the_data_can():
     values = {**TRUTH, "exponent": 0.05}
-    choice = choose.compare(heard(values, count=9))
+    choice = model_selection.compare(heard(values, count=9))
     assert choice.best.model == "power"
     drag = next(c for c in choice.candidates if c.model == "constant+drag")
     assert drag.delta > 10
 
 
 def test_a_hunt_crossley_contact_is_recognised():
-    choice = choose.compare(heard(count=8, model="hunt_crossley"))
+    choice = model_selection.compare(heard(count=8, model="hunt_crossley"))
     assert choice.best.model == "hunt_crossley"
 
 
 def test_what_the_data_cannot_tell_is_said_with_what_would_help():
     values = {**TRUTH, "terminal_speed_m_s": 25.0}
-    choice = choose.compare(heard(values, count=6, u_s=1e-3))
+    choice = model_selection.compare(heard(values, count=6, u_s=1e-3))
     assert {c.model for c in (choice.candidates[0], *choice.rivals)} >= {"constant+drag", "power"}
     assert any("cannot tell drag from velocity dependence: give the terminal speed" in w
                for w in choice.words)  # fmt: skip
-    known = choose.compare(heard(values, count=6, u_s=1e-3), fixed={"terminal_speed_m_s": 25.0})
+    known = model_selection.compare(
+        heard(values, count=6, u_s=1e-3), fixed={"terminal_speed_m_s": 25.0}
+    )
     assert not any("give the terminal speed" in w for w in known.words)
 
 
 def test_the_numbers_of_the_choice_are_akaike_and_schwarz():
-    choice = choose.compare(heard(IN_AIR, count=9), ["constant", "constant+drag"])
+    choice = model_selection.compare(heard(IN_AIR, count=9), ["constant", "constant+drag"])
     for c in choice.candidates:
         k, n = len(c.fit.names), 9
         assert c.unknowns == pytest.approx(k)
@@ -80,13 +82,13 @@ def test_the_numbers_of_the_choice_are_akaike_and_schwarz():
 
 
 def test_unknown_noise_leaves_the_choice_to_the_corrected_criterion():
-    choice = choose.compare(from_times(heard(IN_AIR, count=10).times_s)[0])
+    choice = model_selection.compare(from_times(heard(IN_AIR, count=10).times_s)[0])
     assert choice.criterion == "AICc"
     assert choice.best.model == "constant+drag"
 
 
 def test_a_model_with_too_many_unknowns_is_refused_and_the_others_stand():
-    choice = choose.compare(from_times(times_of(IN_AIR, 4), 1e-4)[0])
+    choice = model_selection.compare(from_times(times_of(IN_AIR, 4), 1e-4)[0])
     assert list(choice.refused) == ["power+drag"]
     assert "4 measured numbers and 0 priors cannot give 5 unknowns" in choice.refused["power+drag"]
     json.dumps(choice.to_dict(), allow_nan=False)

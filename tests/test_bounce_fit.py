@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from simcompare.errors import InputError
-from simcompare.fitting import profile
-from simcompare.fitting.impacts import Impacts, from_rebounds, from_times
-from simcompare.fitting.likelihood import fit
-from simcompare.fitting.problem import Prior
-from simcompare.fitting.ratios import ratios
+from simcompare.fitting.bounces import profile
+from simcompare.fitting.bounces.impacts import Impacts, from_rebounds, from_times
+from simcompare.fitting.bounces.likelihood import fit
+from simcompare.fitting.bounces.problem import Prior
+from simcompare.fitting.bounces.ratios import ratios
 from tests.bounces import IN_AIR, TERMINAL, TRUTH, filmed, heard, times_of
 
 E = 0.85

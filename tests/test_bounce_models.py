@@ -5,8 +5,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from simcompare.errors import UnknownName
-from simcompare.fitting import bounce_models
-from simcompare.fitting.bounce_models import MODELS, REFERENCE_SPEED, bounces
+from simcompare.fitting.bounces import bounce_models
+from simcompare.fitting.bounces.bounce_models import MODELS, REFERENCE_SPEED, bounces
 from simcompare.scenarios.ball import reference
 
 BALL = {

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from simcompare import catalogue
 from simcompare.errors import InputError, UnknownName
-from simcompare.hardware.logs import bounce_table
+from simcompare.hardware.recordings import bounce_table
+from simcompare.scenarios import catalogue
 
 KNOWN = {"impact_time": "s", "impact_speed": "m/s", "restitution": "1", "rebound_height": "m"}
 GOOD = """\

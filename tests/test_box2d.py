@@ -5,9 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from simcompare import catalogue, engines
+from simcompare.engine import engines
 from simcompare.errors import SimulationDiverged, Unsupported
-from simcompare.settings import Settings
+from simcompare.model.settings import Settings
+from simcompare.scenarios import catalogue
 from tests.planar_scenes import FRAME, G, body, scene, turned
 
 pytestmark = pytest.mark.engines("box2d")

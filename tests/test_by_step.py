@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import pytest
 
-from simcompare.reports import remarks, words
-from simcompare.reports.by_step import figure
-from simcompare.reports.lead import lead_of
-from simcompare.reports.overview import overview
+from simcompare.reports.run import remarks, words
+from simcompare.reports.run.by_step import figure
+from simcompare.reports.run.lead import lead_of
+from simcompare.reports.run.overview import overview
 from simcompare.reports.sections.headline import Headline
-from simcompare.results import Run
+from simcompare.results.run import Run
 from tests.test_headline import ANSWER, changed, level, tuning
 from tests.test_reports import TOLERANCES, make_run
 

@@ -7,16 +7,16 @@ import math
 import numpy as np
 import pytest
 
-from simcompare import engines
+from simcompare.engine import engines
+from simcompare.engine.calibration.calibration import CannotCalibrate, calibrate_coefficient
+from simcompare.engine.calibration.drops import Bounces, even_phases, read_drop
+from simcompare.engine.calibration.engine_drops import PAIR
+from simcompare.engine.calibration.springs import SCATTER, calibrate_spring
+from simcompare.engine.calibration.stepped_dashpot import SteppedDashpot
+from simcompare.engine.calibration.tuned import calibrate
 from simcompare.engine.dashpot import damping_ratio
-from simcompare.settings import DropPlan
+from simcompare.model.settings import DropPlan
 from simcompare.tuning import ranges
-from simcompare.tuning.calibration import CannotCalibrate, calibrate_coefficient
-from simcompare.tuning.drops import Bounces, even_phases, read_drop
-from simcompare.tuning.engine_drops import PAIR
-from simcompare.tuning.springs import SCATTER, calibrate_spring
-from simcompare.tuning.stepped_dashpot import SteppedDashpot
-from simcompare.tuning.tuned import calibrate
 from tests.bare_drops import COEFFICIENT_ENGINES, G, MujocoDrops, bounce_by_bounce
 from tests.present import need
 

@@ -7,8 +7,8 @@ import os
 import numpy as np
 import pytest
 
-from simcompare import catalogue
 from simcompare.errors import InputError, SimcompareError, UnknownName
+from simcompare.scenarios import catalogue
 
 
 def test_the_ball_is_there_with_one_line():

@@ -8,18 +8,16 @@ import pytest
 
 import simcompare
 from simcompare import notation
-from simcompare.characterization import characterizing, findings, words
 from simcompare.characterization.force import CASES
 from simcompare.characterization.result import Characterization
-from simcompare.reports import (
-    characterized,
-    characterized_figures,
-    characterized_tables,
-    tables,
-)
-from simcompare.reports.figures import MOST_PANELS
-from simcompare.settings import CONTACT_LEVELS
-from simcompare.tuning import cache
+from simcompare.engine.calibration import cache
+from simcompare.model.settings import CONTACT_LEVELS
+from simcompare.reports.characterization import figures, findings, words
+from simcompare.reports.characterization import page as characterized
+from simcompare.reports.characterization import tables as characterized_tables
+from simcompare.reports.render import tables
+from simcompare.reports.render.figures import MOST_PANELS
+from simcompare.verbs import characterize
 from tests.present import need
 
 #: an engine that is not on this machine
@@ -47,7 +45,7 @@ def pymunk(tmp_path_factory):
 
 def test_every_experiment_is_answered_at_every_level(pymunk):
     asked = {(a["experiment"], a["contact"]) for a in pymunk.record["answers"]}
-    assert asked == {(e, c) for e in characterizing.EXPERIMENTS for c in ("default", "tuned")}
+    assert asked == {(e, c) for e in characterize.EXPERIMENTS for c in ("default", "tuned")}
     assert {answer["status"] for answer in pymunk.record["answers"]} == {"ok"}
     assert pymunk.exit_code == 0
 
@@ -78,7 +76,7 @@ def test_pictures_are_written_for_a_paper(pymunk, tmp_path):
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in written)
 
 
-@pytest.mark.parametrize("name", characterizing.EXPERIMENTS)
+@pytest.mark.parametrize("name", characterize.EXPERIMENTS)
 def test_tables_fit_a_terminal(pymunk, name):
     table = characterized_tables.of(pymunk.record, name)
     assert [len(group.rows) for group in table.groups] == [1, 1]
@@ -240,9 +238,7 @@ def test_the_first_picture_shows_the_default_where_something_happens():
     others = [bounce_of("x", level) for level in ("coefficients", "tuned", "assisted")]
 
     def pictures(mean):
-        drawn = characterized_figures.of_bounce(
-            record_of([bouncing_with("default", mean), *others])
-        )
+        drawn = figures.of_bounce(record_of([bouncing_with("default", mean), *others]))
         return {figure.name: [panel.title for panel in figure.panels] for figure in drawn}
 
     known = ["Coefficients typed in", "Tuned", "With our helps"]

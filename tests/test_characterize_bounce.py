@@ -6,16 +6,16 @@ import math
 import numpy as np
 import pytest
 
-from simcompare import engines
 from simcompare.characterization import bounce, grids
 from simcompare.characterization.bounce import BounceQuestion
+from simcompare.engine import engines
 from simcompare.engine.backend import EngineBackend
+from simcompare.engine.calibration import cache
+from simcompare.engine.calibration.drops import Bounces, even_phases, read_drops, start_above
+from simcompare.engine.calibration.engine_drops import EngineDrops
 from simcompare.engine.features import Feature
 from simcompare.errors import SimulationDiverged, Unsupported
-from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED
-from simcompare.tuning import cache
-from simcompare.tuning.drops import Bounces, even_phases, read_drops, start_above
-from simcompare.tuning.engine_drops import EngineDrops
+from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED
 from tests.bare_drops import COEFFICIENT_ENGINES, G, MujocoDrops, PybulletDrops
 from tests.present import INSTALLED, need
 

@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from simcompare import engines
 from simcompare.characterization import force, friction, joint
 from simcompare.characterization.force import ForceQuestion
 from simcompare.characterization.friction import FrictionQuestion
 from simcompare.characterization.joint import JointQuestion
-from simcompare.settings import ASSISTED, TUNED
-from simcompare.trajectory import Trajectory
-from simcompare.tuning import cache
+from simcompare.engine import engines
+from simcompare.engine.calibration import cache
+from simcompare.model.settings import ASSISTED, TUNED
+from simcompare.model.trajectory import Trajectory
 
 STEP_S = 1e-3
 

@@ -12,9 +12,10 @@ from pathlib import Path
 import pytest
 
 import simcompare
-from simcompare import engines, notation
+from simcompare import notation
 from simcompare.cli import complete
 from simcompare.cli.console import pairs
+from simcompare.engine import engines
 from simcompare.errors import InputError
 
 HEAVY = ("numpy", "pandas", "scipy", "matplotlib", "plotly", "duckdb", "pint", "jinja2",
@@ -132,7 +133,7 @@ def test_3_when_an_engine_breaks_but_the_others_results_are_shown(run_fall, add_
 def test_an_engine_that_is_not_installed_is_3_when_it_was_named_and_a_row_with_all(
     run_fall, add_engine, monkeypatch
 ):
-    from simcompare import engines
+    from simcompare.engine import engines
 
     code = (
         "from simcompare.kit import EngineBackend, Feature, PipPackage\n"
@@ -278,7 +279,7 @@ def test_list_and_show_tell_people_the_same(call):
 
 
 def test_doctor_examines_every_engine(call, add_engine, monkeypatch):
-    from simcompare import engines
+    from simcompare.engine import engines
 
     kept = {"pymunk": engines.targets()["pymunk"]}
     monkeypatch.setattr(engines, "_built_in", lambda: kept)

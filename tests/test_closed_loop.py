@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import simcompare
-from simcompare import catalogue, engines
+from simcompare.engine import engines
 from simcompare.engine.features import needs
 from simcompare.errors import InputError, UnknownName
-from simcompare.settings import Settings
+from simcompare.model.settings import Settings
+from simcompare.scenarios import catalogue
 
 ENGINES = engines.names()
 SPATIAL = [

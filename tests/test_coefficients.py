@@ -3,9 +3,10 @@
 import pytest
 
 import simcompare
-from simcompare import catalogue, engines
+from simcompare.engine import engines
 from simcompare.engine.features import needs
-from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, Settings
+from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, Settings
+from simcompare.scenarios import catalogue
 
 SPATIAL = [
     name

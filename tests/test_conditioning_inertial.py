@@ -8,11 +8,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from simcompare.errors import InputError
-from simcompare.hardware.conditioning import inertial, meaning, plausible_units, turning
 from simcompare.hardware.conditioning.condition import condition
-from simcompare.hardware.logs.mapping import NOTHING, of_tree
-from simcompare.hardware.logs.raw import RawColumn, RawLog, RawStream
-from simcompare.recording import REPAIR, WARNING, Provenance
+from simcompare.hardware.conditioning.units import inertial, meaning, plausible_units, turning
+from simcompare.hardware.mapping import NOTHING, of_tree
+from simcompare.hardware.raw import RawColumn, RawLog, RawStream
+from simcompare.model.recording import REPAIR, WARNING, Provenance
 from tests.conditioned import work_of
 
 DATA = os.environ.get("SIMCOMPARE_DATA")

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from simcompare.errors import InputError
-from simcompare.hardware.conditioning import intervals
-from simcompare.hardware.logs import raw as raw_module
-from simcompare.hardware.logs.mapping import of_tree
-from simcompare.hardware.logs.raw import RawColumn
+from simcompare.hardware import raw as raw_module
+from simcompare.hardware.conditioning.clock import intervals
+from simcompare.hardware.mapping import of_tree
+from simcompare.hardware.raw import RawColumn
 from tests import corruption
 from tests.corruption import DEFECTS, OF_TIME, clean, conditioned, found, row, rows_of, values
 
@@ -344,8 +344,8 @@ def test_columns_on_disk_stay_on_disk(tmp_path):
         column.values.tofile(path)
         column.values = np.memmap(path, dtype=float, mode="r+")
     from simcompare.hardware.conditioning.condition import condition
-    from simcompare.hardware.logs.mapping import NOTHING
-    from simcompare.hardware.logs.raw import RawLog
+    from simcompare.hardware.mapping import NOTHING
+    from simcompare.hardware.raw import RawLog
 
     recording = condition(RawLog([stream]), NOTHING, corruption.about())
     made = recording.streams["log"]

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from simcompare.errors import InputError
-from simcompare.hardware.conditioning import derivative, meaning, plausible_units
 from simcompare.hardware.conditioning.condition import condition
-from simcompare.hardware.logs.mapping import NOTHING
-from simcompare.hardware.logs.raw import RawColumn, RawLog, RawStream
-from simcompare.recording import REPAIR, WARNING, Provenance
+from simcompare.hardware.conditioning.units import derivative, meaning, plausible_units
+from simcompare.hardware.mapping import NOTHING
+from simcompare.hardware.raw import RawColumn, RawLog, RawStream
+from simcompare.model.recording import REPAIR, WARNING, Provenance
 from tests.conditioned import work_of
 
 DATA = os.environ.get("SIMCOMPARE_DATA")

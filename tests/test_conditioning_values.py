@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs import raw as raw_module
-from simcompare.hardware.logs.mapping import of_tree
-from simcompare.hardware.logs.raw import RawColumn
+from simcompare.hardware import raw as raw_module
+from simcompare.hardware.mapping import of_tree
+from simcompare.hardware.raw import RawColumn
 from tests import corruption
 from tests.corruption import DEFECTS, OF_VALUES, clean, conditioned, found, row, rows_of, values
 

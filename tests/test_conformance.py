@@ -6,12 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from simcompare import catalogue, engines
 from simcompare.backends import conformance, conformance_physics
 from simcompare.backends.conformance_physics import Status
+from simcompare.engine import engines
 from simcompare.engine.features import needs
 from simcompare.errors import Unsupported
-from simcompare.settings import CONTACT_LEVELS, Settings
+from simcompare.model.settings import CONTACT_LEVELS, Settings
+from simcompare.scenarios import catalogue
 
 ENGINES = engines.names()
 SCENARIOS = catalogue.names()

@@ -6,8 +6,8 @@ import pytest
 
 from simcompare.engine.contacts import combined, per_body, plan_contacts, touching_pairs
 from simcompare.errors import Unsupported
-from simcompare.scenario import Scenario
-from simcompare.settings import TUNED, Settings
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import TUNED, Settings
 
 
 def plan(scene, level=TUNED):

@@ -5,11 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from simcompare import catalogue, engines
 from simcompare.backends import conformance
+from simcompare.engine import engines
 from simcompare.engine.features import Feature
 from simcompare.engine.simulation import Simulation
-from simcompare.settings import TUNED, Settings
+from simcompare.model.settings import TUNED, Settings
+from simcompare.scenarios import catalogue
 from tests.lies import Liar
 
 pytestmark = pytest.mark.engines("pymunk")

@@ -7,11 +7,12 @@ import os
 import numpy as np
 import pytest
 
-from simcompare import catalogue, engines
+from simcompare.engine import engines
 from simcompare.errors import InputError, Unsupported
-from simcompare.fitting import toss_fit, tosses
-from simcompare.rotations import multiply, quaternions_of, rotate
-from simcompare.settings import Settings
+from simcompare.fitting.tosses import fit, tosses
+from simcompare.model.rotations import multiply, quaternions_of, rotate
+from simcompare.model.settings import Settings
+from simcompare.scenarios import catalogue
 
 FILE = catalogue.load("cube_toss")
 ENGINES = ("mujoco", "pybullet", "dart")
@@ -171,7 +172,7 @@ def test_the_start_is_read_off_the_flight():
     toss = made()
     start = tosses.start_of(toss, WIDTH, G)
     wanted = {name: p.value for name, p in FILE.parameters.items()}
-    read = toss_fit.parameters_of(start)
+    read = fit.parameters_of(start)
     length = math.hypot(*(wanted[f"start_orientation_{axis}"] for axis in "wxyz"))
     for name, value in read.items():
         told = wanted[name] / (length if "orientation" in name else 1)
@@ -180,7 +181,7 @@ def test_the_start_is_read_off_the_flight():
 
 def test_a_replay_of_its_own_toss_is_not_off():
     toss = made()
-    (found,) = toss_fit.errors_of(FILE, "dart", [toss], {})
+    (found,) = fit.errors_of(FILE, "dart", [toss], {})
     assert found.position < 0.01
     assert found.rotation < 0.01
 
@@ -207,7 +208,7 @@ def test_the_fit_finds_the_parameters_that_made_the_tosses():
         made(**truth, start_rate_y_rad_s=rate, start_velocity_x_m_s=speed)
         for rate, speed in ((2.0, 0.8), (4.0, 1.1), (-3.0, 0.9), (1.0, 1.3))
     ]
-    best = toss_fit.fit(
+    best = fit.fit(
         FILE, "dart", found, {"friction": 0.17, "restitution": 0.1},
         {"friction": 0.08, "restitution": 0.2},
         {"friction": (0.02, 1.0), "restitution": (0.02, 0.9)}, halvings=1,
@@ -231,7 +232,7 @@ def test_intervals_of_a_mean_cover_it():
     rng = np.random.default_rng(5)
     inside = 0
     for seed in range(200):
-        one = toss_fit.interval(rng.exponential(1.0, 60), seed)
+        one = fit.interval(rng.exponential(1.0, 60), seed)
         inside += one.low <= 1.0 <= one.high
     assert 178 <= inside <= 199  # 95 % nominal, a little less for a skewed error
 
@@ -313,8 +314,8 @@ def test_rates_in_the_log_are_about_the_cubes_own_axes_and_velocities_lag_by_hal
 def test_real_tosses_land_nearer_than_published(engine):
     # 40 tosses of 428, with the friction and restitution that all engines agree on
     some, _ = tosses.split(real(), 40, 0, seed=2)
-    found = toss_fit.errors_of(FILE, engine, some, {"friction": 0.19, "restitution": 0.07})
-    place = toss_fit.interval([one.position for one in found])
-    turn = toss_fit.interval([one.rotation for one in found])
+    found = fit.errors_of(FILE, engine, some, {"friction": 0.19, "restitution": 0.07})
+    place = fit.interval([one.position for one in found])
+    turn = fit.interval([one.rotation for one in found])
     assert place.high < 23.74
     assert turn.low < 15.34

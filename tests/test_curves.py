@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from simcompare.compare import Score
-from simcompare.reports import curves, plotly_, scored
-from simcompare.reports.figures import style_of
+from simcompare.compare.comparison import Score
+from simcompare.reports.render import plotly_
+from simcompare.reports.render.figures import style_of
+from simcompare.reports.run import curves, scored
 from simcompare.reports.sections.curves import Curves
 from simcompare.reports.sections.headline import Headline
-from simcompare.results import Run
+from simcompare.results.run import Run
 from tests.test_reports import make_run
 
 FREQUENCIES = (1.0, 10.0, 100.0)
@@ -151,7 +152,7 @@ def test_a_logarithmic_axis_is_drawn_as_one(library):
         axis = plotly_.as_dict(figure)["layout"]["xaxis"]
         assert (axis["type"], axis["dtick"], axis["tickformat"]) == ("log", "D2", "~g")
     else:
-        from simcompare.reports import matplotlib_
+        from simcompare.reports.render import matplotlib_
 
         axes = matplotlib_.canvas(figure).axes[0]
         assert axes.get_xscale() == "log"
@@ -159,7 +160,7 @@ def test_a_logarithmic_axis_is_drawn_as_one(library):
 
 
 def test_a_truth_of_zero_is_an_error_to_keep_small():
-    from simcompare.reports import words
+    from simcompare.reports.run import words
 
     run = make_run([("north", "default", 0.002), ("south", "default", 0.02)], truth=0.0)
     tolerances = {"restitution": {"relative": None, "absolute": 0.01, "reason": "Because of it."}}

@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from simcompare import catalogue, engines
+from simcompare.engine import engines
 from simcompare.errors import SimulationDiverged, Unsupported
-from simcompare.scenario import Scenario
-from simcompare.settings import Settings
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import Settings
+from simcompare.scenarios import catalogue
 
 pytest.importorskip("dartpy")
 

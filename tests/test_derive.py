@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from simcompare.errors import InputError, UnknownName
-from simcompare.recording import Channel, Clock, Provenance, Recording, Stream
-from simcompare.validation import derive
+from simcompare.hardware.conditioning import derived_channels
+from simcompare.model.recording import Channel, Clock, Provenance, Recording, Stream
 
 # --- wheel rates from increments ------------------------------------------------------------------
 
@@ -26,7 +26,7 @@ def test_wheel_rates_lose_no_way_and_no_turn(rows, flank):
     lengths, way, turn = np.array(rows).T
     lengths[0] = lengths[1]  # the first interval is taken to be as long as the second
     time_s = np.cumsum(lengths)
-    times, left, right = derive.wheel_rates(way, turn, time_s, 0.1, 0.5, flank)
+    times, left, right = derived_channels.wheel_rates(way, turn, time_s, 0.1, 0.5, flank)
     fine = np.union1d(times, time_s - lengths / 2)
     turned = []
     for rate in (left, right):
@@ -41,7 +41,7 @@ def test_wheel_rates_lose_no_way_and_no_turn(rows, flank):
 
 
 def test_a_turn_to_the_left_makes_the_right_wheel_faster():
-    _, left, right = derive.wheel_rates(
+    _, left, right = derived_channels.wheel_rates(
         np.array([0.2, 0.2]), np.array([0.1, 0.1]), np.array([0.2, 0.4]), 0.1, 0.5
     )
     np.testing.assert_allclose(left, (0.2 - 0.025) / 0.1 / 0.2)
@@ -67,7 +67,7 @@ BLOCK = {
 
 
 def test_a_derived_stream_is_added_on_the_clock_of_its_own_and_recorded():
-    made = derive.add(increments(), BLOCK, "data, derive")
+    made = derived_channels.add(increments(), BLOCK, "data, derive")
     stream = made.streams["wheels"]
     assert stream.clock.first_s == pytest.approx(9.8)
     assert stream.time_s[0] == 0
@@ -91,13 +91,13 @@ def test_a_derived_stream_is_added_on_the_clock_of_its_own_and_recorded():
 )
 def test_what_cannot_be_derived_is_refused_with_its_place(recording, block, message):
     with pytest.raises(InputError, match=message):
-        derive.add(recording, block, "data, derive")
+        derived_channels.add(recording, block, "data, derive")
 
 
 def test_an_unknown_channel_is_named():
     block = {"wheels": {**BLOCK["wheels"], "way": "steps"}}
     with pytest.raises(UnknownName, match="steps"):
-        derive.add(increments(), block, "data, derive")
+        derived_channels.add(increments(), block, "data, derive")
 
 
 # --- sizes, angles, and what is slow --------------------------------------------------------------
@@ -117,7 +117,7 @@ def test_a_magnitude_is_the_length_of_a_vector():
         a_m_s2=([3, math.nan], "m/s**2"), b_m_s2=([4, 1], "m/s**2"), c_m_s2=([12, 1], "m/s**2")
     )
     block = {"size": {"function": "magnitude", "of": ["a", "b", "c"]}}
-    made = derive.add(recording, block, "derive").streams["size"].channels
+    made = derived_channels.add(recording, block, "derive").streams["size"].channels
     (name, channel), *_ = made.items()
     assert name.startswith("magnitude")
     assert channel.values[0] == 13
@@ -127,15 +127,17 @@ def test_a_magnitude_is_the_length_of_a_vector():
 def test_components_of_different_units_have_no_magnitude():
     recording = a_recording(a=([3, 1], "m"), b=([4, 1], "rad"))
     with pytest.raises(InputError, match="b is in rad; expected m"):
-        derive.add(recording, {"size": {"function": "magnitude", "of": ["a", "b"]}}, "derive")
+        derived_channels.add(
+            recording, {"size": {"function": "magnitude", "of": ["a", "b"]}}, "derive"
+        )
 
 
 def test_a_low_pass_keeps_what_is_slow_and_takes_what_is_fast_and_delays_nothing():
     time_s = np.arange(2000) / 200
     slow, fast = np.sin(2 * np.pi * 0.5 * time_s), np.sin(2 * np.pi * 40 * time_s)
-    found = derive.low_pass(slow + fast, 200, 5)
+    found = derived_channels.low_pass(slow + fast, 200, 5)
     np.testing.assert_allclose(found[200:-200], slow[200:-200], atol=2e-3)
-    at_cutoff = derive.low_pass(np.sin(2 * np.pi * 5 * time_s), 200, 5)[500:-500]
+    at_cutoff = derived_channels.low_pass(np.sin(2 * np.pi * 5 * time_s), 200, 5)[500:-500]
     assert np.abs(at_cutoff).max() == pytest.approx(0.5, abs=0.01)
 
 
@@ -143,8 +145,8 @@ def test_a_low_pass_never_filters_across_a_gap():
     values = np.sin(np.arange(200) / 20)
     values[100:105] = np.nan
     values[190] = np.nan  # nine samples are left behind it: too few
-    found = derive.low_pass(values, 100, 5)
-    np.testing.assert_allclose(found[:100], derive.low_pass(values[:100], 100, 5))
+    found = derived_channels.low_pass(values, 100, 5)
+    np.testing.assert_allclose(found[:100], derived_channels.low_pass(values[:100], 100, 5))
     assert np.isnan(found[100:105]).all()
     assert np.isnan(found[190:]).all()
     assert np.isfinite(found[105:190]).all()
@@ -155,7 +157,7 @@ def test_a_cutoff_beyond_half_the_rate_is_refused(cutoff_Hz):
     recording = a_recording(a=(np.arange(100.0), "m"))
     block = {"slow": {"function": "low_pass", "of": ["a"], "cutoff_Hz": cutoff_Hz}}
     with pytest.raises(InputError, match="not below half of 100 samples"):
-        derive.add(recording, block, "derive")
+        derived_channels.add(recording, block, "derive")
 
 
 def test_later_wishes_may_use_earlier_ones():
@@ -166,7 +168,7 @@ def test_later_wishes_may_use_earlier_ones():
         "pose": {"function": "yaw_pitch_roll", "of": ["w", "x", "y", "z"], "u_rad": 0.01},
         "slow": {"function": "low_pass", "of": ["pose/yaw"], "cutoff_Hz": 5},
     }
-    made = derive.add(recording, block, "derive")
+    made = derived_channels.add(recording, block, "derive")
     assert list(made.streams) == ["log", "pose", "slow"]
     assert made.streams["pose"].channels["roll_rad"].u == 0.01
     assert [c.channel for c in made.provenance.conversions][-1] == "slow/yaw_rad"
@@ -174,20 +176,22 @@ def test_later_wishes_may_use_earlier_ones():
 
 def test_an_unknown_function_is_refused():
     with pytest.raises(InputError, match="function"):
-        derive.add(a_recording(a=([1, 2], "m")), {"b": {"function": "wish", "of": ["a"]}}, "derive")
+        derived_channels.add(
+            a_recording(a=([1, 2], "m")), {"b": {"function": "wish", "of": ["a"]}}, "derive"
+        )
 
 
 def test_an_unknown_component_is_named():
     block = {"size": {"function": "magnitude", "of": ["a", "nothing"]}}
     with pytest.raises(UnknownName, match="nothing"):
-        derive.add(a_recording(a=([1, 2], "m")), block, "derive")
+        derived_channels.add(a_recording(a=([1, 2], "m")), block, "derive")
 
 
 @given(st.floats(-3.1, 3.1), st.floats(-1.5, 1.5), st.floats(-3.1, 3.1), st.floats(0.1, 10))
 def test_angles_make_the_rotation_that_they_came_from(yaw, pitch, roll, length):
     turned = Rotation.from_euler("ZYX", (yaw, pitch, roll))
     x, y, z, w = turned.as_quat() * length
-    found = derive.yaw_pitch_roll(np.array([[w, x, y, z]]))
+    found = derived_channels.yaw_pitch_roll(np.array([[w, x, y, z]]))
     again = Rotation.from_euler("ZYX", [float(part[0]) for part in found])
     np.testing.assert_allclose(again.as_matrix(), turned.as_matrix(), atol=1e-7)
 
@@ -196,7 +200,7 @@ def test_angles_are_counted_on_through_turns_and_gaps():
     yaw = np.linspace(0, 12, 60)
     quaternions = np.column_stack((np.cos(yaw / 2), 0 * yaw, 0 * yaw, np.sin(yaw / 2)))
     quaternions[20:22] = np.nan
-    found, pitch, _ = derive.yaw_pitch_roll(quaternions)
+    found, pitch, _ = derived_channels.yaw_pitch_roll(quaternions)
     known = np.isfinite(found)
     np.testing.assert_allclose(found[known], yaw[known], atol=1e-12)
     assert np.isnan(pitch[20:22]).all()

@@ -7,7 +7,7 @@ import pytest
 
 from simcompare.engine.drives import Drive, felt_inertia, input_values, laws_of, open_loop
 from simcompare.errors import Unsupported
-from simcompare.scenario import Scenario
+from simcompare.model.scenario import Scenario
 
 MOTOR = {
     "type": "dc_motor", "joint": "hinge", "input": "voltage", "resistance_Ohm": 6.0,
@@ -62,7 +62,7 @@ def test_a_data_sheet_with_a_missing_constant_is_refused_by_its_name():
     ("kind", "joint"), [("force", {}), ("torque", {"type": "slider", "axis": [1, 0, 0]})]
 )
 def test_a_drive_of_the_wrong_kind_is_refused(kind, joint):
-    from simcompare.scenario_checks import faults_between_parts
+    from simcompare.scenarios.scenario_checks import faults_between_parts
 
     wrong = scene(joint, {"type": kind, "joint": "hinge", "input": "voltage"})
     assert f"a {kind} drives a" in faults_between_parts(wrong)["actuators.motor"]
@@ -130,7 +130,7 @@ def test_two_actuators_on_one_joint_add_up():
 
 
 def _ramp():
-    from simcompare.signals import Ramp
+    from simcompare.model.signals import Ramp
 
     return Ramp(signal="ramp", start=0.0, end=1.0, start_s=0.0, end_s=1.0)
 

@@ -8,7 +8,7 @@ import subprocess
 
 import pytest
 
-from simcompare import elsewhere, engines
+from simcompare.engine import elsewhere, engines
 from simcompare.errors import EngineElsewhere, UnknownName
 from simcompare.exporters import FORMATS
 

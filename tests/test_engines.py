@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from simcompare import engines
+from simcompare.engine import engines
 from simcompare.engine.backend import Backend
 from simcompare.errors import EngineBroken, UnknownName
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from simcompare import engines
+from simcompare.engine import engines
 from tests.present import INSTALLED
 
 EXAMPLES = Path(__file__).parent.parent / "examples"

@@ -13,12 +13,13 @@ import numpy as np
 import pytest
 
 import simcompare
-from simcompare import catalogue, engines
+from simcompare.engine import engines
+from simcompare.engine.calibration.plan import drop_plans
 from simcompare.errors import InputError, UnknownName
-from simcompare.scripts import expected, write
-from simcompare.settings import CONTACT_LEVELS, Settings
-from simcompare.trajectory import BODY_SIGNALS
-from simcompare.tuning.plan import drop_plans
+from simcompare.exporters.scripts import expected, write
+from simcompare.model.settings import CONTACT_LEVELS, Settings
+from simcompare.model.trajectory import BODY_SIGNALS
+from simcompare.scenarios import catalogue
 
 LEVELS = [level for level in write.LEVELS if level in CONTACT_LEVELS]
 RUNNER = Path(__file__).with_name("script_runner.py")

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simcompare.expressions import ExpressionError, evaluate, is_expression, resolve
+from simcompare.model.expressions import ExpressionError, evaluate, is_expression, resolve
 
 NAMES = {"a": 2.0, "b": 3.0}
 

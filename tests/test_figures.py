@@ -6,8 +6,10 @@ import math
 import numpy as np
 import pytest
 
-from simcompare.reports import energy, matplotlib_, plotly_
-from simcompare.reports.figures import (
+from simcompare.model.scenario import Probe
+from simcompare.model.trajectory import Trajectory
+from simcompare.reports.render import matplotlib_, plotly_
+from simcompare.reports.render.figures import (
     Band,
     Bars,
     Figure,
@@ -20,8 +22,7 @@ from simcompare.reports.figures import (
     spread,
     style_of,
 )
-from simcompare.scenario import Probe
-from simcompare.trajectory import Trajectory
+from simcompare.reports.run import energy
 
 HEIGHT = Probe(observe="ball.position_m", component=2, label="height", unit="m")
 G = 9.80665

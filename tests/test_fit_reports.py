@@ -9,20 +9,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from simcompare.fitting import fitting
-from simcompare.reports import (
-    builder,
-    fitted,
-    fitted_figures,
-    fitted_parts,
-    fitted_tables,
-    fitted_tuned,
-    matplotlib_,
-    numbers,
-    plotly_,
-)
-from simcompare.reports.figures import Figure, Matrix, Panel
+from simcompare.reports import builder
+from simcompare.reports.fit import figures as fitted_figures
+from simcompare.reports.fit import fits, more_figures, tables
+from simcompare.reports.fit import tuned as fitted_tuned
+from simcompare.reports.render import matplotlib_, numbers, plotly_
+from simcompare.reports.render.figures import Figure, Matrix, Panel
 from simcompare.reports.sections import FIT, of_run
+from simcompare.verbs import fit as fitting
 from tests.bounces import IN_AIR, TRUTH, filmed_samples, times_of
 from tests.validated import EVIL, cells
 
@@ -238,8 +232,8 @@ def test_each_impact_in_a_plain_loop_is_drawn_beside_the_closed_form(tuned):
 
 
 def test_the_level_of_a_fit_is_told(tuned, heard):
-    assert fitted_tables.valid(tuned)["contact level"] == "tuned"
-    assert fitted_tables.valid(heard)["contact level"] == "assisted, helps: all"
+    assert tables.valid(tuned)["contact level"] == "tuned"
+    assert tables.valid(heard)["contact level"] == "assisted, helps: all"
     rows = cells(fitted_tuned.heights(tuned))
     assert rows[0][:2] == ("1", "closed form")
     assert {row[1] for row in rows} == {"closed form", "dart", "pymunk"}
@@ -294,9 +288,9 @@ def test_engines_without_the_law_are_told_to_be_without_it(falling, in_air):
     (figure,) = fitted_figures.left_figures(falling)
     assert "Engines have no such contact" in figure.caption
     form = falling.record["fit"]["engine_form"]
-    rows = cells(fitted_tables.engines(falling))
-    assert rows[0][1] == fitted.value_words(form["parameters"]["restitution"])
-    assert fitted.other_form(in_air) == ""
+    rows = cells(tables.engines(falling))
+    assert rows[0][1] == fits.value_words(form["parameters"]["restitution"])
+    assert fits.other_form(in_air) == ""
     (figure,) = fitted_figures.left_figures(in_air)
     assert "Engines have no such contact" not in figure.caption
 
@@ -305,7 +299,7 @@ def test_engines_without_the_law_are_told_to_be_without_it(falling, in_air):
 
 
 def test_the_table_of_engines_is_the_record(heard):
-    closed, *rows = cells(fitted_tables.engines(heard))
+    closed, *rows = cells(tables.engines(heard))
     record = heard.record["fit"]
     own = record["closed_form"]["parameters"]["restitution"]
     assert closed[:2] == ("closed form", numbers.with_u(own["value"], own["u"]))
@@ -343,11 +337,11 @@ def test_parameter_and_effective_value_are_drawn_apart(heard):
 
 def test_an_open_interval_is_told_as_open():
     row = {"value": 9.0, "u": None, "low": 7.0, "high": None}
-    assert fitted.interval_words(row) == "above 7"
-    assert fitted.interval_words({**row, "low": None}) == "open"
-    assert fitted.interval_words({**row, "low": None, "high": 3.0}) == "below 3"
+    assert fits.interval_words(row) == "above 7"
+    assert fits.interval_words({**row, "low": None}) == "open"
+    assert fits.interval_words({**row, "low": None, "high": 3.0}) == "below 3"
     infinite = {"value": None, "u": None}
-    assert fitted.value_words(infinite, "terminal_speed_m_s") == "no drag seen"
+    assert fits.value_words(infinite, "terminal_speed_m_s") == "no drag seen"
 
 
 def test_an_engine_that_failed_is_told_with_its_reason(heard, tmp_path):
@@ -367,15 +361,15 @@ def test_an_engine_that_failed_is_told_with_its_reason(heard, tmp_path):
 
 def test_bars_of_closed_forms_end_but_keep_their_numbers(in_air):
     rows = in_air.record["fit"]["choice"]["candidates"]
-    figure = fitted_parts.forms_figure(in_air)
+    figure = more_figures.forms_figure(in_air)
     (bars,) = figure.panels[0].bars
     assert max(row["delta"] for row in rows) > 30 == bars.heights.max()
     assert bars.texts[-1] == numbers.plain(rows[-1]["delta"], 2)
-    assert len(cells(fitted_tables.forms(in_air))) == len(rows)
+    assert len(cells(tables.forms(in_air))) == len(rows)
 
 
 def test_one_closed_form_has_no_bars(heard):
-    assert fitted_parts.forms_figure(heard) is None
+    assert more_figures.forms_figure(heard) is None
 
 
 def test_drag_shows_in_ratios_but_not_in_the_restitution(in_air):
@@ -391,14 +385,14 @@ def test_drag_shows_in_ratios_but_not_in_the_restitution(in_air):
 
 
 def test_the_matrix_holds_the_correlations(heard):
-    (panel,) = fitted_parts.correlation_figure(heard).panels
+    (panel,) = more_figures.correlation_figure(heard).panels
     known = heard.record["fit"]["identifiability"]
     assert panel.matrix.values == pytest.approx(np.array(known["correlation"]))
     assert panel.y_ticks[1] == "drop height of drop 1"
 
 
 def test_a_profile_crosses_its_level_at_the_ends_of_the_interval(in_air):
-    figure = fitted_parts.profile_figures(in_air)[0]
+    figure = more_figures.profile_figures(in_air)[0]
     record = in_air.record["fit"]
     for panel, row in zip(figure.panels, record["profiles"], strict=False):
         curve = series(panel, "profile")
@@ -412,62 +406,62 @@ def test_a_profile_crosses_its_level_at_the_ends_of_the_interval(in_air):
 
 
 def test_a_held_out_drop_is_shown_with_its_e_n(heard):
-    figure = fitted_parts.holdout_figure(heard)
+    figure = more_figures.holdout_figure(heard)
     drop = heard.record["fit"]["holdout"]["drops"][0]
     own = series(figure.panels[0], "of the held-out drop ± 2u")
     assert own.x[0] == drop["restitution"] == pytest.approx(0.86, abs=1e-3)
     assert own.u[0] == 2 * drop["u_restitution"]
     shown = series(figure.panels[1], "closed form").x[0]
     assert shown == min(abs(drop["e_n"]), 10.0) > 1
-    rows = cells(fitted_tables.holdout(heard))
+    rows = cells(tables.holdout(heard))
     assert [row[0] for row in rows] == ["closed form", "dart", "pymunk"]
     assert rows[0][3] == numbers.plain(abs(drop["e_n"]), 3)
 
 
 def test_without_a_held_out_drop_nothing_was_validated(in_air, tmp_path):
-    assert fitted_parts.holdout_figure(in_air) is None
+    assert more_figures.holdout_figure(in_air) is None
     html = builder.write_html([in_air], tmp_path / "r.html").read_text(encoding="utf-8")
     assert "nothing was validated" in html
 
 
 def test_another_residual_moves_the_restitution(in_air):
-    figure = fitted_parts.others_figure(in_air)
+    figure = more_figures.others_figure(in_air)
     (panel,) = figure.panels
     rows = in_air.record["fit"]["other_estimates"]
     assert panel.series[0].x.tolist() == [row["value"] for row in rows]
-    table = cells(fitted_tables.others(in_air))
+    table = cells(tables.others(in_air))
     assert table[0][3] == "no"  # the mean ratio does not know drag
-    low, high = fitted.interval(in_air.record["fit"]["closed_form"]["parameters"]["restitution"])
+    low, high = fits.interval(in_air.record["fit"]["closed_form"]["parameters"]["restitution"])
     for row, cell in zip(rows, table, strict=True):
         assert cell[3] == ("yes" if low <= row["value"] <= high else "no")
 
 
 def test_what_was_measured_and_where_it_holds_are_told(heard):
-    rows = cells(fitted_tables.measured(heard))
+    rows = cells(tables.measured(heard))
     assert [row[2] for row in rows] == ["fitted", "fitted", "held out"]
     low, high = heard.record["fit"]["valid"]["speed_m_s"]
-    told = fitted_tables.valid(heard)["valid for impacts at"]
+    told = tables.valid(heard)["valid for impacts at"]
     assert told == f"{numbers.plain(low, 3)} to {numbers.plain(high, 3)} m/s"
 
 
 def test_what_was_left_out_is_told_with_its_reason(heard):
-    assert fitted_tables.left_out(heard) is None
+    assert tables.left_out(heard) is None
     measured = plain(heard.record["fit"]["measured"])
     measured[0] |= {"missed": [4], "dropped": [
         {"what": "impact", "number": 6, "time_s": 1.25, "reason": "a click of the switch"}
     ]}  # fmt: skip
-    rows = cells(fitted_tables.left_out(changed(heard, measured=measured)))
+    rows = cells(tables.left_out(changed(heard, measured=measured)))
     assert rows[0] == ("first.wav", "impact 6", "1.25", "a click of the switch")
     assert rows[1][1] == "impact 4"
 
 
 def test_priors_and_fixed_values_are_told(heard):
-    assert fitted_tables.known(heard) is None
+    assert tables.known(heard) is None
     closed = {
         **heard.record["fit"]["closed_form"], "fixed": {"terminal_speed_m_s": 9.0},
         "priors": {"drop_height_m": {"value": 1.0, "u": 0.002}}, "pulls": {"drop_height_m": -2.5},
     }  # fmt: skip
-    fixed, prior = cells(fitted_tables.known(changed(heard, closed_form=closed)))
+    fixed, prior = cells(tables.known(changed(heard, closed_form=closed)))
     assert fixed[:3] == ("terminal speed (m/s)", "fixed", "9")
     assert prior == ("drop height (m)", "prior", "1.0000 ± 0.0020", "−2.5")
 
@@ -500,7 +494,7 @@ def test_a_matrix_is_drawn_on_paper_with_its_numbers():
 
 
 def test_numbers_below_the_axes_are_written_whole():
-    figure = fitted_parts._profile_panel(
+    figure = more_figures._profile_panel(
         {"name": "restitution", "values": [0.79998, 0.80002], "chi2": [4.0, 4.0]},
         {"value": 0.8, "u": 1e-5},
     )

@@ -3,9 +3,9 @@
 import pytest
 
 import simcompare
-from simcompare import catalogue
 from simcompare.errors import InputError
-from simcompare.fitting.roles import roles_of
+from simcompare.fitting.bounces.roles import roles_of
+from simcompare.scenarios import catalogue
 from tests.present import INSTALLED
 from tests.test_fitting import E, stopwatch
 

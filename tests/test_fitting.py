@@ -7,8 +7,8 @@ import pytest
 
 import simcompare
 from simcompare.errors import InputError, UnknownName
-from simcompare.fitting import bounce_models
-from simcompare.fitting.fit_file import read
+from simcompare.fitting.bounces import bounce_models
+from simcompare.results.fit_file import read
 
 E, HEIGHT_M, U_S = 0.85, 1.0, 1e-4
 

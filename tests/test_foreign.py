@@ -7,7 +7,7 @@ import pytest
 
 from simcompare.errors import InputError
 from simcompare.hardware.logs import importers
-from simcompare.hardware.logs.mapping import NOTHING
+from simcompare.hardware.mapping import NOTHING
 
 
 def zipped(*names):

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from simcompare import importing
-from simcompare.hardware.logs import importers, mapping
-from simcompare.recording import Channel, Clock, Conversion, Provenance, Recording, Stream
+from simcompare.hardware import importing, mapping
+from simcompare.hardware.logs import importers
+from simcompare.model.recording import Channel, Clock, Conversion, Provenance, Recording, Stream
 from tests import fuzzing, valid_logs
 from tests.mutations import Mutation, mutated
 from tests.text_samples import Log

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from simcompare import measures
 from simcompare.measures import Request, final, history, level, side_by_side
-from simcompare.scenario import Probe
-from simcompare.trajectory import Trajectory
+from simcompare.model.scenario import Probe
+from simcompare.model.trajectory import Trajectory
 
 PROBE = Probe(observe="cart.position_m", component=0, offset=-1.0, label="way", unit="m")
 

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from simcompare import catalogue, measures
+from simcompare import measures
 from simcompare.engine.drives import input_values
 from simcompare.engine.sensing import complete
 from simcompare.engine.simulation import sample_times
+from simcompare.model.trajectory import Trajectory
+from simcompare.scenarios import catalogue
 from simcompare.scenarios.gyroscope import reference as table
-from simcompare.trajectory import Trajectory
 
 CHANGES = [
     {},

@@ -5,9 +5,11 @@ from dataclasses import replace
 import pytest
 
 from simcompare.cli import console
-from simcompare.reports import builder, listing, matplotlib_, plotly_, remarks, runs, words
-from simcompare.reports.leading import leading_figure
-from simcompare.results import Run
+from simcompare.reports import builder
+from simcompare.reports.render import matplotlib_, plotly_
+from simcompare.reports.run import listing, remarks, runs, words
+from simcompare.reports.run.leading import leading_figure
+from simcompare.results.run import Run
 from tests.test_reports import TOLERANCES, audit_row, make_run, source
 
 ANSWER = {

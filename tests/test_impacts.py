@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from simcompare.errors import InputError
-from simcompare.fitting import arcs
-from simcompare.fitting.impacts import (
+from simcompare.fitting.bounces import arcs
+from simcompare.fitting.bounces.impacts import (
     from_intervals,
     from_rebounds,
     from_recording,
@@ -15,8 +15,8 @@ from simcompare.fitting.impacts import (
     from_times,
     sentences,
 )
-from simcompare.hardware.logs import bounce_table
-from simcompare.importing import import_log
+from simcompare.hardware.importing import import_log
+from simcompare.hardware.recordings import bounce_table
 from tests.bounces import IN_AIR, TRUTH, filmed, filmed_samples, recording, times_of
 
 EVENTS = times_of(count=7)

@@ -7,8 +7,8 @@ import pytest
 import yaml
 
 import simcompare
-from simcompare import recording_store
 from simcompare.errors import InputError
+from simcompare.model import recording_store
 
 GOOD = "t (ms),angle (deg),speed (rpm)\n" + "".join(
     f"{5 * k},{3 * np.sin(0.03 * k):.4f},{10 + k % 7}\n" for k in range(200)

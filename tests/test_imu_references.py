@@ -12,15 +12,16 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from simcompare import catalogue, engines
+from simcompare.engine import engines
 from simcompare.engine.simulation import sample_times
 from simcompare.errors import InputError
-from simcompare.pieces import Pieces
+from simcompare.hardware.conditioning import derived_channels
+from simcompare.model.settings import Settings
+from simcompare.model.signals import Constant, Sine, Step, Table
+from simcompare.scenarios import catalogue
 from simcompare.scenarios.imu_motion import reference as motion
 from simcompare.scenarios.imu_rest import reference as rest
-from simcompare.settings import Settings
-from simcompare.signals import Constant, Sine, Step, Table
-from simcompare.validation import derive
+from simcompare.scenarios.linear_response import Pieces
 
 AXES = ("x", "y", "z", "yaw", "pitch", "roll")
 #: mass or moment of what each joint alone carries, over that of the carriage
@@ -313,10 +314,12 @@ def test_a_replayed_motion_tells_what_the_real_sensor_read(name, start_s, force,
     time_s = np.arange(len(read["imu_acc"])) / rate_Hz - start_s
 
     def slow(values):
-        return derive.low_pass(values, rate_Hz, 5)
+        return derived_channels.low_pass(values, rate_Hz, 5)
 
     goals = dict(
-        zip(("yaw", "pitch", "roll"), derive.yaw_pitch_roll(read["opt_quat"]), strict=True)
+        zip(
+            ("yaw", "pitch", "roll"), derived_channels.yaw_pitch_roll(read["opt_quat"]), strict=True
+        )
     )
     goals |= {axis: read["opt_pos"][:, i] for i, axis in enumerate("xyz")}
     goals = {name: slow(values) for name, values in goals.items()}

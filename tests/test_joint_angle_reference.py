@@ -9,11 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from simcompare import catalogue, measures
+from simcompare import measures
 from simcompare.engine.simulation import sample_times
 from simcompare.measures import joint_angle_estimate as estimate
+from simcompare.model.trajectory import Trajectory
+from simcompare.scenarios import catalogue
 from simcompare.scenarios.joint_angle import reference as arms
-from simcompare.trajectory import Trajectory
 
 G = 9.80665
 CHANGES = [

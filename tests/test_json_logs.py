@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs import importers, mapping
+from simcompare.hardware import mapping
+from simcompare.hardware.logs import importers
 
 DATA = os.environ.get("SIMCOMPARE_DATA", "")
 RECORDS = [{"t": i / 10, "angle_deg": float(i), "on": i > 1, "state": "run"} for i in range(4)]

@@ -5,28 +5,15 @@ from contextlib import nullcontext
 import numpy as np
 import pytest
 
-from simcompare import catalogue, engines
 from simcompare.backends import conformance, conformance_physics
+from simcompare.engine import engines
 from simcompare.engine.read_back import asked, audit_of
 from simcompare.engine.scene import make_scene
-from simcompare.errors import (
-    EngineBroken,
-    EngineMissing,
-    InputError,
-    ReadBackMismatch,
-    Unsupported,
-)
-from simcompare.kit import (
-    Feature,
-    Held,
-    OtherPython,
-    PipPackage,
-    Program,
-    SharedLibrary,
-    Traits,
-)
-from simcompare.scenario import Scenario
-from simcompare.settings import CONTACT_LEVELS, TUNED, Settings
+from simcompare.errors import EngineBroken, EngineMissing, InputError, ReadBackMismatch, Unsupported
+from simcompare.kit import Feature, Held, OtherPython, PipPackage, Program, SharedLibrary, Traits
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import CONTACT_LEVELS, TUNED, Settings
+from simcompare.scenarios import catalogue
 from tests.present import INSTALLED
 from tests.toy_engine import ToyBackend, ToySimulation
 

@@ -5,14 +5,14 @@ import gc
 import numpy as np
 import pytest
 
-from simcompare import catalogue
-from simcompare.engine.audit import Audit
 from simcompare.engine.helps.reactions import acting_force
 from simcompare.errors import ReadBackMismatch, Unsupported
 from simcompare.kit import Keeper, minus, plus, turned_back, xyzw
-from simcompare.rotations import conjugate, rotate
-from simcompare.scenario import Scenario
-from simcompare.settings import TUNED, Settings
+from simcompare.model.audit import Audit
+from simcompare.model.rotations import conjugate, rotate
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import TUNED, Settings
+from simcompare.scenarios import catalogue
 from tests.toy_engine import ToyBackend, ToySimulation
 
 

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simcompare import catalogue
 from simcompare.engine.features import Feature
 from simcompare.engine.helps.landing import Approach, approaches
 from simcompare.engine.scene import Traits, make_scene
 from simcompare.engine.simulation import Simulation
-from simcompare.scenario import Scenario
-from simcompare.settings import Settings
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import Settings
+from simcompare.scenarios import catalogue
 
 G = 9.80665
 

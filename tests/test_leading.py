@@ -2,9 +2,9 @@
 
 import pytest
 
-from simcompare.reports import matplotlib_, plotly_
-from simcompare.reports.leading import leading_figure
-from simcompare.reports.overview import overview, text
+from simcompare.reports.render import matplotlib_, plotly_
+from simcompare.reports.run.leading import leading_figure
+from simcompare.reports.run.overview import overview, text
 from tests.test_headline import answered, changed, level
 from tests.test_reports import make_run
 

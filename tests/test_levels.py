@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 import simcompare
-from simcompare import assist, catalogue, engines, store
+from simcompare.engine import assist, engines
 from simcompare.engine.helps import HELPS
 from simcompare.errors import InputError, UnknownName, Unsupported
-from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED, Settings
+from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED, Settings
+from simcompare.results import store
+from simcompare.scenarios import catalogue
 
 ENGINES = ("dart", "mujoco", "ode", "pybullet", "pymunk")
 SCENES = (
@@ -201,7 +203,7 @@ BALL = {
 
 
 def bouncing(bodies, friction=0.0):
-    from simcompare.scenario import Scenario
+    from simcompare.model.scenario import Scenario
 
     return Scenario.model_validate({
         "name": "toy", "title": "Toy", "question": "?",

@@ -2,10 +2,10 @@
 
 import pytest
 
-from simcompare import engines
 from simcompare.backends import conformance, conformance_physics
 from simcompare.backends.conformance_physics import Status
-from simcompare.settings import ASSISTED, TUNED
+from simcompare.engine import engines
+from simcompare.model.settings import ASSISTED, TUNED
 from tests.lies import FIVE, FURTHER, Liar
 from tests.lies_of_laws import LAWS, SHAPES
 from tests.present import need

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from simcompare import importing
 from simcompare.errors import InputError
-from simcompare.hardware.logs import _text, importers, mapping
+from simcompare.hardware import importing, mapping
+from simcompare.hardware.logs import importers
+from simcompare.hardware.logs.text import text as _text
 
 #: line of the first row in GOOD
 FIRST = 24

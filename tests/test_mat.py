@@ -13,9 +13,10 @@ import scipy.io
 
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning.condition import condition
-from simcompare.hardware.logs import importers, mat_check
-from simcompare.hardware.logs.mapping import NOTHING, of_tree
-from simcompare.recording import Provenance
+from simcompare.hardware.logs import importers
+from simcompare.hardware.logs.binary import mat_check
+from simcompare.hardware.mapping import NOTHING, of_tree
+from simcompare.model.recording import Provenance
 
 h5py = pytest.importorskip("h5py")
 

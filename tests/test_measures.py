@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from simcompare.errors import UnknownName
 from simcompare.measures import Request, bounces, load
 from simcompare.measures import _arcs as arcs
-from simcompare.scenario import Probe
-from simcompare.trajectory import Trajectory
+from simcompare.model.scenario import Probe
+from simcompare.model.trajectory import Trajectory
 
 G = 9.80665
 PROBE = Probe(observe="ball.position_m", component=2, offset=-0.1, label="height", unit="m")

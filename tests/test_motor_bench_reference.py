@@ -6,16 +6,17 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from simcompare import catalogue, measures
+from simcompare import measures
 from simcompare.engine.drives import input_values, laws_of
 from simcompare.engine.sensing import complete
 from simcompare.engine.simulation import sample_times
 from simcompare.hardware.motors.dc_motor import Housing, Motor
 from simcompare.hardware.sensors import encoder
 from simcompare.measures import Request, encoder_speed, motor_curves
-from simcompare.scenario import Probe
+from simcompare.model.scenario import Probe
+from simcompare.model.trajectory import Trajectory
+from simcompare.scenarios import catalogue
 from simcompare.scenarios.motor_bench import reference as bench
-from simcompare.trajectory import Trajectory
 
 CHANGES = [
     {},

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from simcompare import catalogue
 from simcompare.errors import InputError
+from simcompare.model.signals import Constant, Ramp, Sine, Step, Table
+from simcompare.scenarios import catalogue
 from simcompare.scenarios.motor_step import reference as step
-from simcompare.signals import Constant, Ramp, Sine, Step, Table
 
 NOMINAL = dict(catalogue.load("motor_step").resolve().parameters)
 

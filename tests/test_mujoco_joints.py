@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from simcompare import engines
-from simcompare.scenario import Scenario
-from simcompare.settings import ASSISTED, DEFAULT, Settings
+from simcompare.engine import engines
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import ASSISTED, DEFAULT, Settings
 
 MUJOCO = engines.get("mujoco")
 G = 9.80665

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from simcompare import engines
-from simcompare.scenario import Scenario
-from simcompare.settings import CONTACT_LEVELS, TUNED, Settings
+from simcompare.engine import engines
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import CONTACT_LEVELS, TUNED, Settings
 from tests.saving import EDGE, bounces_as_before_the_impact, box, recorded, stepped
 
 pytest.importorskip("mujoco")

@@ -13,9 +13,10 @@ import pytest
 
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning.condition import condition
-from simcompare.hardware.logs import importers, torch_pickle
-from simcompare.hardware.logs.mapping import NOTHING, of_tree
-from simcompare.recording import Provenance
+from simcompare.hardware.logs import importers
+from simcompare.hardware.logs.binary import torch_pickle
+from simcompare.hardware.mapping import NOTHING, of_tree
+from simcompare.model.recording import Provenance
 from tests.array_logs import START_NS, TIMES, Evil, faults, load, survives, values
 
 

@@ -8,9 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from simcompare import catalogue, engines
-from simcompare.engine import library
-from simcompare.engine.audit import Audit
+from simcompare.engine import engines, library
 from simcompare.errors import (
     EngineBroken,
     EngineMissing,
@@ -18,8 +16,10 @@ from simcompare.errors import (
     SimulationDiverged,
     Unsupported,
 )
-from simcompare.scenario import Scenario
-from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED, Settings
+from simcompare.model.audit import Audit
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED, Settings
+from simcompare.scenarios import catalogue
 
 G = 9.80665
 FLOOR = {"fixed": True, "shapes": [{"type": "plane"}]}

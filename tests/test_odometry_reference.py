@@ -9,16 +9,17 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from simcompare import catalogue, engines
+from simcompare.engine import engines
 from simcompare.engine.simulation import sample_times
+from simcompare.hardware.conditioning import derived_channels
 from simcompare.measures import Request, drift
-from simcompare.pieces import corners_of
-from simcompare.scenario import Probe
+from simcompare.model.scenario import Probe
+from simcompare.model.settings import Settings
+from simcompare.model.signals import Chirp, Constant, Ramp, Sine, SineSteps, Step, Table
+from simcompare.model.trajectory import Trajectory
+from simcompare.scenarios import catalogue
+from simcompare.scenarios.linear_response import corners_of
 from simcompare.scenarios.odometry.reference import driven, reference, robot_of
-from simcompare.settings import Settings
-from simcompare.signals import Chirp, Constant, Ramp, Sine, SineSteps, Step, Table
-from simcompare.trajectory import Trajectory
-from simcompare.validation import derive
 
 LOG = "odometry_plaza/Plaza1_.mat"
 MOVING = {
@@ -245,7 +246,9 @@ def test_the_truth_repeats_dead_reckoning_of_the_real_log_and_its_known_end_erro
     log = recorded()
     odometry, survey = log["DR"], log["GT"]
     time_s = survey[:, 0] - survey[0, 0]
-    times, left, right = derive.wheel_rates(odometry[:, 1], odometry[:, 2], time_s[1:], 0.1, 0.5)
+    times, left, right = derived_channels.wheel_rates(
+        odometry[:, 1], odometry[:, 2], time_s[1:], 0.1, 0.5
+    )
     # here the first increment's interval is known
     times[0] = 0.0
     inputs = {

@@ -79,7 +79,7 @@ def test_a_wheel_holds_every_file(tmp_path):
 
 
 def test_every_engine_has_an_extra_of_its_name():
-    from simcompare import engines
+    from simcompare.engine import engines
 
     extras = configuration()["project"]["optional-dependencies"]
     for name in engines.names():

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson, solve_ivp
 
-from simcompare import catalogue
 from simcompare.engine.simulation import sample_times
+from simcompare.scenarios import catalogue
 from simcompare.scenarios.pendulum import reference as single
 from simcompare.scenarios.pendulum_double import reference as double
 

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from simcompare import catalogue
 from simcompare.hardware.recordings import registry
+from simcompare.inference import plan as plans
+from simcompare.inference import sources
 from simcompare.measures import Request, _swings, swing_decay, swing_period
-from simcompare.scenario import Probe
-from simcompare.trajectory import Trajectory
-from simcompare.validation import plan as plans
-from simcompare.validation import sources
+from simcompare.model.scenario import Probe
+from simcompare.model.trajectory import Trajectory
+from simcompare.scenarios import catalogue
 
 FILE = "pendulum_free_swing/{}PendulumDataForParameterEstimation.mat"
 REQUEST = Request(

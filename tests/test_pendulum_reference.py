@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.integrate import simpson, solve_ivp
 from scipy.special import ellipj, ellipk
 
-from simcompare import catalogue
 from simcompare.engine.simulation import sample_times
+from simcompare.scenarios import catalogue
 from simcompare.scenarios.pendulum import reference as pendulum
 
 FREE = {"damping_N_m_s_rad": 0.0, "friction_N_m": 0.0}

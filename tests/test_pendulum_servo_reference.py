@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from simcompare import catalogue
 from simcompare.engine.drives import laws_of
 from simcompare.engine.simulation import sample_times
+from simcompare.model.signals import Constant, Step, Table
+from simcompare.scenarios import catalogue
 from simcompare.scenarios.pendulum_servo import reference as servo
-from simcompare.signals import Constant, Step, Table
 
 #: duty cycle for one radian and one unit of the firmware's gain: 4096 marks a turn, the gain is
 #: divided by 256, full duty is 885

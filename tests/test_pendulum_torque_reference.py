@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from simcompare import catalogue
 from simcompare.engine.drives import laws_of
 from simcompare.engine.simulation import sample_times
+from simcompare.model.signals import Chirp, Constant, Ramp, Sine, SineSteps, Step, Table
+from simcompare.scenarios import catalogue
 from simcompare.scenarios.pendulum_torque import reference as pendulum
 from simcompare.scenarios.pendulum_torque.reference import Pendulum, motion
-from simcompare.signals import Chirp, Constant, Ramp, Sine, SineSteps, Step, Table
 
 TIMES = np.arange(3001) / 500
 SIGNALS = {

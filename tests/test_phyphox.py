@@ -7,9 +7,9 @@ import zipfile
 import numpy as np
 import pytest
 
-from simcompare import importing
 from simcompare.errors import InputError
-from simcompare.hardware.logs import importers, mapping
+from simcompare.hardware import importing, mapping
+from simcompare.hardware.logs import importers
 
 HEAD = '"Time (s)","Acceleration x (m/s^2)","Acceleration y (m/s^2)","Acceleration z (m/s^2)"\n'
 ROWS = (

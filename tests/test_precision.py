@@ -5,11 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from simcompare.engine.audit import Audit
 from simcompare.engine.state import BodyState, State, compare_start
 from simcompare.errors import ReadBackMismatch
-from simcompare.scenario import Scenario
-from simcompare.settings import TUNED, Settings
+from simcompare.model.audit import Audit
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import TUNED, Settings
 from tests.toy_engine import ToyBackend, ToySimulation
 
 SINGLE = 1e-6

@@ -2,7 +2,7 @@
 
 import pytest
 
-from simcompare import engines
+from simcompare.engine import engines
 from simcompare.errors import EngineBroken, EngineMissing
 from tests import present
 

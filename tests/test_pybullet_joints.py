@@ -8,11 +8,12 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
-from simcompare import catalogue, engines
+from simcompare.engine import engines
 from simcompare.errors import SimulationDiverged, Unsupported
-from simcompare.rotations import conjugate, rotate
-from simcompare.scenario import Scenario
-from simcompare.settings import Settings
+from simcompare.model.rotations import conjugate, rotate
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import Settings
+from simcompare.scenarios import catalogue
 
 pytestmark = pytest.mark.engines("pybullet")
 BACKEND = engines.get("pybullet")

@@ -5,9 +5,10 @@ import gc
 import numpy as np
 import pytest
 
-from simcompare import catalogue, engines
-from simcompare.scenario import Scenario
-from simcompare.settings import ASSISTED, CONTACT_LEVELS, TUNED, Settings
+from simcompare.engine import engines
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, TUNED, Settings
+from simcompare.scenarios import catalogue
 from tests.saving import EDGE, bounces_as_before_the_impact, box, recorded, stepped
 
 pytestmark = pytest.mark.engines("pybullet")

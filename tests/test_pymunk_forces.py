@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from simcompare import engines
-from simcompare.settings import Settings
+from simcompare.engine import engines
+from simcompare.model.settings import Settings
 from tests.planar_scenes import FRAME, G, body, run, scene, signals, turned
 
 LOAD_CELL = {"sensors": {"cell": {"type": "force", "joint": "bolt"}}}

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from simcompare import engines
+from simcompare.engine import engines
 from simcompare.errors import SimulationDiverged, Unsupported
-from simcompare.settings import Settings
+from simcompare.model.settings import Settings
 from tests.planar_scenes import FRAME, G, body, run, scene, signals, turned
 
 

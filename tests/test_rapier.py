@@ -5,11 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from simcompare import catalogue, engines
+from simcompare.engine import engines
 from simcompare.errors import SimulationDiverged
-from simcompare.fitting.engine_fit import contact_rows
-from simcompare.scenario import Scenario
-from simcompare.settings import Settings
+from simcompare.fitting.bounces.engine_fit import contact_rows
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import Settings
+from simcompare.scenarios import catalogue
 
 pytest.importorskip("rapier3d")
 

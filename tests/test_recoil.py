@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from simcompare import engines
+from simcompare.engine import engines
 from simcompare.errors import Unsupported
-from simcompare.scenario import Scenario
-from simcompare.settings import Settings
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import Settings
 
 SPATIAL, ALL = ("dart", "ode", "pybullet"), ("dart", "ode", "pybullet", "pymunk")
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from simcompare import recording_store
 from simcompare.errors import InputError, OutputError, UnknownName
-from simcompare.recording import (
+from simcompare.model import recording_store
+from simcompare.model.recording import (
     REPAIR,
     Channel,
     Clock,

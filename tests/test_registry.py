@@ -9,9 +9,9 @@ import pytest
 import yaml
 
 from simcompare.errors import InputError, OutputError, UnknownName
-from simcompare.hardware.logs import mapping as mappings
+from simcompare.hardware import mapping as mappings
 from simcompare.hardware.recordings import registry
-from simcompare.validation import plan as plans
+from simcompare.inference import plan as plans
 
 NAMES = list(registry.files())
 

@@ -8,13 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from simcompare.compare import Score
+from simcompare.compare.comparison import Score
 from simcompare.errors import OutputError, UnknownName
-from simcompare.reports import builder, numbers, output, plotly_, reproduce, runs
-from simcompare.reports.audit import state_of
+from simcompare.model.trajectory import TRUTH, Trajectory
+from simcompare.reports import builder
+from simcompare.reports.render import numbers, output, plotly_
+from simcompare.reports.run import reproduce, runs
+from simcompare.reports.run.audit import state_of
 from simcompare.reports.sections import SECTIONS
-from simcompare.results import TRUTH, Run, Stored
-from simcompare.trajectory import Trajectory
+from simcompare.results.run import Run, Stored
 
 EVIL = "<script>alert('x')</script> it broke | badly"
 TOLERANCES = {
@@ -543,7 +545,7 @@ def test_command_names_everything_of_a_scenario_that_is_gone():
 def test_command_names_only_what_differs_from_a_known_scenario():
     import hashlib
 
-    from simcompare import catalogue
+    from simcompare.scenarios import catalogue
 
     name = catalogue.names()[0]
     file = catalogue.load(name)

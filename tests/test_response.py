@@ -11,8 +11,8 @@ from scipy.integrate import solve_ivp
 
 from simcompare import measures
 from simcompare.measures import Measured, Request, _transfer, response, sweep_response, tilt
-from simcompare.scenario import Probe
-from simcompare.trajectory import Trajectory
+from simcompare.model.scenario import Probe
+from simcompare.model.trajectory import Trajectory
 
 READ = Probe(observe="spring.position_m", component=None, label="deflection", unit="m")
 BASE = Probe(observe="slide.position_m", component=None, label="base", unit="m")

@@ -17,9 +17,9 @@ from simcompare.measures import (
     side_by_side,
     slip,
 )
-from simcompare.rotations import multiply, quaternions_of
-from simcompare.scenario import Probe
-from simcompare.trajectory import Trajectory
+from simcompare.model.rotations import multiply, quaternions_of
+from simcompare.model.scenario import Probe
+from simcompare.model.trajectory import Trajectory
 
 STEP_S = 0.001
 

@@ -9,16 +9,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from simcompare import catalogue, measures
+from simcompare import measures
 from simcompare.engine.simulation import sample_times
 from simcompare.errors import InputError
+from simcompare.model.trajectory import Trajectory
+from simcompare.scenarios import catalogue
 from simcompare.scenarios.robot import reference as robot
 from simcompare.scenarios.robot.straight import Straight
 from simcompare.scenarios.robot_motor import reference as motor
 from simcompare.scenarios.robot_planar import reference as planar
 from simcompare.scenarios.robot_ramp import reference as ramp
 from simcompare.scenarios.robot_turn import reference as turn
-from simcompare.trajectory import Trajectory
 from tests.multibody import Robot
 
 NAMES = (

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from simcompare import rotations
+from simcompare.model import rotations
 
 angle = st.floats(-3.0, 3.0)
 vector = st.tuples(angle, angle, angle).map(np.array)

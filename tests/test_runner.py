@@ -12,10 +12,11 @@ from pathlib import Path
 
 import pytest
 
-from simcompare import catalogue, engines
-from simcompare.jobs import FAILED, MISSING, OK, UNSUPPORTED, Job
-from simcompare.runner import run_jobs
-from simcompare.settings import Settings
+from simcompare.engine import engines
+from simcompare.model.settings import Settings
+from simcompare.running.jobs import FAILED, MISSING, OK, UNSUPPORTED, Job
+from simcompare.running.runner import run_jobs
+from simcompare.scenarios import catalogue
 
 #: how long a test waits for what must come; only a test that fails waits that long
 PATIENCE_S = 120.0

@@ -9,13 +9,13 @@ import pytest
 import yaml
 from pydantic import ValidationError
 
-from simcompare import scenario_file
 from simcompare.engine.features import Feature, is_planar, needs
 from simcompare.errors import InputError
-from simcompare.scenario import Body, Scenario, Tolerance
-from simcompare.scenario_checks import dangling_references
-from simcompare.shapes import Plane, Pose
-from simcompare.signals import Ramp, Table
+from simcompare.model.scenario import Body, Scenario, Tolerance
+from simcompare.model.shapes import Plane, Pose
+from simcompare.model.signals import Ramp, Table
+from simcompare.scenarios import scenario_file
+from simcompare.scenarios.scenario_checks import dangling_references
 
 ROBOT = """\
 name: two_wheels
@@ -351,7 +351,7 @@ def test_what_no_engine_would_apply_is_refused_on_a_body(body, words):
     ],
 )  # fmt: skip
 def test_what_would_have_no_effect_is_told(change, place, words):
-    from simcompare.scenario_checks import faults_between_parts
+    from simcompare.scenarios.scenario_checks import faults_between_parts
 
     disk = {"mass_kg": 1, "inertia_kg_m2": [1, 1, 1]}
     bodies = {"frame": {"fixed": True}, "disk": disk, "floor": {"fixed": True,
@@ -369,7 +369,7 @@ def test_what_would_have_no_effect_is_told(change, place, words):
     ],
 )
 def test_a_sensor_of_a_joint_has_no_pose_of_its_own(sensor):
-    from simcompare.scenario import Sensor
+    from simcompare.model.scenario import Sensor
 
     with pytest.raises(ValidationError, match="no pose of its own"):
         Sensor.model_validate(sensor)

@@ -8,9 +8,9 @@ import re
 import pytest
 import yaml
 
-from simcompare import catalogue, schema
 from simcompare.errors import InputError, UnknownName
-from simcompare.scenario_file import SCHEMA_PATH, read
+from simcompare.scenarios import catalogue, schema
+from simcompare.scenarios.scenario_file import SCHEMA_PATH, read
 
 TOY = """\
 name: toy
@@ -215,7 +215,7 @@ def test_a_step_longer_than_the_scenario_is_refused(fault):
 
 def test_the_committed_schema_is_the_one_of_the_model():
     assert json.loads(SCHEMA_PATH.read_text(encoding="utf-8")) == schema.build(), (
-        "python -m simcompare.schema writes it anew"
+        "python -m simcompare.scenarios.schema writes it anew"
     )
 
 

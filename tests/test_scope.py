@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from simcompare import importing
 from simcompare.errors import InputError
-from simcompare.hardware.logs import importers, mapping
+from simcompare.hardware import importing, mapping
+from simcompare.hardware.logs import importers
 
 DATA = os.environ.get("SIMCOMPARE_DATA", "")
 RIGOL = "X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-1.2e-04,2.0e-07,\n" + "".join(

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from simcompare.compare import Repeat, scores_of
-from simcompare.results import TRUTH
-from simcompare.scenario import Scenario
-from simcompare.trajectory import Trajectory
+from simcompare.compare.comparison import Repeat, scores_of
+from simcompare.model.scenario import Scenario
+from simcompare.model.trajectory import TRUTH, Trajectory
 
 TIME_S = np.linspace(0.0, 1.0, 11)
 

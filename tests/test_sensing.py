@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from simcompare.engine import sensing
 from simcompare.engine.kinematics import add_children, in_order
-from simcompare.rotations import (
+from simcompare.model.rotations import (
     conjugate,
     multiply,
     quaternions_of,
@@ -17,7 +17,7 @@ from simcompare.rotations import (
     rotation_vector_of,
     rotation_vectors_of,
 )
-from simcompare.scenario import Scenario
+from simcompare.model.scenario import Scenario
 
 ANGLES = st.floats(-3.0, 3.0)
 

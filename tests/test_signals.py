@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
-from simcompare.signals import Chirp, Signal, Sine, SineSteps, Table
+from simcompare.model.signals import Chirp, Signal, Sine, SineSteps, Table
 
 
 def at(when, **fields):

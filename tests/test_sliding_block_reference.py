@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from simcompare import catalogue
 from simcompare.errors import InputError
+from simcompare.scenarios import catalogue
 from simcompare.scenarios.sliding_block import reference as block
 
 FILE = catalogue.load("sliding_block")

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from simcompare import vectors
 from simcompare.engine.kinematics import add_children
 from simcompare.engine.spatial import SpatialSimulation
 from simcompare.kit import (
@@ -18,10 +17,11 @@ from simcompare.kit import (
     Held,
     PipPackage,
 )
-from simcompare.rotations import conjugate, cross, multiply, rotate
-from simcompare.scenario import Scenario
-from simcompare.settings import TUNED, Settings
-from simcompare.trajectory import BODY_SIGNALS
+from simcompare.model import vectors
+from simcompare.model.rotations import conjugate, cross, multiply, rotate
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import TUNED, Settings
+from simcompare.model.trajectory import BODY_SIGNALS
 
 STRAIGHT = (1.0, 0.0, 0.0, 0.0)
 SKEW = (0.5, 0.5, -0.1, math.sqrt(0.49))

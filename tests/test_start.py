@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from simcompare import engines
-from simcompare.scenario import Scenario
-from simcompare.settings import Settings
+from simcompare.engine import engines
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import Settings
 
 ENGINES = engines.names()
 

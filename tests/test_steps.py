@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import simcompare
-from simcompare import store
+from simcompare.compare.repeats import asked_steps, step_words
 from simcompare.errors import InputError
-from simcompare.repeats import asked_steps, step_words
-from simcompare.reports import reproduce, runs
-from simcompare.reports.looks import look, looks
+from simcompare.reports.run import reproduce, runs
+from simcompare.reports.run.looks import look, looks
 from simcompare.reports.sections import scores as scores_section
+from simcompare.results import store
 from tests.present import need
 from tests.test_fitting import stopwatch
 

@@ -16,11 +16,12 @@ import numpy as np
 import pytest
 
 import simcompare
-from simcompare import results, store
-from simcompare.compare import Score
+from simcompare.compare.comparison import Score
 from simcompare.errors import InputError, OutputError
-from simcompare.results import Run, Stored
-from simcompare.trajectory import Trajectory
+from simcompare.model.trajectory import Trajectory
+from simcompare.results import run as results
+from simcompare.results import store
+from simcompare.results.run import Run, Stored
 
 
 @pytest.fixture

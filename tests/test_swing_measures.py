@@ -8,11 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import ellipk
 
-from simcompare import catalogue, measures
+from simcompare import measures
 from simcompare.measures import Request, _swings, swing_decay, swing_period
-from simcompare.scenario import Probe
+from simcompare.model.scenario import Probe
+from simcompare.model.trajectory import Trajectory
+from simcompare.scenarios import catalogue
 from simcompare.scenarios.pendulum import reference as pendulum
-from simcompare.trajectory import Trajectory
 
 PROBE = Probe(observe="angle", component=None, label="Angle", unit="rad")
 #: step of an encoder with 40000 counts a turn

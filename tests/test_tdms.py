@@ -11,8 +11,8 @@ import pytest
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning.condition import condition
 from simcompare.hardware.logs import importers
-from simcompare.hardware.logs.mapping import NOTHING
-from simcompare.recording import Provenance
+from simcompare.hardware.mapping import NOTHING
+from simcompare.model.recording import Provenance
 
 nptdms = pytest.importorskip("nptdms")
 

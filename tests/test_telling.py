@@ -2,12 +2,12 @@
 
 import pytest
 
-from simcompare.validation import telling
+from simcompare.reports.validation import answer
 from tests.told import fit, gap, held_out, record, stretches, text, value, waveform
 
 
 def test_parameters_that_were_known_before():
-    assert telling.sentences(record()) == [
+    assert answer.sentences(record()) == [
         "With the parameters known before, the simulated angle from hanging is 2 % of the measured"
         " range off (root mean square). The largest: north, 0.02 rad, and 0.04 rad at one instant.",
         "Of the gap of the angle from hanging, 90 % of the mean square is neither noise nor"
@@ -24,7 +24,7 @@ def test_parameters_that_were_known_before():
 
 
 def test_parameters_that_were_fitted_elsewhere():
-    assert telling.sentences(held_out()) == [
+    assert answer.sentences(held_out()) == [
         "With fitted parameters, the simulated angle from hanging is 1 % of the measured range off"
         " (root mean square); before the fit it was 4 % of the measured range. The largest: north,"
         " 0.01 rad, and 0.02 rad at one instant.",
@@ -44,10 +44,10 @@ def test_parameters_that_were_fitted_elsewhere():
 
 def test_parameters_that_were_fitted_to_what_is_judged():
     found = record(
-        basis=telling.SAME, fit=fit(["log"]), waveforms=[waveform(), waveform("fitted", rmse=0.01)],
+        basis=answer.SAME, fit=fit(["log"]), waveforms=[waveform(), waveform("fitted", rmse=0.01)],
         gaps=[gap(0.75, 0.2)],
     )  # fmt: skip
-    told = telling.sentences(found)
+    told = answer.sentences(found)
     assert (
         "Length and damping were fitted to swings, which is also what was judged: this is a fit,"
         " not a validation." in told
@@ -59,7 +59,7 @@ def test_parameters_that_were_fitted_to_what_is_judged():
 
 def test_no_engine_ran():
     found = record(waveforms=[], gaps=[], values=[])
-    assert telling.sentences(found) == ["No engine ran, so nothing can be said."]
+    assert answer.sentences(found) == ["No engine ran, so nothing can be said."]
 
 
 @pytest.mark.parametrize("make", [record, held_out])
@@ -69,7 +69,7 @@ def test_nothing_is_ever_called_validated(make):
 
 def test_parameters_that_do_not_carry_over():
     found = record(
-        basis=telling.HELD_OUT, fit=fit(), gaps=[gap(-0.06, 1.05)],
+        basis=answer.HELD_OUT, fit=fit(), gaps=[gap(-0.06, 1.05)],
         waveforms=[waveform(), waveform("fitted")],
     )  # fmt: skip
     assert (
@@ -80,7 +80,7 @@ def test_parameters_that_do_not_carry_over():
 
 
 def test_uncertain_parameters_take_the_blame_from_the_model():
-    blamed = record(fit=fit(), basis=telling.HELD_OUT, gaps=[gap(0.1, 0.8, covered=0.5)],
+    blamed = record(fit=fit(), basis=answer.HELD_OUT, gaps=[gap(0.1, 0.8, covered=0.5)],
                     waveforms=[waveform(), waveform("fitted")])  # fmt: skip
     assert "covers 50 % of the samples; the others differ by more than that" in text(blamed)
     assert "it may lie in the equations" in text(blamed)
@@ -196,7 +196,7 @@ def test_defects_of_the_log_are_told():
 
 def test_an_ambiguous_alignment_is_told_first():
     found = record(alignments=[{"ambiguous": True}])
-    assert telling.sentences(found)[0].startswith("The clocks are not aligned with certainty:")
+    assert answer.sentences(found)[0].startswith("The clocks are not aligned with certainty:")
     assert "with certainty" not in text(record(alignments=[{"ambiguous": False}]))
     assert "with certainty" not in text(record(alignments=[None]))
     two = record(cases=stretches("a", "b"), alignments=[None, {"ambiguous": True}])
@@ -254,7 +254,7 @@ def test_many_quantities_are_told_in_one_sentence():
         waveforms=[waveform(probe=p, rmse=0.01 * i) for i, p in enumerate(probes, start=1)],
         gaps=[gap(model_form=0.1 * i, probe=p) for i, p in enumerate(probes, start=1)],
     )
-    told = telling.sentences(found)
+    told = answer.sentences(found)
     assert told[0] == (
         "With the parameters known before, the simulated signals are off by (root mean square, in"
         " shares of the measured range): rate a 1 %; rate b 2 %; rate c 3 %."

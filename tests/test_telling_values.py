@@ -2,7 +2,7 @@
 
 import pytest
 
-from simcompare.validation import telling
+from simcompare.reports.validation import answer
 from tests.told import gap, record, stretches, text, timing, value
 
 
@@ -10,29 +10,29 @@ def test_a_value_without_uncertainty_is_not_judged():
     found = record(values=[value(None)])
     assert (
         "No single value can be judged, because a part of its uncertainty is not known."
-        in telling.sentences(found)
+        in answer.sentences(found)
     )
-    assert telling.verdict(value(None), telling.KNOWN) == "not judged: u unknown"
+    assert answer.verdict(value(None), answer.KNOWN) == "not judged: u unknown"
 
 
 def test_a_recording_that_shows_no_single_value():
     assert "No single value of the scenario can be read off this recording." in (
-        telling.sentences(record(values=[]))
+        answer.sentences(record(values=[]))
     )
 
 
 @pytest.mark.parametrize(
     ("e_n", "basis", "words"),
     [
-        (0.9, telling.KNOWN, "within the noise level"),
-        (-0.9, telling.HELD_OUT, "within the noise level"),
-        (0.9, telling.SAME, "within the noise level (same data)"),
-        (1.1, telling.SAME, "beyond the uncertainties"),
-        (-1.1, telling.KNOWN, "beyond the uncertainties"),
+        (0.9, answer.KNOWN, "within the noise level"),
+        (-0.9, answer.HELD_OUT, "within the noise level"),
+        (0.9, answer.SAME, "within the noise level (same data)"),
+        (1.1, answer.SAME, "beyond the uncertainties"),
+        (-1.1, answer.KNOWN, "beyond the uncertainties"),
     ],
 )
 def test_the_words_for_a_value(e_n, basis, words):
-    assert telling.verdict(value(e_n), basis) == words
+    assert answer.verdict(value(e_n), basis) == words
 
 
 def test_the_furthest_value_is_named():
@@ -110,7 +110,7 @@ def test_events_are_never_summed_over_engines():
 
 def test_events_that_do_not_belong_together_are_told_first():
     found = record(timings=[timing(matched=2, missed=20), timing(source="south")])
-    (told,) = (one for one in telling.sentences(found) if "events" in one)
+    (told,) = (one for one in answer.sentences(found) if "events" in one)
     assert told.startswith("Fewer than half of the events belong together")
     nothing = timing(matched=0, missed=20, extra=3, rmse_s=None)
     assert "in north 0 of 20 measured events belong to 0 of 3 simulated ones." in (

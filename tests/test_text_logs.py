@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from simcompare import importing
 from simcompare.errors import InputError
-from simcompare.hardware.logs import _text, importers, mapping
+from simcompare.hardware import importing, mapping
+from simcompare.hardware.logs import importers
+from simcompare.hardware.logs.text import text as _text
 
 DATA = os.environ.get("SIMCOMPARE_DATA", "")
 needs_data = pytest.mark.skipif(not DATA, reason="SIMCOMPARE_DATA names no folder of recordings")

@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs import _state, _text, importers, mapping
+from simcompare.hardware import mapping
+from simcompare.hardware.logs import importers
+from simcompare.hardware.logs.text import state as _state
+from simcompare.hardware.logs.text import text as _text
 
 
 @pytest.fixture

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from simcompare import importing
 from simcompare.errors import InputError
-from simcompare.hardware.logs import importers, mapping
+from simcompare.hardware import importing, mapping
+from simcompare.hardware.logs import importers
 
 SINGLE = (
     "mass A\nt\tx\ty\tv_{x}\n0.000000000E0\t1.245986911E1\t2.0E0\t\n"

@@ -9,13 +9,13 @@ import sys
 import numpy as np
 import pytest
 
-from simcompare import engines
-from simcompare import tune as verb
+from simcompare.engine import engines
+from simcompare.engine.calibration.drops import even_phases, slowest_m_s
 from simcompare.errors import InputError
-from simcompare.settings import TUNED, Settings
-from simcompare.tune import tune
-from simcompare.tuning.drops import even_phases, slowest_m_s
+from simcompare.model.settings import TUNED, Settings
 from simcompare.tuning.typed_numbers import numbers_of
+from simcompare.verbs import tune as verb
+from simcompare.verbs.tune import tune
 from tests.bare_drops import (
     COEFFICIENT_ENGINES,
     BareDrops,
@@ -175,7 +175,7 @@ def test_numbers_with_which_nothing_bounces_have_no_restitution():
 
 def test_a_scenario_is_tuned_as_its_run_is():
     need("pymunk")
-    from simcompare import catalogue
+    from simcompare.scenarios import catalogue
 
     (row,) = tune("ball", engine="pymunk")
     run = engines.get("pymunk").simulate(catalogue.load("ball").resolve(), Settings(TUNED))

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import simcompare
+from simcompare.engine.calibration.drops import even_phases
 from simcompare.errors import InputError
-from simcompare.fitting import fit_file
-from simcompare.tuning.drops import even_phases
+from simcompare.results import fit_file
 from tests.bare_drops import COEFFICIENT_ENGINES, MujocoDrops
 from tests.present import INSTALLED, need
 from tests.test_fitting import E, stopwatch
@@ -153,7 +153,7 @@ def test_a_run_has_the_step_of_the_fit_where_none_is_asked_for(tmp_path):
 
 
 def test_settings_of_a_fit_hold_for_its_step(found):
-    from simcompare import catalogue
+    from simcompare.scenarios import catalogue
 
     fit = fit_file.read(found.folder / "fit.json")
     file = catalogue.load("ball")

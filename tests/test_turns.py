@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from simcompare import catalogue
 from simcompare.engine.speeds import fastest_turn_rad_s
 from simcompare.engine.turns import Turns
+from simcompare.scenarios import catalogue
 
 
 def within(angle):

@@ -7,9 +7,9 @@ import pytest
 import yaml
 
 import simcompare
-from simcompare import catalogue
 from simcompare.errors import InputError, UnknownName
-from simcompare.validation.model import model_of
+from simcompare.inference.reference_model import model_of
+from simcompare.scenarios import catalogue
 
 LENGTH_M, DAMPING, NOISE_RAD = 0.25, 4e-4, 1e-3
 

@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from simcompare.reports import real_events, real_parts, real_tables, real_waves
-from simcompare.reports.sections.real import Timings
-from simcompare.results import Stored
-from simcompare.trajectory import Trajectory
+from simcompare.model.trajectory import Trajectory
+from simcompare.reports.sections.validation import Timings
+from simcompare.reports.validation import events as real_events
+from simcompare.reports.validation import gap_figures, tables, waveforms
+from simcompare.results.run import Stored
 from tests import validated
 from tests.validated import NOISE_RAD, cells, changed, streams
 
@@ -33,26 +34,26 @@ def test_a_gap_that_the_fit_made_larger_is_told_and_not_drawn(fitted):
     rows = json.loads(json.dumps(fitted.record["validation"]["gaps"]))
     for row in rows:
         row["shares"] |= {"removed": -0.06, "model_form": 1.05, "noise": 0.01, "numerical": 0.0}
-    (figure,) = real_parts.gap_figures(changed(fitted, gaps=rows))
+    (figure,) = gap_figures.gap_figures(changed(fitted, gaps=rows))
     (panel,) = figure.panels
     assert "made the mean square larger, by up to 6 %" in figure.caption
     assert all((bars.heights >= 0).all() for bars in panel.bars)
     lengths = np.sum([bars.heights for bars in panel.bars], axis=0)
     assert lengths == pytest.approx([row["total"] for row in rows])
-    table = real_tables.gaps(changed(fitted, gaps=rows))[0]
+    table = tables.gaps(changed(fitted, gaps=rows))[0]
     head = [column.head for column in table.columns].index("Fit took away (%)")
     assert {row[head] for row in cells(table)} == {"−6.0"}
 
 
 def test_without_a_fit_parameters_and_model_are_not_told_apart(judged):
-    (figure,) = real_parts.gap_figures(judged)
+    (figure,) = gap_figures.gap_figures(judged)
     assert figure.panels[0].bars[0].label == "model form or parameters"
     assert "before the fit" not in figure.panels[0].x_label
-    assert real_parts.parameter_figure(judged) is None
+    assert gap_figures.parameter_figure(judged) is None
 
 
 def test_bars_stand_below_the_name_of_their_stretch(fitted):
-    (figure,) = real_parts.gap_figures(streams(fitted, 2))
+    (figure,) = gap_figures.gap_figures(streams(fitted, 2))
     (panel,) = figure.panels
     assert panel.y_ticks[:2] == ("part 0:", "pymunk")
     assert panel.y_ticks[3] == "part 1:"
@@ -62,14 +63,14 @@ def test_bars_stand_below_the_name_of_their_stretch(fitted):
 def test_a_distant_e_n_is_drawn_at_the_edge(judged):
     rows = json.loads(json.dumps(judged.record["validation"]["values"]))
     rows[0]["e_n"] = -480.0
-    figure = real_parts.e_n_figure(changed(judged, values=rows))
+    figure = gap_figures.e_n_figure(changed(judged, values=rows))
     assert min(series.x.min() for series in figure.panels[0].series) == -10
     assert "drawn at the edge" in figure.caption
     assert not any(one["e_n"] == -10 for one in rows)
 
 
 def test_fitted_parameters_are_drawn_in_units_of_what_was_known(fitted):
-    figure = real_parts.parameter_figure(fitted)
+    figure = gap_figures.parameter_figure(fitted)
     (series,) = figure.panels[0].series
     rows = {row["name"]: row for row in fitted.record["validation"]["parameters"]}
     length = rows["length_m"]
@@ -86,10 +87,10 @@ def test_single_stretches_scatter_about_the_fit(fitted):
         "a": [rows[n]["fitted"] + rows[n]["u_fitted"] for n in names],
         "b": [rows[n]["fitted"] - 3 * rows[n]["u_fitted"] for n in names],
     }
-    figure = real_parts.parameter_figure(changed(fitted, fit=fit))
+    figure = gap_figures.parameter_figure(changed(fitted, fit=fit))
     (series,) = figure.panels[1].series
     assert sorted(series.x) == pytest.approx([-3, -3, 1, 1])
-    table = real_tables.single_fits(changed(fitted, fit=fit))
+    table = tables.single_fits(changed(fitted, fit=fit))
     (_, *first), (_, *second), (_, *u) = cells(table)
     assert [row[0] for row in cells(table)] == ["a", "b", "u of all together"]
     # numbers have two digits of the uncertainty below them
@@ -100,7 +101,7 @@ def test_single_stretches_scatter_about_the_fit(fitted):
 
 def test_of_many_stretches_the_best_and_the_worst_are_drawn(fitted):
     many = streams(fitted, 4)
-    found = real_waves.overlay_figures(many, "angle_rad")
+    found = waveforms.overlay_figures(many, "angle_rad")
     assert [figure.name for figure in found] == ["overlay-angle_rad-1", "overlay-angle_rad-4"]
     assert "Of 4 stretches" in found[0].caption
     assert "part 3" in found[1].title
@@ -111,7 +112,7 @@ def test_the_zoom_is_where_the_gap_is_largest():
     values = np.sin(2 * np.pi * time_s)
     residual = np.where(time_s > 8, 0.2, 0.01)
     measured = Trajectory("measured", time_s, {"x": values})
-    low, high = real_waves.zoom_window(measured, "x", [residual, 0 * residual])
+    low, high = waveforms.zoom_window(measured, "x", [residual, 0 * residual])
     assert low >= 7
     assert high <= 10.001
     assert high - low == pytest.approx(2.5, rel=0.1)
@@ -119,7 +120,7 @@ def test_the_zoom_is_where_the_gap_is_largest():
 
 def test_lines_do_not_cross_a_gap():
     time_s = np.array([0.0, 0.1, 0.2, 0.3, 0.9, 1.0, 1.1])
-    times, values = real_waves.with_gaps(time_s, np.arange(7.0))
+    times, values = waveforms.with_gaps(time_s, np.arange(7.0))
     assert np.flatnonzero(np.isnan(values)) == pytest.approx([4])
     assert len(times) == 8
 
@@ -131,16 +132,16 @@ def test_events_are_marked_on_the_aligned_clock(fitted):
     ]
     shifted = [{"offset_s": 0.5, "skew": 0.0, "text": "By events."}]
     run = changed(fitted, events=events, alignments=shifted)
-    (overlay,) = real_waves.overlay_figures(run, "angle_rad")
+    (overlay,) = waveforms.overlay_figures(run, "angle_rad")
     marks = [span.low for span in overlay.panels[0].spans if span.label == "event"]
     assert marks == [1.0]
     assert "events of the recording" in overlay.caption
-    residual = real_waves.residual_figure(run, "angle_rad")
+    residual = waveforms.residual_figure(run, "angle_rad")
     assert [span.low for span in residual.panels[0].spans] == [1.0]
 
 
 def test_the_residual_shows_noise_and_parameters(judged):
-    (panel,) = real_waves.residual_figure(judged, "angle_rad").panels
+    (panel,) = waveforms.residual_figure(judged, "angle_rad").panels
     (band,) = panel.bands
     assert (band.low, band.high) == pytest.approx((-2 * NOISE_RAD, 2 * NOISE_RAD))
     shaded = next(series for series in panel.series if series.shaded)
@@ -191,14 +192,14 @@ def test_no_quantity_is_left_out_of_the_picture_of_the_gap(fitted):
     probes = [f"q{i}" for i in range(5)]
     rows = [{**row, "probe": probe} for probe in probes for row in found["gaps"]]
     compare = {probe: found["compare"]["angle_rad"] | {"label": probe} for probe in probes}
-    figures = real_parts.gap_figures(changed(fitted, gaps=rows, compare=compare))
+    figures = gap_figures.gap_figures(changed(fitted, gaps=rows, compare=compare))
     assert [figure.name for figure in figures] == ["gap", "gap-2", "gap-3"]
     assert [panel.title for figure in figures for panel in figure.panels] == probes
 
 
 def test_a_noisy_measurement_does_not_fill_the_panel(fitted):
     def width(run):
-        (figure,) = real_waves.overlay_figures(run, "angle_rad")
+        (figure,) = waveforms.overlay_figures(run, "angle_rad")
         return next(s.style.width for s in figure.panels[0].series if s.label == "measured")
 
     noisy = tuple(

@@ -8,10 +8,12 @@ from dataclasses import replace
 
 import pytest
 
-from simcompare.reports import builder, numbers, real_source, real_tables
+from simcompare.reports import builder
+from simcompare.reports.render import numbers
+from simcompare.reports.render.tables import Column, Group, Table, lines, printable, scale_of
 from simcompare.reports.sections import VALIDATION
-from simcompare.reports.tables import Column, Group, Table, lines, printable, scale_of
-from simcompare.results import Run
+from simcompare.reports.validation import source, tables
+from simcompare.results.run import Run
 from tests import validated
 from tests.validated import ENGINES, EVIL, cells, changed, hostile, streams
 
@@ -119,7 +121,7 @@ def as_number(text):
 
 
 def test_waveforms_are_those_of_the_record(fitted):
-    rows = cells(real_tables.waveforms(fitted))
+    rows = cells(tables.waveforms(fitted))
     record = fitted.record["validation"]["waveforms"]
     assert len(rows) == len({row["source"] for row in record})
     for engine, after, before, bias, largest, share, *_ in rows:
@@ -133,7 +135,7 @@ def test_waveforms_are_those_of_the_record(fitted):
 
 
 def test_values_are_those_of_the_record(judged):
-    table = real_tables.values(judged)
+    table = tables.values(judged)
     record = judged.record["validation"]["values"]
     assert len(cells(table)) == len(record)
     period = next(group for group in table.groups if group.title.startswith("mean period"))
@@ -149,7 +151,7 @@ def test_values_are_those_of_the_record(judged):
 
 
 def test_digits_stand_below_each_other(fitted):
-    for table in (real_tables.waveforms(fitted), *real_tables.gaps(fitted)):
+    for table in (tables.waveforms(fitted), *tables.gaps(fitted)):
         for group in table.groups:
             for i, column in enumerate(table.columns):
                 texts = [row[i] for row in group.rows if re.fullmatch(r"−?[\d.]+", row[i])]
@@ -158,7 +160,7 @@ def test_digits_stand_below_each_other(fitted):
 
 
 def test_shares_of_the_gap_add_up(fitted):
-    sizes, shares = real_tables.gaps(fitted)
+    sizes, shares = tables.gaps(fitted)
     for row in cells(shares):
         assert sum(map(as_number, row[1:-1])) == pytest.approx(100, abs=0.05)
         assert row[-1] == "100.00"
@@ -194,11 +196,11 @@ def test_a_power_of_ten_stands_with_the_unit():
 
 
 def test_a_signal_of_nothing_but_noise_has_no_shares_of_its_range(fitted):
-    heads = [column.head for column in real_tables.waveforms(fitted).columns]
+    heads = [column.head for column in tables.waveforms(fitted).columns]
     assert {"RMS ÷ range (%)", "Magnitude (%)", "Phase (%)"} <= set(heads)
     cases = json.loads(json.dumps(fitted.record["validation"]["cases"]))
     cases[0]["probes"]["angle_rad"]["u"] = 1.0
-    table = real_tables.waveforms(changed(fitted, cases=cases))
+    table = tables.waveforms(changed(fitted, cases=cases))
     assert not any("%" in column.head for column in table.columns)
     assert "nothing but" not in table.note
     assert "no more than its noise" in table.note
@@ -210,7 +212,7 @@ def test_an_unknown_numerical_error_is_a_dash(fitted):
     for row in rows:
         row["numerical"] = row["shares"]["numerical"] = None
     run = changed(fitted, gaps=rows)
-    sizes, shares = real_tables.gaps(run)
+    sizes, shares = tables.gaps(run)
     at = [column.head for column in sizes.columns].index("Numerical")
     assert {row[at] for row in cells(sizes)} == {"–"}
     assert {row[4] for row in cells(shares)} == {"–"}
@@ -229,9 +231,9 @@ def test_names_and_units_stay_on_one_line(fitted, tmp_path):
 
 def test_engines_without_a_step_error_are_told_to_be_left_out(fitted):
     rows = json.loads(json.dumps(fitted.record["validation"]["agreement"]))
-    assert real_tables.agreement(fitted).note == ""
+    assert tables.agreement(fitted).note == ""
     rows[0]["left_out"] = ["dart"]
-    note = real_tables.agreement(changed(fitted, agreement=rows)).note
+    note = tables.agreement(changed(fitted, agreement=rows)).note
     assert note == "Left out where no step error is known: dart."
 
 
@@ -240,9 +242,9 @@ def test_engines_without_a_step_error_are_told_to_be_left_out(fitted):
 
 def test_a_stretch_that_was_cut_is_marked(fitted):
     cases = json.loads(json.dumps(fitted.record["validation"]["cases"]))
-    whole = real_source.stretches(fitted)
+    whole = source.stretches(fitted)
     cases[0]["short"] = True
-    cut = real_source.stretches(changed(fitted, cases=cases))
+    cut = source.stretches(changed(fitted, cases=cases))
     assert cells(cut)[0][2] == f"{cells(whole)[0][2]} (cut)"
     assert not whole.note
     assert cut.note.startswith("Cut: the log ends before")
@@ -252,13 +254,13 @@ def test_where_only_events_were_compared_no_table_is_empty(fitted):
     cases = json.loads(json.dumps(fitted.record["validation"]["cases"]))
     cases[0]["probes"] = {}
     bare = changed(fitted, cases=cases, compare={})
-    assert real_source.stretches(bare) is None
-    assert "compared" not in real_source.facts(bare)
-    assert "compared" in real_source.facts(fitted)
+    assert source.stretches(bare) is None
+    assert "compared" not in source.facts(bare)
+    assert "compared" in source.facts(fitted)
 
 
 def test_a_stretch_is_named_only_where_there_are_several(fitted):
-    one, two = (real_tables.waveforms(streams(fitted, n)) for n in (1, 2))
+    one, two = (tables.waveforms(streams(fitted, n)) for n in (1, 2))
     assert [group.title for group in one.groups] == ["Angle from hanging (rad)"]
     assert two.groups[0].title == "Angle from hanging, part 0 (rad)"
 
@@ -272,7 +274,7 @@ def test_repairs_are_told_with_their_rows(fitted):
            "channel": "t", "rows": [], "count": 0, "before": {}, "after": {}} for name in "abcdef"),
     ]  # fmt: skip
     provenance = {**fitted.record["validation"]["provenance"], "repairs": rows}
-    serious, harmless = real_source.repairs(changed(fitted, provenance=provenance))
+    serious, harmless = source.repairs(changed(fitted, provenance=provenance))
     (row,) = cells(serious)
     assert row[0] == "left and marked"
     assert row[3] == "column a, rows 3–5, 9"
@@ -331,13 +333,13 @@ def test_hostile_names_do_not_steer_the_terminal(fitted):
 
 @pytest.mark.parametrize("width", [72, 80, 120])
 def test_tables_fit_into_a_terminal(fitted, width):
-    for table in (real_tables.parameters(fitted), real_tables.values(fitted)):
+    for table in (tables.parameters(fitted), tables.values(fitted)):
         for line in lines(table, width):
             assert len(line) <= width
 
 
 def test_columns_are_spared_only_where_there_is_no_room(fitted):
-    table = real_tables.parameters(fitted)
+    table = tables.parameters(fitted)
     assert "made up so" in "\n".join(lines(table, 140))
     assert "made up so" not in "\n".join(lines(table, 60))
     assert "0.2" in "\n".join(lines(table, 60))
@@ -355,7 +357,7 @@ def test_the_command_prints_tables_with_engines_as_rows(made, call, tmp_path):
 
 
 def test_a_run_that_was_stored_makes_the_same_report(fitted, tmp_path):
-    from simcompare import store
+    from simcompare.results import store
 
     saved = store.save(fitted, tmp_path)
     again = store.load(saved.folder)

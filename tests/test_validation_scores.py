@@ -8,14 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from simcompare.errors import InputError
-from simcompare.validation.scores import (
-    birge_ratio,
-    e_n,
-    gci,
-    vv20,
-    weighted_mean,
-    zeta,
-)
+from simcompare.statistics.agreement import birge_ratio, e_n, gci, vv20, weighted_mean, zeta
 
 VALUE, SIZE = st.floats(-100, 100), st.floats(0.01, 10)
 

@@ -3,8 +3,8 @@
 import pytest
 
 from simcompare.errors import InputError
-from simcompare.validation import plan as plans
-from simcompare.validation import sources
+from simcompare.inference import plan as plans
+from simcompare.inference import sources
 
 
 def test_a_fault_of_a_plan_is_told_with_its_file_and_line(write):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from simcompare.errors import InputError
-from simcompare.validation.filtering import interpolated, near_events
+from simcompare.model.resampling import interpolated, near_events
 from simcompare.validation.waveform import waveform
 
 NUMBERS = st.floats(-1e3, 1e3).map(lambda x: round(x, 3))

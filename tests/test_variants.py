@@ -11,18 +11,19 @@ import numpy as np
 import pytest
 
 import simcompare
-from simcompare import catalogue, engines
 from simcompare.backends import conformance
 from simcompare.cli import complete
+from simcompare.engine import engines
+from simcompare.engine.calibration import cache
 from simcompare.engine.helps import CENTRED_EFFORTS, HALF_STEP_START, HELPS, LANDING
 from simcompare.engine.variants import Variant
 from simcompare.errors import InputError, UnknownName, UnknownVariant, Unsupported
-from simcompare.jobs import facts_of
 from simcompare.kit import Traits
-from simcompare.reports.looks import looks
-from simcompare.scenario import Scenario
-from simcompare.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED, Settings
-from simcompare.tuning import cache
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED, Settings
+from simcompare.reports.run.looks import looks
+from simcompare.running.jobs import facts_of
+from simcompare.scenarios import catalogue
 from tests.present import INSTALLED, built_in, need
 from tests.toy_engine import ToyBackend
 
@@ -299,7 +300,7 @@ def test_the_cache_keeps_variants_apart(tmp_path, monkeypatch):
     ],
 )
 def test_a_script_of_a_variant_gives_the_same_numbers(name, line, tmp_path):
-    from simcompare.scripts.write import script
+    from simcompare.exporters.scripts.write import script
 
     needed(name)
     made = script("robot_planar", engine=name, contact="coefficients")

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 import yaml
 
-from simcompare import catalogue, engines, recording_store
+from simcompare.engine import engines
 from simcompare.errors import InputError, UnknownName
-from simcompare.fitting import fitting
-from simcompare.recording import Channel, Clock, Provenance, Recording, Stream
-from simcompare.validation.model import model_of
+from simcompare.inference.reference_model import model_of
+from simcompare.model import recording_store
+from simcompare.model.recording import Channel, Clock, Provenance, Recording, Stream
+from simcompare.scenarios import catalogue
+from simcompare.verbs import fit
 from tests.present import INSTALLED
 
 
@@ -89,7 +91,7 @@ def swings(tmp_path_factory):
 @pytest.fixture(scope="module")
 def swing_fit(swings):
     recording, plan = swings
-    return fitting.fit("pendulum", recordings=[recording], mapping=plan)
+    return fit.fit("pendulum", recordings=[recording], mapping=plan)
 
 
 def good(run):
@@ -168,7 +170,7 @@ def test_what_was_known_before_is_in_the_uncertainty(tmp_path):
     path = stored(tmp_path / "log", {"a": measured("pendulum", truth, ANGLE)})
     known_ = {"mass_kg": (0.15, 0.015), "start_angle_rad": (1.0, 0.0), "friction_N_m": (0.0, 0.0)}
     plan = mapping(tmp_path, "pendulum", ANGLE, known_)
-    run = fitting.fit(
+    run = fit.fit(
         "pendulum", recordings=[path], mapping=plan, engine="mujoco",
         unknowns=["length", "damping"],
     )  # fmt: skip
@@ -195,7 +197,7 @@ def motor(tmp_path, noise, **given):
 
 def test_rate_and_current_tell_every_constant_of_a_motor(tmp_path):
     path, plan = motor(tmp_path, {"rate_rad_s": 0.5, "current_A": 0.01})
-    run = fitting.fit("motor_step", recordings=[path], mapping=plan)
+    run = fit.fit("motor_step", recordings=[path], mapping=plan)
     record = run.record["fit"]
     near(record["closed_form"]["parameters"], MOTOR)
     assert len(record["closed_form"]["names"]) == 5
@@ -207,14 +209,14 @@ def test_rate_and_current_tell_every_constant_of_a_motor(tmp_path):
 
 def test_the_rate_alone_does_not_tell_resistance_and_torque_constant(tmp_path):
     path, plan = motor(tmp_path, {"rate_rad_s": 0.5})
-    run = fitting.fit("motor_step", recordings=[path], mapping=plan, engine="mujoco")
+    run = fit.fit("motor_step", recordings=[path], mapping=plan, engine="mujoco")
     record = run.record["fit"]
     assert not record["sources"][0]["identifiable"]
     assert "cannot separate" in " ".join(record["sentences"]) or "nothing in the data" in " ".join(
         record["sentences"]
     )
     # with the resistance given the others are told
-    run = fitting.fit(
+    run = fit.fit(
         "motor_step", recordings=[path], mapping=plan, engine="mujoco",
         set={"resistance": "2ohm", "damping": "1e-5"},
     )  # fmt: skip
@@ -224,7 +226,7 @@ def test_the_rate_alone_does_not_tell_resistance_and_torque_constant(tmp_path):
 
 def test_one_voltage_does_not_tell_dry_from_viscous_friction(tmp_path):
     path, plan = motor(tmp_path, {"rate_rad_s": 0.5, "current_A": 0.01}, second_voltage_V=12.0)
-    run = fitting.fit(
+    run = fit.fit(
         "motor_step", recordings=[path], mapping=plan, engine="mujoco",
         set={"second_voltage": "12V"},
     )  # fmt: skip
@@ -245,7 +247,7 @@ def test_friction_comes_back_from_a_sliding_block(tmp_path):
         for speed in (1.5, 1.2)
     ]  # fmt: skip
     plan = mapping(tmp_path, "sliding_block", noise, {})
-    run = fitting.fit("sliding_block", recordings=[paths[0]], mapping=plan)
+    run = fit.fit("sliding_block", recordings=[paths[0]], mapping=plan)
     near(run.record["fit"]["closed_form"]["parameters"], BLOCK)
     for source in good(run):
         near(source["parameters"], BLOCK)
@@ -256,13 +258,13 @@ def test_friction_comes_back_from_a_sliding_block(tmp_path):
 def test_a_recording_of_another_scenario_is_refused(swings):
     recording, plan = swings
     with pytest.raises(InputError, match=r"not prepared for the scenario sliding_block"):
-        fitting.fit("sliding_block", recordings=[recording], mapping=plan)
+        fit.fit("sliding_block", recordings=[recording], mapping=plan)
 
 
 def test_an_unknown_parameter_is_refused_with_those_that_exist(swings):
     recording, plan = swings
     with pytest.raises(UnknownName, match=r"length_m"):
-        fitting.fit("pendulum", recordings=[recording], mapping=plan, unknowns=["lenght"])
+        fit.fit("pendulum", recordings=[recording], mapping=plan, unknowns=["lenght"])
 
 
 def test_a_parameter_that_nothing_tells_is_refused(tmp_path):
@@ -273,27 +275,25 @@ def test_a_parameter_that_nothing_tells_is_refused(tmp_path):
     known_ = {"incline_rad": (0.1, 0.0), "start_speed_m_s": (0.0, 0.0)}
     plan = mapping(tmp_path, "sliding_block", noise, known_)
     with pytest.raises(InputError, match="friction changes nothing that was measured"):
-        fitting.fit("sliding_block", recordings=[path], mapping=plan, unknowns=["friction"])
+        fit.fit("sliding_block", recordings=[path], mapping=plan, unknowns=["friction"])
 
 
 def test_options_of_bounces_are_refused(swings):
     recording, plan = swings
     with pytest.raises(InputError, match="--prior"):
-        fitting.fit(
-            "pendulum", recordings=[recording], mapping=plan, priors={"length_m": (0.2, 0.1)}
-        )
+        fit.fit("pendulum", recordings=[recording], mapping=plan, priors={"length_m": (0.2, 0.1)})
 
 
 def test_nothing_left_to_fit_is_refused(swings):
     recording, plan = swings
     every = {name: str(SWING[name]) for name in ("length_m", "damping_N_m_s_rad", "friction_N_m")}
     with pytest.raises(InputError, match="nothing is left to fit"):
-        fitting.fit("pendulum", recordings=[recording], mapping=plan, set=every)
+        fit.fit("pendulum", recordings=[recording], mapping=plan, set=every)
 
 
 def test_an_engine_that_fails_leaves_the_others(swings):
     recording, plan = swings
-    run = fitting.fit(
+    run = fit.fit(
         "pendulum", recordings=[recording], mapping=plan, engine="mujoco,pymunk",
         time_limit_s=1e-3,
     )  # fmt: skip
@@ -332,7 +332,7 @@ def test_json_has_the_record(swings, tmp_path, call):
 
 @pytest.mark.skipif(not os.environ.get("SIMCOMPARE_DATA"), reason="SIMCOMPARE_DATA is not set")
 def test_the_real_free_swing_gives_its_length_and_shows_that_the_period_drifts():
-    run = fitting.fit("pendulum", recordings=["pendulum_free_swing"], engine="mujoco")
+    run = fit.fit("pendulum", recordings=["pendulum_free_swing"], engine="mujoco")
     record = run.record["fit"]
     length = record["closed_form"]["parameters"]["length_m"]
     assert length["value"] == pytest.approx(0.15314, abs=3e-5)

@@ -2,9 +2,9 @@
 
 import pytest
 
-from simcompare import yaml_file
 from simcompare.errors import InputError
-from simcompare.hardware.logs import mapping as mappings
+from simcompare.hardware import mapping as mappings
+from simcompare.model import yaml_file
 
 
 def bomb(first, line):

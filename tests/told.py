@@ -1,6 +1,6 @@
 """Records of validations, made up for tests of their words."""
 
-from simcompare.validation import telling
+from simcompare.reports.validation import answer
 
 FITTED = ("length_m", "damping_N_m_s_rad")
 
@@ -55,7 +55,7 @@ def record(**more):
         for name in FITTED
     ]
     return {
-        "recording": "swings", "basis": telling.KNOWN, "fit": None, "parameters": rows,
+        "recording": "swings", "basis": answer.KNOWN, "fit": None, "parameters": rows,
         "compare": {"angle_rad": {"label": "Angle from hanging"}},
         "cases": [{"stream": "log"}], "waveforms": [waveform()], "gaps": [gap()],
         "values": [value()], "timings": [], "provenance": {"repairs": []}, **more,
@@ -64,7 +64,7 @@ def record(**more):
 
 def held_out(**more):
     return record(
-        basis=telling.HELD_OUT, fit=fit(), cases=[{"stream": "vad.0"}],
+        basis=answer.HELD_OUT, fit=fit(), cases=[{"stream": "vad.0"}],
         waveforms=[waveform(stream="vad.0", rmse=0.04),
                    waveform("fitted", stream="vad.0", rmse=0.01)],
         gaps=[gap(0.75, 0.2, stream="vad.0")], **more,
@@ -72,4 +72,4 @@ def held_out(**more):
 
 
 def text(found):
-    return "\n".join(telling.sentences(found))
+    return "\n".join(answer.sentences(found))

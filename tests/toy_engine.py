@@ -4,14 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare.kit import (
-    EngineBackend,
-    Feature,
-    Held,
-    PipPackage,
-    ReducedSimulation,
-    Traits,
-)
+from simcompare.kit import EngineBackend, Feature, Held, PipPackage, ReducedSimulation, Traits
 
 
 class ToySimulation(ReducedSimulation):

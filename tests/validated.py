@@ -7,9 +7,9 @@ import numpy as np
 import yaml
 
 import simcompare
-from simcompare import catalogue
-from simcompare.results import Stored
-from simcompare.validation.model import model_of
+from simcompare.inference.reference_model import model_of
+from simcompare.results.run import Stored
+from simcompare.scenarios import catalogue
 
 NOISE_RAD = 1e-3
 EVIL = "<script>alert(1)</script>|x$y_{ \x1b[31m*b*"

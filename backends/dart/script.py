@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from simcompare.engine.backend import EngineBackend
-from simcompare.scripts.contract import Parts, Plan, Traced, traced
-from simcompare.scripts.reading import Group, Reading, reading
-from simcompare.scripts.source import Helper, Style
-from simcompare.scripts.text import number
-from simcompare.scripts.trace import Dialect
+from simcompare.engine.scripting.contract import Parts, Plan, Traced, traced
+from simcompare.engine.scripting.reading import Group, Reading, reading
+from simcompare.engine.scripting.source import Helper, Style
+from simcompare.engine.scripting.text import number
+from simcompare.engine.scripting.trace import Dialect
 
 _HELPERS = (
     Helper(

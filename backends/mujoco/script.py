@@ -7,9 +7,9 @@ from typing import Any
 from simcompare.backends.mujoco.mjcf import mjcf
 from simcompare.backends.mujoco.script_layout import laid_out
 from simcompare.engine.backend import EngineBackend
-from simcompare.scripts.contract import Parts, Plan
-from simcompare.scripts.reading import Group, Reading, reading
-from simcompare.scripts.text import number
+from simcompare.engine.scripting.contract import Parts, Plan
+from simcompare.engine.scripting.reading import Group, Reading, reading
+from simcompare.engine.scripting.text import number
 
 
 class MujocoScript:

@@ -9,8 +9,8 @@ from xml.etree import ElementTree as ET
 import numpy as np
 from numpy.typing import NDArray
 
+from simcompare.engine.scripting.text import WIDTH, number
 from simcompare.errors import Unsupported
-from simcompare.scripts.text import WIDTH, number
 
 #: attributes that are left out where they have MuJoCo's own default
 _DEFAULTS = {

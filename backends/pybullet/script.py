@@ -9,11 +9,11 @@ from typing import Any
 from simcompare.backends.pybullet.world import BASE
 from simcompare.engine.backend import EngineBackend
 from simcompare.engine.kinematics import mount_of
-from simcompare.scripts.contract import Parts, Plan, traced
-from simcompare.scripts.reading import Group, Reading, reading
-from simcompare.scripts.source import Style
-from simcompare.scripts.text import WIDTH, identifier, number
-from simcompare.scripts.trace import Dialect
+from simcompare.engine.scripting.contract import Parts, Plan, traced
+from simcompare.engine.scripting.reading import Group, Reading, reading
+from simcompare.engine.scripting.source import Style
+from simcompare.engine.scripting.text import WIDTH, identifier, number
+from simcompare.engine.scripting.trace import Dialect
 
 #: names of arguments in loops
 _NAMES = {

@@ -8,11 +8,11 @@ from typing import Any
 from simcompare.engine.backend import EngineBackend
 from simcompare.engine.helps.momentum import carried_by
 from simcompare.engine.planar_joints import PlanarSlider
-from simcompare.scripts.contract import Parts, Plan, Traced, traced
-from simcompare.scripts.reading import Group, Reading, reading
-from simcompare.scripts.source import Style
-from simcompare.scripts.text import number
-from simcompare.scripts.trace import Dialect
+from simcompare.engine.scripting.contract import Parts, Plan, Traced, traced
+from simcompare.engine.scripting.reading import Group, Reading, reading
+from simcompare.engine.scripting.source import Style
+from simcompare.engine.scripting.text import number
+from simcompare.engine.scripting.trace import Dialect
 
 _SLIDE = (
     "def slide(parent, child, heading, start, ahead_s=0):",

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from collections.abc import Mapping as MappingOf
 from dataclasses import replace
 
@@ -11,11 +10,26 @@ import numpy as np
 
 from simcompare import units
 from simcompare.errors import InputError
-from simcompare.hardware.conditioning import intervals, naming
+from simcompare.hardware.conditioning.clock import (
+    intervals,
+    time_gaps,
+    time_order,
+    time_quantised,
+    time_unit,
+)
+from simcompare.hardware.conditioning.units import inertial, naming, plausible_units
+from simcompare.hardware.conditioning.values import (
+    angle_wrap,
+    counter_wrap,
+    fill_gaps,
+    missing_values,
+    saturation,
+    truncated,
+)
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.logs.mapping import ChannelMap, Mapping
-from simcompare.hardware.logs.raw import RawColumn, RawLog, RawStream, blocks
-from simcompare.recording import (
+from simcompare.hardware.mapping import ChannelMap, Mapping
+from simcompare.hardware.raw import RawColumn, RawLog, RawStream, blocks
+from simcompare.model.recording import (
     INFO,
     Channel,
     Conversion,
@@ -25,24 +39,26 @@ from simcompare.recording import (
     Repair,
     Stream,
 )
-from simcompare.trajectory import Array
+from simcompare.model.trajectory import Array
 
-#: modules of this folder with ``check(work)``, in the order in which they run:
-#: first what is missing, then the clock, then what the values mean, then what can be filled
-CHECKS = (
-    "missing_values",
-    "time_unit",
-    "time_order",
-    "time_quantised",
-    "time_gaps",
-    "counter_wrap",
-    "angle_wrap",
-    "saturation",
-    "plausible_units",
-    "inertial",
-    "truncated",
-    "fill_gaps",
+#: in the order in which they run: first what is missing, then the clock, then what the values
+#: mean, then what can be filled
+CHECKS: tuple[Callable[[Work], None], ...] = (
+    missing_values.check,
+    time_unit.check,
+    time_order.check,
+    time_quantised.check,
+    time_gaps.check,
+    counter_wrap.check,
+    angle_wrap.check,
+    saturation.check,
+    plausible_units.check,
+    inertial.check,
+    truncated.check,
+    fill_gaps.check,
 )
+#: what comes later needs a clock that is in order
+_ALWAYS = (missing_values.check, time_unit.check)
 
 
 def condition(
@@ -114,10 +130,10 @@ def _checked(stream: RawStream, mapping: Mapping, assume_units: bool) -> Work:
     naming.prepare(work)
     # numbers near the largest there are may overflow while they are looked at; that is no fault
     with np.errstate(all="ignore"):
-        for name in CHECKS:
-            if work.faults and name not in ("missing_values", "time_unit"):
-                break  # what comes later needs a clock that is in order
-            importlib.import_module(f"simcompare.hardware.conditioning.{name}").check(work)
+        for check in CHECKS:
+            if work.faults and check not in _ALWAYS:
+                break
+            check(work)
     return work
 
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from simcompare.hardware.logs.mapping import ChannelMap, Mapping
-from simcompare.hardware.logs.raw import RawColumn, RawStream, blocks
-from simcompare.recording import INFO, REPAIR, WARNING, Repair, ranges
-from simcompare.trajectory import Array
+from simcompare.hardware.mapping import ChannelMap, Mapping
+from simcompare.hardware.raw import RawColumn, RawStream, blocks
+from simcompare.model.recording import INFO, REPAIR, WARNING, Repair, ranges
+from simcompare.model.trajectory import Array
 
 #: rows of one defect that are named; the count is always whole
 MOST_ROWS = 100_000

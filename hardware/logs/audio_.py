@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs import onsets
-from simcompare.hardware.logs.mapping import Mapping
-from simcompare.hardware.logs.raw import Head, RawColumn, RawLog, RawStream, Spool, blocks
-from simcompare.recording import INFO, Clock, Event, Repair
-from simcompare.trajectory import Array
+from simcompare.hardware.mapping import Mapping
+from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream, Spool, blocks
+from simcompare.hardware.sensors import sound_onsets
+from simcompare.model.recording import INFO, Clock, Event, Repair
+from simcompare.model.trajectory import Array
 
 TITLE = "a sound recording (WAV or FLAC)"
 #: values that are read together; fewer near a damaged place
@@ -149,7 +149,9 @@ def _impacts(columns: list[RawColumn], rate_Hz: float, coding: str) -> tuple[lis
     step = 2.0 ** (1 - _BITS.get(coding, 25))
     floor = step / 12**0.5
     best = max(columns, key=lambda column: _contrast(column.values, rate_Hz, floor))
-    found = onsets.onsets(functools.partial(_piece, best.values), len(best.values), rate_Hz, floor)
+    found = sound_onsets.onsets(
+        functools.partial(_piece, best.values), len(best.values), rate_Hz, floor
+    )
     events = [Event("impact", o.time_s, "log", o.u_s, o.peak) for o in found]
     alike = sum(o.alike > 0 for o in found)
     text = f"{len(found)} impacts were found in channel {best.name!r}"
@@ -170,8 +172,8 @@ def _contrast(values: Array, rate_Hz: float, floor: float) -> float:
     """Loudest millisecond over the median one."""
     loudest, usual = 0.0, []
     for part in blocks(len(values)):
-        heard = onsets.high_passed(np.array(values[part]), rate_Hz)
-        width = max(8, round(onsets.ENERGY_S * rate_Hz))
+        heard = sound_onsets.high_passed(np.array(values[part]), rate_Hz)
+        width = max(8, round(sound_onsets.ENERGY_S * rate_Hz))
         whole = len(heard) // width * width
         energy = (heard[:whole].reshape(-1, width) ** 2).mean(axis=1)
         if len(energy):

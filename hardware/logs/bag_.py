@@ -9,12 +9,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs.bag_files import Connection, State, reader_of
-from simcompare.hardware.logs.bag_stream import Finished, finish
-from simcompare.hardware.logs.bag_topic import EPOCH_NS, Topic
-from simcompare.hardware.logs.mapping import Mapping
-from simcompare.hardware.logs.raw import Head, RawLog
-from simcompare.recording import WARNING, Repair
+from simcompare.hardware.logs.bags.files import Connection, State, reader_of
+from simcompare.hardware.logs.bags.stream import Finished, finish
+from simcompare.hardware.logs.bags.topic import EPOCH_NS, Topic
+from simcompare.hardware.mapping import Mapping
+from simcompare.hardware.raw import Head, RawLog
+from simcompare.model.recording import WARNING, Repair
 
 TITLE = "a ROS bag (ROS 1, ROS 2 SQLite or MCAP)"
 

@@ -11,12 +11,15 @@ import numpy as np
 
 from simcompare import units
 from simcompare.errors import InputError
-from simcompare.hardware.logs import _dates, _rostopic, _sniff, _table, _text
-from simcompare.hardware.logs._sniff import Layout
-from simcompare.hardware.logs._state import Table
-from simcompare.hardware.logs.mapping import Mapping
-from simcompare.hardware.logs.raw import Head, RawColumn, RawLog, RawStream
-from simcompare.recording import INFO, Clock, Repair
+from simcompare.hardware.logs.text import dates as _dates
+from simcompare.hardware.logs.text import rostopic, sniff
+from simcompare.hardware.logs.text import table as _table
+from simcompare.hardware.logs.text import text as _text
+from simcompare.hardware.logs.text.sniff import Layout
+from simcompare.hardware.logs.text.state import Table
+from simcompare.hardware.mapping import Mapping
+from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream
+from simcompare.model.recording import INFO, Clock, Repair
 
 TITLE = "a table of text (CSV)"
 
@@ -34,11 +37,11 @@ def recognises(head: Head) -> int:
     if not lines or lines[0].lstrip().startswith(("{", "<", "[{", "[[")):
         return 0
     try:
-        layout = _sniff.sniff(_text.opened(str(head.path), lambda: head.path.open("rb")))
+        layout = sniff.sniff(_text.opened(str(head.path), lambda: head.path.open("rb")))
     except InputError as error:
         # a table in which something is wrong: its reader says what
         return 5 if any("line " in fault for fault in error.faults) else 0
-    if _rostopic.is_echo([name for name, _ in layout.names]):
+    if rostopic.is_echo([name for name, _ in layout.names]):
         return 40
     return 20 if len(layout.kinds) > 1 else 5
 
@@ -54,10 +57,10 @@ def read(path: Path, mapping: Mapping) -> RawLog:
 
 def read_source(source: _text.Source, mapping: Mapping) -> RawLog:
     """The same for a file within an archive."""
-    layout = _sniff.sniff(source, _text.wanted_names(mapping))
+    layout = sniff.sniff(source, _text.wanted_names(mapping))
     names = [name for name, _ in layout.names]
-    if _rostopic.is_echo(names):
-        layout = replace(layout, names=tuple(_rostopic.named(layout.names)))
+    if rostopic.is_echo(names):
+        layout = replace(layout, names=tuple(rostopic.named(layout.names)))
     times = _time_columns(layout)
     layout = _with_whole_stamps(source, layout, times)
     joined = _date_and_clock(layout)
@@ -72,8 +75,8 @@ def read_source(source: _text.Source, mapping: Mapping) -> RawLog:
                    rows=table.rows, truncated=table.truncated)],
         repairs=repairs, ignored=table.ignored, about=_text.about_of(layout.preamble),
     )  # fmt: skip
-    if _rostopic.is_echo(names):
-        _rostopic.finish(log)
+    if rostopic.is_echo(names):
+        rostopic.finish(log)
     _say_candidate(log, mapping)
     return log
 
@@ -105,7 +108,7 @@ def _with_whole_stamps(source: _text.Source, layout: Layout, times: Sequence[int
     if layout.first_line > len(source.head):
         return layout
     kinds = list(layout.kinds)
-    cells = _sniff.split(source.head[layout.first_line - 1], layout.separator)
+    cells = sniff.split(source.head[layout.first_line - 1], layout.separator)
     ros = [0] if layout.names[0][0] == "%time" else []
     for k in [*times, *ros]:
         if kinds[k] == "number" and k < len(cells) and re.fullmatch(r"\s*\d{16,19}\s*", cells[k]):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from simcompare.hardware.logs.raw import Head
+from simcompare.hardware.raw import Head
 
 _EXPORT = "export the numbers as CSV"
 _UNPACK = "unpack it and give the log inside"

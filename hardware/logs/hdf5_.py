@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs import arrays
-from simcompare.hardware.logs.arrays import Block
-from simcompare.hardware.logs.mapping import Mapping
-from simcompare.hardware.logs.raw import Head, RawColumn, RawLog, RawStream, Spool
-from simcompare.recording import INFO, Repair
+from simcompare.hardware.logs.binary import arrays
+from simcompare.hardware.logs.binary.arrays import Block
+from simcompare.hardware.mapping import Mapping
+from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream, Spool
+from simcompare.model.recording import INFO, Repair
 
 TITLE = "an HDF5 file"
 

@@ -20,8 +20,8 @@ from typing import Protocol, cast
 
 from simcompare.errors import EngineMissing, InputError, SimcompareError, UnknownName
 from simcompare.hardware.logs import foreign
-from simcompare.hardware.logs.mapping import Mapping
-from simcompare.hardware.logs.raw import Head, RawLog
+from simcompare.hardware.mapping import Mapping
+from simcompare.hardware.raw import Head, RawLog
 
 ENTRY_POINT_GROUP = "simcompare.importers"
 #: bytes by which a format is recognised

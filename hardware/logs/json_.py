@@ -13,10 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs import _records, _text
-from simcompare.hardware.logs._records import Faults
-from simcompare.hardware.logs.mapping import Mapping
-from simcompare.hardware.logs.raw import Head, RawLog
+from simcompare.hardware.logs.text import records as _records
+from simcompare.hardware.logs.text import text as _text
+from simcompare.hardware.logs.text.records import Faults
+from simcompare.hardware.mapping import Mapping
+from simcompare.hardware.raw import Head, RawLog
 
 TITLE = "JSON"
 

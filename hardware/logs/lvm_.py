@@ -10,13 +10,15 @@ from pathlib import Path
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs import _sniff, _table, _text
-from simcompare.hardware.logs._sniff import Layout
-from simcompare.hardware.logs._state import Table
-from simcompare.hardware.logs.mapping import Mapping
-from simcompare.hardware.logs.raw import Head, RawColumn, RawLog, RawStream
-from simcompare.recording import WARNING, Clock, Repair
-from simcompare.trajectory import Array
+from simcompare.hardware.logs.text import sniff
+from simcompare.hardware.logs.text import table as _table
+from simcompare.hardware.logs.text import text as _text
+from simcompare.hardware.logs.text.sniff import Layout
+from simcompare.hardware.logs.text.state import Table
+from simcompare.hardware.mapping import Mapping
+from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream
+from simcompare.model.recording import WARNING, Clock, Repair
+from simcompare.model.trajectory import Array
 
 TITLE = "a LabVIEW measurement file (LVM)"
 
@@ -229,7 +231,7 @@ def _layout(
     names += [""] * (len(kinds) - len(names))
     full = tuple((name, "") for name in names)
     given = (general.get("Decimal_Separator") or [""])[0].strip()
-    marks = (given, "", True) if given in (".", ",") else _sniff.marks(label, [
+    marks = (given, "", True) if given in (".", ",") else sniff.marks(label, [
         (line, [*cells, *[""] * len(kinds)][: len(kinds)]) for line, cells in rows
     ], kinds, full)  # fmt: skip
     return Layout(separator, segment.first, tuple(kinds), full, *marks, header_line=1,

@@ -13,12 +13,12 @@ from typing import Any, BinaryIO, cast
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs import _zip, arrays, torch_pickle
-from simcompare.hardware.logs.arrays import Block
+from simcompare.hardware.logs.binary import arrays, torch_pickle, zip_guard
+from simcompare.hardware.logs.binary.arrays import Block
 from simcompare.hardware.logs.hdf5_ import ambiguous, field_columns
-from simcompare.hardware.logs.mapping import Mapping
-from simcompare.hardware.logs.raw import Head, RawColumn, RawLog, RawStream, Spool
-from simcompare.recording import INFO, Repair
+from simcompare.hardware.mapping import Mapping
+from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream, Spool
+from simcompare.model.recording import INFO, Repair
 
 TITLE = "NumPy arrays or PyTorch tensors"
 
@@ -110,7 +110,7 @@ def _archive(path: Path, found: dict[str, _Array], log: RawLog, faults: list[str
                 with archive.open(member) as file:
                     name = member.filename.removesuffix(".npy")
                     _take(name, cast(BinaryIO, file), found, log, faults)
-    except _zip.ERRORS as error:
+    except zip_guard.ERRORS as error:
         raise InputError(
             str(path), [f"is a damaged archive of arrays: {error}; copy it again"]
         ) from None

@@ -8,11 +8,11 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs import arrays
-from simcompare.hardware.logs.arrays import Block
-from simcompare.hardware.logs.mapping import Mapping
-from simcompare.hardware.logs.raw import Head, RawColumn, RawLog, Spool
-from simcompare.recording import INFO, WARNING, Repair
+from simcompare.hardware.logs.binary import arrays
+from simcompare.hardware.logs.binary.arrays import Block
+from simcompare.hardware.mapping import Mapping
+from simcompare.hardware.raw import Head, RawColumn, RawLog, Spool
+from simcompare.model.recording import INFO, WARNING, Repair
 
 #: a connection to DuckDB, which has few types
 _Base: TypeAlias = Any

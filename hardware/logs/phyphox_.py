@@ -20,12 +20,15 @@ from pathlib import Path
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs import _sniff, _table, _text, _zip
-from simcompare.hardware.logs._sniff import Layout
-from simcompare.hardware.logs._state import Table
-from simcompare.hardware.logs.mapping import Mapping
-from simcompare.hardware.logs.raw import Head, RawColumn, RawLog, RawStream
-from simcompare.recording import INFO, WARNING, Clock, Event, Repair
+from simcompare.hardware.logs.binary import zip_guard
+from simcompare.hardware.logs.text import sniff
+from simcompare.hardware.logs.text import table as _table
+from simcompare.hardware.logs.text import text as _text
+from simcompare.hardware.logs.text.sniff import Layout
+from simcompare.hardware.logs.text.state import Table
+from simcompare.hardware.mapping import Mapping
+from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream
+from simcompare.model.recording import INFO, WARNING, Clock, Event, Repair
 
 TITLE = "an export of phyphox"
 
@@ -66,7 +69,7 @@ def _first_fits(path: Path, member: str) -> bool:
     try:
         with zipfile.ZipFile(path) as archive, archive.open(member) as file:
             return bool(_QUOTED.match(file.read(200).decode("utf-8", errors="replace")))
-    except _zip.ERRORS:
+    except zip_guard.ERRORS:
         return False
 
 
@@ -90,7 +93,7 @@ def read(path: Path, mapping: Mapping) -> RawLog:
                 _add(log, Path(name).stem, source, device)
             log.about |= device
             _clocks(log, meta.get("time.csv"))
-    except _zip.ERRORS as error:
+    except zip_guard.ERRORS as error:
         # a member that is cut, has a wrong checksum, or is encrypted
         raise InputError(where, [f"cannot be unpacked: {error}; export it again"]) from None
     if not log.streams:
@@ -118,7 +121,7 @@ def _pairs(source: _text.Source | None) -> dict[str, str]:
     """``"property","value"`` as a mapping."""
     if source is None:
         return {}
-    rows = [_sniff.split(line, _separator(source)) for line in source.head[1:] if line.strip()]
+    rows = [sniff.split(line, _separator(source)) for line in source.head[1:] if line.strip()]
     return {row[0]: row[1] for row in rows if len(row) > 1 and row[1] not in ("", "null")}
 
 
@@ -135,11 +138,11 @@ def _add(log: RawLog, name: str, source: _text.Source, device: dict[str, str]) -
         log.ignored[name] = "holds no samples"
         return
     separator = _separator(source)
-    names = _text.headings(_sniff.split(source.head[0], separator))
+    names = _text.headings(sniff.split(source.head[0], separator))
     kinds = ["number"] * len(names)
-    cells = [(line, _sniff.split(text, separator)) for line, text in rows]
+    cells = [(line, sniff.split(text, separator)) for line, text in rows]
     whole = [(line, row) for line, row in cells if len(row) == len(names)]
-    decimal, thousands, decided = _sniff.marks(source.label, whole, kinds, names)
+    decimal, thousands, decided = sniff.marks(source.label, whole, kinds, names)
     layout = Layout(separator, 2, tuple(kinds), tuple(names), decimal, thousands, decided,
                     header=source.head[0], header_line=1)  # fmt: skip
     table = _table.read(source, layout)
@@ -213,7 +216,7 @@ def _clocks(log: RawLog, source: _text.Source | None) -> None:
     separator = _separator(source)
     marks: list[tuple[str, float, float]] = []
     for line in source.head[1:]:
-        cells = _sniff.split(line, separator)
+        cells = sniff.split(line, separator)
         if len(cells) > 2 and cells[0] in ("START", "PAUSE"):
             values = [_text.number(cell.replace(",", ".")) for cell in cells[1:3]]
             if values[0] is not None and values[1] is not None:

@@ -14,12 +14,14 @@ from pathlib import Path
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs import _sniff, _table, _text
-from simcompare.hardware.logs._sniff import Layout
-from simcompare.hardware.logs._state import Table
-from simcompare.hardware.logs.mapping import Mapping
-from simcompare.hardware.logs.raw import Head, RawLog, RawStream
-from simcompare.recording import INFO, REPAIR, Clock, Repair, ranges
+from simcompare.hardware.logs.text import sniff
+from simcompare.hardware.logs.text import table as _table
+from simcompare.hardware.logs.text import text as _text
+from simcompare.hardware.logs.text.sniff import Layout
+from simcompare.hardware.logs.text.state import Table
+from simcompare.hardware.mapping import Mapping
+from simcompare.hardware.raw import Head, RawLog, RawStream
+from simcompare.model.recording import INFO, REPAIR, Clock, Repair, ranges
 
 TITLE = "an oscilloscope's CSV"
 
@@ -123,16 +125,16 @@ def _layout(label: str, lines: Sequence[str], first: int, names: Sequence[tuple[
             separator: str = ",") -> Layout:  # fmt: skip
     """Rows of numbers from a line on (counted from 0)."""
     rows = [
-        (i + 1, _padded(_sniff.split(lines[i], separator), len(names)))
+        (i + 1, _padded(sniff.split(lines[i], separator), len(names)))
         for i in range(first, min(len(lines), first + 300))
         if lines[i].strip()
     ]
     if not rows:
         raise InputError(label, [f"line {first + 1}: no samples follow the header"])
     kinds = ["number"] * len(names)
-    kinds += ["empty"] * (len(_sniff.split(lines[rows[0][0] - 1], separator)) - len(names))
+    kinds += ["empty"] * (len(sniff.split(lines[rows[0][0] - 1], separator)) - len(names))
     full = [*names, *(("", "") for _ in range(len(kinds) - len(names)))]
-    decimal, thousands, decided = _sniff.marks(label, rows, kinds, full)
+    decimal, thousands, decided = sniff.marks(label, rows, kinds, full)
     return Layout(
         separator, rows[0][0], tuple(kinds), tuple(full), decimal, thousands, decided,
         header_line=first, swaps=_INFINITE,
@@ -145,10 +147,10 @@ def _padded(cells: Sequence[str], width: int) -> list[str]:
 
 def _rigol(label: str, lines: Sequence[str]) -> Plan | None:
     """``X,CH1,Start,Increment`` and below it ``Sequence,Volt,-0.1,1e-6``."""
-    head = [cell.strip() for cell in _sniff.split(lines[0], ",")] if lines else []
+    head = [cell.strip() for cell in sniff.split(lines[0], ",")] if lines else []
     if len(head) < 4 or head[0] != "X" or head[-1 if head[-1] else -2] != "Increment":
         return None
-    below = [cell.strip() for cell in _sniff.split(lines[1], ",")] if len(lines) > 1 else []
+    below = [cell.strip() for cell in sniff.split(lines[1], ",")] if len(lines) > 1 else []
     at = head.index("Increment")
     start, step = (_text.number(c) for c in (_padded(below, at + 1))[at - 1 : at + 1])
     if start is None or step is None or not step > 0:
@@ -165,14 +167,14 @@ def _rigol(label: str, lines: Sequence[str]) -> Plan | None:
 
 def _left(label: str, lines: Sequence[str]) -> Plan | None:
     """Tektronix: settings in the left columns, time and value in the fourth and fifth."""
-    first = _sniff.split(lines[0], ",") if lines else []
+    first = sniff.split(lines[0], ",") if lines else []
     if len(first) < 5 or first[0].strip().lower() != "record length":
         return None
     if any(_text.number(cell) is None or not cell.strip() for cell in first[3:5]):
         return None
     about: dict[str, str] = {}
     for line in lines[:40]:
-        cells = [cell.strip() for cell in _sniff.split(line, ",")]
+        cells = [cell.strip() for cell in sniff.split(line, ",")]
         if cells and cells[0]:
             about[cells[0]] = " ".join(cell for cell in cells[1:3] if cell)
     low = {key.lower(): value for key, value in about.items()}
@@ -191,7 +193,7 @@ def _keyed(label: str, lines: Sequence[str]) -> Plan | None:
     """Tektronix, Siglent: lines ``key,value``, then ``TIME,CH1`` or ``Second,Volt``."""
     keys = 0
     for i, line in enumerate(lines[:60]):
-        cells = [cell.strip() for cell in _sniff.split(line.lstrip("#"), ",")]
+        cells = [cell.strip() for cell in sniff.split(line.lstrip("#"), ",")]
         key = cells[0].lower() if cells else ""
         if keys >= 3 and re.fullmatch(r"time|second|time ?\(s\)", key) and len(cells) > 1:
             return _after_keys(label, lines, i, [cell for cell in cells if cell])
@@ -204,7 +206,7 @@ def _keyed(label: str, lines: Sequence[str]) -> Plan | None:
 def _after_keys(label: str, lines: Sequence[str], header: int, cells: Sequence[str]) -> Plan:
     about = {}
     for line in lines[:header]:
-        key, *values = (cell.strip() for cell in _padded(_sniff.split(line.lstrip("#"), ","), 2))
+        key, *values = (cell.strip() for cell in _padded(sniff.split(line.lstrip("#"), ","), 2))
         if key and any(values):
             about[key] = ", ".join(value for value in values if value)
     low = {key.lower(): [v.strip() for v in value.split(",")] for key, value in about.items()}
@@ -227,7 +229,7 @@ def _keysight(label: str, lines: Sequence[str]) -> Plan | None:
     """``x-axis,1,2`` and below it ``second,Volt,Volt``."""
     if len(lines) < 2 or not lines[0].lower().startswith("x-axis"):
         return None
-    head, below = (_sniff.split(line, ",") for line in lines[:2])
+    head, below = (sniff.split(line, ",") for line in lines[:2])
     names = [("time", unit(below[0]) if below else "")]
     for i, text in enumerate(head[1:], start=1):
         name = text.strip()
@@ -242,7 +244,7 @@ def _pico(label: str, lines: Sequence[str]) -> Plan | None:
     if len(lines) < 2 or "(" not in lines[1]:
         return None
     separator = max(",;\t", key=lines[1].count)
-    head, below = ([c.strip() for c in _sniff.split(line, separator)] for line in lines[:2])
+    head, below = ([c.strip() for c in sniff.split(line, separator)] for line in lines[:2])
     while head and not head[-1]:
         head.pop()
     below = below[: len(head)]
@@ -259,7 +261,7 @@ def _pico(label: str, lines: Sequence[str]) -> Plan | None:
 
 def _schwarz(label: str, lines: Sequence[str]) -> Plan | None:
     """``in s,C1 in V,C2 in V``."""
-    cells = [cell.strip() for cell in _sniff.split(lines[0], ",")] if lines else []
+    cells = [cell.strip() for cell in sniff.split(lines[0], ",")] if lines else []
     parts = [re.fullmatch(r"(.*?)\s?\bin (\S+)", cell) for cell in cells if cell]
     if len(parts) < 2 or not all(parts) or parts[0] is None or parts[0][1]:
         return None

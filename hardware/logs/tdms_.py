@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs import arrays
-from simcompare.hardware.logs.arrays import Block
-from simcompare.hardware.logs.mapping import Mapping
-from simcompare.hardware.logs.raw import BLOCK, Head, RawColumn, RawLog, RawStream, Spool
-from simcompare.recording import WARNING, Clock, Repair
+from simcompare.hardware.logs.binary import arrays
+from simcompare.hardware.logs.binary.arrays import Block
+from simcompare.hardware.mapping import Mapping
+from simcompare.hardware.raw import BLOCK, Head, RawColumn, RawLog, RawStream, Spool
+from simcompare.model.recording import WARNING, Clock, Repair
 
 TITLE = "a LabVIEW TDMS file"
 

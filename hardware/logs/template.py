@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 
 from simcompare import units
-from simcompare.hardware.conditioning.naming import slug
-from simcompare.hardware.logs.mapping import UNKNOWN
-from simcompare.hardware.logs.raw import RawColumn, RawLog
+from simcompare.hardware.conditioning.units.naming import slug
+from simcompare.hardware.mapping import UNKNOWN
+from simcompare.hardware.raw import RawColumn, RawLog
 
 
 def of_log(raw: RawLog, name: str, kind: str) -> str:

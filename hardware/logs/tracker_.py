@@ -16,11 +16,13 @@ from pathlib import Path
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs import _sniff, _table, _text
-from simcompare.hardware.logs._sniff import Layout
-from simcompare.hardware.logs.mapping import Mapping
-from simcompare.hardware.logs.raw import Head, RawColumn, RawLog, RawStream
-from simcompare.recording import INFO, Clock, Repair
+from simcompare.hardware.logs.text import sniff
+from simcompare.hardware.logs.text import table as _table
+from simcompare.hardware.logs.text import text as _text
+from simcompare.hardware.logs.text.sniff import Layout
+from simcompare.hardware.mapping import Mapping
+from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream
+from simcompare.model.recording import INFO, Clock, Repair
 
 TITLE = "a text export of Tracker"
 
@@ -83,10 +85,10 @@ def _separator(lines: Sequence[str], at: int) -> str:
     """What separates the header below the line of names, empty where there is no such header."""
     header = _line(lines, at + 1)
     for separator in "\t;, ":
-        cells = [cell.strip() for cell in _sniff.split(header, separator)]
+        cells = [cell.strip() for cell in sniff.split(header, separator)]
         if len(cells) < 2 or cells[0] != "t":
             continue
-        names = [cell.strip() for cell in _sniff.split(_line(lines, at), separator)]
+        names = [cell.strip() for cell in sniff.split(_line(lines, at), separator)]
         if separator == " ":
             names = [_line(lines, at).strip()]
         known = [bool(_VARIABLES.fullmatch(c)) for c in cells[1:] if c]
@@ -100,8 +102,8 @@ def _separator(lines: Sequence[str], at: int) -> str:
 
 def _layout(label: str, lines: Sequence[str], at: int, separator: str) -> tuple[Layout, list[str]]:
     """The layout of the rows, and the names of the tracks."""
-    above = [cell.strip() for cell in _sniff.split(lines[at], separator)]
-    cells = [cell.strip() for cell in _sniff.split(lines[at + 1], separator)]
+    above = [cell.strip() for cell in sniff.split(lines[at], separator)]
+    cells = [cell.strip() for cell in sniff.split(lines[at + 1], separator)]
     if separator == " ":
         above = [lines[at].strip()]
     while cells and not cells[-1]:
@@ -109,7 +111,7 @@ def _layout(label: str, lines: Sequence[str], at: int, separator: str) -> tuple[
     tracks = [name for name in above if name]
     names = _named(above, cells, several=len(tracks) > 1)
     first = at + 2
-    rows = [(i + 1, _sniff.split(lines[i], separator)) for i in range(first, len(lines))
+    rows = [(i + 1, sniff.split(lines[i], separator)) for i in range(first, len(lines))
             if lines[i].strip()][:500]  # fmt: skip
     if not rows:
         raise InputError(label, [f"line {first + 1}: no rows follow the header"])
@@ -125,7 +127,7 @@ def _layout(label: str, lines: Sequence[str], at: int, separator: str) -> tuple[
     kinds = ["number"] * len(cells) + ["empty"] * (width - len(cells))
     full = [*names, *(("", "") for _ in range(width - len(cells)))]
     padded = [(line, [*row, *[""] * width][:width]) for line, row in rows]
-    decimal, thousands, decided = _sniff.marks(label, padded, kinds, full)
+    decimal, thousands, decided = sniff.marks(label, padded, kinds, full)
     return Layout(separator, first + 1, tuple(kinds), tuple(full), decimal, thousands, decided,
                   header=lines[at + 1], header_line=at + 2), tracks  # fmt: skip
 

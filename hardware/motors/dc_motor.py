@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from simcompare.trajectory import Array
+from simcompare.model.trajectory import Array
 
 #: where the constants of a motor are valid [K]: 20 °C
 REFERENCE_K = 293.15

@@ -17,7 +17,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from simcompare.errors import EngineMissing, InputError, OutputError, UnknownName
-from simcompare.yaml_file import describe, faults_of, read_yaml
+from simcompare.model.yaml_file import describe, faults_of, read_yaml
 
 #: environment variable with a folder that holds the recordings
 FOLDER_VARIABLE = "SIMCOMPARE_DATA"

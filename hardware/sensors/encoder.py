@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from simcompare.trajectory import Array
+from simcompare.model.trajectory import Array
 
 
 def gate_resolution(marks: int, gate_s: float) -> float:

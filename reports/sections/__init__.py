@@ -11,7 +11,7 @@ from simcompare.reports.sections.contrast import Contrast
 from simcompare.reports.sections.curves import Curves
 from simcompare.reports.sections.energy import Energy
 from simcompare.reports.sections.events import Events
-from simcompare.reports.sections.fitted import (
+from simcompare.reports.sections.fit_bounces import (
     FitAnswer,
     FitEngines,
     FitForms,
@@ -21,11 +21,21 @@ from simcompare.reports.sections.fitted import (
     FitOthers,
     FitSpeed,
 )
+from simcompare.reports.sections.fit_waveforms import (
+    WavesAnswer,
+    WavesEngines,
+    WavesHeldOut,
+    WavesKnown,
+)
 from simcompare.reports.sections.given import Given
 from simcompare.reports.sections.headline import Headline
 from simcompare.reports.sections.limits import Limits
 from simcompare.reports.sections.measured import Measured
-from simcompare.reports.sections.real import (
+from simcompare.reports.sections.scores import Scores
+from simcompare.reports.sections.setup import Setup
+from simcompare.reports.sections.signals import Signals
+from simcompare.reports.sections.tuning import Tuning
+from simcompare.reports.sections.validation import (
     Gap,
     Parameters,
     RealAnswer,
@@ -34,11 +44,6 @@ from simcompare.reports.sections.real import (
     Source,
     Timings,
 )
-from simcompare.reports.sections.scores import Scores
-from simcompare.reports.sections.setup import Setup
-from simcompare.reports.sections.signals import Signals
-from simcompare.reports.sections.tuning import Tuning
-from simcompare.reports.sections.waves import WavesAnswer, WavesEngines, WavesHeldOut, WavesKnown
 
 #: in the order in which a reader wants them
 SECTIONS: tuple[Section, ...] = (

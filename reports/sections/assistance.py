@@ -6,14 +6,15 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from simcompare.engine.helps import HELPS
-from simcompare.jobs import OK
-from simcompare.reports import numbers, runs
-from simcompare.reports.lead import lead_of
+from simcompare.model.scenario import Tolerance
+from simcompare.reports.render import numbers
+from simcompare.reports.render.tables import Column, Group, Table
+from simcompare.reports.run import runs
+from simcompare.reports.run.lead import lead_of
 from simcompare.reports.sections.base import Section
 from simcompare.reports.sections.parts import parts_of
-from simcompare.reports.tables import Column, Group, Table
-from simcompare.results import Run
-from simcompare.scenario import Tolerance
+from simcompare.results.run import Run
+from simcompare.running.jobs import OK
 
 _SHORT = (
     Column("Help", text=True, whole=True),

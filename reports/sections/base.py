@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Any
 
-from simcompare.results import Run
+from simcompare.results.run import Run
 
 
 class Section(ABC):

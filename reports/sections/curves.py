@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.reports import curves
+from simcompare.reports.run import curves
 from simcompare.reports.sections.base import Section
-from simcompare.results import Run
+from simcompare.results.run import Run
 
 
 class Curves(Section):

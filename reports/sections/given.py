@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from simcompare.reports import numbers, runs
-from simcompare.reports.audit import LEFT, SAME, TRANSLATED, UNREAD, state_of
+from simcompare.model.settings import SHOWN_LEVELS
+from simcompare.reports.render import numbers
+from simcompare.reports.run import runs
+from simcompare.reports.run.audit import LEFT, SAME, TRANSLATED, UNREAD, state_of
 from simcompare.reports.sections.base import Section
-from simcompare.results import Run
-from simcompare.settings import SHOWN_LEVELS
+from simcompare.results.run import Run
 
 _WORDS = {
     SAME: "",

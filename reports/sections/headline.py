@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.compare import FAIL, PASS
-from simcompare.jobs import OK
-from simcompare.reports import by_step, curves, remarks, runs, timelines, words
-from simcompare.reports.figures import Figure, style_of
-from simcompare.reports.lead import Lead, lead_of
-from simcompare.reports.leading import leading_figure
+from simcompare.compare.comparison import FAIL, PASS
+from simcompare.model.settings import DEFAULT, SHOWN_LEVELS, TUNED
+from simcompare.reports.render.figures import Figure, style_of
+from simcompare.reports.run import by_step, curves, remarks, runs, timelines, words
+from simcompare.reports.run.lead import Lead, lead_of
+from simcompare.reports.run.leading import leading_figure
 from simcompare.reports.sections.base import Section
-from simcompare.results import Run
-from simcompare.settings import DEFAULT, SHOWN_LEVELS, TUNED
+from simcompare.results.run import Run
+from simcompare.running.jobs import OK
 
 #: never told by colour alone
 _MARKS = {PASS: "✓", FAIL: "✗"}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from simcompare.reports.sections.base import Section
-from simcompare.results import Run
+from simcompare.results.run import Run
 
 
 class Limits(Section):

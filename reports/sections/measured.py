@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.reports import measured, numbers, runs
-from simcompare.reports.figures import style_of
-from simcompare.reports.listing import count_of
+from simcompare.reports.render import numbers
+from simcompare.reports.render.figures import style_of
+from simcompare.reports.run import measured, runs
+from simcompare.reports.run.listing import count_of
 from simcompare.reports.sections.base import Section
-from simcompare.results import Run
+from simcompare.results.run import Run
 
 _WORDS = {
     True: ("✓", "consistent with the measurement"),

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from simcompare.notation import sentence
-from simcompare.reports.figures import Figure
-from simcompare.reports.tables import Table, printable
+from simcompare.reports.render.figures import Figure
+from simcompare.reports.render.tables import Table, printable
 
 
 def parts_of(

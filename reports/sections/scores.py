@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.compare import FAIL, INFO, PASS, Score
-from simcompare.jobs import OK
-from simcompare.reports import numbers, runs
-from simcompare.reports.figures import style_of
+from simcompare.compare.comparison import FAIL, INFO, PASS, Score
+from simcompare.model.settings import SHOWN_LEVELS
+from simcompare.model.trajectory import TRUTH
+from simcompare.reports.render import numbers
+from simcompare.reports.render.figures import style_of
+from simcompare.reports.run import runs
 from simcompare.reports.sections.base import Section
-from simcompare.results import TRUTH, Run
-from simcompare.settings import SHOWN_LEVELS
+from simcompare.results.run import Run
+from simcompare.running.jobs import OK
 
 #: never told by colour alone
 _VERDICTS = {PASS: "✓ pass", FAIL: "✗ fail", INFO: "· shown"}

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from simcompare import units
-from simcompare.reports import numbers, runs
-from simcompare.reports.reproduce import command, scripts
+from simcompare.reports.render import numbers
+from simcompare.reports.run import runs
+from simcompare.reports.run.reproduce import command, scripts
 from simcompare.reports.sections.base import Section
-from simcompare.results import Run
+from simcompare.results.run import Run
 
 
 class Setup(Section):

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from simcompare.reports import numbers
-from simcompare.reports.remarks import typed
+from simcompare.model.settings import ASSISTED
+from simcompare.reports.render import numbers
+from simcompare.reports.render.tables import Column, Group, of_engines
+from simcompare.reports.run.remarks import typed
 from simcompare.reports.sections.base import Section
 from simcompare.reports.sections.parts import parts_of
-from simcompare.reports.tables import Column, Group, of_engines
-from simcompare.results import Run
-from simcompare.settings import ASSISTED
+from simcompare.results.run import Run
 
 _COLUMNS = (
     Column("Impact at (m/s)"),

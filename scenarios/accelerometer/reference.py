@@ -27,8 +27,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from simcompare.signals import SineSteps
-from simcompare.trajectory import Array
+from simcompare.model.signals import SineSteps
+from simcompare.model.trajectory import Array
 
 #: frequencies of the dwells over the natural one, as the scenario has them
 RATIOS = (0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0)

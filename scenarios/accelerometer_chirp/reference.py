@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from simcompare.model.signals import Chirp
+from simcompare.model.trajectory import Array
 from simcompare.scenarios.accelerometer.reference import force_amplitude, motion
-from simcompare.signals import Chirp
-from simcompare.trajectory import Array
 
 #: where the sweep starts and ends, over the natural frequency, as the scenario has it
 START, END = 0.025, 4.0

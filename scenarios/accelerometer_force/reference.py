@@ -10,9 +10,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from simcompare.model.signals import SineSteps, Step
+from simcompare.model.trajectory import Array
 from simcompare.scenarios.accelerometer.reference import FREE, pieces
-from simcompare.signals import SineSteps, Step
-from simcompare.trajectory import Array
 
 #: what the scenario shakes with [Hz], how long each [s], and when it is pushed after that [s]
 FREQUENCIES_HZ, DWELL_S, PUSH_S = (10.0, 20.0, 50.0), 0.1, 0.3

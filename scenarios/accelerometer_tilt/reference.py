@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from simcompare.trajectory import Array
+from simcompare.model.trajectory import Array
 
 
 def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array]:

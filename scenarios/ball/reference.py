@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from simcompare.trajectory import Array
+from simcompare.model.trajectory import Array
 
 #: flights shorter than this part of the first fall are not resolved; the ball is at rest
 SHORTEST_FLIGHT = 1e-9

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from simcompare.trajectory import Array
+from simcompare.model.trajectory import Array
 
 #: at sea level: pressure [Pa] and temperature [K]; fall of temperature with height [K/m]
 SEA_LEVEL_PA = 101325.0

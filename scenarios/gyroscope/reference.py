@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from simcompare.trajectory import Array
+from simcompare.model.trajectory import Array
 
 #: corners of the torque, in times of one flank, and its values over that of speeding up
 CORNERS = (0.0, 1.0, 4.0, 5.0, 8.0, 9.0, 15.0, 16.0)

@@ -28,10 +28,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.pieces import Pieces, edges_of, places
-from simcompare.rotations import conjugate, multiply, rotate
-from simcompare.signals import Signal
-from simcompare.trajectory import Array
+from simcompare.model.rotations import conjugate, multiply, rotate
+from simcompare.model.signals import Signal
+from simcompare.model.trajectory import Array
+from simcompare.scenarios.linear_response import Pieces, edges_of, places
 
 STAGES, RINGS = ("x", "y", "z"), ("yaw", "pitch", "roll")
 #: moments of inertia of the rings and the carriage over that of the carriage

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from simcompare.trajectory import Array
+from simcompare.model.trajectory import Array
 
 #: longest step of the integration [s]; between its steps it interpolates to the seventh order
 LONGEST_STEP_S = 0.005

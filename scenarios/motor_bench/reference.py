@@ -15,7 +15,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.trajectory import Array
+from simcompare.model.trajectory import Array
 
 
 def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array]:

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from simcompare.errors import InputError
+from simcompare.model.signals import Constant, Ramp, Signal, Step, Table
+from simcompare.model.trajectory import Array
 from simcompare.scenarios.pendulum_torque.reference import corners
-from simcompare.signals import Constant, Ramp, Signal, Step, Table
-from simcompare.trajectory import Array
 
 #: halvings in which an instant is looked for
 HALVINGS = 80

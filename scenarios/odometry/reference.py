@@ -25,10 +25,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from simcompare.pieces import Pieces, edges_of, places
-from simcompare.rotations import quaternions_of
-from simcompare.signals import Signal
-from simcompare.trajectory import Array
+from simcompare.model.rotations import quaternions_of
+from simcompare.model.signals import Signal
+from simcompare.model.trajectory import Array
+from simcompare.scenarios.linear_response import Pieces, edges_of, places
 
 #: longest piece in time constants: errors below 1e-13
 LONGEST_IN_LAGS = 2.0

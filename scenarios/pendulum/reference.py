@@ -21,7 +21,7 @@ from operator import mul
 import numpy as np
 from numpy.typing import NDArray
 
-from simcompare.trajectory import Array
+from simcompare.model.trajectory import Array
 
 #: terms of a series
 TERMS = 26

@@ -22,8 +22,8 @@ from operator import mul
 
 import numpy as np
 
+from simcompare.model.trajectory import Array
 from simcompare.scenarios.pendulum.reference import TERMS, evaluated, reach, value_at
-from simcompare.trajectory import Array
 
 #: longest step [s] for links that fall within 1/ω = 1 s
 LONGEST_STEP = 0.5

@@ -13,9 +13,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from simcompare.model.signals import Signal
+from simcompare.model.trajectory import Array
 from simcompare.scenarios.pendulum_torque.reference import Pendulum, motion
-from simcompare.signals import Signal
-from simcompare.trajectory import Array
 
 
 def pendulum_of(parameters: Mapping[str, float]) -> Pendulum:

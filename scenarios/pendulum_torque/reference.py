@@ -20,8 +20,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from simcompare.signals import Ramp, Signal, SineSteps, Step, Table
-from simcompare.trajectory import Array
+from simcompare.model.signals import Ramp, Signal, SineSteps, Step, Table
+from simcompare.model.trajectory import Array
 
 #: longest step [s], and longest step in radians of the fastest natural frequency
 LONGEST_STEP_S = 0.001

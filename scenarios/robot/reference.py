@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from simcompare.model.trajectory import Array
 from simcompare.scenarios.robot.straight import Forces, Straight
-from simcompare.trajectory import Array
 
 #: (time [s], torque of each wheel [N·m]) where a torque begins or bends
 Knots = Sequence[tuple[float, float]]

@@ -10,9 +10,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from simcompare.model.trajectory import Array
 from simcompare.scenarios.robot import reference as robot
 from simcompare.scenarios.robot.straight import Straight
-from simcompare.trajectory import Array
 
 
 def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array]:

@@ -20,9 +20,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from simcompare.model.trajectory import Array
 from simcompare.scenarios.robot.reference import SIDES, Motion, robot_signals
 from simcompare.scenarios.robot.straight import Forces, Straight
-from simcompare.trajectory import Array
 
 
 @dataclass(frozen=True)

@@ -24,8 +24,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.rotations import multiply, quaternions_of
-from simcompare.trajectory import Array
+from simcompare.model.rotations import multiply, quaternions_of
+from simcompare.model.trajectory import Array
 
 #: of the integration, relative and absolute: a thousandth of what the tests ask for
 TOLERANCE = 1e-12

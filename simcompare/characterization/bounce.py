@@ -12,14 +12,14 @@ import numpy as np
 
 from simcompare.characterization.grids import first_edge, geometric
 from simcompare.engine.backend import Backend, EngineBackend, refuse
+from simcompare.engine.calibration import cache
+from simcompare.engine.calibration.calibration import CannotCalibrate
+from simcompare.engine.calibration.drops import even_phases
+from simcompare.engine.calibration.engine_drops import CLEAR_M, PAIR, EngineDrops
+from simcompare.engine.calibration.tuned import calibrate
 from simcompare.engine.helps import LANDING
 from simcompare.errors import SimulationDiverged, Unsupported
-from simcompare.settings import ASSISTED, TUNED, DropPlan, Settings
-from simcompare.tuning import cache
-from simcompare.tuning.calibration import CannotCalibrate
-from simcompare.tuning.drops import even_phases
-from simcompare.tuning.engine_drops import CLEAR_M, PAIR, EngineDrops
-from simcompare.tuning.tuned import calibrate
+from simcompare.model.settings import ASSISTED, TUNED, DropPlan, Settings
 
 #: drops at each speed and step, at even phases of the step
 PHASES = 25

@@ -14,8 +14,8 @@ from simcompare.characterization.question import Question
 from simcompare.characterization.scenes import G_M_S2, over_steps, run, scene
 from simcompare.engine.backend import Backend
 from simcompare.errors import BackendError, Unsupported
-from simcompare.scenario import Scenario
-from simcompare.trajectory import Array
+from simcompare.model.scenario import Scenario
+from simcompare.model.trajectory import Array
 
 #: mass of the block, of the base that is moved, and of what is welded to it [kg]
 _BLOCK_KG, _BASE_KG, _WELDED_KG = 0.5, 1.0, 0.1

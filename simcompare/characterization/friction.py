@@ -12,8 +12,8 @@ from simcompare.characterization.grids import STEPS_S
 from simcompare.characterization.question import Question
 from simcompare.characterization.scenes import G_M_S2, over_steps, run, scene
 from simcompare.engine.backend import Backend
-from simcompare.scenario import Scenario
-from simcompare.trajectory import Array, Trajectory
+from simcompare.model.scenario import Scenario
+from simcompare.model.trajectory import Array, Trajectory
 
 #: the block's edges [m]; it is so low that it does not tip at the largest load
 SIZE_M = (0.12, 0.12, 0.03)

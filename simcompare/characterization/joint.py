@@ -15,8 +15,8 @@ from simcompare.characterization.question import Question
 from simcompare.characterization.scenes import over_steps, run, scene
 from simcompare.engine.backend import Backend
 from simcompare.errors import BackendError
-from simcompare.scenario import Scenario
-from simcompare.trajectory import Array
+from simcompare.model.scenario import Scenario
+from simcompare.model.trajectory import Array
 
 #: moment of inertia and armature [kg·m²]; torque of the motor [N·m]
 _INERTIA, _ARMATURE, _TORQUE = 1e-3, 1.5e-3, 0.05

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
 from simcompare.engine.backend import Backend
-from simcompare.tuning import cache
+from simcompare.engine.calibration import cache
 
 
 @dataclass(frozen=True)

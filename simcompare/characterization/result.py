@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from simcompare.jobs import exit_code_of
+from simcompare.running.jobs import exit_code_of
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ from typing import Any
 
 from simcompare.engine.backend import Backend
 from simcompare.errors import BackendError
-from simcompare.scenario import Scenario
-from simcompare.settings import Settings
-from simcompare.trajectory import Trajectory
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import Settings
+from simcompare.model.trajectory import Trajectory
 
 #: standard gravity [m/s²]
 G_M_S2 = 9.80665

@@ -66,24 +66,25 @@ def characterize(
 
 
 def _write(result: Characterization, figures: str | None, *, report: bool) -> list[Path]:
-    from simcompare.reports import characterized
+    from simcompare.reports.characterization import page
 
     assert result.folder is not None
     written = []
     if figures is not None:
-        written += characterized.write_figures(result, result.folder / "figures", figures)
+        written += page.write_figures(result, result.folder / "figures", figures)
     if report:
-        written.append(characterized.write_html(result, result.folder / "report.html"))
+        written.append(page.write_html(result, result.folder / "report.html"))
     return written
 
 
 def _print(result: Characterization, written: list[Path], *, details: bool) -> None:
     """The answer in sentences, what did not run, and the tables where they are wanted."""
     from simcompare.cli import console
-    from simcompare.reports import characterized, characterized_tables
+    from simcompare.reports.characterization import page
+    from simcompare.reports.characterization import tables as characterized_tables
 
     sentences = [one["text"] for one in result.record["sentences"] if one["leads"]]
-    console.print_wrapped(map(characterized.tied, sentences))
+    console.print_wrapped(map(page.tied, sentences))
     for name in result.record["experiments"]:
         if details:
             _print_table(result, name)
@@ -95,7 +96,8 @@ def _print(result: Characterization, written: list[Path], *, details: bool) -> N
 
 def _print_table(result: Characterization, name: str) -> None:
     from simcompare.cli import console
-    from simcompare.reports import characterized_tables, tables
+    from simcompare.reports.characterization import tables as characterized_tables
+    from simcompare.reports.render import tables
 
     width = min(console.width(), 100)
     typer.echo(f"\n{name}, at {1e3 * result.record['step_s']:g} ms")

@@ -5,14 +5,14 @@ from __future__ import annotations
 
 def scenarios(incomplete: str) -> list[str]:
     """Names of scenarios."""
-    from simcompare import catalogue
+    from simcompare.scenarios import catalogue
 
     return [name for name in catalogue.names() if name.startswith(incomplete)]
 
 
 def engines(incomplete: str) -> list[str]:
     """Names of engines and of their variants, also as the next one of a list with commas."""
-    from simcompare import engines as known
+    from simcompare.engine import engines as known
 
     before, comma, last = incomplete.rpartition(",")
     taken = before.split(",")
@@ -34,7 +34,7 @@ def contact_levels(incomplete: str) -> list[str]:
 
 def tables(incomplete: str) -> list[str]:
     """Published tables of measured bounces; the shell itself adds files."""
-    from simcompare.hardware.logs import bounce_table
+    from simcompare.hardware.recordings import bounce_table
 
     return [name for name in bounce_table.facts() if name.startswith(incomplete)]
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 if TYPE_CHECKING:
-    from simcompare.runner import Progress
+    from simcompare.running.runner import Progress
 
 
 #: what stands on both sides of it stays on one line

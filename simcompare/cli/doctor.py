@@ -9,18 +9,18 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from simcompare.elsewhere import Elsewhere
+    from simcompare.engine.elsewhere import Elsewhere
 
 
 def doctor(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
     """Engines found, versions, features, known limits, a self-test, and what is missing."""
-    from simcompare import doctor as examination
-    from simcompare import elsewhere
     from simcompare.cli import console
+    from simcompare.engine import elsewhere
     from simcompare.engine.helps import known
-    from simcompare.jobs import FAILED
+    from simcompare.running import doctor as examination
+    from simcompare.running.jobs import FAILED
 
     found = examination.doctor()
     not_here = elsewhere.others([diagnosis.engine for diagnosis in found])
@@ -52,7 +52,7 @@ def doctor(
 
 def _tell_elsewhere(engines: Sequence[Elsewhere]) -> None:
     """Engines that cannot run here: why, how a scene gets there, and how results come back."""
-    from simcompare import elsewhere
+    from simcompare.engine import elsewhere
 
     typer.echo("\nEngines that cannot run here")
     typer.echo(elsewhere.UNTRIED)

@@ -105,7 +105,7 @@ def _script(asked: dict[str, Any], out: Path | None, *, as_json: bool) -> None:
     """Writes a script, and beside it the file of inputs that it may need."""
     from simcompare.cli import console
     from simcompare.errors import InputError
-    from simcompare.scripts import write
+    from simcompare.exporters.scripts import write
 
     if out is not None and not out.is_dir() and out.suffix != ".py":
         raise InputError(f"--out {out}", ["a script is a file that ends with .py"])
@@ -154,9 +154,9 @@ def _print_contact_values(
     scenario: str, fit: str | None, options: Mapping[str, object], out: Path | None
 ) -> None:
     """Prints, or writes, the contact values of a fit, which has all else in it."""
-    from simcompare import catalogue
     from simcompare.errors import InputError
-    from simcompare.fitting import fit_file
+    from simcompare.results import fit_file
+    from simcompare.scenarios import catalogue
 
     if fit is None:
         raise InputError("--contact-values", ["needs a fit; give --fit fit.json"])

@@ -65,7 +65,7 @@ def fit(
     """Fit contact parameters to measured bounces, on every engine, with uncertainty."""
     from simcompare import units
     from simcompare.cli import console, fit_tables
-    from simcompare.fitting import fitting
+    from simcompare.verbs import fit as fitting
 
     with console.progress_bar(scenario) as progress:
         result = fitting.fit(
@@ -104,7 +104,7 @@ def _priors(texts: list[str]) -> dict[str, tuple[float, float]]:
     from simcompare import units
     from simcompare.cli import console
     from simcompare.errors import InputError, UnknownName
-    from simcompare.fitting.bounce_models import DEFAULTS
+    from simcompare.fitting.bounces.bounce_models import DEFAULTS
 
     found = {}
     for given, text in console.pairs(texts, "--prior").items():

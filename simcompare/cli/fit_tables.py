@@ -10,10 +10,10 @@ import typer
 
 from simcompare import notation
 from simcompare.cli import console
-from simcompare.settings import TUNED
+from simcompare.model.settings import TUNED
 
 if TYPE_CHECKING:
-    from simcompare.results import Run
+    from simcompare.results.run import Run
 
 
 def show(result: Run, written: Path | None) -> None:
@@ -72,7 +72,7 @@ def _print_places(result: Run, folder: Path) -> None:
 
 def _has_scripts(engine: str) -> bool:
     """Whether scenes of an engine can be written as scripts."""
-    from simcompare import engines
+    from simcompare.engine import engines
 
     backend = engines.get(engine) if engine in engines.names() else None
     return bool(getattr(backend, "script_module", ""))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 if TYPE_CHECKING:
-    from simcompare.recording import Provenance, Recording
+    from simcompare.model.recording import Provenance, Recording
 
 #: rows of a repair that are printed; recording.json has all
 _SHOWN = 5
@@ -44,8 +44,9 @@ def import_(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
     """Read a log of a real device; everything noticed or repaired is recorded."""
-    from simcompare import importing, recording_store
     from simcompare.cli import console
+    from simcompare.hardware import importing
+    from simcompare.model import recording_store
 
     if template:
         typer.echo(importing.template(log, kind=kind), nl=False)

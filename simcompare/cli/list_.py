@@ -9,7 +9,8 @@ def list_(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
     """Scenarios, engines and published measurements, a line each."""
-    from simcompare import catalogue, elsewhere, engines
+    from simcompare.engine import elsewhere, engines
+    from simcompare.scenarios import catalogue
 
     scenarios = catalogue.summaries()
     names = engines.names()

@@ -24,9 +24,9 @@ def report(
     ),
 ) -> None:
     """Write a comparison report from stored runs."""
-    from simcompare import store
     from simcompare.errors import UnknownName
     from simcompare.reports import builder
+    from simcompare.results import store
 
     if format not in FORMATS:
         raise UnknownName("format", format, FORMATS)

@@ -11,7 +11,7 @@ import typer
 from simcompare.cli import complete
 
 if TYPE_CHECKING:
-    from simcompare.results import Run
+    from simcompare.results.run import Run
 
 
 def run(
@@ -58,8 +58,8 @@ def run(
     time_limit: float = typer.Option(120.0, help="Longest time for one simulation, in seconds."),
 ) -> None:
     """Simulate a scenario on engines, compare, store, and write a report."""
-    from simcompare import experiment
     from simcompare.cli import console
+    from simcompare.verbs import run as experiment
 
     with console.progress_bar(scenario) as progress:
         result = experiment.run(
@@ -95,7 +95,7 @@ def _write_report(result: Run) -> Path | None:
 
 
 def _headline(result: Run) -> list[str]:
-    from simcompare.reports import words
+    from simcompare.reports.run import words
 
     return words.answer(result)
 
@@ -103,7 +103,7 @@ def _headline(result: Run) -> list[str]:
 def _print(result: Run, written: Path | None, *, details: bool) -> None:
     """The answer, the leading measure level by level, and what the reader must know of both."""
     from simcompare.cli import console
-    from simcompare.reports import overview, remarks, words
+    from simcompare.reports.run import overview, remarks, words
 
     console.print_wrapped(words.answer(result))
     for made in overview.overviews(result, every=details):
@@ -147,7 +147,7 @@ _LEVELS = {
 def _print_remarks(result: Run) -> None:
     """What did not run, what was held against, and what lies outside of a fit's range."""
     from simcompare.cli import console
-    from simcompare.reports import runs
+    from simcompare.reports.run import runs
 
     console.print_wrapped(
         f"{row['name']} ({row['modes']}): {row['reason']}" for row in runs.not_run(result)

@@ -10,8 +10,8 @@ from simcompare.cli import complete
 
 if TYPE_CHECKING:
     from simcompare.engine.features import Feature
-    from simcompare.scenario import Joint
-    from simcompare.scenario_file import ScenarioFile
+    from simcompare.model.scenario import Joint
+    from simcompare.scenarios.scenario_file import ScenarioFile
 
 
 def show(
@@ -21,8 +21,8 @@ def show(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
     """One scenario: question, parameters and bounds, presets, world, truth, tolerances, needs."""
-    from simcompare import catalogue
     from simcompare.cli import console
+    from simcompare.scenarios import catalogue
 
     file = catalogue.load(scenario)
     facts = _facts(file)
@@ -58,9 +58,11 @@ def show(
 
 
 def _facts(file: ScenarioFile) -> dict[str, Any]:
-    from simcompare import catalogue, engines, units
+    from simcompare import units
+    from simcompare.engine import engines
     from simcompare.engine.features import needs
-    from simcompare.scenario_checks import recorded_signals
+    from simcompare.scenarios import catalogue
+    from simcompare.scenarios.scenario_checks import recorded_signals
 
     scenario = file.resolve()
     wanted = needs(scenario)
@@ -118,7 +120,7 @@ def _joint_words(joint: Joint) -> str:
 
 def _lacking(engine: str, wanted: frozenset[Feature]) -> list[str]:
     """Features that an engine lacks, or the one reason why it cannot be asked."""
-    from simcompare import engines
+    from simcompare.engine import engines
     from simcompare.errors import SimcompareError
 
     try:

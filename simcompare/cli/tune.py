@@ -47,11 +47,11 @@ def tune(
     time_limit: float = typer.Option(120.0, help="Longest time for one engine, in seconds."),
 ) -> None:
     """What to type into engines for a restitution, or what comes of what was typed in."""
-    from simcompare import tune as verb
     from simcompare.cli import console, tune_tables
     from simcompare.errors import InputError
-    from simcompare.jobs import exit_code_of
+    from simcompare.running.jobs import exit_code_of
     from simcompare.tuning import typed_numbers
+    from simcompare.verbs import tune as verb
 
     name, options = _own_options(scenario, context.args)
     typed = typed_numbers.numbers_of(options, engine)

@@ -11,15 +11,15 @@ import typer
 
 from simcompare import notation
 from simcompare.cli import console
-from simcompare.jobs import OK
-from simcompare.settings import TUNED
-from simcompare.tune import Tuned
+from simcompare.engine.calibration.calibration import AtSpeed
+from simcompare.engine.calibration.drops import slowest_m_s
+from simcompare.engine.calibration.springs import SCATTER
+from simcompare.model.settings import TUNED
+from simcompare.running.jobs import OK
 from simcompare.tuning.bench import STATED
-from simcompare.tuning.calibration import AtSpeed
-from simcompare.tuning.drops import slowest_m_s
 from simcompare.tuning.request import Request
-from simcompare.tuning.springs import SCATTER
 from simcompare.tuning.statement import Range, Statement
+from simcompare.verbs.tune import Tuned
 
 _LEGEND = (
     "restitution: lowest and highest mean over where in a step the impact falls; ± the largest"

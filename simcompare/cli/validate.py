@@ -12,8 +12,8 @@ import typer
 from simcompare.cli import complete
 
 if TYPE_CHECKING:
-    from simcompare.reports.tables import Table
-    from simcompare.results import Run
+    from simcompare.reports.render.tables import Table
+    from simcompare.results.run import Run
 
 #: letters on a line where nobody knows how wide the reader's window is
 _PIPE_WIDTH = 140
@@ -58,7 +58,7 @@ def validate(
 ) -> None:
     """Hold simulations against a recording of a real device, with uncertainty."""
     from simcompare.cli import console
-    from simcompare.validation import validating
+    from simcompare.verbs import validate as validating
 
     with console.progress_bar(scenario) as progress:
         result = validating.validate(
@@ -88,17 +88,17 @@ def validate(
 
 
 def _print(result: Run, written: Path | None) -> None:
-    from simcompare.reports import real_events, real_tables
+    from simcompare.reports.validation import events, tables
 
     found = result.record["validation"]
     for key in ("title", "citation"):
         if found["about"].get(key):
             _say(found["about"][key])
-    _show(real_tables.parameters(result, chosen=True))
+    _show(tables.parameters(result, chosen=True))
     if found["waveforms"]:
-        _show(real_tables.waveforms(result))
-    _show(real_events.summary(result))
-    _show(real_tables.values(result))
+        _show(tables.waveforms(result))
+    _show(events.summary(result))
+    _show(tables.values(result))
     for source in result.record["sources"]:
         if source["status"] != "ok":
             _say(f"{source['name']}, {source['contact']}: {source['reason']}")
@@ -115,13 +115,13 @@ def _print(result: Run, written: Path | None) -> None:
 
 def _say(text: str) -> None:
     """Text that may hold names from files, which must not steer the terminal."""
-    from simcompare.reports.tables import printable
+    from simcompare.reports.render.tables import printable
 
     typer.echo(printable(text))
 
 
 def _show(table: Table | None) -> None:
-    from simcompare.reports.tables import lines
+    from simcompare.reports.render.tables import lines
 
     if table is None:
         return

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol, Self, runtime_checkable
 
-from simcompare.engine.audit import Audit
 from simcompare.engine.features import Feature, needs
 from simcompare.engine.helps import LANDING, known, landing, spring_contact
 from simcompare.engine.read_back import asked, audit_of
@@ -24,13 +23,14 @@ from simcompare.engine.scene import Scene, Traits, make_scene
 from simcompare.engine.speeds import fastest_turn_rad_s
 from simcompare.engine.variants import Variant
 from simcompare.errors import EngineMissing, UnknownVariant, Unsupported
-from simcompare.scenario import Scenario
-from simcompare.settings import ASSISTED, CONTACT_LEVELS, DEFAULT, SPRING, TUNED, Settings
+from simcompare.model.audit import Audit
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, DEFAULT, SPRING, TUNED, Settings
 
 if TYPE_CHECKING:
     from simcompare.engine.library import Library
     from simcompare.engine.simulation import Simulation
-    from simcompare.trajectory import Trajectory
+    from simcompare.model.trajectory import Trajectory
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,7 @@ class EngineBackend(ABC):
         loaded = time.perf_counter()
         tuning: tuple[Mapping[str, Any], ...] = ()
         if settings.gives(TUNED) and not settings.takes(LANDING):
-            from simcompare.tuning.tuned import tuned
+            from simcompare.engine.calibration.tuned import tuned
 
             settings, tuning = tuned(self, engine, scenario, settings)
         calibrated = time.perf_counter()

@@ -18,8 +18,8 @@ from typing import Literal
 import numpy as np
 
 from simcompare.errors import Unsupported
-from simcompare.scenario import Contact, Scenario
-from simcompare.settings import COEFFICIENTS, Settings
+from simcompare.model.scenario import Contact, Scenario
+from simcompare.model.settings import COEFFICIENTS, Settings
 
 #: how an engine combines the values of two bodies
 Rule = Literal["product", "min", "max", "mean", "root", "harmonic"]

@@ -16,8 +16,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from simcompare.errors import InputError, UnknownName, Unsupported
-from simcompare.scenario import DcMotor, Joint, Scenario
-from simcompare.trajectory import Array
+from simcompare.model.scenario import DcMotor, Joint, Scenario
+from simcompare.model.trajectory import Array
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import enum
 from dataclasses import dataclass
 
 from simcompare.engine.drives import laws_of
-from simcompare.scenario import Body, Scenario
+from simcompare.model.scenario import Body, Scenario
 
 
 class Feature(enum.StrEnum):

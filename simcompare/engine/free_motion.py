@@ -8,8 +8,8 @@ from abc import ABC, abstractmethod
 from simcompare.engine.helps import CENTRED_EFFORTS
 from simcompare.engine.helps.centred_efforts import drag_at
 from simcompare.engine.scene import Scene
-from simcompare.scenario import Body
-from simcompare.shapes import Vector
+from simcompare.model.scenario import Body
+from simcompare.model.shapes import Vector
 
 
 class FreeMotion(ABC):

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from simcompare.engine.audit import AuditRow
 from simcompare.engine.drives import Drive
 from simcompare.engine.features import Feature
 from simcompare.engine.helps import (
@@ -27,9 +26,10 @@ from simcompare.engine.hooks import EngineHooks
 from simcompare.engine.scene import Scene
 from simcompare.engine.state import compare_start
 from simcompare.errors import Unsupported
-from simcompare.scenario import SENSOR_SIGNALS, Sensor
-from simcompare.settings import SPRING
-from simcompare.trajectory import Array
+from simcompare.model.audit import AuditRow
+from simcompare.model.scenario import SENSOR_SIGNALS, Sensor
+from simcompare.model.settings import SPRING
+from simcompare.model.trajectory import Array
 
 #: slower bodies than this need not be landed on to within rounding [m/s]
 LANDING_SPEED_M_S = 5.0

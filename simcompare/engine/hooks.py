@@ -6,15 +6,15 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 
-from simcompare.engine.audit import Audit
 from simcompare.engine.helps.reactions import acting_force
 from simcompare.engine.helps.recoil import Motion
 from simcompare.engine.read_back import Answer, Asked, Held, Table, unreadable
 from simcompare.engine.short_turns import refuse_slowed
 from simcompare.engine.stateful import StatefulMotion
 from simcompare.errors import SimulationDiverged
-from simcompare.scenario import Sensor
-from simcompare.shapes import Vector
+from simcompare.model.audit import Audit
+from simcompare.model.scenario import Sensor
+from simcompare.model.shapes import Vector
 
 #: numbers of this size [SI] are no motion any more
 ABSURD = 1e8

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from simcompare.rotations import conjugate, cross, multiply, quaternions_of, rotate
-from simcompare.scenario import MOVABLE, Body, Joint, Scenario
-from simcompare.shapes import Quaternion, Vector
-from simcompare.trajectory import Array
+from simcompare.model.rotations import conjugate, cross, multiply, quaternions_of, rotate
+from simcompare.model.scenario import MOVABLE, Body, Joint, Scenario
+from simcompare.model.shapes import Quaternion, Vector
+from simcompare.model.trajectory import Array
 
 
 @dataclass(frozen=True)

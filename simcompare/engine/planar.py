@@ -27,9 +27,9 @@ from simcompare.engine.scene import Scene
 from simcompare.engine.simulation import Simulation
 from simcompare.engine.state import BodyState, State
 from simcompare.engine.turns import nearest_turn
-from simcompare.scenario import MOVABLE
-from simcompare.shapes import Vector
-from simcompare.trajectory import Array
+from simcompare.model.scenario import MOVABLE
+from simcompare.model.shapes import Vector
+from simcompare.model.trajectory import Array
 
 
 class PlanarSimulation(Simulation):

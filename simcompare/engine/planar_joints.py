@@ -12,8 +12,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from simcompare.engine.scene import Scene, SceneJoint
-from simcompare.scenario import Body
-from simcompare.trajectory import Array
+from simcompare.model.scenario import Body
+from simcompare.model.trajectory import Array
 
 #: motion of a body: x, z, their rates, angle and its rate
 PlanarMotion = tuple[float, float, float, float, float, float]

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from simcompare.engine.audit import Audit, AuditRow
 from simcompare.errors import ReadBackMismatch
-from simcompare.settings import SPRING, TUNED
-from simcompare.shapes import sizes_m
+from simcompare.model.audit import Audit, AuditRow
+from simcompare.model.settings import SPRING, TUNED
+from simcompare.model.shapes import sizes_m
 
 if TYPE_CHECKING:
     from simcompare.engine.scene import Scene

@@ -13,11 +13,11 @@ from simcompare.engine.helps.recoil import Motion
 from simcompare.engine.scene import Scene
 from simcompare.engine.simulation import Simulation
 from simcompare.engine.state import BodyState
-from simcompare.rotations import quaternions_of, rotate, rotation_vector_of
-from simcompare.scenario import MOVABLE
-from simcompare.shapes import Vector
-from simcompare.trajectory import Array
-from simcompare.vectors import Numbers
+from simcompare.model.rotations import quaternions_of, rotate, rotation_vector_of
+from simcompare.model.scenario import MOVABLE
+from simcompare.model.shapes import Vector
+from simcompare.model.trajectory import Array
+from simcompare.model.vectors import Numbers
 
 
 @dataclass(frozen=True)

@@ -16,11 +16,11 @@ from simcompare.engine.helps.landing import approaches, finely_stepped
 from simcompare.engine.kinematics import Mount, add_children, in_order, mount_of
 from simcompare.engine.state import BodyState
 from simcompare.errors import Unsupported
-from simcompare.scenario import MOVABLE, Joint, Scenario
-from simcompare.settings import COEFFICIENT, SPRING, Settings
-from simcompare.shapes import Shape, Vector
-from simcompare.trajectory import BODY_SIGNALS, Array
-from simcompare.vectors import multiplied, plus, times, turned
+from simcompare.model.scenario import MOVABLE, Joint, Scenario
+from simcompare.model.settings import COEFFICIENT, SPRING, Settings
+from simcompare.model.shapes import Shape, Vector
+from simcompare.model.trajectory import BODY_SIGNALS, Array
+from simcompare.model.vectors import multiplied, plus, times, turned
 
 
 @dataclass(frozen=True)

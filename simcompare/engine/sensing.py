@@ -13,9 +13,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from simcompare.engine.kinematics import add_children
-from simcompare.rotations import conjugate, multiply, rotate, rotation_vectors_of
-from simcompare.scenario import MOVABLE, SENSOR_SIGNALS, DcMotor, Scenario, Sensor
-from simcompare.trajectory import Array
+from simcompare.model.rotations import conjugate, multiply, rotate, rotation_vectors_of
+from simcompare.model.scenario import MOVABLE, SENSOR_SIGNALS, DcMotor, Scenario, Sensor
+from simcompare.model.trajectory import Array
 
 #: standard atmosphere, ISO 2533:1975: sea level pressure [Pa], temperature [K], lapse rate [K/m]
 SEA_LEVEL_PA, SEA_LEVEL_K, LAPSE_K_M = 101325.0, 288.15, 0.0065

@@ -11,8 +11,8 @@ import numpy as np
 
 from simcompare.engine.scene import Scene
 from simcompare.errors import SimulationDiverged
-from simcompare.settings import TUNED
-from simcompare.trajectory import Array
+from simcompare.model.settings import TUNED
+from simcompare.model.trajectory import Array
 
 #: part of a turn that may be missing without a word
 UNTOLD = 1e-4

@@ -17,8 +17,8 @@ from simcompare.engine.helps import HELPS
 from simcompare.engine.sensing import complete
 from simcompare.engine.short_turns import note_of_turns, refuse_slowed
 from simcompare.errors import InputError
-from simcompare.scenario import SENSOR_SIGNALS, Scenario
-from simcompare.trajectory import Array, Trajectory
+from simcompare.model.scenario import SENSOR_SIGNALS, Scenario
+from simcompare.model.trajectory import Array, Trajectory
 
 #: what a controller reads: every signal now, a number or a tuple of its components
 Readings = Mapping[str, float | tuple[float, ...]]

@@ -18,10 +18,10 @@ from simcompare.engine.spatial_joints import Link, Slider, link_of
 from simcompare.engine.state import BodyState, State
 from simcompare.engine.stateful import Saved
 from simcompare.errors import SimulationDiverged
-from simcompare.scenario import MOVABLE
-from simcompare.shapes import Vector
-from simcompare.trajectory import BODY_SIGNALS, Array
-from simcompare.vectors import cross, minus, plus, times, turned, turned_back
+from simcompare.model.scenario import MOVABLE
+from simcompare.model.shapes import Vector
+from simcompare.model.trajectory import BODY_SIGNALS, Array
+from simcompare.model.vectors import cross, minus, plus, times, turned, turned_back
 
 #: no effort or drag is larger [N, N·m]; where numbers overflow, an engine may end the process
 ABSURD_EFFORT = 1e30

@@ -13,11 +13,11 @@ import numpy as np
 from simcompare.engine.scene import Scene, SceneJoint
 from simcompare.engine.state import BodyState
 from simcompare.engine.turns import Turned
-from simcompare.rotations import matrix_of
-from simcompare.scenario import Body
-from simcompare.shapes import Vector
-from simcompare.trajectory import Array
-from simcompare.vectors import cross, dot, minus, multiplied, plus, times, turned, x_turned_to
+from simcompare.model.rotations import matrix_of
+from simcompare.model.scenario import Body
+from simcompare.model.shapes import Vector
+from simcompare.model.trajectory import Array
+from simcompare.model.vectors import cross, dot, minus, multiplied, plus, times, turned, x_turned_to
 
 
 class Link(ABC):

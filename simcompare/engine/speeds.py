@@ -9,7 +9,7 @@ import numpy as np
 from simcompare.engine.drives import input_values, laws_of, open_loop
 from simcompare.engine.kinematics import in_order
 from simcompare.engine.simulation import sample_times
-from simcompare.scenario import Scenario
+from simcompare.model.scenario import Scenario
 
 
 def fastest_turn_rad_s(scenario: Scenario) -> float:

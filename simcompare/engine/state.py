@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from simcompare.engine.audit import Audit
-from simcompare.scenario import Scenario
-from simcompare.shapes import Vector
-from simcompare.trajectory import BODY_SIGNALS
+from simcompare.model.audit import Audit
+from simcompare.model.scenario import Scenario
+from simcompare.model.shapes import Vector
+from simcompare.model.trajectory import BODY_SIGNALS
 
 
 @dataclass(frozen=True)

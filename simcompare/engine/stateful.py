@@ -17,8 +17,8 @@ from simcompare.engine.kinematics import add_children
 from simcompare.engine.scene import Scene
 from simcompare.engine.state import BodyState, State
 from simcompare.errors import InputError
-from simcompare.scenario import MOVABLE
-from simcompare.trajectory import BODY_SIGNALS, Array
+from simcompare.model.scenario import MOVABLE
+from simcompare.model.trajectory import BODY_SIGNALS, Array
 
 #: recorded steps from which rates are taken for a controller's readings
 RECENT = 5

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from simcompare.engine.helps.recoil import Motion, Recoil
 from simcompare.engine.planar_joints import PlanarMotion
 from simcompare.engine.state import State
-from simcompare.scenario import Scenario
+from simcompare.model.scenario import Scenario
 
 
 class Retractable(Protocol):

@@ -15,9 +15,9 @@ import numpy as np
 
 from simcompare.engine.contacts import touching_pairs
 from simcompare.errors import Unsupported
-from simcompare.scenario import Scenario
-from simcompare.shapes import Plane, Shape, Sphere
-from simcompare.trajectory import Array
+from simcompare.model.scenario import Scenario
+from simcompare.model.shapes import Plane, Shape, Sphere
+from simcompare.model.trajectory import Array
 
 
 class PlanarBody(Protocol):

@@ -15,8 +15,8 @@ from simcompare.errors import InputError, UnknownName
 
 if TYPE_CHECKING:
     from simcompare.exporters.parts import Twin
-    from simcompare.scenario import Scenario
-    from simcompare.scenario_file import ScenarioFile
+    from simcompare.model.scenario import Scenario
+    from simcompare.scenarios.scenario_file import ScenarioFile
 
 #: formats and the usual ending of their files
 FORMATS = {"urdf": ".urdf", "sdf": ".sdf", "mjcf": ".xml"}
@@ -56,7 +56,7 @@ def export(
     Raises:
         SimcompareError: unknown names, faults of the arguments, or what the format cannot hold;
             also a script that reads long inputs from a file beside it
-            (:func:`simcompare.scripts.write.script` gives both).
+            (:func:`simcompare.exporters.scripts.write.script` gives both).
     """
     options = {"engine": engine, "step": step, "contact": contact}
     if format == SCRIPT:
@@ -86,7 +86,7 @@ def twin(
 
 
 def _script(scenario: str | Scenario, options: Mapping[str, Any]) -> str:
-    from simcompare.scripts import write
+    from simcompare.exporters.scripts import write
 
     if not isinstance(scenario, str):
         fault = "a script is written from a scenario's name, folder or file; give that"
@@ -97,7 +97,7 @@ def _script(scenario: str | Scenario, options: Mapping[str, Any]) -> str:
             made.name,
             [
                 "the script reads long inputs from a file beside it: simcompare export -o writes"
-                " both, and simcompare.scripts.write.script returns both"
+                " both, and simcompare.exporters.scripts.write.script returns both"
             ],
         )
     return made.text
@@ -117,7 +117,7 @@ def _resolved(
                 ["its parameters have their numbers already; set them when it is built"],
             )
         return scenario
-    from simcompare import catalogue
+    from simcompare.scenarios import catalogue
 
     file = catalogue.load(scenario)
     known = fitted(file, fit, engine)
@@ -128,7 +128,7 @@ def fitted(file: ScenarioFile, fit: str | None, engine: str) -> dict[str, float]
     """Parameters of a fit, those of an engine among them; none without a fit."""
     if fit is None:
         return {}
-    from simcompare.fitting import fit_file
+    from simcompare.results import fit_file
 
     found = fit_file.read(fit_file.find(fit) or Path(fit))
     return {**found.base(file), **(found.of_engine(engine, file) or {})}

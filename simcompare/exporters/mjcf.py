@@ -10,8 +10,8 @@ from simcompare.backends.mujoco.mjcf import mjcf
 from simcompare.engine.helps.spring_contact import steps_for
 from simcompare.exporters import parts
 from simcompare.exporters.parts import Twin, number
-from simcompare.scenario import Scenario
-from simcompare.settings import Settings
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import Settings
 
 #: sensors that the model holds
 _HELD_SENSORS = ("force", "contact_force")

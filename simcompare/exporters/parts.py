@@ -13,10 +13,10 @@ import numpy as np
 from simcompare.engine import kinematics
 from simcompare.engine.drives import laws_of
 from simcompare.errors import InputError
-from simcompare.rotations import matrix_of, rotate
-from simcompare.scenario import Body, Contact, DcMotor, Scenario
-from simcompare.shapes import Plane, Quaternion, Vector
-from simcompare.signals import Signal
+from simcompare.model.rotations import matrix_of, rotate
+from simcompare.model.scenario import Body, Contact, DcMotor, Scenario
+from simcompare.model.shapes import Plane, Quaternion, Vector
+from simcompare.model.signals import Signal
 
 
 @dataclass(frozen=True)

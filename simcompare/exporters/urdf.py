@@ -20,8 +20,8 @@ from simcompare.engine.drives import JointLaw, laws_of
 from simcompare.engine.kinematics import Mount, mount_of
 from simcompare.exporters import parts
 from simcompare.exporters.parts import Twin, add, number, numbers
-from simcompare.scenario import Body, Joint, Scenario
-from simcompare.shapes import Quaternion, Shape, Vector
+from simcompare.model.scenario import Body, Joint, Scenario
+from simcompare.model.shapes import Quaternion, Shape, Vector
 
 WORLD = "world"
 #: "no limit" where URDF demands one; small enough to be squared in single precision

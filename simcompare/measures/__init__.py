@@ -16,8 +16,8 @@ from typing import Protocol, cast
 import numpy as np
 
 from simcompare.errors import SignalLacking, UnknownName
-from simcompare.scenario import Measure, Probe, Scenario
-from simcompare.trajectory import Array, Trajectory
+from simcompare.model.scenario import Measure, Probe, Scenario
+from simcompare.model.trajectory import Array, Trajectory
 
 #: one module each; those with an underscore are their parts
 FUNCTIONS = tuple(sorted(path.stem for path in Path(__file__).parent.glob("[a-z]*.py")))

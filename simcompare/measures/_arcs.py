@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.trajectory import Array
+from simcompare.model.trajectory import Array
 
 #: samples of a flight that are needed to speak of one
 LEAST_SAMPLES = 12

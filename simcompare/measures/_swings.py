@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from simcompare.trajectory import Array
+from simcompare.model.trajectory import Array
 
 #: part of the amplitude about the level whose samples tell a passage; there a sine is nearly cubic
 NEAR_PART = 0.35

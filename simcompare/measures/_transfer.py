@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.measures import Measured
-from simcompare.trajectory import Array
+from simcompare.model.trajectory import Array
 
 Complex = NDArray[np.complex128]
 

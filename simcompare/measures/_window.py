@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from simcompare.trajectory import Array
+from simcompare.model.trajectory import Array
 
 #: sample times are multiples of a step, and a window's edge may miss one by rounding only
 ROUNDING = 1e-9

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from simcompare.measures import Measured, Request, _window
-from simcompare.trajectory import Array, Trajectory
+from simcompare.model.trajectory import Array, Trajectory
 
 #: a parabola has three coefficients; fewer samples than twice that are not smoothed
 FEWEST_SAMPLES = 6

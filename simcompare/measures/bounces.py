@@ -9,7 +9,7 @@ import numpy as np
 
 from simcompare.measures import Measured, Request
 from simcompare.measures._arcs import Arc, find
-from simcompare.trajectory import Array, Trajectory
+from simcompare.model.trajectory import Array, Trajectory
 
 #: impacts whose times are judged; each carries the errors of all before it
 TIMED_IMPACTS = 6

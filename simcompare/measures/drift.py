@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from simcompare.measures import Measured, Request, _window
-from simcompare.trajectory import Trajectory
+from simcompare.model.trajectory import Trajectory
 
 #: series along the path; the values that judge come only from a comparison
 SERIES = ("path_time", "path_x", "path_y")

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from simcompare.hardware.sensors import encoder
 from simcompare.measures import Measured, Request
-from simcompare.trajectory import Array, Trajectory
+from simcompare.model.trajectory import Array, Trajectory
 
 SERIES = ("gate_time", "counted_speed", "mean_speed", "period_time", "timed_speed")
 ROLES = ("angle",)

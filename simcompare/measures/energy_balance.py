@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from simcompare.measures import Measured, Request
-from simcompare.trajectory import Array, Trajectory
+from simcompare.model.trajectory import Array, Trajectory
 
 SIDES = ("left", "right")
 

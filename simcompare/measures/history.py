@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from simcompare.measures import OF_PROBE, Measured, Request, _window
-from simcompare.trajectory import Trajectory
+from simcompare.model.trajectory import Trajectory
 
 #: series over time; the value comes only from a comparison
 SERIES = ("time", "history")

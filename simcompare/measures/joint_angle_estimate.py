@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from simcompare.measures import OF_PROBE, Measured, Request, _window
-from simcompare.trajectory import Array, Trajectory
+from simcompare.model.trajectory import Array, Trajectory
 
 #: samples at the end of a record where differences of differences are one-sided
 EDGE = 3

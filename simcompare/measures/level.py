@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from simcompare.measures import OF_PROBE, Measured, Request, _window
-from simcompare.trajectory import Trajectory
+from simcompare.model.trajectory import Trajectory
 
 SERIES: tuple[str, ...] = ()
 ROLES: tuple[str, ...] = ()

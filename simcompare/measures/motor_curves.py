@@ -14,7 +14,7 @@ import numpy as np
 from simcompare.engine.sensing import rate_of
 from simcompare.hardware.motors.dc_motor import Housing
 from simcompare.measures import Measured, Request
-from simcompare.trajectory import Array, Trajectory
+from simcompare.model.trajectory import Array, Trajectory
 
 #: points of the fitted curves at which their tops are looked for
 FINE = 4001

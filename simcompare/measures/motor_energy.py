@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from simcompare.measures import Measured, Request
-from simcompare.trajectory import Trajectory
+from simcompare.model.trajectory import Trajectory
 
 SERIES: tuple[str, ...] = ()
 ROLES = ("voltage", "torque", "angle")

@@ -6,7 +6,7 @@ import numpy as np
 
 from simcompare.engine.sensing import LAPSE_K_M, PRESSURE_EXPONENT, SEA_LEVEL_K, SEA_LEVEL_PA
 from simcompare.measures import Measured, Request, _window, side_by_side
-from simcompare.trajectory import Array, Trajectory
+from simcompare.model.trajectory import Array, Trajectory
 
 SERIES = ("height_time", "told_height", "true_height")
 ROLES = ("height",)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from simcompare.measures import Measured, Request, _transfer
-from simcompare.trajectory import Array, Trajectory
+from simcompare.model.trajectory import Array, Trajectory
 
 #: samples in the shortest period that is looked for
 LEAST_SAMPLES = 4

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from simcompare.measures import Measured, Request, _transfer
-from simcompare.trajectory import Array, Trajectory
+from simcompare.model.trajectory import Array, Trajectory
 
 SERIES = _transfer.SERIES
 AXES = _transfer.AXES

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from simcompare.measures import OF_PROBE, Measured, Request, _swings
-from simcompare.trajectory import Trajectory
+from simcompare.model.trajectory import Trajectory
 
 SERIES = ("turn_time", "amplitude", "amplitude_loss_each", "mean_amplitude")
 ROLES: tuple[str, ...] = ()

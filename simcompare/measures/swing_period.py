@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from simcompare.measures import Measured, Request, _swings
-from simcompare.trajectory import Trajectory
+from simcompare.model.trajectory import Trajectory
 
 SERIES = ("swing_time", "period", "small_period", "swing_amplitude")
 ROLES: tuple[str, ...] = ()

@@ -7,10 +7,10 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from simcompare.engine.backend import Backend, EngineBackend
+from simcompare.engine.calibration import cache
+from simcompare.engine.calibration.calibration import CannotCalibrate
 from simcompare.errors import Unsupported
-from simcompare.tuning import cache
 from simcompare.tuning.answers import answer
-from simcompare.tuning.calibration import CannotCalibrate
 from simcompare.tuning.request import Request
 from simcompare.tuning.statement import Statement
 

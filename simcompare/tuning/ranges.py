@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from simcompare.engine.calibration.calibration import AtSpeed
 from simcompare.tuning.bench import Bench, Numbers
-from simcompare.tuning.calibration import AtSpeed
 from simcompare.tuning.statement import Range
 
 #: ratio from one value to the next while it still holds, and how close an end is found

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from simcompare.settings import TUNED, DropPlan
-from simcompare.tuning.engine_drops import PAIR
+from simcompare.engine.calibration.engine_drops import PAIR
+from simcompare.model.settings import TUNED, DropPlan
 
 #: speeds at which a statement is measured, both ends of the range among them
 SPEEDS = 9

@@ -5,10 +5,7 @@ from __future__ import annotations
 import math
 from typing import Protocol
 
-from simcompare.errors import SimulationDiverged
-from simcompare.settings import SPRING
-from simcompare.tuning.bench import Bench, Numbers
-from simcompare.tuning.calibration import (
+from simcompare.engine.calibration.calibration import (
     AIM,
     LARGEST,
     PHASES,
@@ -16,8 +13,11 @@ from simcompare.tuning.calibration import (
     coefficient_for,
     refuse_extremes,
 )
-from simcompare.tuning.drops import even_phases
-from simcompare.tuning.springs import LEAST, damped_for, find_spring
+from simcompare.engine.calibration.drops import even_phases
+from simcompare.engine.calibration.springs import LEAST, damped_for, find_spring
+from simcompare.errors import SimulationDiverged
+from simcompare.model.settings import SPRING
+from simcompare.tuning.bench import Bench, Numbers
 
 #: how often numbers are moved so that the means over the range lie evenly about what is wanted
 _BALANCED = 4

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from simcompare.tuning.calibration import AtSpeed
+from simcompare.engine.calibration.calibration import AtSpeed
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from simcompare import engines
+from simcompare.engine import engines
 from simcompare.errors import InputError
-from simcompare.settings import COEFFICIENT, SPRING
+from simcompare.model.settings import COEFFICIENT, SPRING
 
 
 def numbers_of(options: Mapping[str, str], engine: str) -> tuple[float, ...]:

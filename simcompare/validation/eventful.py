@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from simcompare.alignment.alignment import Alignment, by_events
+from simcompare.alignment.matching import match
 from simcompare.errors import InputError
-from simcompare.scenario import Scenario
-from simcompare.trajectory import Array, Trajectory
-from simcompare.validation.alignment import Alignment, by_events
-from simcompare.validation.cases import Case
+from simcompare.inference.segments import Case
+from simcompare.inference.simulated import BEST, DOUBLE, HALF, Engine, times
+from simcompare.model.scenario import Scenario
+from simcompare.model.trajectory import Array, Trajectory
+from simcompare.statistics.agreement import e_n
 from simcompare.validation.judging import Judged
-from simcompare.validation.matching import match
-from simcompare.validation.scores import e_n
-from simcompare.validation.simulated import BEST, DOUBLE, HALF, Engine, times
 
 #: part of the shortest interval within which a simulated and a measured event may be the same
 _NEAR = 0.4

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from simcompare.errors import InputError
-from simcompare.trajectory import Array
-from simcompare.validation.noise import Noise, autocovariance, measured_noise, noise_of
+from simcompare.model.trajectory import Array
+from simcompare.statistics.noise import Noise, autocovariance, measured_noise, noise_of
 
 __all__ = ["Gap", "Noise", "block_length", "measured_noise", "noise_of", "split"]
 

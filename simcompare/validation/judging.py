@@ -9,15 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from simcompare.scenario import Scenario
-from simcompare.trajectory import Array, Trajectory
-from simcompare.validation.cases import Case, Seen
-from simcompare.validation.filtering import interpolated
-from simcompare.validation.gap import measured_noise, split
-from simcompare.validation.grid import gci
-from simcompare.validation.plan import Plan
-from simcompare.validation.scores import birge_ratio, e_n, vv20, zeta
-from simcompare.validation.simulated import (
+from simcompare.inference.plan import Plan
+from simcompare.inference.segments import Case, Seen
+from simcompare.inference.simulated import (
     BEST,
     DOUBLE,
     FOURFOLD,
@@ -28,6 +22,12 @@ from simcompare.validation.simulated import (
     measured_values,
     times,
 )
+from simcompare.model.resampling import interpolated
+from simcompare.model.scenario import Scenario
+from simcompare.model.trajectory import Array, Trajectory
+from simcompare.statistics.agreement import birge_ratio, e_n, vv20, zeta
+from simcompare.statistics.grid_convergence import gci
+from simcompare.validation.gap import measured_noise, split
 from simcompare.validation.waveform import waveform
 
 #: draws of noise from which the uncertainty of a measured value is told

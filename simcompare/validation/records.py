@@ -7,14 +7,14 @@ from dataclasses import asdict
 from typing import Any
 
 from simcompare import units
-from simcompare.recording import Provenance
-from simcompare.validation import telling
-from simcompare.validation.alignment import Alignment
-from simcompare.validation.cases import DURATION
-from simcompare.validation.estimate import Estimate
+from simcompare.alignment.alignment import Alignment
+from simcompare.inference.estimate import Estimate
+from simcompare.inference.plan import Plan
+from simcompare.inference.segments import DURATION
+from simcompare.inference.sources import Source
+from simcompare.model.recording import Provenance
+from simcompare.reports.validation import answer
 from simcompare.validation.judging import Judged, noise
-from simcompare.validation.plan import Plan
-from simcompare.validation.sources import Source
 
 #: ranges of rows of one repair that run.json keeps; the recording itself has all
 _MOST_RANGES = 20
@@ -42,7 +42,7 @@ def of_validation(
     """
     basis = basis_of(plan, source, judged, fit)
     for row in rows["values"]:
-        row["words"] = telling.verdict(row, basis)
+        row["words"] = answer.verdict(row, basis)
     found: dict[str, Any] = {
         "recording": source.name,
         "about": dict(source.about) or dict(source.recording.provenance.about),
@@ -72,7 +72,7 @@ def of_validation(
         "agreement": agreement,
         "alignments": [None if one is None else one.to_dict() for one in alignments],
     }
-    found["sentences"] = telling.sentences(found)
+    found["sentences"] = answer.sentences(found)
     return found
 
 
@@ -81,7 +81,7 @@ def basis_of(plan: Plan, source: Source, judged: Sequence[Judged], fit: Estimate
     if fit is None:
         return "known before"
     if plan.calibrate is not None and plan.calibrate.recording is not None:
-        from simcompare.validation import sources
+        from simcompare.inference import sources
 
         other = sources.digest(plan.calibrate.recording)
         if other != source.recording.provenance.sha256:

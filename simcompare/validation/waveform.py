@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from simcompare.errors import InputError
-from simcompare.trajectory import Array
+from simcompare.model.trajectory import Array
 
 #: what NRMSE is divided by
 NORMALISER = "range of the measurement"

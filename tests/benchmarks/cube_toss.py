@@ -16,11 +16,12 @@ import time
 
 import numpy as np
 
-from simcompare import catalogue, rotations
-from simcompare.fitting import toss_fit, tosses
-from simcompare.hardware.logs import mapping
+from simcompare.fitting.tosses import fit, tosses
+from simcompare.hardware import mapping
+from simcompare.hardware.importing import read
 from simcompare.hardware.recordings import registry
-from simcompare.importing import read
+from simcompare.model import rotations
+from simcompare.scenarios import catalogue
 
 ENGINES = ("mujoco", "pybullet", "dart")
 #: normal gravity in Philadelphia, WGS 84 at 39.95° of latitude [m/s²]
@@ -113,7 +114,7 @@ def told(rows):
     """Position and rotation error with 95 % intervals, in one line."""
     parts = []
     for i, unit in ((0, "%"), (1, "°")):
-        one = toss_fit.interval([row[i] for row in rows])
+        one = fit.interval([row[i] for row in rows])
         parts.append(
             f"{one.mean:.2f} ± {one.sd:.2f} {unit} (mean within {one.low:.2f} to {one.high:.2f})"
         )
@@ -125,13 +126,13 @@ def fitted(file, engine, parts, names, which):
     train, held_out = parts
     started = time.perf_counter()
     start, spacing, bounds = ({n: d[n] for n in names} for d in (START, SPACING, BOUNDS))
-    best = toss_fit.fit(file, engine, train, start, spacing, bounds)
+    best = fit.fit(file, engine, train, start, spacing, bounds)
     values = ", ".join(f"{name} {value:.4g}" for name, value in best.values.items())
     print(
         f"scale {which}, {engine}: {values}; corners {best.cost:.2f} % off in training,"
         f" {len(best.tried)} points, {time.perf_counter() - started:.0f} s"
     )
-    rows = toss_fit.errors_of(file, engine, held_out, best.values)
+    rows = fit.errors_of(file, engine, held_out, best.values)
     print(f"  held out: {told(rows)}", flush=True)
 
 
@@ -161,7 +162,7 @@ def main():
                 if len(names) in asked.unknowns:
                     fitted(file, engine, (train, held_out), names, which)
             if 0 in asked.unknowns:
-                authors = toss_fit.errors_of(file, engine, held_out, START)
+                authors = fit.errors_of(file, engine, held_out, START)
                 print(f"scale {which}, {engine}, as the authors measured: {told(authors)}")
 
 

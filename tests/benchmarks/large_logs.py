@@ -75,8 +75,8 @@ def make_bag(path, size):
 
 def import_(path, out):
     """As `simcompare import`; says how long its parts took."""
-    from simcompare import importing, recording_store
-    from simcompare.hardware.logs import mapping
+    from simcompare.hardware import importing, mapping
+    from simcompare.model import recording_store
 
     started = time.perf_counter()
     found = importing.read(Path(path), mapping.NOTHING)

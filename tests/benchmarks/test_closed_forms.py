@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from simcompare import catalogue
-from simcompare.fitting import bounce_models
-from simcompare.fitting.likelihood import fit
+from simcompare.fitting.bounces import bounce_models
+from simcompare.fitting.bounces.likelihood import fit
+from simcompare.model.signals import Chirp
+from simcompare.scenarios import catalogue
 from simcompare.scenarios.pendulum import reference as pendulum
 from simcompare.scenarios.pendulum_torque.reference import Pendulum, motion
-from simcompare.signals import Chirp
 from tests.bounces import IN_AIR, heard
 
 

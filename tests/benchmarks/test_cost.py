@@ -14,8 +14,9 @@ import time
 
 import pytest
 
-from simcompare import catalogue, engines
-from simcompare.settings import Settings
+from simcompare.engine import engines
+from simcompare.model.settings import Settings
+from simcompare.scenarios import catalogue
 from tests.benchmarks import bare, bare_robot
 
 BALL = catalogue.load("ball").resolve({})

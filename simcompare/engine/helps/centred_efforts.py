@@ -13,9 +13,9 @@ from dataclasses import replace
 
 from simcompare.engine.drives import JointLaw
 from simcompare.engine.helps import CENTRED_EFFORTS
-from simcompare.scenario import Body
-from simcompare.settings import Settings
-from simcompare.shapes import Vector
+from simcompare.model.scenario import Body
+from simcompare.model.settings import Settings
+from simcompare.model.shapes import Vector
 
 
 def shares(law: JointLaw, passive: str, settings: Settings) -> tuple[JointLaw, float, JointLaw]:

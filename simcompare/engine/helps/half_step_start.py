@@ -21,8 +21,8 @@ from simcompare.engine.kinematics import add_children
 from simcompare.engine.planar_joints import angle_of
 from simcompare.engine.state import BodyState, State
 from simcompare.engine.steppable import Planar, Retractable
-from simcompare.scenario import MOVABLE, Scenario
-from simcompare.trajectory import Array
+from simcompare.model.scenario import MOVABLE, Scenario
+from simcompare.model.trajectory import Array
 
 
 def acts(scenario: Scenario, positions_first: bool, *, is_landing: bool) -> bool:

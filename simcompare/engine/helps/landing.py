@@ -24,10 +24,10 @@ import numpy as np
 
 from simcompare.engine.contacts import touching_pairs
 from simcompare.errors import Unsupported
-from simcompare.rotations import matrix_of
-from simcompare.scenario import Body, Scenario
-from simcompare.shapes import Plane, Shape, Sphere, Vector
-from simcompare.trajectory import Array
+from simcompare.model.rotations import matrix_of
+from simcompare.model.scenario import Body, Scenario
+from simcompare.model.shapes import Plane, Shape, Sphere, Vector
+from simcompare.model.trajectory import Array
 
 
 class Steppable(Protocol):

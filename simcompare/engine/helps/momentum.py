@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from simcompare.engine.steppable import Planar
-from simcompare.scenario import Scenario, Sensor
+from simcompare.model.scenario import Scenario, Sensor
 
 Momentum = tuple[float, float]
 

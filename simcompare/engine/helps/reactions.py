@@ -22,9 +22,9 @@ from simcompare.engine.drives import laws_of
 from simcompare.engine.helps.recoil import rotors_of, turning_bodies
 from simcompare.engine.kinematics import add_children, mount_of, trees
 from simcompare.errors import Unsupported
-from simcompare.rotations import conjugate, cross, rotate
-from simcompare.scenario import MOVABLE, Scenario
-from simcompare.trajectory import BODY_SIGNALS, Array
+from simcompare.model.rotations import conjugate, cross, rotate
+from simcompare.model.scenario import MOVABLE, Scenario
+from simcompare.model.trajectory import BODY_SIGNALS, Array
 
 if TYPE_CHECKING:
     from simcompare.engine.scene import Scene

@@ -21,8 +21,8 @@ import numpy as np
 from simcompare.engine.drives import laws_of
 from simcompare.engine.kinematics import in_order, mount_of
 from simcompare.errors import Unsupported
-from simcompare.scenario import Scenario
-from simcompare.shapes import Vector
+from simcompare.model.scenario import Scenario
+from simcompare.model.shapes import Vector
 
 #: steps by which recoil may lag behind the motion; and from how many on a run's notes tell of it
 MOST_LAG, NOTED_LAG = 20.0, 5.0

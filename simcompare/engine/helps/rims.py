@@ -13,9 +13,9 @@ import math
 from dataclasses import dataclass
 
 from simcompare.engine.contacts import touching_pairs
-from simcompare.scenario import Scenario
-from simcompare.shapes import Box, Cylinder, Plane, Shape
-from simcompare.vectors import plus
+from simcompare.model.scenario import Scenario
+from simcompare.model.shapes import Box, Cylinder, Plane, Shape
+from simcompare.model.vectors import plus
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from simcompare.engine.contacts import Springs, touching_pairs
 from simcompare.engine.dashpot import damping_ratio
 from simcompare.engine.helps.landing import ContactSteps, approaches, slips_at_impact
 from simcompare.errors import Unsupported
-from simcompare.scenario import Contact, Scenario
+from simcompare.model.scenario import Contact, Scenario
 
 #: √(k/m) of a bouncing contact [rad/s]: it lasts 0.03 ms, far below any step that is recorded
 CONTACT_FREQUENCY_RAD_S = 1.0e5

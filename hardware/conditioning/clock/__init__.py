@@ -1,0 +1,1 @@
+"""Checks of the clock: order, gaps, jumps, resolution."""

@@ -1,0 +1,128 @@
+"""A wheel that rolls: v = ω·D/2 with ω in rad/s, or v = π·D·n with n in turns a second."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import defaultdict
+from collections.abc import Sequence
+
+import numpy as np
+
+from simcompare import units
+from simcompare.hardware.conditioning.units.meaning import Claim, mapping_line, reread
+from simcompare.hardware.conditioning.work import Work
+from simcompare.hardware.raw import blocks
+
+_WORDS = frozenset(
+    (
+        "speed", "velocity", "vel", "v", "rate", "rpm", "omega", "w", "encoder", "enc", "motor",
+        "angular", "linear", "wheel", "rad", "m", "s", "rps", "turns", "per",
+    )
+)  # fmt: skip
+#: a ratio is a known factor within so much: tyres and diameters are known to a few percent
+_NEAR = 1.15
+#: samples slower than this part of the fastest are left out
+_SLOW = 0.2
+
+
+def check(work: Work, found: Sequence[Claim]) -> None:
+    """Holds speeds over ground against turning rates, where the mapping gives the diameter."""
+    diameter = work.mapping.wheel_diameter_m
+    if diameter is None:
+        return
+    for speed, rate in _pairs(found):
+        ratio = _ratio(work, speed, rate)
+        if ratio is not None:
+            _judge(work, speed, rate, ratio / (diameter / 2))
+
+
+def _pairs(found: Sequence[Claim]) -> list[tuple[Claim, Claim]]:
+    """Speeds [m/s] and rates [rad/s] of the same wheel, by names; or the only one of each."""
+    speeds: dict[tuple[str, ...], list[Claim]] = defaultdict(list)
+    rates: dict[tuple[str, ...], list[Claim]] = defaultdict(list)
+    for claim in found:
+        if claim.si == "m/s":
+            speeds[_wheel(claim)].append(claim)
+        elif claim.si == "rad/s":
+            rates[_wheel(claim)].append(claim)
+    same = [
+        (speeds[w][0], rates[w][0]) for w in speeds if len(speeds[w]) == len(rates.get(w, ())) == 1
+    ]
+    every = [c for cs in speeds.values() for c in cs], [c for cs in rates.values() for c in cs]
+    if not same and len(every[0]) == len(every[1]) == 1:
+        return [(every[0][0], every[1][0])]
+    return same
+
+
+def _wheel(claim: Claim) -> tuple[str, ...]:
+    name = claim.name if claim.wish else claim.column.name
+    split = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
+    return tuple(w for w in re.split(r"[^a-z0-9]+", split.lower()) if w and w not in _WORDS)
+
+
+def _ratio(work: Work, speed: Claim, rate: Claim) -> float | None:
+    """Median of v/ω where it turns fast, ``None`` where it does not, or where both disagree."""
+    ratios = []
+    for part in blocks(len(work.time_s)):
+        v, omega = speed.values(part), rate.values(part)
+        kept = np.isfinite(v) & np.isfinite(omega)
+        fastest = float(np.abs(omega[kept]).max(initial=0.0))
+        kept &= np.abs(omega) > _SLOW * fastest
+        if kept.sum() >= 10:
+            ratios.append(np.quantile(v[kept] / omega[kept], (0.25, 0.5, 0.75)))
+    if not ratios:
+        return None
+    low, middle, high = np.median(ratios, axis=0)
+    # a wheel that slips, or two things that have nothing to do with each other
+    return float(middle) if high - low < 0.2 * abs(middle) else None
+
+
+def _judge(work: Work, speed: Claim, rate: Claim, ratio: float) -> None:
+    """``ratio`` is v/(ω·D/2), 1 where all is well."""
+    pair = f"{speed.column.name!r} ({speed.unit}) and {rate.column.name!r} ({rate.unit})"
+    text = f"columns {pair}: the speed is {ratio:.3g} times ω·D/2"
+    size = abs(ratio)
+    if _near(size, 1.0):
+        if ratio < 0:
+            work.warn("sign", f"{text}: one of them counts the other way", channel=rate.column.name)
+        return
+    unit = _other_unit(rate, size)
+    if unit and work.assume_units:
+        fitted = ratio * rate.unit_si / units.si_of(unit, "")[0]
+        reread(work, rate, unit)
+        work.repair(
+            "unit_mistake", f"{text}; the rate was taken as {unit}, which fits",
+            channel=rate.column.name, before={"ratio": ratio}, after={"ratio": fitted},
+        )  # fmt: skip
+    elif unit:
+        work.fault(
+            f"{text}; expected 1. Either the rate is in {unit} (write in the mapping file"
+            f" {mapping_line(rate, unit)}, or add --assume-units), or the speed was computed as"
+            " π·D·ω with ω in rad/s; it is π·D·n with turns a second"
+        )
+    elif _near(size, 2.0) or _near(size, 0.5):
+        work.warn(
+            "wheel_diameter",
+            f"{text}; expected 1: a radius may have been taken for a diameter",
+            channel=speed.column.name, before={"ratio": ratio},
+        )  # fmt: skip
+    else:
+        work.warn(
+            "wheel_speed",
+            f"{text}; expected 1: check unit, gear and diameter",
+            channel=speed.column.name, before={"ratio": ratio},
+        )  # fmt: skip
+
+
+def _other_unit(rate: Claim, size: float) -> str:
+    """The unit of the rate with which speed and rate agree."""
+    turn = 2 * math.pi
+    known = {"rad/s": 1.0, "turn/s": turn, "turn/min": turn / 60, "deg/s": turn / 360}
+    return next(
+        (u for u, f in known.items() if _near(f / rate.unit_si, size) and f != rate.unit_si), ""
+    )
+
+
+def _near(value: float, wanted: float) -> bool:
+    return 1 / _NEAR <= value / wanted <= _NEAR

@@ -1,0 +1,1 @@
+"""Checks of the values: gaps, wraps, saturation."""

@@ -1,0 +1,226 @@
+"""Counters of few bits that begin again: an encoder of 16 bits jumps from 65535 to 0.
+
+A signed number of 16 bits that was logged as an unsigned one makes the same jumps (65535 is -1),
+but never comes near the middle of the range.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from simcompare.hardware.conditioning.clock import intervals
+from simcompare.hardware.conditioning.clock.intervals import Indices
+from simcompare.hardware.conditioning.work import Work
+from simcompare.hardware.raw import RawColumn, blocks
+from simcompare.model.trajectory import Array
+
+#: lowest and highest number of counters that are recognised without a mapping
+_RANGES = (
+    (0.0, 2.0**8), (-(2.0**7), 2.0**7), (0.0, 2.0**16), (-(2.0**15), 2.0**15),
+    (0.0, 2.0**32), (-(2.0**31), 2.0**31),
+)  # fmt: skip
+#: steps of a counter that certainly wraps, in parts of its range
+_SMALL = 1 / 16
+#: beyond this part of the range it cannot be told any more which way a step went
+_AMBIGUOUS = 0.4
+#: values that a signed number logged as unsigned takes on one side of 0, at least; 2 on the other
+_LEVELS = 3
+#: steps before and after a wrap that must go the same way
+_NEAR = 3
+
+
+def check(work: Work) -> None:
+    """Adds up the turns of counters that begin again."""
+    for column in work.data:
+        wish = work.wishes(column)
+        if wish is not None and wish.wraps is not None:
+            _told(work, column, wish.wraps)
+        elif column.name != work.stream.counter and intervals.whole_numbers(column):
+            _found(work, column)
+
+
+def _told(work: Work, column: RawColumn, wrap: float) -> None:
+    """The mapping says where the counter begins again."""
+    steep = []
+    wraps = []
+    for after, step in steps(column):
+        turned = step - wrap * np.round(step / wrap)
+        steep.append(after[np.abs(turned) > _AMBIGUOUS * wrap])
+        wraps.append(after[np.round(step / wrap) != 0])
+    fast = np.concatenate(steep) if steep else np.empty(0, dtype=np.int64)
+    if len(fast):
+        work.fault(
+            f"moves by more than {_AMBIGUOUS:g} of the {_amount(column, wrap)} after which it"
+            f" begins again ({intervals.shorten(fast, work)}), so it cannot be told how often it"
+            " did; record with shorter intervals, or correct wraps in the mapping file"
+            " (counter_wrap)",
+            sample=int(fast[0]),
+            channel=column.name,
+        )
+        return
+    at = np.concatenate(wraps) if wraps else np.empty(0, dtype=np.int64)
+    if len(at):
+        unwrap(work, column, wrap, at)
+
+
+def _found(work: Work, column: RawColumn) -> None:
+    """Jumps that only a counter of 8, 16 or 32 bits makes, while it moves slowly else."""
+    low, high = intervals.extent(column.values)
+    for start, stop in _RANGES:
+        wrap = stop - start
+        # both ends are in use, and nothing beyond: else it is no counter of so many bits
+        near = _SMALL * wrap
+        if low < start or high >= stop or low > start + near or high < stop - 1 - near:
+            continue
+        at, medium = _jumps(work, column, wrap)
+        if not len(at):
+            continue
+        if start == 0 and wrap > 2**8 and _is_signed(column, wrap):
+            _make_signed(work, column, wrap)
+            return
+        turning = np.array([_turns(column, int(i), wrap) for i in at[:1000]])
+        # near a place where it turns back, a counter goes either way: most of them must agree
+        if turning.mean() >= 0.5 and not medium:
+            unwrap(work, column, wrap, at)
+        elif turning.any() and medium <= len(at):
+            work.warn(
+                "counter_wrap", f"jumps by almost {wrap:g}, as a counter that begins again does,"
+                " but also moves in other ways; left as it is. If it is such a counter, say so in"
+                f' a mapping file (--map): "wraps: {wrap:g}"', samples=at, channel=column.name,
+            )  # fmt: skip
+        return
+
+
+def steps(column: RawColumn) -> Iterator[tuple[Indices, Array]]:
+    """Steps between values that are there: index of the second, and the difference."""
+    last: tuple[Indices, Array] | None = None
+    for part in blocks(len(column.values)):
+        block = column.values[part]
+        there = np.flatnonzero(np.isfinite(block))
+        index, values = part.start + there, np.asarray(block[there])
+        if last is not None:
+            index, values = np.concatenate((last[0], index)), np.concatenate((last[1], values))
+        if len(index) > 1:
+            yield index[1:], np.diff(values)
+        if len(index):
+            last = index[-1:], values[-1:]
+
+
+def _jumps(work: Work, column: RawColumn, wrap: float) -> tuple[Indices, int]:
+    """Where the column jumps by almost its range, and how many steps lie in between."""
+    found, medium = [np.empty(0, dtype=np.int64)], 0
+    behind_gaps = np.array(work.gaps, dtype=np.int64) + 1
+    for after, step in steps(column):
+        size = np.abs(step)
+        found.append(after[size > (1 - _SMALL) * wrap])
+        between = after[(size > _SMALL * wrap) & (size <= (1 - _SMALL) * wrap)]
+        medium += int((~np.isin(between, behind_gaps)).sum())
+    return np.concatenate(found), medium
+
+
+def _is_signed(column: RawColumn, wrap: float) -> bool:
+    """Whether the middle half of the range is never used, and both ends are by several."""
+    below, above = set[float](), set[float]()
+    for part in blocks(len(column.values)):
+        block = column.values[part]
+        if ((block > wrap / 4) & (block < 3 * wrap / 4)).any():
+            return False
+        for found, side in ((below, block < wrap / 2), (above, block > wrap / 2)):
+            if len(found) < _LEVELS:
+                found.update(np.unique(block[side])[:_LEVELS].tolist())
+    levels = sorted((len(below), len(above)))
+    return levels[0] >= 2 and levels[1] >= _LEVELS
+
+
+def _make_signed(work: Work, column: RawColumn, wrap: float) -> None:
+    low, high = intervals.extent(column.values)
+    found = []
+    for part in blocks(len(column.values)):
+        block = column.values[part]
+        found.append(part.start + np.flatnonzero(block > wrap / 2))
+        column.values[part] = np.where(block > wrap / 2, block - wrap, block)
+    samples = np.concatenate(found)
+    now_low, now_high = intervals.extent(column.values)
+    work.repair(
+        "signed_number", f"{len(samples)} values lie just below {wrap:g} and all others just above"
+        f" 0: a signed number was logged as an unsigned one. {wrap:g} was taken off them",
+        samples=samples, channel=column.name, before={"min": low, "max": high},
+        after={"min": now_low, "max": now_high},
+    )  # fmt: skip
+
+
+def _turns(column: RawColumn, after: int, wrap: float) -> bool:
+    """Whether the column moves towards the end of its range and away from the other one."""
+    values = column.values
+    before = np.asarray(values[max(after - 1 - _NEAR, 0) : after])
+    behind = np.asarray(values[after : after + 1 + _NEAR])
+    before, behind = before[np.isfinite(before)], behind[np.isfinite(behind)]
+    if not len(before) or not len(behind):
+        return False
+    way = -np.sign(behind[0] - before[-1])
+    gone = np.array([before[-1] - before[0], behind[-1] - behind[0]])
+    # a step that wraps in this neighbourhood as well would look like a jump
+    gone = gone - wrap * np.round(gone / wrap)
+    turned = behind[0] - before[-1] + way * wrap
+    return bool((way * gone > 0).any() and (way * gone >= 0).all() and way * turned >= 0)
+
+
+def unwrap(
+    work: Work, column: RawColumn, wrap: float, at: Indices, rule: str = "counter_wrap"
+) -> None:
+    """Adds up the turns of a column that begins again after ``wrap``, and records it.
+
+    Args:
+        work: the stream.
+        column: one of its columns.
+        wrap: after how much it begins again, in its own unit.
+        at: samples before which it does.
+        rule: under which it is recorded.
+    """
+    low, high = intervals.extent(column.values)
+    turns, last = 0.0, np.nan
+    for part in blocks(len(column.values)):
+        block = column.values[part]
+        there = np.flatnonzero(np.isfinite(block))
+        if not len(there):
+            continue
+        values = np.array(block[there])
+        first = values[0] if np.isnan(last) else last
+        step = np.diff(np.concatenate(([first], values)))
+        turned = turns - np.cumsum(np.round(step / wrap))
+        block[there] = values + wrap * turned
+        turns, last = float(turned[-1]), float(values[-1])
+    now_low, now_high = intervals.extent(column.values)
+    work.repair(
+        rule, f"begins again after {_amount(column, wrap)}, {_times(len(at))}; the turns were"
+        " added up", samples=at, channel=column.name, before={"min": low, "max": high},
+        after={"min": now_low, "max": now_high},
+    )  # fmt: skip
+    _unsure(work, column, wrap)
+
+
+def _unsure(work: Work, column: RawColumn, wrap: float) -> None:
+    """In a long gap the counter may have begun again more often than can be told."""
+    if not work.gaps:
+        return
+    speed = float(np.nanquantile(np.abs(intervals.sampled_steps(column.values)), 0.99))
+    gaps = np.array(work.gaps, dtype=np.int64)
+    lasts = (work.time_s[gaps + 1] - work.time_s[gaps]) / intervals.typical(work.time_s)
+    unsure = gaps[lasts * speed > wrap / 2]
+    if len(unsure):
+        work.warn(
+            "counter_wrap_in_gap", "is fast enough to begin again within a gap; from there on it"
+            f" may be off by whole multiples of {_amount(column, wrap)}", samples=unsure + 1,
+            channel=column.name,
+        )  # fmt: skip
+
+
+def _amount(column: RawColumn, wrap: float) -> str:
+    """A range in the unit of the column: ``360 deg``, ``4096 counts``."""
+    return f"{wrap:.6g} {'counts' if column.unit in ('', '1') else column.unit}"
+
+
+def _times(count: int) -> str:
+    return "once" if count == 1 else f"{count} times"

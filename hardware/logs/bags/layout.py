@@ -1,0 +1,347 @@
+"""Where the numbers of a ROS message stand among its bytes.
+
+Messages of a topic that have equal length, equal texts and equal lengths of arrays have their
+numbers at equal places. A layout is worked out once for such messages; then all of them are read
+at once, as columns of a table of bytes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simcompare.hardware.logs.bags.types import (
+    ARRAY,
+    BASE,
+    COVARIANCES,
+    IN_CHILD_FRAME,
+    LENGTHS,
+    NAME,
+    OUT_OF_RANGE,
+    VARIANCES,
+    Types,
+    unit_of,
+)
+from simcompare.model.trajectory import Array
+
+#: longest array that becomes columns, and most points of a cloud
+MOST_COLUMNS = 256
+_DEEPEST = 12
+_TIME, _DURATION = "builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"
+_DTYPES = {
+    "bool": "u1", "byte": "u1", "char": "u1", "octet": "u1", "int8": "i1", "uint8": "u1",
+    "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4", "int64": "i8", "uint64": "u8",
+    "float32": "f4", "float64": "f8",
+}  # fmt: skip
+_POINT_DTYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}
+
+
+class Misfit(Exception):
+    """A message does not have the form that its definition says."""
+
+
+class TooMuch(Exception):
+    """A topic holds more than can become columns."""
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number of a message, and what is known of it.
+
+    Attributes:
+        name: path of its field ("twist.twist.linear.x").
+        at: byte in the message.
+        dtype: numpy's type, with the order of the bytes.
+        unit: of the field, empty where the type does not say.
+        child: whether it is given in ``child_frame_id``.
+        infinite: whether ±infinity means "out of range".
+        of: for a variance: columns that it belongs to (their common beginning), else empty.
+        split: "time" or "duration" where seconds stand here and nanoseconds four bytes further.
+    """
+
+    name: str
+    at: int
+    dtype: str
+    unit: str = ""
+    child: bool = False
+    infinite: bool = False
+    of: str = ""
+    split: str = ""
+
+
+@dataclass
+class Layout:
+    """Places of all numbers of messages that look alike.
+
+    Attributes:
+        numbers: what becomes columns, variances included.
+        texts: path -> text that all these messages hold.
+        stamp: byte of ``header.stamp``, -1 where there is none.
+        skipped: path -> why a field is left out.
+        guards: bytes that must be the same in all messages of this layout.
+        off_diagonal: covariance -> bytes that are zero where it is diagonal.
+        positions: every byte of the guards.
+        expected: what stands there.
+        order: of the bytes, as numpy writes it.
+    """
+
+    numbers: list[Number] = field(default_factory=list)
+    texts: dict[str, str] = field(default_factory=dict)
+    stamp: int = -1
+    skipped: dict[str, str] = field(default_factory=dict)
+    guards: list[tuple[int, int]] = field(default_factory=list)
+    off_diagonal: dict[str, NDArray[np.int64]] = field(default_factory=dict)
+    positions: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
+    expected: NDArray[np.uint8] = field(default_factory=lambda: np.empty(0, np.uint8))
+    order: str = "<"
+
+    def fits(self, table: NDArray[np.uint8]) -> NDArray[np.bool_]:
+        """Which rows of a table of messages have this layout."""
+        return np.asarray((table[:, self.positions] == self.expected).all(axis=1))
+
+    def seal(self, data: bytes) -> None:
+        """Remembers the bytes that all messages of the layout share."""
+        spans = [np.arange(start, stop) for start, stop in self.guards]
+        self.positions = np.concatenate([np.empty(0, np.int64), *spans]).astype(np.int64)
+        self.expected = np.frombuffer(data, np.uint8)[self.positions]
+
+
+def pick(table: NDArray[np.uint8], at: int, dtype: str) -> Array:
+    """One number of every row of a table of messages."""
+    size = np.dtype(dtype).itemsize
+    return np.ascontiguousarray(table[:, at : at + size]).view(dtype)[:, 0]
+
+
+def layout_of(types: Types, kind: str, data: bytes, encoding: str) -> Layout:
+    """Works out where the numbers of a message stand.
+
+    Raises:
+        Misfit: the message is not of this type.
+        TooMuch: it holds more than can become columns.
+    """
+    walk = _Walk(types, data, encoding)
+    walk.struct(kind, "", "", False, 0)
+    walk.end()
+    if kind == "sensor_msgs/msg/PointCloud2":
+        _cloud(walk)
+    elif kind == "sensor_msgs/msg/JointState":
+        _joints(walk)
+    walk.layout.seal(data)
+    return walk.layout
+
+
+class _Walk:
+    """Goes through one message, field by field."""
+
+    def __init__(self, types: Types, data: bytes, encoding: str) -> None:
+        self.types, self.data, self.layout = types, data, Layout()
+        self.aligned = encoding == "cdr"
+        self.at = self.base = 0
+        if self.aligned:
+            if data[:2] not in (b"\0\0", b"\0\1"):
+                raise Misfit(f"begins with {data[:2].hex()}, which is no plain CDR")
+            self.layout.order = "<" if data[1] else ">"
+            self.at = self.base = 4
+            self.layout.guards.append((0, 2))
+        #: path -> (byte, dtype, length) of every array that is long or of a length that may change
+        self.arrays: dict[str, tuple[int, str, int]] = {}
+        self.names: dict[str, list[str]] = {}
+
+    def end(self) -> None:
+        """Checks that the whole message was understood."""
+        left = len(self.data) - self.at
+        if left < 0 or left > (3 if self.aligned else 0):
+            raise Misfit(f"has {len(self.data)} bytes; its definition has {self.at}")
+
+    def struct(self, kind: str, path: str, unit: str, child: bool, depth: int) -> None:
+        """All fields of a type."""
+        if kind in (_TIME, _DURATION):
+            self._time(kind, path)
+            return
+        if kind not in self.types or depth > _DEEPEST:
+            raise Misfit(f"is of the type {kind}, which is not defined or too deep")
+        for name, description in self.types[kind]:
+            if name == "structure_needs_at_least_one_member":
+                self._take(1, 1)
+                continue
+            full = f"{path}.{name}" if path else name
+            inside = child or (kind, name) in IN_CHILD_FRAME
+            self._field(kind, name, full, description, unit_of(kind, name, unit), inside, depth)
+
+    def _field(self, kind, name, path, description, unit, child, depth) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001
+        form, what = description
+        if form == NAME:
+            self.struct(what, path, unit, child, depth + 1)
+        elif form == BASE:
+            self._single(kind, name, path, what[0], unit, child)
+        else:
+            (inner, element), count = what
+            fixed = form == ARRAY
+            if not fixed:
+                count = self._count()
+            if inner == NAME:
+                self._structs(element, path, count, unit, child, depth)
+            elif element[0] in ("string", "wstring"):
+                self.names[path] = [self._text() for _ in range(self._limited(count))]
+            else:
+                self._array(kind, name, path, element[0], count, unit, child, fixed)
+
+    def _single(self, kind: str, name: str, path: str, base: str, unit: str, child: bool) -> None:
+        if base == "string":
+            self.layout.texts[path] = self._text()
+            return
+        dtype = self._dtype(base, path)
+        at = self._take(np.dtype(dtype).itemsize, np.dtype(dtype).itemsize)
+        beside = path[: len(path) - len(name)]
+        of = VARIANCES.get((kind, name), "")
+        infinite = (kind, name) in OUT_OF_RANGE
+        unit = "1" if base == "bool" and not unit else unit
+        self.layout.numbers.append(
+            Number(path, at, dtype, unit, child, infinite, beside + of if of else "")
+        )
+
+    def _array(self, kind, name, path, base, count, unit, child, fixed) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001
+        dtype = self._dtype(base, path)
+        size = np.dtype(dtype).itemsize
+        at = self._take(size * count, size) if count or fixed else self.at
+        if (kind, name) in COVARIANCES:
+            self._covariance(
+                path[: len(path) - len(name)], path, COVARIANCES[kind, name], at, dtype
+            )
+            return
+        self.arrays[path] = (at, dtype, count)
+        if count > MOST_COLUMNS:
+            self.layout.skipped[path] = f"has {count} elements; at most {MOST_COLUMNS} are read"
+            return
+        infinite = (kind, name) in OUT_OF_RANGE
+        for i in range(count):
+            self.layout.numbers.append(
+                Number(f"{path}.{i}", at + i * size, dtype, unit, child, infinite)
+            )
+
+    def _covariance(
+        self, beside: str, path: str, parts: tuple[str, ...], at: int, dtype: str
+    ) -> None:
+        """Only the diagonal becomes columns, as the variance of what it belongs to."""
+        side, size = 3 * len(parts), np.dtype(dtype).itemsize
+        for i in range(side):
+            of = f"{beside}{parts[i // 3]}"
+            # a quaternion has four components, so its three variances stay together
+            target = of if of.endswith("orientation") else f"{of}.{'xyz'[i % 3]}"
+            self.layout.numbers.append(
+                Number(f"{path}.{i}", at + i * (side + 1) * size, dtype, of=target)
+            )
+        cells = at + np.arange(side * side * size).reshape(-1, size)
+        self.layout.off_diagonal[path] = cells[np.arange(side * side) % (side + 1) != 0].ravel()
+
+    def _structs(self, kind, path, count, unit, child, depth) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001
+        """Elements are gone through to find their end; only those of fixed types become columns."""
+        before = len(self.layout.numbers)
+        for i in range(self._limited(count)):
+            self.struct(kind, f"{path}.{i}", unit, child, depth + 1)
+        if path != "fields" and count:
+            del self.layout.numbers[before:]
+            self.layout.skipped[path] = f"is a list of {kind}"
+
+    def _time(self, kind: str, path: str) -> None:
+        at = self._take(8, 4)
+        if path == "header.stamp":
+            self.layout.stamp = at
+            return
+        seconds = f"{self.layout.order}{'i4' if self.aligned or kind == _DURATION else 'u4'}"
+        split = "time" if kind == _TIME else "duration"
+        self.layout.numbers.append(Number(path, at, seconds, "s", split=split))
+
+    def _limited(self, count: int) -> int:
+        if count > 4 * MOST_COLUMNS:
+            raise TooMuch(f"has a list of {count} elements")
+        return count
+
+    def _count(self) -> int:
+        at = self._take(4, 4)
+        self.layout.guards.append((at, at + 4))
+        return int.from_bytes(
+            self.data[at : at + 4], "little" if self.layout.order == "<" else "big"
+        )
+
+    def _text(self) -> str:
+        size = self._count()
+        at = self._take(size, 1)
+        self.layout.guards.append((at, at + size))
+        return self.data[at : at + size].rstrip(b"\0").decode("utf-8", "replace")
+
+    def _dtype(self, base: str, path: str) -> str:
+        if base not in _DTYPES:
+            raise Misfit(f"has the field {path} of the type {base}, which cannot be read")
+        return f"{self.layout.order}{_DTYPES[base]}"
+
+    def _take(self, size: int, alignment: int) -> int:
+        """Byte of the next piece of that size."""
+        if self.aligned:
+            self.at += -(self.at - self.base) % alignment
+        at = self.at
+        self.at += size
+        if self.at > len(self.data):
+            raise Misfit(f"has {len(self.data)} bytes; its definition needs {self.at} or more")
+        return at
+
+
+def _cloud(walk: _Walk) -> None:
+    """Columns ``z[row,column]`` of a small cloud; everything but the points must stay the same."""
+    layout = walk.layout
+    values = {n.name: n for n in layout.numbers}
+    order = ">" if int(_value(walk, values["is_bigendian"])) else "<"
+    height, width = (int(_value(walk, values[name])) for name in ("height", "width"))
+    step, row_step = (int(_value(walk, values[name])) for name in ("point_step", "row_step"))
+    start, _, size = walk.arrays["data"]
+    if height * width > MOST_COLUMNS:
+        raise TooMuch(f"is a cloud of {height}×{width} points; at most {MOST_COLUMNS} are read")
+    kept = [number for number in layout.numbers if number.name.startswith("header.")]
+    for number in layout.numbers:
+        if not number.name.startswith(("data.", "header.")):
+            layout.guards.append((number.at, number.at + np.dtype(number.dtype).itemsize))
+    fields = [path.removesuffix(".name") for path in layout.texts if path.endswith(".name")]
+    found = []
+    for path in fields:
+        name = layout.texts[f"{path}.name"]
+        kind = int(_value(walk, values[f"{path}.datatype"]))
+        if kind not in _POINT_DTYPES:
+            raise Misfit(f"has the field {name} of the unknown datatype {kind}")
+        dtype = order + _POINT_DTYPES[kind]
+        offset = int(_value(walk, values[f"{path}.offset"]))
+        unit = "m" if name in LENGTHS else "1" if name == "intensity" else ""
+        for row in range(height):
+            for column in range(width):
+                at = row * row_step + column * step + offset
+                if at + np.dtype(dtype).itemsize > size:
+                    raise Misfit(f"has {size} bytes of points; {name}[{row},{column}] is beyond")
+                found.append(Number(f"{name}[{row},{column}]", start + at, dtype, unit))
+    layout.numbers = kept + found
+    layout.skipped.pop("data", None)
+    layout.texts = {path: text for path, text in layout.texts.items() if path.startswith("header")}
+
+
+def _value(walk: _Walk, number: Number) -> float:
+    return float(np.frombuffer(walk.data, number.dtype, 1, number.at)[0])
+
+
+def _joints(walk: _Walk) -> None:
+    """Columns ``joint.position`` and so on, by the names in the message, whatever their order."""
+    layout = walk.layout
+    names = walk.names.get("name", [])
+    if len(set(names)) < len(names):
+        raise Misfit("names a joint twice")
+    kept = [n for n in layout.numbers if n.name.partition(".")[0] not in walk.arrays]
+    for field_name in ("position", "velocity", "effort"):
+        at, dtype, count = walk.arrays.get(field_name, (0, "<f8", 0))
+        if count not in (0, len(names)):
+            raise Misfit(f"has {len(names)} names and {count} values of {field_name}")
+        size = np.dtype(dtype).itemsize
+        kept += [
+            Number(f"{name}.{field_name}", at + i * size, dtype)
+            for i, name in enumerate(names[:count])
+        ]
+    layout.numbers = kept
+    layout.skipped.clear()

@@ -1,0 +1,1 @@
+"""Arrays in binary files, and the checks before they are opened."""

@@ -1,0 +1,340 @@
+"""How a table of text is laid out: separator, decimal mark, header, units, kinds of columns."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections import Counter
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
+
+from simcompare.errors import InputError
+from simcompare.hardware.logs.text import text as _text
+from simcompare.hardware.logs.text.dates import DateStyle, looks_like_date, style_of
+
+#: separators that are tried, the surest first; a blank stands for any run of them
+SEPARATORS = "\t;|, "
+COMMENTS = ("#", "%", "//", "!")
+_LIST = re.compile(r"[\[(]\s*[-+.\deE,;\s]*[\])]")
+_FLAGS = {"true": 1.0, "false": 0.0}
+_MOST_LINES = 1000
+_GROUPS = re.compile(r"\d{1,3}(?:,\d{3})+")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How to read a table.
+
+    Attributes:
+        separator: one character; a blank stands for any run of them.
+        first_line: number of the first row, counted from 1.
+        kinds: of each column: "number", "flag", "list", "date", "text" or "empty".
+        names: name and unit of each column.
+        decimal: decimal mark.
+        thousands: mark between groups of three digits, empty where there is none.
+        decided: whether a mark was seen at all; if not, the first one that comes decides.
+        header: the line of names as it stands in the file, empty where there is none.
+        header_line: its number, 0 where there is none.
+        preamble: lines above the header.
+        styles: how columns of dates write them.
+        stop_line: number of the last row, 0 for all.
+        swaps: bytes that are replaced before parsing.
+        short_rows: whether rows may end early.
+    """
+
+    separator: str
+    first_line: int
+    kinds: tuple[str, ...]
+    names: tuple[tuple[str, str], ...]
+    decimal: str = "."
+    thousands: str = ""
+    decided: bool = True
+    header: str = ""
+    header_line: int = 0
+    preamble: tuple[str, ...] = ()
+    styles: dict[int, DateStyle] = field(default_factory=dict)
+    stop_line: int = 0
+    swaps: tuple[tuple[bytes, bytes], ...] = ()
+    short_rows: bool = False
+
+
+def split(line: str, separator: str) -> list[str]:
+    """Cells of one line."""
+    if separator == " ":
+        return line.split()
+    try:
+        return next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
+    except csv.Error:
+        return [line]
+
+
+def kind_of(cell: str) -> str:
+    """What one cell holds."""
+    text = cell.strip()
+    if text in _text.MISSING:
+        return "empty"
+    if any(_text.number(text, d, t) is not None for d, t in ((".", ","), (",", "."))):
+        return "number"
+    if text in ("∞", "-∞", "+∞"):
+        return "number"
+    if text.lower() in _FLAGS:
+        return "flag"
+    if _LIST.fullmatch(text):
+        return "list"
+    return "date" if looks_like_date(text) else "text"
+
+
+def is_comment(line: str) -> bool:
+    """Whether a line is a remark."""
+    return line.lstrip().startswith(COMMENTS)
+
+
+def sniff(source: _text.Source, keep: Collection[str] = ()) -> Layout:
+    """The layout of a table with any separator and any header.
+
+    Args:
+        source: the text.
+        keep: names of columns that a mapping uses.
+
+    Raises:
+        InputError: there is no table, or it can be read in two ways.
+    """
+    lines = list(source.head[:_MOST_LINES])
+    rows = [i for i, line in enumerate(lines) if line.strip() and not is_comment(line)]
+    if len(rows) > 2 and source.whole and _is_cut(lines, rows):
+        rows = rows[:-1]
+    separator = _separator([lines[i] for i in rows])
+    cells = {i: split(lines[i], separator) for i in rows}
+    width = _width([cells[i] for i in rows])
+    kinds = _kinds([cells[i] for i in rows if len(cells[i]) == width][-len(rows) // 2 - 1 :], width)
+    first = next((i for i in rows if _fits(cells[i], kinds)), None)
+    if first is None and _is_header_alone(cells, width):
+        shown = ", ".join(cells[rows[0]])[:80]
+        raise InputError(
+            source.label,
+            [f"line {rows[0] + 1}: has a header ({shown}) and no rows; the log ends before its"
+             " first sample"],
+        )  # fmt: skip
+    if first is None or not {"number", "list"} & set(kinds):
+        raise InputError(
+            source.label,
+            ["holds no rows of numbers; expected columns of numbers with one separator"
+             f" (looked at the first {len(lines)} lines)"],
+        )  # fmt: skip
+    first = _with_bad_rows_above(first, rows, cells, kinds)
+    kinds = _kinds([cells[i] for i in rows if i >= first and len(cells[i]) == width], width)
+    header, units_row = _header(source, lines, first, separator, kinds)
+    head_cells = _header_cells(lines[header], separator, width) if header is not None else []
+    below = _header_cells(lines[units_row], separator, width) if units_row is not None else []
+    names = _text.headings((head_cells + [""] * width)[:width], below, keep)
+    body = [(i + 1, cells[i]) for i in rows if i >= first and len(cells[i]) == width]
+    decimal, thousands, decided = marks(source.label, body, kinds, names)
+    styles = {k: s for k in range(width) if kinds[k] == "date"
+              for s in [style_of([row[k] for _, row in body])] if s}  # fmt: skip
+    return Layout(
+        separator,
+        first + 1,
+        tuple(_final(kinds, k, head_cells, styles) for k in range(width)),
+        tuple(names),
+        decimal,
+        thousands,
+        decided,
+        "" if header is None else lines[header],
+        0 if header is None else header + 1,
+        tuple(lines[: first if header is None else header]),
+        styles,
+    )
+
+
+def _is_header_alone(cells: dict[int, list[str]], width: int) -> bool:
+    """Whether there are names, perhaps with units below them, and nothing else."""
+    table = list(cells.values())
+    texts = [cell.strip() for row in table for cell in row]
+    return (
+        width > 1
+        and (len(table) == 1 or (len(table) == 2 and _is_units_row(table[1], table[0])))
+        and all(len(row) == width for row in table)
+        and all(0 < len(text) <= 40 and kind_of(text) == "text" for text in texts)
+    )
+
+
+def _is_cut(lines: Sequence[str], rows: Sequence[int]) -> bool:
+    """Whether the last row has no line end, so that it may be cut."""
+    return rows[-1] == len(lines) - 1
+
+
+def _separator(lines: Sequence[str]) -> str:
+    sample = lines[-200:]
+    best, best_score = ",", (-1.0, 0)
+    for separator in SEPARATORS:
+        table = [split(line, separator) for line in sample]
+        width = _width(table)
+        fitting = [cells for cells in table if len(cells) == width]
+        kinds = [kind_of(cell) for cells in fitting for cell in cells]
+        good = sum(kind in ("number", "date", "list", "flag", "empty") for kind in kinds)
+        share = len(fitting) / max(len(table), 1) * good / max(len(kinds), 1)
+        score = (round(share, 3) if width > 1 else min(round(share, 3), 0.3), width > 1)
+        if score > best_score:
+            best, best_score = separator, score
+    return best
+
+
+def _width(table: Sequence[Sequence[str]]) -> int:
+    """Commonest number of cells in the later half, where the rows are."""
+    later = table[len(table) // 2 :]
+    return Counter(len(cells) for cells in later).most_common(1)[0][0] if later else 0
+
+
+def _kinds(rows: Sequence[Sequence[str]], width: int) -> list[str]:
+    found = []
+    for k in range(width):
+        seen = Counter(kind_of(row[k]) for row in rows)
+        full = sum(seen.values()) - seen["empty"]
+        best = max(("number", "date", "list", "flag"), key=lambda kind: seen[kind])
+        if not full:
+            found.append("empty")
+        else:
+            found.append(best if seen[best] >= full / 2 else "text")
+    return found
+
+
+def _fits(cells: Sequence[str], kinds: Sequence[str]) -> bool:
+    """Whether a line is a row: every cell is of its column's kind, and not all are text."""
+    if len(cells) != len(kinds):
+        return False
+    seen = [kind_of(cell) for cell in cells]
+    certain = [s == k for s, k in zip(seen, kinds, strict=True) if k not in ("text", "empty")]
+    return any(certain) and all(
+        k == "text" or s in (k, "empty") for s, k in zip(seen, kinds, strict=True)
+    )
+
+
+def _with_bad_rows_above(
+    first: int, rows: Sequence[int], cells: dict[int, list[str]], kinds: Sequence[str]
+) -> int:
+    """The first row, where rows with a fault stand above the first that has none."""
+    for i in reversed([i for i in rows if i < first]):
+        known = [k for k, kind in enumerate(kinds) if kind in ("number", "date", "list")]
+        numbers = sum(k < len(cells[i]) and kind_of(cells[i][k]) == kinds[k] for k in known)
+        if not numbers or (len(cells[i]) < 2 < len(kinds)) or numbers < len(known) / 2:
+            return first
+        first = i
+    return first
+
+
+def _header_cells(line: str, separator: str, width: int) -> list[str]:
+    """Cells of a header, which may be a remark and may end with separators more or less."""
+    cells = split(line, separator)
+    if is_comment(line) and not line.lstrip().startswith("%time"):
+        cells = split(line.lstrip(" #%/!"), separator)
+    if separator == " " and len(cells) != width:
+        wide = re.split(r"\t+|\s{2,}|\s*[,;]\s*", line.strip(" #%/!\t"))
+        cells = wide if len(wide) == width else cells
+    while len(cells) > width and not cells[-1].strip():
+        cells.pop()
+    return cells
+
+
+def _header(
+    source: _text.Source, lines: Sequence[str], first: int, separator: str, kinds: Sequence[str]
+) -> tuple[int | None, int | None]:
+    """Where the header is and where a row of units below it."""
+    width = len(kinds)
+    every = [i for i in range(first - 1, -1, -1) if lines[i].strip()]
+    cells = {i: _header_cells(lines[i], separator, width) for i in every[:50]}
+    # a remark is passed over unless it is the header itself
+    above = [i for i in cells if not is_comment(lines[i]) or len(cells[i]) == width > 1][:2]
+    if not above:
+        return None, None
+    found = [cells[i] for i in above]
+    ends_empty = kinds[-1] == "empty"
+    fits = [len(cells) == width or (ends_empty and len(cells) == width - 1) for cells in found]
+    if len(above) > 1 and all(fits) and _is_units_row(found[0], found[1]):
+        return above[1], above[0]
+    if fits[0]:
+        return above[0], None
+    if is_comment(lines[above[0]]) or len(found[0]) < min(width, 2):
+        return None, None
+    text = f"the header (line {above[0] + 1}) has {len(found[0])} cells but the rows below have"
+    cure = "give every column one name"
+    if separator == "," and width == 2 * len(found[0]):
+        cure = "the comma seems to be the decimal mark too; export again with another separator"
+    raise InputError(source.label, [f"{text} {width}; {cure}"])
+
+
+def _is_units_row(cells: Sequence[str], above: Sequence[str]) -> bool:
+    if any(kind_of(cell) == "number" for cell in [*cells, *above]):
+        return False
+    plain = [cell.strip() for cell in cells]
+    bare = [text.strip("()[]{}<>") for text in plain]
+    bracketed = sum(text != b for text, b in zip(plain, bare, strict=True) if text)
+    known = sum(_text.is_unit(text) for text in bare)
+    full = sum(bool(text) for text in plain)
+    return full > 0 and (bracketed == full or known == full)
+
+
+def _final(
+    kinds: Sequence[str], k: int, header: Sequence[str], styles: dict[int, DateStyle]
+) -> str:
+    if kinds[k] == "date" and k not in styles:
+        return "text"
+    if kinds[k] == "empty" and k < len(header) and header[k].strip():
+        return "number"  # a named column that holds nothing so far
+    return kinds[k]
+
+
+def marks(
+    label: str,
+    body: Sequence[tuple[int, Sequence[str]]],
+    kinds: Sequence[str],
+    names: Sequence[tuple[str, str]],
+) -> tuple[str, str, bool]:
+    """Decimal mark, mark of thousands, and whether one was seen.
+
+    Raises:
+        InputError: a comma may be either.
+    """
+    unsure: list[str] = []
+    seen: Counter[str] = Counter()
+    for line, row in body:
+        for k, cell in enumerate(row[: len(kinds)]):
+            verdict = mark_of(cell) if kinds[k] == "number" else ""
+            seen[verdict] += 1
+            if verdict == "?" and len(unsure) < 3:
+                unsure.append(doubt(line, names[k][0], cell))
+    both = [v for v in (".,", ",.") if seen[v]]  # decimal mark first, then that of thousands
+    if len(both) > 1 or (both == [".,"] and seen[","]):
+        raise InputError(
+            label, ["commas stand for decimals in some numbers and for thousands in others;"
+                    " write the log with decimal points and without marks of thousands"],
+        )  # fmt: skip
+    if both:
+        return both[0][0], both[0][1], True
+    if seen[","]:
+        return ",", "", True
+    if seen["?"]:
+        raise InputError(label, unsure)
+    return ".", "", bool(seen["."])
+
+
+def doubt(line: int, name: str, cell: str) -> str:
+    """What to say of a number that may be two."""
+    plain = cell.strip().replace(",", "")
+    return (
+        f"line {line}, column {name!r}: {cell.strip()!r} may be {plain} or"
+        f" {cell.strip().replace(',', '.')}; write the log with decimal points and without marks of"
+        " thousands"
+    )
+
+
+def mark_of(cell: str) -> str:
+    """What a number tells of the marks: "." or "," decimal, both with thousands, "?" or nothing."""
+    text = cell.strip().lstrip("+-")
+    points, commas = text.count("."), text.count(",")
+    if not commas:
+        return "." if points else ""
+    if points:
+        return ".," if text.rindex(".") > text.rindex(",") else ",."
+    if commas > 1:
+        return ".," if _GROUPS.fullmatch(text) else ""
+    return "?" if re.fullmatch(r"[1-9]\d{0,2},\d{3}", text) else ","

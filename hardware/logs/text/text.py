@@ -1,0 +1,362 @@
+"""Text files as logs are written: encodings, blocks of whole lines, numbers, headings."""
+
+from __future__ import annotations
+
+import codecs
+import io
+import math
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+
+from simcompare import units
+from simcompare.errors import InputError
+from simcompare.hardware.logs.binary import zip_guard
+from simcompare.hardware.mapping import Mapping
+from simcompare.model.recording import INFO, Repair
+from simcompare.model.trajectory import Array
+
+#: bytes by which encoding and layout are found
+HEAD_BYTES = 1 << 16
+#: bytes that are parsed together
+BLOCK_BYTES = 4 << 20
+#: lines that are parsed together
+MOST_LINES = 1 << 17
+#: a line longer than this belongs to no table
+LONGEST_LINE = 16 << 20
+
+_MARKS = ((b"\xef\xbb\xbf", "utf-8"), (b"\xff\xfe", "utf-16-le"), (b"\xfe\xff", "utf-16-be"))
+
+#: cells that say that nothing was measured
+MISSING = (
+    "", "nan", "NaN", "NAN", "Nan", "-nan", "-NaN", "-nan(ind)", "NA", "N/A", "n/a", "#N/A", "null",
+    "NULL", "None", "1.#QNAN", "-1.#IND", "1.#IND",
+)  # fmt: skip
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?", re.ASCII)
+_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?", re.ASCII)
+_TIME = re.compile(
+    r"%?time|t|time ?stamps?|stamp|date ?/? ?time|date|zeit|temps|elapsed(?: time)?"
+    r"|(?:milli|micro|nano)?sec(?:ond)?s?|time of day|unix ?time|epoch|clock",
+    re.IGNORECASE,
+)
+_INFINITE = re.compile(r"([+-]?)(?:inf|infinity|1\.#inf)", re.IGNORECASE)
+_BRACKETS = re.compile(r"(.*?)\s*[(\[{<]\s*([^()\[\]{}<>]*?)\s*[)\]}>]")
+_SLASH = re.compile(r"(.*?)\s+(?:/|in)\s+(\S+)")
+#: units that stand at the end of names, beside those of SI
+_SUFFIXES = {
+    "deg": "deg", "deg_s": "deg/s", "dps": "deg/s", "rpm": "rpm", "rps": "turn/s", "um": "um",
+    "mm": "mm", "cm": "cm", "km": "km", "mm_s": "mm/s", "mm_s2": "mm/s^2", "mV": "mV", "mA": "mA",
+    "uA": "uA", "kPa": "kPa", "hPa": "hPa", "mbar": "mbar", "degC": "degC", "uT": "uT", "mT": "mT",
+    "ms": "ms", "us": "us", "ns": "ns", "sec": "s", "Nm": "N*m", "mNm": "mN*m", "kHz": "kHz",
+    "MHz": "MHz", "mW": "mW", "kW": "kW", "mN": "mN", "kN": "kN",
+}  # fmt: skip
+_SUFFIXED = re.compile(rf"(.+)_({'|'.join(sorted(_SUFFIXES, key=len, reverse=True))})")
+
+
+@dataclass(frozen=True)
+class Source:
+    """A text file, or a member of an archive.
+
+    Attributes:
+        label: as messages name it.
+        open: opens it for reading bytes.
+        encoding: of the file.
+        skip: bytes of the byte order mark.
+        old_mac: whether lines end with a carriage return alone.
+        head: lines at its beginning, without their ends.
+        whole: whether these are all lines.
+        repairs: what was noticed so far.
+    """
+
+    label: str
+    open: Callable[[], IO[bytes]]
+    encoding: str
+    skip: int
+    old_mac: bool
+    head: tuple[str, ...]
+    whole: bool
+    repairs: tuple[Repair, ...]
+
+    @property
+    def body_encoding(self) -> str:
+        """Encoding of the blocks: those of UTF-16 become UTF-8."""
+        return "utf-8" if self.encoding.startswith("utf") else self.encoding
+
+
+@dataclass(frozen=True)
+class Block:
+    """Whole lines.
+
+    Attributes:
+        line: number of the first, counted from 1.
+        data: their bytes.
+        count: number of lines.
+        ended: whether the last one has an end; false only at the end of a file.
+    """
+
+    line: int
+    data: bytes
+    count: int
+    ended: bool
+
+    def until(self, stop: int) -> Block:
+        """The part up to a line; all of it where ``stop`` is 0 or lies beyond."""
+        keep = stop - self.line + 1
+        if not stop or keep >= self.count:
+            return self
+        cut = -1
+        for _ in range(keep):
+            cut = self.data.index(b"\n", cut + 1)
+        return Block(self.line, self.data[: cut + 1], keep, True)
+
+
+def source_of(path: Path) -> Source:
+    """A file as text.
+
+    Raises:
+        InputError: it cannot be read, is empty, or is no text.
+    """
+    return opened(str(path), lambda: path.open("rb"))
+
+
+def opened(label: str, open_: Callable[[], IO[bytes]]) -> Source:
+    """Text behind an open function.
+
+    Raises:
+        InputError: it cannot be read, is empty, or is no text.
+    """
+    try:
+        with open_() as file:
+            start = file.read(HEAD_BYTES + 1)
+    except zip_guard.ERRORS as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(label, [f"cannot be read: {reason}"]) from None
+    return _source(label, open_, start)
+
+
+def _source(label: str, open_: Callable[[], IO[bytes]], start: bytes) -> Source:
+    encoding, skip = encoding_of(start)
+    whole = len(start) <= HEAD_BYTES
+    text = start[skip:HEAD_BYTES].decode(encoding, errors="replace")
+    if not text.strip():
+        raise InputError(label, ["is empty; expected a log with at least two samples"])
+    if text.count("\0") > len(text) // 100:
+        raise InputError(label, ["is no text but binary data; name its format with --as"])
+    old_mac = "\n" not in text and text.count("\r") > 1
+    lines = text.replace("\r", "\n").split("\n") if old_mac else text.split("\n")
+    lines = lines if whole else lines[:-1]  # the last one may be cut
+    repairs = []
+    if skip:
+        repairs.append(Repair("byte_order_mark", INFO, f"a byte order mark says {encoding}"))
+    elif encoding != "utf-8":
+        text = f"is not UTF-8; it was read as {encoding}"
+        repairs.append(Repair("encoding", INFO, text))
+    head = tuple(line.rstrip("\r") for line in lines)
+    return Source(label, open_, encoding, skip, old_mac, head, whole, tuple(repairs))
+
+
+def encoding_of(start: bytes) -> tuple[str, int]:
+    """Encoding of a text that begins so, and the length of its byte order mark."""
+    for mark, name in _MARKS:
+        if start.startswith(mark):
+            return name, len(mark)
+    sample = start[:1000]
+    if len(sample) > 3:  # UTF-16 of digits and Latin letters: every second byte is zero
+        even, odd = sample[0::2].count(0), sample[1::2].count(0)
+        if odd > 0.4 * len(sample) / 2 and not even:
+            return "utf-16-le", 0
+        if even > 0.4 * len(sample) / 2 and not odd:
+            return "utf-16-be", 0
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(start, final=False)
+    except UnicodeDecodeError:
+        return "latin-1", 0
+    return "utf-8", 0
+
+
+def head_lines(start: bytes) -> list[str]:
+    """Lines of the beginning of a log, empty where it is no text."""
+    try:
+        return list(_source("", lambda: io.BytesIO(start), start).head)
+    except InputError:
+        return []
+
+
+def blocks(source: Source, first_line: int = 1) -> Iterator[Block]:
+    """All lines of a text from one on, a few megabytes at a time.
+
+    Raises:
+        InputError: a line without end.
+    """
+    decoder = codecs.getincrementaldecoder(source.encoding)(errors="replace")
+    line, carried = 1, b""
+    with source.open() as file:
+        file.read(source.skip)
+        while True:
+            data = file.read(BLOCK_BYTES)
+            last = len(data) == 0
+            if source.encoding.startswith("utf-16"):
+                data = decoder.decode(data, final=last).encode("utf-8", errors="replace")
+            if source.old_mac:
+                data = data.replace(b"\r", b"\n")
+            data = carried + data
+            cut = len(data) if last else data.rfind(b"\n") + 1
+            carried = data[cut:]
+            if len(carried) > LONGEST_LINE:
+                raise InputError(
+                    source.label, [f"line {line} is longer than {LONGEST_LINE >> 20} MB; no table"]
+                )
+            data = data[:cut]
+            ended = data.endswith(b"\n")
+            count = count_of(b"\n", data) + (bool(data) and not ended)
+            at = line
+            line += count
+            if line > first_line and count:
+                yield from _pieces(Block(at, data, count, ended), first_line)
+            if last:
+                return
+
+
+def _pieces(block: Block, first_line: int) -> Iterator[Block]:
+    """A block from a line on, in pieces of not too many lines: some of them may be empty."""
+    start = max(first_line - block.line, 0)
+    if not start and block.count <= MOST_LINES:
+        yield block
+        return
+    ends = np.flatnonzero(np.frombuffer(block.data, np.uint8) == ord("\n")) + 1
+    for first in range(start, block.count, MOST_LINES):
+        stop = min(first + MOST_LINES, block.count)
+        begin = int(ends[first - 1]) if first else 0
+        is_last = stop == block.count
+        end = len(block.data) if is_last else int(ends[stop - 1])
+        ended = block.ended if is_last else True
+        yield Block(block.line + first, block.data[begin:end], stop - first, ended)
+
+
+def is_time(name: str) -> bool:
+    """Whether a column holds the time, by its name: ``time_s`` as well as ``Time``."""
+    bare = name.strip(" _").removesuffix("_s")
+    return bool(_TIME.fullmatch(bare.replace("_", " ")))
+
+
+def unit_of_time(name: str) -> str:
+    """Unit of a column that is called by it ("seconds", ``time_s``), empty otherwise."""
+    if name.strip().endswith("_s"):
+        return "s"
+    match = re.fullmatch(r"(milli|micro|nano)?sec(?:ond)?s?", name.strip().lower())
+    return {None: "s", "milli": "ms", "micro": "us", "nano": "ns"}[match[1]] if match else ""
+
+
+def several_times(names: Sequence[str]) -> str:
+    """What to say where several columns may be the time."""
+    quoted = " and ".join(repr(name) for name in names[:4])
+    return (
+        f"columns {quoted} may all be the time; say which in a mapping file (--map) with"
+        f" time: {{column: {names[0]}, unit: s}}"
+    )
+
+
+def wanted_names(mapping: Mapping) -> set[str]:
+    """Names of columns that a mapping uses, with and without their stream."""
+    found = {name for channel in mapping.channels.values() for name in channel.columns}
+    found |= {name.rpartition("/")[2] for name in found}
+    return found | ({*mapping.time.columns} if mapping.time else set())
+
+
+def count_of(byte: bytes, data: bytes) -> int:
+    """How often a byte stands in others; faster than ``bytes.count`` where it is frequent."""
+    return int(np.count_nonzero(np.frombuffer(data, dtype=np.uint8) == byte[0]))
+
+
+def number(text: str, decimal: str = ".", thousands: str = "") -> float | None:
+    """A number as a log writes it, NaN for an empty cell, ``None`` for what is no number."""
+    text = text.strip()
+    if text in MISSING:
+        return float("nan")
+    if decimal == ",":
+        if "." in text and thousands != ".":
+            return None
+        text = text.translate(str.maketrans(",.", ".,"))
+    if thousands and _GROUPED.fullmatch(text):
+        text = text.replace(",", "")
+    if _NUMBER.fullmatch(text):
+        return float(text.replace("d", "e").replace("D", "e"))
+    infinite = _INFINITE.fullmatch(text)
+    if infinite:
+        return float(f"{infinite[1]}inf")
+    return None
+
+
+def flags(cells: Iterable[object]) -> Array | None:
+    """Cells true and false as 1 and 0; ``None`` where one is neither and not empty."""
+    words = [str(cell).strip().lower() for cell in cells]
+    values = {"true": 1.0, "false": 0.0, "": math.nan, "nan": math.nan, "none": math.nan}
+    if not all(word in values for word in words):
+        return None
+    return np.array([values[word] for word in words])
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit that the program knows; a bare number is an index, no unit."""
+    if not text or text.isdigit() or len(text) > 20:
+        return False
+    try:
+        units.si_of(text, "")
+    except InputError:
+        return False
+    return True
+
+
+def heading(text: str) -> tuple[str, str]:
+    """Name and unit of a column: ``acc (m/s^2)``, ``acc [g]``, ``t / s``, ``C1 in V``, ``t_ms``."""
+    text = " ".join(text.split())
+    for pattern in (_BRACKETS, _SLASH):
+        match = pattern.fullmatch(text)
+        if match and match[1] and is_unit(match[2]):
+            return match[1].strip(), match[2]
+    match = _SUFFIXED.fullmatch(text)
+    if match:
+        return match[1], _SUFFIXES[match[2]]
+    return text, ""
+
+
+def headings(
+    cells: Sequence[str], given: Sequence[str] = (), keep: Collection[str] = ()
+) -> list[tuple[str, str]]:
+    """Names and units of all columns.
+
+    Args:
+        cells: the header, cell by cell.
+        given: units of a row below, empty where there is none.
+        keep: names that a mapping uses; a heading that is one of them stays whole.
+    """
+    found = []
+    for i, cell in enumerate(cells):
+        full = " ".join(cell.split())
+        name, unit = heading(full)
+        below = given[i].strip(" ()[]{}<>") if i < len(given) else ""
+        if below:
+            name, unit = full, below
+        elif full in keep:
+            name = full
+        found.append((name or f"column_{i + 1}", unit, full))
+    names = [name for name, _, _ in found]
+    # two headings that differ in their unit alone stay whole
+    return [(full if names.count(name) > 1 and full else name, unit) for name, unit, full in found]
+
+
+def about_of(lines: Sequence[str]) -> dict[str, str]:
+    """What lines above a table say: ``key: value``, ``key = value`` or ``key,value``."""
+    found: dict[str, str] = {}
+    for line in lines:
+        text = line.strip().lstrip("#%/!").strip().strip('"')
+        match = re.match(r"([^:=,;\t]{1,60}?)\s*[:=,;\t]\s*(.+)", text)
+        if match:
+            found.setdefault(match[1].strip(' "'), match[2].strip(' ",;\t')[:400])
+        elif text.strip(",;\t "):
+            found.setdefault(f"remark {len(found) + 1}", text.strip(",;\t ")[:400])
+    return found

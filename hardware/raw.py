@@ -1,0 +1,191 @@
+"""What an importer reads: columns as the log has them, before anything is converted or repaired."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simcompare.model.recording import Clock, Event, Repair
+from simcompare.model.trajectory import Array
+
+#: samples that are looked at together, so that a long log needs no more memory than a short one
+BLOCK = 1 << 18
+#: values of a stream that are kept in memory; what is more goes into a temporary file
+SPILL = 1 << 22
+
+
+def blocks(count: int) -> Iterator[slice]:
+    """Slices that cover ``count`` samples, each of at most ``BLOCK``."""
+    for start in range(0, count, BLOCK):
+        yield slice(start, min(start + BLOCK, count))
+
+
+@dataclass
+class RawColumn:
+    """One column of a log.
+
+    Attributes:
+        name: as the log has it, without its unit.
+        values: (n,) float64, writable; NaN where the log holds nothing.
+        unit: as the log writes it, empty where it does not say.
+        frame: frame of a component, where the log says.
+        kind: such as "specific_force", where the log says.
+        sensor: what measured it, where the log says.
+        limits: smallest and largest value that the sensor can give, in ``unit``.
+        u: standard uncertainty in ``unit``, where the log says: one number or one per sample.
+        added_u: what conditioning adds to that of single samples (n,), by the root of the sum of
+            squares, wherever it comes from; ``None`` where it adds nothing.
+    """
+
+    name: str
+    values: Array
+    unit: str = ""
+    frame: str = ""
+    kind: str = ""
+    sensor: str = ""
+    limits: tuple[float, float] | None = None
+    u: float | Array | None = None
+    added_u: Array | None = None
+
+
+@dataclass
+class RawStream:
+    """Columns that were sampled together.
+
+    Attributes:
+        name: "log" where there is only one.
+        columns: all columns, that of the time included.
+        time: name of the column that holds the time, ``None`` where samples are evenly spaced.
+        start_s: time of the first sample, where there is no column of times [s].
+        increment_s: time between samples, where there is no column of times [s].
+        counter: name of a column that counts samples up by one, where there is one.
+        clock: what stamped the samples.
+        row_word: what one row of the log is ("line", "message", "sample").
+        first_row: number of the first row, counted from 1 (a line below the header).
+        rows: number of each row (n,) where they do not simply follow each other.
+        truncated: what is missing at the end, in words; empty where the log is whole.
+    """
+
+    name: str
+    columns: list[RawColumn]
+    time: str | None = None
+    start_s: float = 0.0
+    increment_s: float | None = None
+    counter: str | None = None
+    clock: Clock = field(default_factory=lambda: Clock("time column"))
+    row_word: str = "line"
+    first_row: int = 1
+    rows: NDArray[np.int64] | None = None
+    truncated: str = ""
+
+    def __len__(self) -> int:
+        return len(self.columns[0].values) if self.columns else 0
+
+    def column(self, name: str) -> RawColumn:
+        """The column of that name."""
+        return next(column for column in self.columns if column.name == name)
+
+
+@dataclass
+class RawLog:
+    """A whole log as it was read.
+
+    Attributes:
+        streams: at least one.
+        events: instants that the importer found (onsets in audio).
+        repairs: what the importer itself noticed or did (a byte order mark, a decimal comma).
+        ignored: columns or topics that were left out, with the reason: name -> why.
+        about: what the log says of itself (device, start time, …).
+    """
+
+    streams: list[RawStream]
+    events: list[Event] = field(default_factory=list)
+    repairs: list[Repair] = field(default_factory=list)
+    ignored: dict[str, str] = field(default_factory=dict)
+    about: dict[str, str] = field(default_factory=dict)
+
+
+class Spool:
+    """Rows that arrive in blocks and become columns; many of them wait on disk, not in memory.
+
+    Args:
+        width: number of columns.
+    """
+
+    def __init__(self, width: int) -> None:
+        self._width = width
+        self._waiting: list[Array] = []
+        self._files: list[BinaryIO] | None = None
+        self._count = 0
+        self._held = 0
+
+    def __len__(self) -> int:
+        return self._count
+
+    def append(self, rows: Array) -> None:
+        """Adds rows (k, width)."""
+        rows = np.asarray(rows, dtype=np.float64)
+        if rows.ndim != 2 or rows.shape[1] != self._width:
+            raise ValueError(f"{rows.shape=}, expected (k, {self._width})")
+        self._waiting.append(rows)
+        self._count += len(rows)
+        self._held += rows.size
+        if self._held > SPILL or (self._files is not None and self._held > SPILL // 4):
+            self._spill()
+
+    def columns(self) -> list[Array]:
+        """All rows as one writable array (n,) for each column."""
+        if self._files is None:
+            table = np.concatenate(self._waiting) if self._waiting else np.empty((0, self._width))
+            return [np.ascontiguousarray(table[:, i]) for i in range(self._width)]
+        self._spill()
+        found: list[Array] = []
+        for file in self._files:
+            file.flush()
+            found.append(np.memmap(file, dtype=np.float64, mode="r+", shape=(self._count,)))
+        return found
+
+    def _spill(self) -> None:
+        if self._files is None:
+            # unnamed files: they vanish with the last array that looks into them
+            self._files = [tempfile.TemporaryFile() for _ in range(self._width)]  # noqa: SIM115
+        for rows in self._waiting:
+            for i, file in enumerate(self._files):
+                file.write(np.ascontiguousarray(rows[:, i]).tobytes())
+        self._waiting.clear()
+        self._held = 0
+
+
+@dataclass(frozen=True)
+class Head:
+    """The beginning of a log, by which its format is recognised.
+
+    Attributes:
+        path: the file, or the folder of a log that is one.
+        start: its first bytes (a few thousand; empty for a folder).
+        members: names of the files in a zip archive or folder, empty otherwise.
+    """
+
+    path: Path
+    start: bytes
+    members: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """The beginning as text, whatever its encoding; empty for what is not text."""
+        for mark, name in (
+            (b"\xff\xfe", "utf-16"),
+            (b"\xfe\xff", "utf-16"),
+            (b"\xef\xbb\xbf", "utf-8-sig"),
+        ):
+            if self.start.startswith(mark):
+                return self.start.decode(name, errors="replace")
+        if b"\0" in self.start:
+            return ""
+        return self.start.decode("utf-8", errors="replace")

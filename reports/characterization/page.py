@@ -1,0 +1,133 @@
+"""The page of a characterization: what a class must see, then pictures, then numbers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from simcompare.characterization.result import Characterization
+from simcompare.model.settings import CONTACT_LEVELS
+from simcompare.reports import builder
+from simcompare.reports.builder import Block, Filled
+from simcompare.reports.characterization import figures as characterized_figures
+from simcompare.reports.characterization import tables
+from simcompare.reports.render import output
+from simcompare.reports.render.figures import Figure
+from simcompare.reports.sections.base import Section
+from simcompare.reports.sections.parts import parts_of
+from simcompare.results.run import Run
+
+_FIGURES: Mapping[str, Callable[[Mapping[str, Any]], list[Figure]]] = {
+    "bounce": characterized_figures.of_bounce,
+    "friction": characterized_figures.of_friction,
+    "joint": characterized_figures.of_joint,
+    "force": characterized_figures.of_force,
+}
+_TITLES = {
+    "bounce": "A ball that bounces",
+    "friction": "A block that sticks and slides",
+    "joint": "A hinge with damper and spring",
+    "force": "Forces at rest and in motion",
+}
+#: what the levels are, in a sentence each
+_LEVELS = {
+    "default": "By default: the engine as it is first met.",
+    "coefficients": "Coefficients typed in: restitution and friction, in an engine that is else as"
+    " it comes.",
+    "tuned": "Tuned: everything typed in, in a plain loop of one step; what stands for the"
+    " restitution is found by dropping a ball at one speed and step, and then held.",
+    "assisted": "With our helps: the same, and we land on impacts and give efforts at the right"
+    " instant; that is our work and not the engine's.",
+}
+
+
+class _Part(Section):
+    """A section that is filled without a run."""
+
+    def __init__(self, name: str, title: str, template: str = "real_part.html") -> None:
+        self.name, self.title, self.template = name, title, template
+
+    def context(self, run: Run) -> dict[str, Any] | None:
+        """Nothing: it is no part of a run's report."""
+        return None
+
+
+def write_html(result: Characterization, path: Path) -> Path:
+    """Writes the page as one HTML file that needs no network and nothing beside it.
+
+    Raises:
+        OutputError: it cannot be written, or plotly's script is not installed.
+    """
+    return output.write(Path(path), builder.html_of([_block(result.record)]).encode("utf-8"))
+
+
+def write_figures(result: Characterization, folder: Path, format: str) -> list[Path]:
+    """Writes every picture as a file of its own, for a paper.
+
+    Args:
+        result: what was found.
+        folder: where to; made where it does not exist.
+        format: "pdf" and "svg" (vectors) or "png" (300 dpi).
+
+    Raises:
+        UnknownName: another format.
+        OutputError: a file cannot be written.
+    """
+    return builder.write_figures_of([_block(result.record)], folder, format)
+
+
+def _block(record: Mapping[str, Any]) -> Block:
+    figures = {name: _FIGURES[name](record) for name in record["experiments"]}
+    first = next(filter(None, figures.values()), [])
+    lead = [figure for figure in first if figure.title.startswith(first[0].title)]
+    del first[: len(lead)]
+    parts = [_answer(record, lead)]
+    parts += [_experiment(record, name, drawn) for name, drawn in figures.items()]
+    return Block(
+        "c1",
+        {**record, "scenario": "characterization", "preset": None, "against": None},
+        [*parts, _how(record)],
+    )
+
+
+def _answer(record: Mapping[str, Any], lead: list[Figure]) -> Filled:
+    """What leads, with the first picture, which may go on; the rest is in the sections."""
+    leading = [one["text"] for one in record["sentences"] if one["leads"]]
+    answer = leading or [one["text"] for one in record["sentences"]]
+    missing = {a["engine"]: a["reason"] for a in record["answers"] if a["status"] == "missing"}
+    answer += [f"Did not run: {reason}" for reason in missing.values()]
+    context = {"answer": list(map(tied, answer)), **parts_of(lead, [])}
+    return Filled(_Part("answer", "Answer", "real_answer.html"), context)
+
+
+def _experiment(record: Mapping[str, Any], name: str, figures: list[Figure]) -> Filled:
+    sentences = [one["text"] for one in record["sentences"] if one["experiment"] == name]
+    context = parts_of(
+        figures,
+        [tables.of(record, name)],
+        *sentences,
+        *tables.reasons(record, name),
+    )
+    context["notes"] = list(map(tied, context["notes"]))
+    return Filled(_Part(name, _TITLES[name]), context)
+
+
+def tied(text: str) -> str:
+    """Numbers stay on one line with their sign and unit."""
+    return re.sub(r"(?<=±) |(?<=\d) (?=±)| (?=(?:%|ms|mm/s|m/s)(?:\W|$))", "\u00a0", text)
+
+
+def _how(record: Mapping[str, Any]) -> Filled:
+    versions = {answer["engine"]: answer["version"] for answer in record["answers"]}
+    engines = ", ".join(f"{name} {version}" for name, version in versions.items() if version)
+    notes = [_LEVELS[level] for level in CONTACT_LEVELS if level in record["contact"]]
+    notes += [
+        f"Engines: {engines}." if engines else "No engine ran.",
+        f"Made on {record['created']} with simcompare {record['software']['simcompare']}:"
+        f" simcompare characterize {','.join(record['experiments'])}"
+        f" --contact {','.join(record['contact'])} --step {1e3 * record['step_s']:g}ms"
+        f" --engine {record['engines_asked']}",
+    ]
+    return Filled(_Part("how", "How it was made"), parts_of([], [], *notes))

@@ -1,0 +1,129 @@
+"""What reports ask of a fit: its record, and the names of its parts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from simcompare import units
+from simcompare.reports.render import numbers
+from simcompare.reports.render.tables import Scale, scale_of
+from simcompare.reports.validation import validations
+from simcompare.results.run import Run
+
+Record = Mapping[str, Any]
+CLOSED = "closed form"
+RESTITUTION = "restitution"
+#: drops that are drawn beside each other; the tables have all
+MOST_DROPS = 3
+_SMALL_UNITS = {"s": ("s", "ms", "µs"), "m": ("m", "mm", "µm")}
+
+
+def record(run: Run) -> Record:
+    """The record of the fit."""
+    found: Record = run.record["fit"]
+    return found
+
+
+def engines(run: Run) -> list[Record]:
+    """Engines whose fit succeeded."""
+    return [row for row in record(run)["sources"] if row["parameters"]]
+
+
+def failed(run: Run) -> list[Record]:
+    """Engines that could not be fitted."""
+    return [row for row in record(run)["sources"] if not row["parameters"]]
+
+
+def for_engines(run: Run) -> Record:
+    """The closed form with the contact that engines have."""
+    found: Record = record(run).get("engine_form") or record(run)["closed_form"]
+    return found
+
+
+def other_form(run: Run) -> str:
+    """That engines were fitted with another contact than the closed form's, empty if not."""
+    found = record(run)
+    if found.get("engine_form") is None:
+        return ""
+    return (
+        f"The closed form has: {found['closed_form']['text']}. Engines have no such contact; they"
+        f" were fitted with: {found['engine_model_text']}."
+    )
+
+
+def title(name: str) -> str:
+    """An unknown as people say it, with its drop."""
+    head, _, drop = name.partition("[")
+    return validations.parameter(head) + (f" of drop {drop[:-1]}" if drop else "")
+
+
+def unit(name: str) -> str:
+    """The unit of an unknown as people write it; "1" for none."""
+    return units.symbol(units.unit_of(name.partition("[")[0]))
+
+
+def with_unit(name: str) -> str:
+    """An unknown with its unit in brackets."""
+    symbol = unit(name)
+    return title(name) + ("" if symbol == "1" else f" ({symbol})")
+
+
+def value_words(row: Record | None, name: str = "") -> str:
+    """A value with its standard uncertainty; a dash where it was not sought."""
+    if row is None:
+        return "–"
+    if row["value"] is None:
+        return "no drag seen" if name.startswith("terminal_speed") else "not finite"
+    return numbers.with_u(row["value"], row["u"])
+
+
+def interval(row: Record) -> tuple[float, float]:
+    """The 95 % interval of a parameter; ends that the data leave open are infinite."""
+    low, high = row["interval95"] if "interval95" in row else (row["low"], row["high"])
+    return (-math.inf if low is None else low), (math.inf if high is None else high)
+
+
+def interval_words(row: Record | None) -> str:
+    """The interval as "low to high", with as many digits as its width deserves."""
+    if row is None:
+        return "–"
+    low, high = interval(row)
+    width = high - low
+    scale = scale_of([width if math.isfinite(width) else row["u"]], 2)
+    places = Scale(0, max(scale.places - scale.power, 0))
+    if math.isinf(low) and math.isinf(high):
+        return "open"
+    if math.isinf(high):
+        return f"above {numbers.plain(low, 4)}"
+    if math.isinf(low):
+        return f"below {numbers.plain(high, 4)}"
+    return f"{places.text(low)} to {places.text(high)}"
+
+
+def smaller(unit: str, sizes: Sequence[float]) -> tuple[float, str]:
+    """A factor and a unit in which the largest of some sizes in s or m is above 1."""
+    most = max((abs(v) for v in sizes if math.isfinite(v)), default=0.0)
+    for factor, name in zip((1.0, 1e3, 1e6), _SMALL_UNITS[unit], strict=True):
+        if most * factor >= 1:
+            return factor, name
+    return 1e6, _SMALL_UNITS[unit][2]
+
+
+def drop_title(run: Run, number: int) -> str:
+    """A drop with its file; the number only where there are several."""
+    drops = record(run)["measured"]
+    source = validations.short(str(drops[number - 1]["source"]))
+    return f"drop {number}: {source}" if len(drops) > 1 else source
+
+
+def drawn_drops(run: Run) -> list[int]:
+    """Numbers of the drops that are drawn."""
+    return list(range(1, min(len(record(run)["measured"]), MOST_DROPS) + 1))
+
+
+def drawn_words(run: Run) -> str:
+    """Which drops are drawn, where that is not all of them."""
+    count = len(record(run)["measured"])
+    return f" The first {MOST_DROPS} of {count} drops." if count > MOST_DROPS else ""

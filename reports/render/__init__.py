@@ -1,0 +1,1 @@
+"""Figures, tables, numbers and pages, whatever they show."""

@@ -1,0 +1,395 @@
+"""What a figure shows, as plain frozen values; the renderers know how it is drawn."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from simcompare.engine import engines
+from simcompare.model.trajectory import AT, Array
+
+#: a line of more points than this is thinned out before it is drawn
+MOST_POINTS = 5000
+#: more panels than this side by side cannot be read
+MOST_PANELS = 3
+#: so many letters fit side by side below a panel
+_TICK_LETTERS = 50
+#: a span below this part of the size is no variation, and values below the second are rounding
+_NO_SPAN, _DUST = 1e-6, 1e-9
+#: sizes whose ticks read well without a power of ten
+_PLAIN_SIZES = (1e-3, 1e6)
+# Okabe and Ito: told apart by colour-blind readers; yellow is left out, it vanishes on white, and
+# Tol's wine stands in its place
+_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#882255")
+_DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
+_MARKERS = ("circle", "square", "diamond", "triangle-up", "triangle-down", "x", "star")
+#: shades of an engine's colour for its variants: how bright the grey is, and its part
+_SHADES = ((0, 0.65), (0, 0.35), (255, 0.4))
+PATTERNS = len(_DASHES) * len(_MARKERS)
+
+
+@dataclass(frozen=True)
+class Style:
+    """How one source looks in every figure; it is never told by its colour alone.
+
+    Attributes:
+        colour: as ``#rrggbb``.
+        dash: solid, dash, dot, dashdot, longdash or longdashdot.
+        marker: circle, square, diamond, triangle-up, triangle-down, triangle-left,
+            triangle-right, x or star.
+        width: width of lines [px].
+        hollow: whether markers are outlines.
+    """
+
+    colour: str
+    dash: str = "solid"
+    marker: str = "circle"
+    width: float = 2.5
+    hollow: bool = False
+
+
+TRUTH_STYLE = Style("#BDBDBD", width=8.0)
+MEASURED_STYLE = Style("#000000", marker="circle")
+
+
+@dataclass(frozen=True)
+class Series:
+    """One line or row of points.
+
+    Attributes:
+        label: name in the legend; the same label is listed once.
+        x: where (n,).
+        y: values (n,); NaN is a gap.
+        style: how it looks.
+        u: half-length of the uncertainty bars (n,), ``None`` for none.
+        points: whether it is drawn as points.
+        line: whether it is drawn as a line.
+        shaded: whether the uncertainty is a shaded band about the line instead of bars; the band
+            alone where neither points nor a line are drawn.
+    """
+
+    label: str
+    x: Array
+    y: Array
+    style: Style
+    u: Array | None = None
+    points: bool = False
+    line: bool = True
+    shaded: bool = False
+
+
+@dataclass(frozen=True)
+class Bars:
+    """One layer of stacked bars.
+
+    Attributes:
+        label: name in the legend; the same label is listed once.
+        heights: of the bars at x = 0, 1, 2, … (n,), none below 0; lengths where the bars lie.
+        colour: as ``#rrggbb``.
+        hatch: "", "/", "x" or ".": told apart in print as well.
+        texts: written into each bar (n,); nothing where empty.
+    """
+
+    label: str
+    heights: Array
+    colour: str
+    hatch: str = ""
+    texts: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """Cells between -1 and 1 with a number in each; told by the numbers, not by colour alone.
+
+    Attributes:
+        values: rows from the top (n, m); NaN is an empty cell.
+        places: digits after the point.
+    """
+
+    values: Array
+    places: int = 2
+
+    @property
+    def texts(self) -> list[list[str]]:
+        """What is written into the cells."""
+        return [
+            [f"{v:.{self.places}f}".replace("-", "−") if math.isfinite(v) else "–" for v in row]
+            for row in self.values.tolist()
+        ]
+
+
+#: colours of a matrix at -1, 0 and 1, pale enough for dark digits
+MATRIX_COLOURS = ("#5AA6DC", "#FFFFFF", "#F0A35C")
+
+
+@dataclass(frozen=True)
+class Band:
+    """A range of y that means something: a tolerance, or the limits of a measurement."""
+
+    low: float
+    high: float
+    label: str
+    centre: float | None = None
+
+
+@dataclass(frozen=True)
+class Span:
+    """A range of x that means something, or one instant where both ends are the same.
+
+    Attributes:
+        low: where it begins.
+        high: where it ends.
+        label: name in the legend, listed once; empty for none.
+        rows: lowest and highest y of it, ``None`` for the whole height.
+    """
+
+    low: float
+    high: float
+    label: str = ""
+    rows: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Note:
+    """A few letters beside what is drawn.
+
+    Attributes:
+        x: where.
+        y: where.
+        text: the letters.
+        side: side of the place on which they stand: left, right or center.
+        colour: as ``#rrggbb``.
+    """
+
+    x: float
+    y: float
+    text: str
+    side: str = "right"
+    colour: str = "#222222"
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One pair of axes.
+
+    Attributes:
+        title: above the axes.
+        x_label: quantity and unit.
+        y_label: quantity and unit.
+        series: drawn in this order, the first at the bottom.
+        bands: drawn below everything.
+        x_ticks: names at x = 0, 1, 2, …; ``None`` for numbers.
+        log_y: whether y is logarithmic.
+        log_x: whether x is logarithmic.
+        y_range: lowest and highest y, ``None`` to fit the data.
+        whole_x: whether x is a count, so that only whole numbers mean something.
+        weight: part of the figure's width that it takes, relative to the other panels.
+        bars: layers of stacked bars, from the bottom; below the series.
+        spans: ranges of x and instants, drawn below everything.
+        y_ticks: names at y = 0, 1, 2, … from the top; values then run along x, so that bars and
+            the bars of uncertainties lie. ``None`` for numbers.
+        x_limits: lowest and highest x, ``None`` to fit the data.
+        matrix: cells under ``x_ticks`` and beside ``y_ticks``, which it needs.
+        notes: letters above everything.
+    """
+
+    title: str
+    x_label: str
+    y_label: str
+    series: tuple[Series, ...]
+    bands: tuple[Band, ...] = ()
+    x_ticks: tuple[str, ...] | None = None
+    log_y: bool = False
+    log_x: bool = False
+    y_range: tuple[float, float] | None = None
+    whole_x: bool = False
+    weight: float = 1.0
+    bars: tuple[Bars, ...] = ()
+    spans: tuple[Span, ...] = ()
+    y_ticks: tuple[str, ...] | None = None
+    x_limits: tuple[float, float] | None = None
+    matrix: Matrix | None = None
+    notes: tuple[Note, ...] = ()
+
+    @property
+    def x_range(self) -> tuple[float, float] | None:
+        """Lowest and highest x, ``None`` to fit the data."""
+        if self.x_limits is not None:
+            return self.x_limits
+        if self.bars and self.y_ticks is not None:
+            return 0.0, self._longest
+        if self.x_ticks is not None:
+            return -0.5, len(self.x_ticks) - 0.5
+        values = [series.x for series in self.series if len(series.x)]
+        if not self.whole_x or not values:
+            return None
+        every = np.concatenate(values)
+        return float(every.min()) - 0.5, float(every.max()) + 0.5
+
+    @property
+    def _longest(self) -> float:
+        """Length of the axis along which bars are stacked."""
+        return 1.08 * float(np.sum([bars.heights for bars in self.bars], axis=0).max()) or 1.0
+
+    @property
+    def slanted(self) -> bool:
+        """Whether the names at the ticks would run into each other if they lay flat."""
+        lines = [line for tick in self.x_ticks or () for line in tick.split("\n")]
+        return len(self.x_ticks or ()) * max(map(len, lines), default=0) > _TICK_LETTERS
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Panels side by side.
+
+    Attributes:
+        name: short name, for files and anchors.
+        title: what it is.
+        caption: what to see in it, one or two sentences.
+        panels: from left to right.
+        share_y: whether the panels have one y axis.
+        height: of the figure, relative to what is usual.
+    """
+
+    name: str
+    title: str
+    caption: str
+    panels: tuple[Panel, ...]
+    share_y: bool = False
+    height: float = 1.0
+
+    @property
+    def legend(self) -> dict[str, Series]:
+        """The series that stands for each label: one that is not hollow where there is one."""
+        rows = [series for panel in self.panels for series in panel.series]
+        found: dict[str, Series] = {}
+        for series in rows:
+            if series.label not in found or found[series.label].style.hollow:
+                found[series.label] = series
+        return found
+
+    def y_range(self, panel: Panel) -> tuple[float, float] | None:
+        """Lowest and highest y of one of the panels, ``None`` to fit the data."""
+        if panel.y_range is not None or panel.log_y:
+            return panel.y_range
+        if panel.y_ticks is not None:
+            return len(panel.y_ticks) - 0.5, -0.5
+        if panel.bars:
+            return 0.0, panel._longest
+        panels = self.panels if self.share_y else (panel,)
+        return _calm_range(_values(row for one in panels for row in one.series))
+
+    def plain_y(self, panel: Panel) -> bool:
+        """Whether the numbers at the y axis of a panel read well without a power of ten."""
+        low, high = self.y_range(panel) or (0.0, 0.0)
+        values = np.append(_values(panel.series), (low, high))
+        return _PLAIN_SIZES[0] <= float(np.abs(values).max()) < _PLAIN_SIZES[1]
+
+
+@functools.cache
+def style_of(source: str) -> Style:
+    """The look of an engine, the same in every report; see ``looks`` where it has several sources.
+
+    One of several steps has its colour with another dash and marker, a variant of it a shade of
+    it besides.
+    """
+    name = source.partition(AT)[0]
+    engine, variant = engines.split(name)
+    plain = _style_of(engine)
+    if source == engine:
+        return plain
+    known = list(engines.quick_variants(engine))
+    ahead = 1 + (known.index(variant) if variant in known else 0)
+    own = with_pattern(plain, _MARKERS.index(plain.marker) + ahead)
+    return (
+        replace(own, colour=_shade(own.colour, *_SHADES[ahead % len(_SHADES)])) if variant else own
+    )
+
+
+def _shade(colour: str, grey: int, part: float) -> str:
+    """A colour with so much of it replaced by a grey."""
+    own = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return "#" + "".join(f"{round((1 - part) * one + part * grey):02X}" for one in own)
+
+
+def with_pattern(style: Style, number: int) -> Style:
+    """A style with one of 42 pairs of dash and marker."""
+    turn, place = divmod(number % PATTERNS, len(_MARKERS))
+    return replace(style, dash=_DASHES[(turn + place) % len(_DASHES)], marker=_MARKERS[place])
+
+
+def _style_of(engine: str) -> Style:
+    known = engines.names()
+    # an engine of somebody else's that is no longer installed still gets a look of its own
+    number = known.index(engine) if engine in known else len(known) + sum(map(ord, engine))
+    # only the first one is solid: a solid line over dashed ones would hide them
+    turn = 2 * (number // len(_DASHES))
+    return Style(
+        _COLOURS[number % len(_COLOURS)],
+        _DASHES[(number + turn) % len(_DASHES)],
+        _MARKERS[number % len(_MARKERS)],
+    )
+
+
+def spread(i: int, count: int, width: float = 0.4) -> float:
+    """Sideways shift of the i-th of some series, so that their uncertainty bars stand apart."""
+    return (i - (count - 1) / 2) / max(count, 2) * width
+
+
+def fitted_range(series: tuple[Series, ...], bands: tuple[Band, ...]) -> tuple[float, float]:
+    """A y range in which all points, their uncertainties and the bands are seen."""
+    values = np.append(_values(series), [(band.low, band.high) for band in bands])
+    if len(values) == 0:
+        return 0.0, 1.0
+    low, high = float(values.min()), float(values.max())
+    margin = 0.08 * (high - low)
+    return _calm_range(values) or (low - margin, high + margin)
+
+
+def _values(series: Iterable[Series]) -> Array:
+    """Every finite y of some series with the ends of its uncertainty bars."""
+    parts = [np.zeros(0)]
+    for row in series:
+        u = np.zeros(len(row.y)) if row.u is None else np.nan_to_num(row.u)
+        parts += [row.y - u, row.y + u]
+    values = np.concatenate(parts)
+    return values[np.isfinite(values)]
+
+
+def _calm_range(values: Array) -> tuple[float, float] | None:
+    """A range in which rounding looks like nothing; ``None`` where the values really vary."""
+    if len(values) == 0:
+        return None
+    low, high = float(values.min()), float(values.max())
+    size = max(abs(low), abs(high))
+    if size < _DUST:
+        return -_NO_SPAN, _NO_SPAN
+    if high - low >= _NO_SPAN * size:
+        return None
+    middle = (low + high) / 2
+    return middle - 0.1 * size, middle + 0.1 * size
+
+
+def decimated(x: Array, y: Array, most: int = MOST_POINTS) -> tuple[Array, Array]:
+    """At most so many points of a line: the lowest and highest of every bin, and its gaps.
+
+    Impacts stay as sharp as they are, which even thinning would round off.
+    """
+    if len(y) <= most:
+        return x, y
+    edges = np.linspace(0, len(y), max(most // 3, 1) + 1).astype(int)
+    keep = {0, len(y) - 1}
+    gaps = ~np.isfinite(y)
+    low, high = np.where(gaps, math.inf, y), np.where(gaps, -math.inf, y)
+    for begin, end in itertools.pairwise(edges):
+        if gaps[begin:end].any():
+            keep.add(int(begin + np.argmax(gaps[begin:end])))
+        keep.add(int(begin + np.argmin(low[begin:end])))
+        keep.add(int(begin + np.argmax(high[begin:end])))
+    chosen = np.array(sorted(keep))
+    return x[chosen], y[chosen]

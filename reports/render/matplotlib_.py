@@ -1,0 +1,282 @@
+"""Figures for a paper, drawn by matplotlib without its global state."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+from simcompare.reports.render.figures import (
+    MATRIX_COLOURS,
+    Band,
+    Bars,
+    Figure,
+    Matrix,
+    Note,
+    Panel,
+    Series,
+    Span,
+    decimated,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Canvas
+
+FORMATS = ("pdf", "png", "svg")
+DPI = 300
+#: two columns of a journal [inch]; a single panel takes one and a half
+_WIDTH, _SINGLE_WIDTH, _HEIGHT = 7.2, 5.0, 3.1
+#: powers of ten between which numbers are written whole
+_PLAIN = (-3, 6)
+#: from pixels on a screen to points on paper
+_SCALE = 0.55
+#: size of a legend entry of 8 points without its text, and of a letter of it
+_ENTRY_INCH, _LETTER_INCH = 0.62, 0.068
+_DASHES: dict[str, Any] = {
+    "solid": "-",
+    "dash": (0, (5, 2)),
+    "dot": (0, (1, 1.3)),
+    "dashdot": (0, (6, 2, 1, 2)),
+    "longdash": (0, (9, 3)),
+    "longdashdot": (0, (9, 2, 1, 2)),
+}
+_MARKERS = {
+    "circle": "o", "square": "s", "diamond": "D", "triangle-up": "^",
+    "triangle-down": "v", "triangle-left": "<", "triangle-right": ">", "x": "X", "star": "*",
+}  # fmt: skip
+_LOOK: Any = {  # matplotlib types every key by itself
+    "font.family": "DejaVu Sans",  # ships with matplotlib: the same on every machine
+    "font.size": 8,
+    "axes.titlesize": 8.5,
+    "legend.fontsize": 8,
+    "axes.grid": True,
+    "grid.color": "#E3E3E3",
+    "axes.axisbelow": True,
+    "pdf.fonttype": 42,  # text stays text in a vector program
+    "svg.hashsalt": "simcompare",
+    "hatch.linewidth": 0.5,
+}
+
+
+def rendered(figure: Figure, format: str) -> bytes:
+    """A figure as the content of a "pdf", "png" or "svg" file; the same bytes every time."""
+    import matplotlib as mpl
+
+    with mpl.rc_context(_LOOK):
+        stream = io.BytesIO()
+        # a date in the file would make two equal reports differ
+        metadata = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(format)
+        canvas(figure).savefig(stream, format=format, dpi=DPI, metadata=metadata)
+    return stream.getvalue()
+
+
+def document(pages: Sequence[Canvas]) -> bytes:
+    """Pages as one PDF file."""
+    import matplotlib as mpl
+    from matplotlib.backends.backend_pdf import PdfPages
+
+    stream = io.BytesIO()
+    with mpl.rc_context(_LOOK), PdfPages(stream, metadata={"CreationDate": None}) as file:
+        for page in pages:
+            file.savefig(page)
+    return stream.getvalue()
+
+
+def canvas(figure: Figure) -> Canvas:
+    """A figure as matplotlib's, sized for a paper."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure as NewCanvas
+
+    count = len(figure.panels)
+    width = _SINGLE_WIDTH if count == 1 else _WIDTH * max(1.0, count / 2)
+    with mpl.rc_context(_LOOK):
+        page = NewCanvas(figsize=(width, _HEIGHT * figure.height), layout="constrained")
+        draw(page, figure)
+    return page
+
+
+def draw(page: Any, figure: Figure) -> None:  # noqa: ANN401  (a Figure or a SubFigure of matplotlib)
+    """Draws the panels side by side with one legend above them."""
+    widths = [panel.weight for panel in figure.panels]
+    row = page.subplots(1, len(widths), sharey=figure.share_y, squeeze=False, width_ratios=widths)[
+        0
+    ]
+    legend = figure.legend
+    handles: dict[str, Any] = dict.fromkeys(legend)
+    for i, (axes, panel) in enumerate(zip(row, figure.panels, strict=True)):
+        for band in panel.bands:
+            handles.setdefault(band.label, _band(axes, band))
+        for span in panel.spans:
+            handle = _span(axes, span)
+            if span.label:
+                handles.setdefault(span.label, handle)
+        if panel.matrix is not None:
+            _matrix(axes, panel.matrix)
+        for bars, handle in _stacked(axes, panel):
+            handles.setdefault(bars.label, handle)
+        for rank, series in enumerate(panel.series):
+            handle = _series(axes, series, rank, lying=panel.y_ticks is not None)
+            if series is legend[series.label]:
+                handles[series.label] = handle
+        _frame(axes, panel, figure.y_range(panel), labelled=i == 0 or not figure.share_y)
+    if handles:
+        page.legend(
+            list(handles.values()), list(map(_text, handles)), loc="outside upper center",
+            frameon=False, ncols=_columns(page, handles), handlelength=3.2,
+        )  # fmt: skip
+
+
+def _columns(page: Any, labels: Iterable[str]) -> int:  # noqa: ANN401
+    """How many entries of a legend fit side by side."""
+    from matplotlib import rcParams
+    from matplotlib.font_manager import FontProperties
+
+    size = FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points() / 8
+    widths = [size * (_ENTRY_INCH + _LETTER_INCH * len(label)) for label in labels]
+    free = page.bbox.width / page.figure.dpi
+    return max(1, min(len(widths), int(free / max(widths)) if sum(widths) > free else len(widths)))
+
+
+def _frame(
+    axes: Axes, panel: Panel, y_range: tuple[float, float] | None, *, labelled: bool
+) -> None:
+    from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
+
+    axes.set_title(_text(panel.title), fontweight="bold")
+    axes.set_xlabel(_text(panel.x_label))
+    if labelled:
+        axes.set_ylabel(_text(panel.y_label))
+    if panel.log_y:
+        axes.set_yscale("log")
+        axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    elif (
+        panel.y_ticks is None
+    ):  # whole numbers where they read well, not differences from a number in a corner
+        axes.ticklabel_format(axis="y", useOffset=False, scilimits=_PLAIN)
+    if panel.log_x:
+        axes.set_xscale("log")
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axes.xaxis.set_minor_formatter(NullFormatter())
+    elif panel.x_ticks is None:  # the same below the axes
+        axes.ticklabel_format(axis="x", useOffset=False, scilimits=_PLAIN)
+    if y_range is not None:
+        axes.set_ylim(*y_range)
+    if panel.whole_x:
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    _names(axes, panel)
+    if panel.x_range is not None:
+        axes.set_xlim(*panel.x_range)
+    for note in panel.notes:
+        _note(axes, note)
+
+
+def _names(axes: Axes, panel: Panel) -> None:
+    """Names instead of numbers along an axis."""
+    if panel.x_ticks is not None:
+        ticks = [tick.replace("\n", " ") if panel.slanted else tick for tick in panel.x_ticks]
+        axes.set_xticks(range(len(ticks)), list(map(_text, ticks)))
+        if panel.slanted:
+            axes.tick_params("x", rotation=40)
+            for text in axes.get_xticklabels():
+                text.set(ha="right", rotation_mode="anchor")
+    if panel.y_ticks is not None:
+        axes.set_yticks(range(len(panel.y_ticks)), list(map(_text, panel.y_ticks)))
+        axes.grid(visible=False, axis="y")
+
+
+def _text(text: str) -> str:
+    """A dollar sign would start mathematics."""
+    return text.replace("$", r"\$")
+
+
+def _span(axes: Axes, span: Span) -> Any:  # noqa: ANN401  (a handle for the legend)
+    if span.low == span.high:
+        return axes.axvline(span.low, color="#555555", linewidth=0.8, dashes=(3, 2), zorder=1)
+    look: Any = {"color": "#000000", "alpha": 0.1, "linewidth": 0}
+    if span.rows is not None:
+        return axes.fill_betweenx(span.rows, span.low, span.high, **look)
+    return axes.axvspan(span.low, span.high, **look)
+
+
+def _band(axes: Axes, band: Band) -> Any:  # noqa: ANN401  (a handle for the legend)
+    if band.centre is not None:
+        axes.axhline(band.centre, color="#555555", linewidth=0.8, zorder=1)
+    return axes.axhspan(band.low, band.high, color="#000000", alpha=0.1, linewidth=0)
+
+
+def _matrix(axes: Axes, matrix: Matrix) -> None:
+    from matplotlib.colors import LinearSegmentedColormap
+
+    colours = LinearSegmentedColormap.from_list("signed", MATRIX_COLOURS)
+    axes.imshow(matrix.values, cmap=colours, vmin=-1, vmax=1, aspect="auto", zorder=2)
+    for i, row in enumerate(matrix.texts):
+        for k, text in enumerate(row):
+            axes.text(k, i, text, ha="center", va="center", color="#222222", zorder=3)
+
+
+def _stacked(axes: Axes, panel: Panel) -> Iterator[tuple[Bars, Any]]:
+    """Draws the bars, layer on layer; yields each with its handle for the legend."""
+    floor: Any = 0.0
+    for bars in panel.bars:
+        places = range(len(bars.heights))
+        look: dict[str, Any] = {
+            "color": bars.colour, "hatch": 2 * bars.hatch, "edgecolor": "#ffffff", "linewidth": 0,
+        }  # fmt: skip
+        if panel.y_ticks is not None:
+            drawn = axes.barh(places, bars.heights, 0.7, left=floor, **look)
+        else:
+            drawn = axes.bar(places, bars.heights, 0.6, bottom=floor, **look)
+        _label(axes, bars, drawn)
+        floor = floor + bars.heights
+        yield bars, drawn
+
+
+def _label(axes: Axes, bars: Bars, drawn: Any) -> None:  # noqa: ANN401
+    """Writes into the bars, on their own colour so that a hatch does not cross the letters."""
+    if not bars.texts:
+        return
+    texts = axes.bar_label(
+        drawn, list(map(_text, bars.texts)), label_type="center", color="#ffffff"
+    )
+    for text in texts:
+        if text.get_text():
+            text.set_bbox({"facecolor": bars.colour, "edgecolor": "none", "pad": 1.0})
+
+
+def _note(axes: Axes, note: Note) -> None:
+    ends = {"left": "right", "right": "left"}
+    axes.text(
+        note.x, note.y, _text(note.text), color=note.colour, ha=ends.get(note.side, "center"),
+        va="center", fontsize="small", zorder=6,
+    )  # fmt: skip
+
+
+def _series(axes: Axes, series: Series, rank: int, *, lying: bool) -> Any:  # noqa: ANN401  (a handle for the legend)
+    style = series.style
+    look: dict[str, Any] = {
+        # errorbar() lifts its points by 0.1: farther apart, the later lies above
+        "zorder": 2 + rank / 4,
+        "color": style.colour,
+        "linestyle": _DASHES[style.dash] if series.line else "none",
+        "linewidth": style.width * _SCALE,
+        "dash_capstyle": "butt",
+    }
+    if series.points:
+        look |= {
+            "marker": _MARKERS[style.marker],
+            "markersize": 4.5,
+            "markerfacecolor": "#ffffff" if style.hollow else style.colour,
+        }
+        look["xerr" if lying else "yerr"] = series.u
+        return axes.errorbar(series.x, series.y, capsize=2, elinewidth=0.9, **look)
+    if series.shaded and series.u is not None:
+        shade = axes.fill_between(
+            series.x, series.y - series.u, series.y + series.u,
+            color=style.colour, alpha=0.25, linewidth=0,
+        )  # fmt: skip
+        if not series.line:
+            return shade
+    x, y = decimated(series.x, series.y)
+    return axes.plot(x, y, **look)[0]

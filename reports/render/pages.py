@@ -1,0 +1,270 @@
+"""Pages of the PDF report: the answer, every figure with its caption, and the scores."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from simcompare.reports.render import matplotlib_
+from simcompare.reports.render.tables import Table, printable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Canvas
+
+    from simcompare.reports.builder import Block
+    from simcompare.reports.render.figures import Figure
+
+#: A4 across [inch], and the line height of its text as part of the page
+_SIZE, _LINE = (11.69, 8.27), 0.026
+_LEFT, _TOP, _BOTTOM = 0.06, 0.93, 0.06
+#: letters of 10 points on a line across the page, and of 9 points on the whole page
+_WRAP, _CELL_WRAP = 128, 190
+#: figures from which on the second has the remarks above it
+_TWO = 2
+#: a figure needs at least so much of the first page
+_ROOM = 0.55
+#: a heading is not left alone at the foot of a page
+_GROUP = 6 * _LINE
+_INK, _SOFT = "#1b1b1b", "#555555"
+
+Cells = Sequence[str]
+#: a column is as wide as its longest cell, within these numbers of letters
+_NARROWEST, _WIDEST = 10, 45
+#: letters of a table that is as wide as its words, and the space between columns
+_TIGHT, _GUTTER = 0.88, 0.012
+
+
+class Line(NamedTuple):
+    """A row of cells.
+
+    Attributes:
+        cells: its texts.
+        strong: whether it is a heading.
+        widths: of the columns, relative to each other; all alike where empty.
+        numbers: columns that end at their right edge, so that digits stand below each other.
+    """
+
+    cells: Cells
+    strong: bool
+    widths: Sequence[float] = ()
+    numbers: frozenset[int] = frozenset()
+
+
+def of(block: Block) -> Iterator[Canvas]:
+    """Pages of one run."""
+    figures = block.figures
+    yield from _first(block, figures[0] if figures else None)
+    for i, figure in enumerate(figures[1:]):
+        yield _with_figure(figure, block if i == 0 else None)
+    for name, heading in (("measurement", "Against measurement"), ("scores", "Scores")):
+        context = block.contexts.get(name)
+        if context is not None:
+            lines = _measured_lines(context) if name == "measurement" else _score_lines(context)
+            yield from _table_pages(heading, lines)
+    for filled in block.sections:
+        yield from _table_pages(filled.section.title, _part_lines(filled.context))
+    yield from _table_pages("How it was made", _setup_lines(block.contexts["setup"]))
+
+
+def _first(block: Block, figure: Figure | None) -> Iterator[Canvas]:
+    """The answer, and below it a figure; on a page of its own where the answer is long."""
+    page = _blank()
+    y = _write(page, _TOP, str(block.record["title"]), size=20, weight="bold")
+    y = _write(page, y - 0.01, str(block.record["question"]), size=12, colour=_SOFT)
+    for sentence in block.contexts["answer"]["answer"]:
+        y = _write(page, y - 0.008, sentence, size=12)
+    if len(block.figures) < _TWO:  # else they have room beside the second
+        y = _remarks(page, y, block)
+    crowded = y < _ROOM
+    if figure is not None and not crowded:
+        _place(page, figure, y - 0.02)
+    yield page
+    if figure is not None and crowded:
+        yield _with_figure(figure)
+
+
+def _remarks(page: Canvas, y: float, block: Block) -> float:
+    for sentence in block.contexts["answer"].get("remarks", ()):
+        y = _write(page, y - 0.004, sentence, size=10)
+    return y
+
+
+def _with_figure(figure: Figure, block: Block | None = None) -> Canvas:
+    """A figure on a page of its own, below the remarks of a block where one is given."""
+    page = _blank()
+    y = _TOP if block is None else _remarks(page, _TOP, block) - 0.02
+    y = _write(page, y, figure.title, size=16, weight="bold")
+    _place(page, figure, y - 0.01)
+    return page
+
+
+def _place(page: Canvas, figure: Figure, top: float) -> None:
+    """Draws a figure between ``top`` and its caption at the foot of the page."""
+    lines = textwrap.wrap(figure.caption, _WRAP)
+    foot = _BOTTOM + len(lines) * _LINE
+    _write(page, foot - 0.01, figure.caption, size=10, colour=_SOFT)
+    height = top - foot
+    grid: Any = page.subfigures(
+        3,
+        3,
+        height_ratios=[1 - top, height, foot],
+        width_ratios=[_LEFT, 1 - 2 * _LEFT, _LEFT],
+    )
+    matplotlib_.draw(grid[1, 1], figure)
+
+
+def _table_pages(heading: str, lines: Sequence[tuple[Cells, bool] | Line]) -> Iterator[Canvas]:
+    """Rows of cells, each with whether it is a heading, on as many pages as they need."""
+    rest = [Line(*line) for line in lines]
+    while rest:
+        page = _blank()
+        y = _write(page, _TOP, heading, size=16, weight="bold") - 0.01
+        first = True
+        while rest and (
+            first or y - _height(rest[0]) > _BOTTOM + (_GROUP if rest[0].strong else 0)
+        ):
+            line, first = rest.pop(0), False
+            y = _row(page, y - (0.012 if line.strong else 0), line)
+        yield page
+
+
+def _columns(line: Line) -> Iterator[tuple[str, float, float, int]]:
+    """Each cell with where its column begins and ends and how many letters fit into it."""
+    widths = line.widths or [1.0] * len(line.cells)
+    left, scale = _LEFT, (1 - 2 * _LEFT) / sum(widths)
+    for cell, width in zip(line.cells, widths, strict=True):
+        fitting = int(_CELL_WRAP * scale * width * (_TIGHT if line.widths else 1))
+        yield cell, left, left + scale * width - _GUTTER, max(fitting, 1)
+        left += scale * width
+
+
+def _height(line: Line) -> float:
+    """Height by which a row is longer than the two lines for which there is always room."""
+    if len(line.cells) == 1:
+        return 0.0  # long remarks may begin anywhere
+    most = max(len(textwrap.wrap(cell, wrap)) for cell, _, _, wrap in _columns(line))
+    return max(most - 2, 0) * 0.9 * _LINE
+
+
+def _row(page: Canvas, y: float, line: Line) -> float:
+    weight = "bold" if line.strong else "normal"
+    if len(line.cells) == 1:
+        return _write(page, y, line.cells[0], size=9, weight=weight)
+    lowest = y
+    for i, (cell, left, right, wrap) in enumerate(_columns(line)):
+        is_number = i in line.numbers
+        end = _write(
+            page, y, cell, size=9, weight=weight, left=right if is_number else left, wrap=wrap,
+            ha="right" if is_number else "left",
+        )  # fmt: skip
+        lowest = min(lowest, end)
+    return lowest
+
+
+def _part_lines(context: dict[str, Any]) -> list[Line]:
+    """Facts, remarks and tables of a section that has them as plain values."""
+    lines = [Line((f"{key}: {value}",), False) for key, value in context.get("facts", {}).items()]
+    lines += [Line((note,), False) for note in context.get("notes", ())]
+    for table in context.get("grids", ()):
+        lines += _grid_lines(table)
+    return lines
+
+
+def _grid_lines(table: Table) -> Iterator[Line]:
+    rows = [row for group in table.groups for row in group.rows]
+    heads = tuple(column.head for column in table.columns)
+    numbers = frozenset(i for i, column in enumerate(table.columns) if i and not column.text)
+    lengths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+    widths = tuple(float(min(max(n, _NARROWEST), _WIDEST)) for n in lengths)
+    if table.title:
+        yield Line((table.title,), True)
+    yield Line(heads, True, widths, numbers)
+    for group in table.groups:
+        if group.title:
+            yield Line((printable(group.title),), True)
+        for row in group.rows:
+            yield Line(tuple(map(printable, row)), False, widths, numbers)
+    if table.note:
+        yield Line((table.note,), False)
+
+
+def _score_lines(context: dict[str, Any]) -> list[tuple[Cells, bool]]:
+    lines: list[tuple[Cells, bool]] = []
+    for group in context["groups"]:
+        head = f"{group['title']}{group['unit']}"
+        if group["truth"] is not None:
+            head += f": truth {group['truth']}"
+        if group["tolerance"] is not None:
+            head += f", tolerance ± {group['tolerance']}"
+        lines.append(((head,), True))
+        if group["reason"]:
+            lines.append(((group["reason"],), False))
+        columns = [text for mode, _ in context["modes"] for text in (mode, "verdict")]
+        lines.append((("engine", *columns), False))
+        for row in group["rows"]:
+            cells = [row["name"]]
+            for cell in row["cells"]:
+                cells += ["–", "–"] if cell is None else [cell["value"], cell["words"]]
+            lines.append((cells, False))
+    return lines
+
+
+def _measured_lines(context: dict[str, Any]) -> list[tuple[Cells, bool]]:
+    head = context["head"]
+    lines: list[tuple[Cells, bool]] = [((head.get("title", context["file"]),), True)]
+    told = [key for key in ("citation", "seen", "note") if key in head]
+    lines += [((f"{key}: {head[key]}",), False) for key in told]
+    if context["caution"]:
+        lines.append(((context["caution"],), True))
+    for group in context["groups"]:
+        limits, measured = group["limits"], group["measured"]
+        given = f"stated limits {limits}" if limits else f"measured {measured}"
+        lines.append(((f"{group['title']}: {given}",), True))
+        lines.append((("engine", "value ± s", "E_n", "inside"), False))
+        for row in group["rows"]:
+            inside = f"{row['symbol']} {row['words']}"
+            cells = (f"{row['source']}, {row['mode']}", row["value"], row["e_n"], inside)
+            lines.append((cells, False))
+    return lines
+
+
+def _setup_lines(context: dict[str, Any]) -> list[tuple[Cells, bool]]:
+    lines: list[tuple[Cells, bool]] = [
+        (("To make it again",), True),
+        ((context["command"],), False),
+    ]
+    lines.append((("Settings, versions and machine",), True))
+    lines += [((f"{key}: {value}",), False) for key, value in context["settings"].items()]
+    lines += [((f"{key}: {value}",), False) for key, value in context["software"].items()]
+    lines += [((f"{key}: {value}",), False) for key, value in context["machine"].items()]
+    lines.append((("engine", "version", "mode", "status", "run (ms)"), True))
+    for row in context["sources"]:
+        cells = (row["name"], row["version"], row["mode"], row["status"], row["step"])
+        lines.append((tuple(map(str, cells)), False))
+    for row in context["missing"]:
+        lines.append(((f"{row['name']}, {row['modes']}: {row['reason']}",), False))
+    return lines
+
+
+def _blank() -> Canvas:
+    import matplotlib as mpl
+    from matplotlib.figure import Figure as NewCanvas
+
+    with mpl.rc_context():
+        return NewCanvas(figsize=_SIZE, layout="constrained")
+
+
+def _write(
+    page: Canvas, y: float, text: str, *, size: float, weight: str = "normal",
+    colour: str = _INK, left: float = _LEFT, wrap: int = 0, ha: str = "left",
+) -> float:  # fmt: skip
+    """Writes wrapped text from ``y`` down and returns where it ends."""
+    # a fitting number of letters for the size of the type
+    lines = textwrap.wrap(text, wrap or int(_WRAP * 10 / size)) or [""]
+    for line in lines:
+        # a dollar sign would start mathematics
+        shown = line.replace("$", r"\$")
+        page.text(left, y, shown, size=size, weight=weight, color=colour, va="top", ha=ha)
+        y -= _LINE * size / 10
+    return y

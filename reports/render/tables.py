@@ -1,0 +1,202 @@
+"""Tables as plain values, for HTML, Markdown, PDF and the terminal alike."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
+
+from simcompare.reports.render import numbers
+
+_POWERS = (-3, 6)
+#: letters of a column of words that still reads well, of the narrowest one, and between columns
+_GOOD_WORDS, _LEAST_WORDS, _BETWEEN = 30, 13, 2
+#: more decimals than these are noise to a reader
+_MOST_PLACES = 7
+
+
+class Column(NamedTuple):
+    """Head of a column.
+
+    Attributes:
+        head: what is in it, with its unit where all rows share one.
+        text: whether it holds words, which begin at the left, and not numbers.
+        spare: whether it is left out where there is little room.
+        whole: whether its words, such as a name or a unit, stay on one line.
+    """
+
+    head: str
+    text: bool = False
+    spare: bool = False
+    whole: bool = False
+
+
+class Group(NamedTuple):
+    """Rows that belong together.
+
+    Attributes:
+        title: what they share, empty for nothing.
+        rows: of cells, one for each column.
+    """
+
+    title: str
+    rows: tuple[tuple[str, ...], ...]
+
+
+class Table(NamedTuple):
+    """A table.
+
+    Attributes:
+        title: above it, empty for none.
+        columns: from left to right.
+        groups: of rows.
+        note: what the reader must know of it.
+        folded: whether it is only wanted by few readers.
+        engines: whether the first column holds engines.
+    """
+
+    title: str
+    columns: tuple[Column, ...]
+    groups: tuple[Group, ...]
+    note: str = ""
+    folded: bool = False
+    engines: bool = False
+
+    def narrow(self) -> Table:
+        """The same without the columns that can be spared."""
+        return self._kept([i for i, column in enumerate(self.columns) if not column.spare])
+
+    def without(self, heads: Sequence[str]) -> Table:
+        """The same without the columns with these heads."""
+        return self._kept([i for i, column in enumerate(self.columns) if column.head not in heads])
+
+    def _kept(self, keep: Sequence[int]) -> Table:
+        groups = tuple(
+            Group(group.title, tuple(tuple(row[i] for i in keep) for row in group.rows))
+            for group in self.groups
+        )
+        return self._replace(columns=tuple(self.columns[i] for i in keep), groups=groups)
+
+
+class Scale(NamedTuple):
+    """How the numbers of one quantity are written so that their points stand below each other.
+
+    Attributes:
+        power: of ten, which stands in the head.
+        places: digits after the point.
+    """
+
+    power: int
+    places: int
+
+    def text(self, value: float | None) -> str:
+        """A number; a dash where there is none."""
+        if value is None or not math.isfinite(value):
+            return "–"
+        text = f"{value / 10.0**self.power:.{self.places}f}"
+        negative = text.startswith("-") and float(text) != 0
+        return f"−{text[1:]}" if negative else text.lstrip("-")
+
+    def unit(self, unit: str) -> str:
+        """Unit in brackets, with the power of ten where there is one."""
+        known = "" if unit in ("", "1") else unit
+        if self.power:
+            known = f"10{numbers.raised(self.power)} {known}".strip()
+        return f" ({known})" if known else ""
+
+
+def scale_of(values: Iterable[float | None], digits: int = 3) -> Scale:
+    """The scale on which the smallest of some sizes still has so many digits.
+
+    Args:
+        values: the sizes that matter; others may be written on the same scale.
+        digits: of the smallest one, as far as a reader can bear it.
+    """
+    sizes = [abs(v) for v in values if v is not None and math.isfinite(v) and v != 0]
+    if not sizes:
+        return Scale(0, 0)
+    top, low = (math.floor(math.log10(size)) for size in (max(sizes), min(sizes)))
+    power = 0 if _POWERS[0] <= top < _POWERS[1] else 3 * math.floor(top / 3)
+    places = digits - 1 - (low - power)
+    return Scale(power, min(max(places, 0), _MOST_PLACES))
+
+
+def of_engines(
+    columns: Sequence[Column], groups: Iterable[Group], note: str = "", title: str = ""
+) -> Table:
+    """A table with engines as rows."""
+    return Table(title, (Column("Engine", text=True), *columns), tuple(groups), note, engines=True)
+
+
+def printable(text: str) -> str:
+    """Text on one line without control characters; names come from files."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+
+
+def lines(table: Table, width: int) -> Iterator[str]:
+    """A table as plain text, the title of each group above its rows.
+
+    Args:
+        table: what to show; columns that can be spared are left out where there is no room.
+        width: letters on a line.
+    """
+    widths = _squeezed(table, width, _GOOD_WORDS)
+    if _whole(table, widths) > width:
+        table = table.narrow()
+        widths = _squeezed(table, width, _LEAST_WORDS)
+    heads = [printable(column.head) for column in table.columns]
+    yield from _laid_out(table, heads, widths)
+    yield "─" * min(_whole(table, widths), width)
+    for group in table.groups:
+        if group.title:
+            yield from textwrap.wrap(printable(group.title), width)
+        indent = 2 if group.title else 0
+        for row in group.rows:
+            cells = list(map(printable, row))
+            yield from _laid_out(table, [" " * indent + cells[0], *cells[1:]], widths)
+
+
+def _widths(table: Table) -> list[int]:
+    """Letters that each column needs: its cells, and the longest word of its head."""
+    indent = 2 if any(group.title for group in table.groups) else 0
+    found = []
+    for i, column in enumerate(table.columns):
+        cells = [printable(row[i]) for group in table.groups for row in group.rows]
+        longest = max(map(len, [*cells, *column.head.split()]), default=1)
+        found.append(longest + (indent if i == 0 else 0))
+    return found
+
+
+def _whole(table: Table, widths: Sequence[int]) -> int:
+    return sum(widths) + _BETWEEN * (len(table.columns) - 1)
+
+
+def _squeezed(table: Table, width: int, least: int) -> list[int]:
+    """Columns of words made narrower, the widest first, until all fit or none can give more.
+
+    Those that should stay on one line give only when no others can.
+    """
+    found = _widths(table)
+    for is_whole in (False, True):
+        words = [i for i, c in enumerate(table.columns) if c.text and c.whole == is_whole]
+        while _whole(table, found) > width:
+            widest = max(words, key=lambda i: found[i], default=None)
+            if widest is None or found[widest] <= least:
+                break
+            found[widest] -= 1
+    return found
+
+
+def _laid_out(table: Table, cells: Sequence[str], widths: Sequence[int]) -> Iterator[str]:
+    """One row, on as many lines as its longest cell needs."""
+    parts = []
+    for cell, width in zip(cells, widths, strict=True):
+        indent = cell[: len(cell) - len(cell.lstrip())]
+        parts.append(textwrap.wrap(cell, width, subsequent_indent=indent) or [""])
+    for k in range(max(map(len, parts))):
+        shown = []
+        for part, width, column in zip(parts, widths, table.columns, strict=True):
+            text = part[k] if k < len(part) else ""
+            shown.append(text.ljust(width) if column.text else text.rjust(width))
+        yield (" " * _BETWEEN).join(shown).rstrip()

@@ -1,0 +1,143 @@
+"""How the leading measure changes with the step: engine by engine, in words and as a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from simcompare.compare.repeats import step_words
+from simcompare.model.settings import SHOWN_LEVELS
+from simcompare.model.trajectory import TRUTH
+from simcompare.reports.render import numbers
+from simcompare.reports.render.figures import Figure, Panel, Series, Style, style_of
+from simcompare.reports.run import listing, runs
+from simcompare.reports.run.lead import MIXED, OUTSIDE, Lead, Row, rows_of
+from simcompare.reports.run.level_words import how
+from simcompare.results.run import Run
+
+#: behind a value that is outside of its tolerance
+_MISSED = " ✗"
+_TRUTH_STYLE = Style("#777777", "dash", width=1.5)
+
+At = tuple[float, Row]
+
+
+def lines(run: Run, lead: Lead, mode: str) -> list[str]:
+    """A head, and for each engine its values in the order of the steps; those alike on one line."""
+    found = _by_engine(run, lead, mode)
+    if not found:
+        return []
+    judged = mode not in SHOWN_LEVELS and lead.truth is not None
+    engines: dict[str, list[str]] = {}
+    for engine, own in found.items():
+        values = [_value(lead, at, judged) for at in own]
+        same = len(set(values)) == 1 and len(values) > 1
+        text = f"{values[0]} at every step" if same else ", ".join(values)
+        engines.setdefault(text, []).append(engine)
+    ends = [f"{listing.engines(names, list(found))}: {values}" for values, names in engines.items()]
+    return [_head(run, lead, mode, judged=judged), *ends]
+
+
+def figure(run: Run, lead: Lead) -> Figure | None:
+    """The leading measure over the step, one line for each engine, one panel for each level."""
+    if not runs.steps(run):
+        return None
+    every = (_panel(run, lead, mode) for mode in runs.judged_modes(run))
+    panels = tuple(panel for panel in every if panel.series)
+    if not panels:
+        return None
+    caption = "One line for each engine"
+    if run.record["repeats"] > 1:
+        caption += f"; bars are one standard deviation over {run.record['repeats']} repeats"
+    if lead.is_judged:
+        caption += "; the band is the tolerance at each step"
+    title = f"{lead.words[0].upper()}{lead.words[1:]} over the step"
+    return Figure("answer-steps", title, f"{caption}.", panels)
+
+
+def _head(run: Run, lead: Lead, mode: str, *, judged: bool) -> str:
+    each = widths(run, lead)
+    steps = listing.joined([step.removesuffix("ms") for step, _ in each])
+    truth = f", where the {TRUTH} gives {lead.true}" if lead.truth is not None else ""
+    mean = " (mean over all events of a repeat)" if lead.of_events else ""
+    text = f"{how(run, mode)} {lead.words}{mean} at steps of {steps} ms{truth}"
+    if judged and lead.width is not None:
+        accepted = [numbers.plain(width, 2) for _, width in each]
+        shown = accepted[:1] if len(set(accepted)) == 1 else accepted
+        text += f" ({_MISSED.strip()} is off by more than {listing.joined(shown)})"
+    return f"{text}:"
+
+
+def widths(run: Run, lead: Lead) -> list[tuple[str, float | None]]:
+    """Each of several steps, as it is typed, with its tolerance."""
+    return [
+        (step_words(float(step["engine_step_s"])), _width(run, lead, step)) for step in _steps(run)
+    ]
+
+
+def _value(lead: Lead, at: At, judged: bool) -> str:
+    _, row = at
+    text = lead.ends(row) if row.kind == MIXED else lead.told([row])
+    return text + (_MISSED if judged and row.kind == OUTSIDE else "")
+
+
+def _by_engine(run: Run, lead: Lead, mode: str) -> dict[str, list[At]]:
+    """What each engine has of the leading measure, at each of its steps from the shortest on."""
+    found: dict[str, list[At]] = {}
+    for row in rows_of(run, lead, mode):
+        source = runs.source_of(run, row.name, mode) or {}
+        own = found.setdefault(str(source["engine"]), [])
+        own.append((float(source["engine_step_s"]), row))
+    return {engine: sorted(own, key=lambda at: at[0]) for engine, own in found.items()}
+
+
+def _steps(run: Run) -> list[Mapping[str, Any]]:
+    return sorted(runs.steps(run), key=lambda step: float(step["engine_step_s"]))
+
+
+def _width(run: Run, lead: Lead, step: Mapping[str, Any]) -> float | None:
+    """The tolerance at a step."""
+    found = (
+        runs.width(run, score)
+        for score in run.scores
+        if score.measure == lead.measure
+        and score.index is None
+        and score.source.endswith(str(step["at"]))
+    )
+    return next((width for width in found if width is not None), None)
+
+
+def _panel(run: Run, lead: Lead, mode: str) -> Panel:
+    series = [
+        _line(engine, [at for at in own if at[1].value is not None])
+        for engine, own in _by_engine(run, lead, mode).items()
+    ]
+    series = [one for one in series if len(one.x)]
+    return Panel(
+        runs.mode_title(mode), "step (ms)", f"{lead.words}{runs.unit_words(lead.unit)}",
+        (*(_truth(run, lead) if series else ()), *series), log_x=True,
+    )  # fmt: skip
+
+
+def _line(engine: str, own: list[At]) -> Series:
+    x, y, u = (
+        np.array(column, dtype=float)
+        for column in (
+            [1e3 * step_s for step_s, _ in own],
+            [row.value for _, row in own],
+            [row.u or 0.0 for _, row in own],
+        )
+    )
+    return Series(engine, x, y, style_of(engine), u if u.any() else None, points=True)
+
+
+def _truth(run: Run, lead: Lead) -> tuple[Series, ...]:
+    """The truth, with the tolerance at each step about it."""
+    if lead.truth is None:
+        return ()
+    x = np.array([1e3 * float(step["engine_step_s"]) for step in _steps(run)])
+    u = np.array([_width(run, lead, step) or 0.0 for step in _steps(run)])
+    label = f"truth ({TRUTH}) ± tolerance" if u.any() else f"truth ({TRUTH})"
+    return (Series(label, x, x * 0 + lead.truth, _TRUTH_STYLE, u, shaded=True),)

@@ -1,0 +1,232 @@
+"""The picture that leads a report: value and scatter of every source and level, at the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, SHOWN_LEVELS, TUNED
+from simcompare.model.trajectory import TRUTH
+from simcompare.reports.render.figures import Figure, Note, Panel, Series, Span, Style, spread
+from simcompare.reports.run import runs
+from simcompare.reports.run.lead import NOTHING, Lead, Row, lead_of, rows_of
+from simcompare.results.run import Run
+from simcompare.running.jobs import OK
+
+#: levels differ by colour, marker and filling, so that each alone tells them
+_STYLES = {
+    DEFAULT: Style("#555555", marker="circle", hollow=True),
+    COEFFICIENTS: Style("#E69F00", marker="x"),
+    TUNED: Style("#0072B2", marker="square"),
+    ASSISTED: Style("#009E73", marker="diamond"),
+    "fitted": Style("#CC79A7", marker="triangle-up"),
+}
+#: the panel beside the truth shows at least and at most so many tolerances to either side
+_NEAREST, _FARTHEST = 3.0, 15.0
+#: the whole shows at most so many times the truth beyond it
+_WHOLE = 1.5
+#: part of a panel's width that is left free at its ends
+_MARGIN = 0.05
+#: bars below this part of a panel's width are hidden by their point
+_SHORT = 0.005
+#: how much of its row the levels of a source take
+_SPREAD = 0.8
+#: height of a row that holds one level, and of the rest of a figure, in usual heights
+_ROW, _FRAME = 0.032, 0.34
+_SMALLEST, _TALLEST = 0.8, 3.0
+
+
+@dataclass(frozen=True)
+class _Scale:
+    """The part of the axis that a panel shows.
+
+    Attributes:
+        title: of the panel.
+        low: left end.
+        high: right end.
+    """
+
+    title: str
+    low: float
+    high: float
+
+    def holds(self, value: float) -> bool:
+        """Whether a value can be drawn."""
+        return self.low <= value <= self.high
+
+    @property
+    def free(self) -> float:
+        """A little of the width."""
+        return (self.high - self.low) * _MARGIN / 2
+
+
+def leading_figure(run: Run) -> Figure | None:
+    """One row for each source; ``None`` where nothing was measured."""
+    lead = lead_of(run)
+    if lead is None:
+        return None
+    found = {mode: rows_of(run, lead, mode) for mode in runs.modes(run)}
+    known = {mode: rows for mode, rows in found.items() if rows}
+    values = [row.value for rows in known.values() for row in rows if row.value is not None]
+    near = _near(lead, known)
+    whole = _whole(lead, values)
+    scales = [scale for scale in (whole, near) if scale is not None]
+    if near is not None and all(near.holds(value) for value in values):
+        scales = [near]
+    panels = tuple(_panel(run, lead, found, scale, i) for i, scale in enumerate(scales))
+    rows = len(runs.names(run)) * (len(found) + 0.6)
+    height = min(max(_FRAME + _ROW * rows, _SMALLEST), _TALLEST)
+    title = f"{lead.words[0].upper()}{lead.words[1:]} in every engine"
+    return Figure("answer", title, _caption(run, lead, scales), panels, True, height)
+
+
+def _near(lead: Lead, rows: dict[str, list[Row]]) -> _Scale | None:
+    """The neighbourhood of the truth, as wide as what is judged needs."""
+    if lead.truth is None or not lead.width:
+        return None
+    width = max(lead.widths)
+    judged = [mode for mode in rows if mode not in SHOWN_LEVELS] or list(rows)
+    found = [row.value for mode in judged for row in rows[mode] if row.value is not None]
+    offs = [abs(value - lead.truth) for value in found]
+    inside = [1.25 * off for off in offs if off <= _FARTHEST * width]
+    half = max([_NEAREST * width, *inside])
+    return _Scale("near the truth", lead.truth - half, lead.truth + half)
+
+
+def _whole(lead: Lead, values: Sequence[float]) -> _Scale:
+    """All values and the truth; what is very far is left to arrows."""
+    true = [] if lead.truth is None else [lead.truth, 0.0]
+    size = max(abs(lead.truth or 0.0), 100 * (lead.width or 0.0))
+    kept = [v for v in values if lead.truth is None or abs(v - lead.truth) <= _WHOLE * size]
+    ends = [*kept, *true] or [0.0]
+    low, high = min(ends), max(ends)
+    margin = _MARGIN * ((high - low) or abs(high) or 1.0)
+    return _Scale("the whole", low - margin, high + margin)
+
+
+def _panel(run: Run, lead: Lead, found: dict[str, list[Row]], scale: _Scale, place: int) -> Panel:
+    names = runs.names(run)
+    # beside the truth only what is judged: all else has its place on the left
+    modes = [mode for mode in found if place == 0 or mode not in SHOWN_LEVELS] or list(found)
+    series: list[Series] = []
+    notes: list[Note] = []
+    drawn = {row.name for mode in modes for row in found[mode]}
+    for mode in modes:
+        shift = spread(list(found).index(mode), len(found), _SPREAD)
+        at = {row.name: row for row in found[mode]}
+        none = {name: Row(name, None, None, NOTHING) for name in drawn if name not in at}
+        places = [
+            (i + shift, {**at, **none}[name]) for i, name in enumerate(names) if name in drawn
+        ]
+        made, beside = _drawn(lead, mode, places, scale)
+        series += made
+        notes += beside
+    notes += [
+        Note(scale.low + scale.free, float(i), _missing(run, name))
+        for i, name in enumerate(names)
+        if name not in drawn
+    ]
+    label = f"{lead.words}{runs.unit_words(lead.unit)}"
+    return Panel(
+        scale.title, label, "", tuple(series), spans=_truth(run, lead), y_ticks=tuple(names),
+        x_limits=(scale.low, scale.high), notes=tuple(notes), weight=1.0 if place == 0 else 1.3,
+    )  # fmt: skip
+
+
+def _drawn(
+    lead: Lead, mode: str, places: Sequence[tuple[float, Row]], scale: _Scale
+) -> tuple[list[Series], list[Note]]:
+    """Points of one level with their scatter; arrows at the edge and dashes where there is none."""
+    style = _STYLES.get(mode, Style("#882255", marker="star"))
+    inside, arrows, notes = [], [], []
+    for y, row in places:
+        if row.value is None and row.ends is not None and scale.holds(sum(row.ends) / 2):
+            low, high = row.ends
+            inside.append(((low + high) / 2, y, (high - low) / 2))
+            continue
+        if row.value is None:
+            notes.append(Note(scale.low + scale.free, y, lead.ends(row), colour=style.colour))
+            continue
+        if scale.holds(row.value):
+            inside.append((row.value, y, row.u or 0.0))
+            continue
+        left = row.value < scale.low
+        edge = scale.low + scale.free if left else scale.high - scale.free
+        arrows.append((edge, y, left))
+        text, side = lead.text(row.value), "right" if left else "left"
+        inner = edge + scale.free * (1 if left else -1)
+        notes.append(Note(inner, y, text, side, style.colour))
+    made = _points(mode, style, inside, scale) if inside else []
+    for left in (True, False):
+        ends = [(x, y, 0.0) for x, y, one in arrows if one == left]
+        if ends:
+            arrow = replace(style, marker="triangle-left" if left else "triangle-right")
+            made += _points(mode, arrow, ends, scale)
+    return made, notes
+
+
+def _points(
+    mode: str, style: Style, rows: Iterable[tuple[float, float, float]], scale: _Scale
+) -> list[Series]:
+    """Points with their scatter, and points whose scatter is too small to be seen."""
+    x, y, u = (np.array(column, dtype=float) for column in zip(*rows, strict=True))
+    # the ends of a bar that is no longer than its point would lie across it
+    short = u < _SHORT * (scale.high - scale.low)
+    label = runs.mode_words(mode)
+    return [
+        Series(label, x[own], y[own], style, bars, points=True, line=False)
+        for own, bars in ((~short, u[~short]), (short, None))
+        if own.any()
+    ]
+
+
+def _truth(run: Run, lead: Lead) -> tuple[Span, ...]:
+    """The truth and the tolerance about it; of each row where sources have their own."""
+    if lead.truth is None:
+        return ()
+    line = Span(lead.truth, lead.truth, f"truth ({TRUTH})")
+    if len(lead.widths) < 2:
+        return (*(_tolerance(lead.truth, width) for width in lead.widths), line)
+    scores = {s.source: s for s in run.scores if (s.measure, s.index) == (lead.measure, None)}
+    widths = [runs.width(run, scores[name]) if name in scores else None for name in runs.names(run)]
+    bands = [
+        _tolerance(lead.truth, width, (i - 0.5, i + 0.5))
+        for i, width in enumerate(widths)
+        if width is not None
+    ]
+    return (*bands, line)
+
+
+def _tolerance(truth: float, width: float, rows: tuple[float, float] | None = None) -> Span:
+    return Span(truth - width, truth + width, "tolerance", rows)
+
+
+def _missing(run: Run, name: str) -> str:
+    """What became of a source of which nothing can be drawn."""
+    states = {s["status"] for s in run.record["sources"] if s["name"] == name} - {OK}
+    return f"– {', '.join(sorted(states))}"
+
+
+def _caption(run: Run, lead: Lead, scales: Sequence[_Scale]) -> str:
+    parts = ["One row for each engine, one symbol for each level"]
+    repeats = run.record["repeats"]
+    if repeats > 1:
+        parts.append(
+            f"bars are one standard deviation over {repeats} repeats,"
+            " where it is more than the symbol is wide"
+        )
+    if any(row.value is None and row.ends for mode in runs.modes(run)
+           for row in rows_of(run, lead, mode)):  # fmt: skip
+        parts.append(
+            "where only some repeats could be measured, from their lowest to their highest"
+        )
+    text = f"{'; '.join(parts)}."
+    if lead.of_events:
+        text += f" The {lead.words} is the mean over all events of a repeat."
+    if len(scales) > 1:
+        text += f" The panel “{scales[-1].title}” shows what is judged, and the tolerance."
+    if len(lead.widths) > 1:
+        text += " Each row has its own tolerance."
+    return f"{text} Arrows at an edge point to values beyond it; – was not measured."

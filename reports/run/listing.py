@@ -1,0 +1,54 @@
+"""Lists of engines and of other things in plain words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from simcompare.model.trajectory import AT
+
+#: more names than this are counted where they are all that there are; no more are left out
+_FEW = 2
+
+
+def joined(names: Sequence[str]) -> str:
+    """``a, b and c``."""
+    *most, last = names
+    return f"{', '.join(most)} and {last}" if most else last
+
+
+def engines(names: Sequence[str], every: Sequence[str]) -> str:
+    """Some of all sources by their names, ``all 7 engines`` where they are all or nearly so."""
+    others = [name for name in every if name not in names]
+    if not others and len(names) > _FEW:
+        return f"all {len(names)} {noun(every)}"
+    if others and len(others) <= _FEW and len(names) > 2 * _FEW:
+        return f"all {len(every)} {noun(every)} but {joined(others)}"
+    return joined(steps_together(names, every))
+
+
+def steps_together(names: Sequence[str], every: Sequence[str]) -> list[str]:
+    """The same, an engine at all of its steps as one, and at some as one with these steps."""
+    found: dict[str, list[str]] = {}
+    for name in names:
+        engine, _, step = name.partition(AT)
+        found.setdefault(engine, []).append(step)
+    whole = {e: [n for n in every if n.partition(AT)[0] == e] for e in found}
+    return [
+        engine if len(steps) == len(whole[engine]) else f"{engine}{AT}{'/'.join(steps)}"
+        for engine, steps in found.items()
+    ]
+
+
+def noun(every: Sequence[str]) -> str:
+    """What sources are: one and the same engine may stand among them more than once."""
+    bare = {name.partition("@")[0].partition(":")[0] for name in every}
+    return "engines" if len(bare) == len(every) else "rows"
+
+
+def count_of(part: int, whole: int, noun: str = "engine") -> str:
+    """``none of the 4 engines``, ``3 of 4 engines``, ``all 4 engines``, ``the one engine``."""
+    if whole == 1:
+        return f"the one {noun}" if part else f"not the one {noun}"
+    if part == 0:
+        return f"none of the {whole} {noun}s"
+    return f"all {whole} {noun}s" if part == whole else f"{part} of {whole} {noun}s"

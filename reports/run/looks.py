@@ -1,0 +1,48 @@
+"""How the sources of one run look beside each other, where an engine has several of them."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+
+from simcompare.engine import engines
+from simcompare.model.trajectory import AT
+from simcompare.reports.render.figures import PATTERNS, Style, style_of, with_pattern
+from simcompare.reports.run import runs
+from simcompare.results.run import Run
+
+
+def look(run: Run, source: str) -> Style:
+    """The look of a source in all figures of a run.
+
+    An engine looks the same in every report. Its steps have its colour and its variants a shade of
+    it, each with a dash and a marker that no other source of the run has, as far as there are
+    enough of them.
+    """
+    return looks(tuple(runs.names(run)))[source]
+
+
+@functools.cache
+def looks(sources: tuple[str, ...]) -> dict[str, Style]:
+    """The look of each of some sources that are drawn together."""
+    found = {source: style_of(source) for source in sources if _is_plain(source)}
+    for source in (source for source in sources if source not in found):
+        found[source] = _free(style_of(source), [*found.values()])
+    return found
+
+
+def _is_plain(source: str) -> bool:
+    return AT not in source and engines.VARIANT not in source
+
+
+def _free(style: Style, taken: Sequence[Style]) -> Style:
+    """The style with the first free dash and marker; with a marker of its own where there is one.
+
+    It is looked for from the style's own on.
+    """
+    first = next(i for i in range(PATTERNS) if with_pattern(style, i) == style)
+    each = [with_pattern(style, first + i) for i in range(PATTERNS)]
+    markers = {other.marker for other in taken}
+    pairs = {(other.dash, other.marker) for other in taken}
+    free = [one for one in each if (one.dash, one.marker) not in pairs]
+    return next((one for one in free if one.marker not in markers), [*free, style][0])

@@ -1,0 +1,191 @@
+"""The answer of a run in plain words, written from its record: scores, audit, what is lacking."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from simcompare.model.answer import VALUE, placeholders
+from simcompare.model.settings import SHOWN_LEVELS
+from simcompare.model.trajectory import TRUTH
+from simcompare.reports.render import numbers
+from simcompare.reports.run import audit, by_step, listing, runs
+from simcompare.reports.run.lead import (
+    MIXED,
+    NOTHING,
+    OUTSIDE,
+    UNJUDGED,
+    UNMEASURED,
+    WITHIN,
+    Group,
+    Lead,
+    Row,
+    groups_of,
+    lead_as,
+    lead_of,
+    rows_of,
+)
+from simcompare.reports.run.level_words import how, merged
+from simcompare.results.run import Run
+
+#: so many values are told apart, the others as a range
+_MOST_GROUPS = 5
+
+
+def answer(run: Run) -> list[str]:
+    """One sentence for each contact level: what it gives, in which engines, beside the truth.
+
+    Where steps are compared, one line for each engine: how the value changes with the step.
+    """
+    lead = lead_of(run)
+    if lead is None:
+        return ["Nothing was measured."]
+    if runs.steps(run):
+        found = [line for mode in runs.modes(run) for line in by_step.lines(run, lead, mode)]
+    else:
+        found = merged((how(run, mode), _level(run, lead, mode)) for mode in runs.modes(run))
+    if lead.truth is None and found:
+        found.append(f"There is no truth to hold the {lead.words} against.")
+    return found or ["Nothing was measured."]
+
+
+def _level(run: Run, lead: Lead, mode: str) -> str:
+    rows = rows_of(run, lead, mode)
+    if not rows:
+        return ""
+    clauses = _clauses(run, lead, mode, rows, (WITHIN, UNJUDGED, OUTSIDE, NOTHING))
+    if all(row.kind == WITHIN for row in rows):
+        clauses += _nearness(lead, rows)
+    unknown = _clauses(run, lead, mode, rows, (MIXED, UNMEASURED))
+    if mode in SHOWN_LEVELS:
+        causes = _causes(run, lead, mode, rows, (OUTSIDE, NOTHING))
+        clauses += f": {causes}" if causes else ""
+        causes = _causes(run, lead, mode, rows, (UNMEASURED,))
+        unknown += f" ({causes})" if causes else ""
+    return "; ".join(part for part in (clauses, unknown) if part)
+
+
+def _clauses(run: Run, lead: Lead, mode: str, rows: Sequence[Row], kinds: Sequence[str]) -> str:
+    """What is within the tolerance, then what is not, and where nothing is."""
+    every = [row.name for row in rows]
+    said: list[str] = []
+    counts = Counter(row.kind for row in rows)
+    said_alone = {
+        NOTHING: _template(lead, NOTHING),
+        UNMEASURED: f"the {lead.words} could not be measured",
+    }
+    # what most engines do wrong comes first
+    wrong = sorted((OUTSIDE, NOTHING), key=lambda kind: -counts[kind])
+    same = _template(lead, WITHIN) == _template(lead, OUTSIDE)
+    for kind in (WITHIN, UNJUDGED, *wrong, MIXED, UNMEASURED):
+        if kind not in kinds:
+            continue
+        own = [row for row in rows if row.kind == kind]
+        if own and kind in said_alone:
+            names = listing.engines([row.name for row in own], every)
+            said.append(f"{said_alone[kind]} in {names}{_lacking(own)}")
+        elif own and kind == MIXED:
+            ends = ", ".join(_mixed(run, lead, row) for row in own)
+            said.append(f"the {lead.words} differs from repeat to repeat, {ends}")
+        elif own:
+            repeated = kind == OUTSIDE and counts[WITHIN] > 0 and same
+            values = _values(run, lead, mode, own, every, bare=repeated)
+            values = f"outside the tolerance: {values}" if repeated else values
+            truth = f", where the {TRUTH} gives {lead.true}" if kind == OUTSIDE else ""
+            said.append(values + truth)
+    return "; ".join(said)
+
+
+def _values(
+    run: Run, lead: Lead, mode: str, rows: Sequence[Row], every: Sequence[str], *, bare: bool
+) -> str:
+    """Half a sentence, then value by value the engines that agree."""
+    template = _template(lead, rows[0].kind)
+    groups = groups_of(lead, rows)
+    if VALUE not in placeholders(template):
+        groups = [Group(tuple(rows))]
+    parts: list[str] = []
+    for group in groups[:_MOST_GROUPS]:
+        first = not parts and not bare
+        value = _filled(run, lead, mode, template, group) if first else lead.told(group.rows)
+        parts.append(f"{value} in {listing.engines(group.names, every)}")
+    others = [row for group in groups[_MOST_GROUPS:] for row in group.rows]
+    if others:
+        others = sorted(others, key=lambda row: row.value or 0.0)
+        parts.append(f"{lead.told(others)} in {listing.joined([row.name for row in others])}")
+    return ", ".join(parts)
+
+
+def _mixed(run: Run, lead: Lead, row: Row) -> str:
+    """The lowest and highest repeat of a source, and how many there are where some are missing."""
+    of = run.record["repeats"]
+    count = "" if row.repeats == of else f" (measured in {row.repeats} of {of})"
+    return f"{lead.ends(row)} in {row.name}{count}"
+
+
+def _lacking(rows: Sequence[Row]) -> str:
+    """Why sources give no value, as far as they tell."""
+    reasons = dict.fromkeys(row.lacking for row in rows if row.lacking)
+    return f" ({'; '.join(reasons)})" if reasons else ""
+
+
+def _template(lead: Lead, kind: str) -> str:
+    kind = OUTSIDE if kind == UNJUDGED else kind
+    if lead.answer is not None:
+        return str(lead.answer[kind])
+    return f"there is no {lead.words}" if kind == NOTHING else f"the {lead.words} is {{{VALUE}}}"
+
+
+def _filled(run: Run, lead: Lead, mode: str, template: str, group: Group) -> str:
+    """A template with the values of some engines that agree."""
+    values = {VALUE: lead.told(group.rows)}
+    measured = {score.measure for score in run.scores if score.index is None}
+    for name in placeholders(template):
+        if name != VALUE:
+            values[name] = _other(run, name, mode, group) if name in measured else "–"
+    return template.format(**values)
+
+
+def _other(run: Run, measure: str, mode: str, group: Group) -> str:
+    """What the same engines have of another measure, which is not judged here."""
+    lead = lead_as(run, measure)
+    rows = [row for row in rows_of(run, lead, mode) if row.name in group.names]
+    return lead.told([replace(row, u=None, kind=UNJUDGED) for row in rows])
+
+
+def _nearness(lead: Lead, rows: Sequence[Row]) -> str:
+    """How near all engines come, rounded up."""
+    truth = lead.truth or 0.0
+    worst = max(abs((row.value or 0.0) - truth) for row in rows)
+    unit = "" if lead.unit in ("", "1") else f" {lead.unit}"
+    least = max(numbers.ROUNDING * abs(truth), 1e-6 * (lead.width or 0.0))
+    near = f"{numbers.plain(_rounded_up(max(worst, least)), 1)}{unit}"
+    return f", within {near} of the {TRUTH} of {lead.true}"
+
+
+def _rounded_up(value: float) -> float:
+    """To one digit, never below."""
+    if value <= 0:
+        return 0.0
+    place = 10.0 ** math.floor(math.log10(value))
+    return math.ceil(value / place * (1 - 1e-9)) * place
+
+
+def _causes(run: Run, lead: Lead, mode: str, rows: Sequence[Row], kinds: Sequence[str]) -> str:
+    """What the scenario names as a cause, where the audit shows that it holds."""
+    missing = [row.name for row in rows if row.kind in kinds]
+    said = []
+    for cause in (lead.answer or {}).get("causes", ()):
+        own = [name for name in missing if _keeps(run, name, mode, cause)]
+        if own:
+            where = "" if own == missing else f"in {listing.joined(own)} "
+            said.append(f"{where}{cause['says']}")
+    return "; ".join(said)
+
+
+def _keeps(run: Run, name: str, mode: str, cause: Mapping[str, Any]) -> bool:
+    source = runs.source_of(run, name, mode)
+    return source is not None and audit.keeps_its_own(source, cause["quantity"])

@@ -1,0 +1,230 @@
+"""What a validation rests on and what would teach more, in words."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from simcompare.inference.segments import DURATION
+from simcompare.reports.validation import answer_gap, answer_values, phrases
+from simcompare.reports.validation.phrases import KNOWN, SAME
+
+Record = Mapping[str, Any]
+#: parameters that correlate by more than this cannot be told apart
+_ONE = 0.99
+#: a fit that leaves more than so many times the noise lacks something
+_FAR = 3.0
+#: a share of the gap by which a fit made it larger that is worth a word
+_WORSE = 0.005
+#: a parameter with this share of a budget dominates it
+_MOST = 0.5
+#: more parameters than these are counted and not named
+_NAMED = 5
+
+
+def sentences(found: Record) -> Iterator[str]:
+    """Where the parameters come from."""
+    if found["basis"] == KNOWN:
+        yield _known(found)
+        return
+    yield " ".join([_fitted(found), *_read_off(found), *_alike(found)])
+
+
+# where the parameters come from
+
+
+def _names(found: Record, kind: str) -> list[str]:
+    return [
+        row["name"]
+        for row in found["parameters"]
+        if row.get("kind", "known") == kind and row["name"] != DURATION
+    ]
+
+
+def _known(found: Record) -> str:
+    told = list(_read_off(found))
+    given, known, own = (_names(found, kind) for kind in ("given", "known", "scenario"))
+    if given:
+        told.append(f"{_were(given)} given by the user.")
+    if known and not told and not own:
+        return "All parameters were known before the measurement was looked at."
+    if known:
+        told.append(f"{_were(known)} known before the measurement was looked at.")
+    if own:
+        others = "All parameters are"
+        if told:
+            one = len(own) == 1
+            others = "One more parameter is" if one else f"The other {len(own)} parameters are"
+        told.append(f"{others} the scenario's own, with no uncertainty.")
+    return " ".join(told)
+
+
+def _were(names: Sequence[str]) -> str:
+    """Parameters as the beginning of a sentence; many are only counted."""
+    if len(names) > _NAMED:
+        return f"{len(names)} parameters were"
+    return f"The {phrases.parameters(names)} {'was' if len(names) == 1 else 'were'}"
+
+
+def _read_off(found: Record) -> Iterator[str]:
+    names = _names(found, "read off")
+    if names:
+        of_each = "each stretch of it" if len(found["cases"]) > 1 else "it"
+        yield (f"{_were(names)} read off the recording that is judged, at the start of {of_each}.")
+
+
+def _fitted(found: Record) -> str:
+    names = [row["name"] for row in found["parameters"] if row["fitted"] is not None]
+    fitted = f"{phrases.parameters(names)} {'were' if len(names) > 1 else 'was'} fitted to"
+    fitted = phrases.first_up(fitted)
+    fit = found["fit"]
+    streams = phrases.places(fit["recording"], fit["streams"])
+    judged = phrases.places(found["recording"], [case["stream"] for case in found["cases"]])
+    if found["basis"] == SAME:
+        return (
+            f"{fitted} {streams}, which is also what was judged: this is a fit, not a validation."
+        )
+    told = f"{fitted} {streams} and held against {judged}, which the fit had not seen"
+    if fit.get("chosen_knowing"):
+        return (
+            f"{told}; but the fitted pieces were chosen knowing the judged ones, so this is weaker"
+            " than a prediction. It holds for motions like these, not beyond."
+        )
+    return (
+        f"{told}: what is said here is a prediction. It holds for motions like these, not beyond."
+    )
+
+
+def _alike(found: Record) -> Iterator[str]:
+    pairs = _same_pairs(found["fit"])
+    if pairs:
+        named = "; ".join(
+            f"{phrases.parameter(a)} and {phrases.parameter(b)} ({_near_one(r)})"
+            for a, b, r in pairs
+        )  # fmt: skip
+        yield f"The fit cannot tell apart (correlation): {named}."
+
+
+def _near_one(value: float) -> str:
+    # what is below 1 must not be rounded to it
+    digits = next((n for n in (3, 4, 5) if abs(value) < 1 - 0.5 / 10**n), 6)
+    return f"{value:+.{digits}f}".replace("-", "−")
+
+
+def _same_pairs(fit: Record | None) -> list[tuple[str, str, float]]:
+    """Fitted parameters that correlate so closely that only a combination of them is known."""
+    matrix = (fit or {}).get("correlation")
+    if fit is None or not matrix:
+        return []
+    return [
+        (fit["names"][i], fit["names"][j], matrix[i][j])
+        for i, j in itertools.combinations(range(len(fit["names"])), 2)
+        if abs(matrix[i][j]) > _ONE
+    ]
+
+
+# what to do next
+
+
+def advice(found: Record) -> Iterator[str]:
+    """What to do first to learn more."""
+    told = _advice(found)
+    if told:
+        yield f"Next: {told}"
+
+
+def _advice(found: Record) -> str:
+    bound = [] if found["fit"] is None else found["fit"]["at_bound"]
+    if bound:
+        return (
+            f"ask why the fit pushed the {phrases.parameters(bound)} to its bound; the model may"
+            " lack something."
+        )
+    if found["basis"] == SAME:
+        return "judge stretches that were not fitted."
+    part = _largest_left(found["gaps"])
+    if part == "numerical":
+        return "a shorter step, since numerical error is most of what is left."
+    if part == "noise":
+        return "a quieter sensor or a longer record; this one holds no more about the model."
+    if part is None:
+        return ""
+    return _about_parameters(found) or (
+        "a better model; neither a shorter step nor a quieter sensor would close this gap. What is"
+        f" left over time shows where to look.{_also(found)}"
+    )
+
+
+def _also(found: Record) -> str:
+    """The parameter that most of the uncertainty of the values comes from."""
+    rows = [row for row in found["values"] if row["e_n"] is not None]
+    name = _leading(found)
+    if not name or answer_values.dominant(rows)[0] != "u_input":
+        return ""
+    return (
+        f" Most of the values' uncertainty comes from the {phrases.parameter(name)}: measure it"
+        " better."
+    )
+
+
+def _leading(found: Record) -> str:
+    """The parameter that makes up most of the budgets; empty where none does."""
+    rows = [row for row in found["values"] if row["e_n"] is not None]
+    name, share = answer_values.leading_parameter(rows)
+    return name if share >= _MOST else ""
+
+
+def _about_parameters(found: Record) -> str:
+    """What to do about parameters; empty where they are not what is lacking."""
+    name = _leading(found)
+    if answer_gap.is_covered(found["gaps"]):
+        what = "the parameters" if not name else f"the {phrases.parameter(name)}"
+        return (
+            f"measure {what} better; until then the uncertainty of the parameters hides what else"
+            " is wrong with the model."
+        )
+    if name in _names(found, "read off"):
+        return (
+            f"measure the {phrases.parameter(name)} better, apart from this recording; it was read"
+            " off, and most of the parameters' uncertainty is its own."
+        )
+    if found["fit"] is None:
+        return (
+            "fit the parameters to one part of the recordings and judge another (calibrate:), to"
+            " tell wrong parameters from a wrong model."
+        )
+    pairs = _same_pairs(found["fit"])
+    left = _left_over(found)
+    worse = any(row["shares"]["removed"] < -_WORSE for row in found["gaps"])
+    if not pairs or (left <= _FAR and not worse):
+        return ""
+    first, second, _ = pairs[0]
+    why = f" The fit leaves {left:.2g} times the noise of a sample." if left > _FAR else ""
+    return (
+        f"fit a recording that tells {phrases.parameter(first)} and {phrases.parameter(second)}"
+        " apart, such as one with motions of many sizes; as it is, wrong parameters and a wrong"
+        f" model look alike.{why}"
+    )
+
+
+def _left_over(found: Record) -> float:
+    """What the fit leaves on its own data over the noise of a sample; 0 where unknown."""
+    rms = found["fit"].get("rms")
+    probe = next((name for name, one in found["compare"].items() if one.get("judged", True)), None)
+    if probe is None:
+        return 0.0
+    u = [phrases.noise_of(found, case["stream"], probe) for case in found["cases"]]
+    known = [one for one in u if one]
+    return rms / (math.fsum(known) / len(known)) if rms and known else 0.0
+
+
+def _largest_left(rows: Sequence[Record]) -> str | None:
+    """The largest part of what the best parameters leave over, over all engines and stretches."""
+    sums = {
+        key: math.fsum((row[key] or 0.0) ** 2 for row in rows)
+        for key in ("model_form", "numerical", "noise")
+    }
+    largest = max(sums, key=lambda key: sums[key])
+    return largest if sums[largest] > 0 else None

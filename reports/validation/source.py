@@ -1,0 +1,189 @@
+"""Tables of a recording: what was repaired, its stretches, and how columns became SI."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from simcompare.model.recording import INFO, REPAIR, WARNING
+from simcompare.reports.render import numbers
+from simcompare.reports.render.tables import Column, Group, Table, printable
+from simcompare.reports.validation import validations
+from simcompare.results.run import Run
+
+Record = Mapping[str, Any]
+#: ranges of rows and streams that are named for each repair
+_RANGES, _STREAMS = 8, 4
+_SEVERITIES = {REPAIR: "repaired", WARNING: "left and marked", INFO: "noted"}
+
+
+def facts(run: Run) -> dict[str, str]:
+    """Where the recording comes from and how it was read."""
+    found = validations.validation(run)
+    file = found["provenance"]
+    align = found["align"]
+    clocks = [align["by"] if align["by"] != "none" else "taken as they are"]
+    clocks += [align["reason"]] if align["reason"] else []
+    clocks += [str(one["text"]) for one in found.get("alignments") or () if one]
+    inputs = ", ".join(f"{name} follows channel {c}" for name, c in found["inputs"].items())
+    compared = ", ".join(
+        f"{one['label']} with channel {one['channel']}" + ("" if one["judged"] else " (not judged)")
+        for one in found["compare"].values()
+    )
+    told = {
+        **{str(key): str(value) for key, value in found["about"].items()},
+        "file": f"{file['file']}, {file['size_bytes']} bytes",
+        "SHA-256": file["sha256"],
+        "read by": f"importer {file['importer']} of simcompare {file['version']},"
+        f" mode {file['mode']}",
+        "clocks": ": ".join(clocks),
+    }
+    told |= {"compared": compared} if compared else {}
+    told |= {"inputs": inputs} if inputs else {}
+    return {printable(key): printable(value) for key, value in told.items()}
+
+
+def repairs(run: Run) -> list[Table]:
+    """What was noticed in the log: changes and defects first, what is harmless folded."""
+    rows = validations.validation(run)["provenance"]["repairs"]
+    serious = [row for row in rows if row["severity"] != INFO]
+    serious.sort(key=lambda row: row["severity"] != REPAIR)
+    harmless = [row for row in rows if row["severity"] == INFO]
+    found = []
+    if serious:
+        found.append(_repairs("Defects of the log", serious))
+    if harmless:
+        found.append(_repairs("Decided on the way, harmless", harmless)._replace(folded=True))
+    return found
+
+
+def _repairs(title: str, rows: Sequence[Record]) -> Table:
+    columns = (
+        Column("Done", text=True), Column("Rule", text=True),
+        Column("What was found", text=True), Column("Where", text=True), Column("Count"),
+        Column("Before → after", text=True, spare=True),
+    )  # fmt: skip
+    return Table(title, columns, (Group("", tuple(map(_repair, _merged(rows)))),))
+
+
+def _merged(rows: Sequence[Record]) -> list[list[Record]]:
+    """What was noticed alike in several streams, as one row."""
+    found: dict[tuple[Any, ...], list[Record]] = {}
+    for i, row in enumerate(rows):
+        # rows of a log can only be named for one stream at a time
+        own = i if row["rows"] or row["before"] else -1
+        key = (row["severity"], row["rule"], row["text"], row["channel"], own)
+        found.setdefault(key, []).append(row)
+    return list(found.values())
+
+
+def _repair(rows: Sequence[Record]) -> tuple[str, ...]:
+    row = rows[0]
+    count = sum(one["count"] for one in rows)
+    return (
+        _SEVERITIES.get(row["severity"], str(row["severity"])),
+        str(row["rule"]).replace("_", " "),
+        str(row["text"]),
+        _where(rows),
+        str(count) if count else "",
+        _changes(row["before"], row["after"]),
+    )
+
+
+def _where(rows: Sequence[Record]) -> str:
+    row = rows[0]
+    parts = [
+        _few(dict.fromkeys(one["stream"] for one in rows if one["stream"] != validations.ONLY))
+    ]
+    parts += [f"column {row['channel']}"] if row["channel"] else []
+    ranges = [f"{a}" if a == b else f"{a}–{b}" for a, b in row["rows"][:_RANGES]]
+    if ranges:
+        kind = "row" if ranges == [f"{row['rows'][0][0]}"] else "rows"
+        parts.append(f"{kind} {', '.join(ranges)}{' …' if len(row['rows']) > _RANGES else ''}")
+    return ", ".join(part for part in parts if part)
+
+
+def _few(streams: Iterable[str]) -> str:
+    names = [name for name in streams if name]
+    shown = ", ".join(names[:_STREAMS])
+    return f"{shown} and {len(names) - _STREAMS} more" if len(names) > _STREAMS else shown
+
+
+def _changes(before: Mapping[str, float], after: Mapping[str, float]) -> str:
+    return "; ".join(
+        f"{key.replace('_', ' ')} {numbers.plain(value)}"
+        + (f" → {numbers.plain(after[key])}" if key in after else "")
+        for key, value in before.items()
+    )
+
+
+def stretches(run: Run) -> Table | None:
+    """The stretches that were judged and how well each quantity was measured there.
+
+    ``None`` where only events were compared.
+    """
+    columns = (
+        Column("Stretch", text=True, whole=True), Column("Begins (s)"), Column("Lasts (s)"),
+        Column("Quantity", text=True), Column("Samples"), Column("Missing"),
+        Column("Saturated"), Column("u of a sample"), Column("u from", text=True),
+    )  # fmt: skip
+    rows = []
+    for case in validations.validation(run)["cases"]:
+        for probe, seen in case["probes"].items():
+            rows.append(
+                (
+                    validations.stretch(run, case["stream"]) or "the whole log",
+                    numbers.plain(case["start_s"], 4),
+                    numbers.plain(case["duration_s"], 4) + (" (cut)" if case.get("short") else ""),
+                    validations.with_unit(run, probe),
+                    *(str(seen[key]) for key in ("samples", "missing", "saturated")),
+                    numbers.plain(seen["u"], 2),
+                    seen["u_from"],
+                )
+            )
+    if not rows:
+        return None
+    note = "Cut: the log ends before the window that was asked for."
+    cut = any(case.get("short") for case in validations.validation(run)["cases"])
+    return Table("Stretches", columns, (Group("", tuple(rows)),), note if cut else "")
+
+
+def conversions(run: Run) -> Table | None:
+    """How every column of the log became SI."""
+    found = validations.validation(run)["provenance"]["conversions"]
+    if not found:
+        return None
+    columns = (
+        Column("Column", text=True), Column("Unit", text=True, whole=True),
+        Column("Channel", text=True), Column("SI", text=True, whole=True),
+        Column("× factor"), Column("+ offset"), Column("Note", text=True),
+    )  # fmt: skip
+    rows = tuple(
+        (
+            row["raw"], row["raw_unit"], row["channel"] or "left out", row["unit"],
+            f"{row['factor']:.9g}", f"{row['offset']:.9g}", row["reason"],
+        )
+        for row in found
+    )  # fmt: skip
+    return Table("How every column became SI", columns, (Group("", rows),), folded=True)
+
+
+def events(run: Run) -> Table | None:
+    """Events of the recording within the stretches."""
+    found = validations.validation(run)
+    streams = {case["stream"] for case in found["cases"]}
+    rows = tuple(
+        (
+            row["name"],
+            validations.stretch(run, row["stream"]),
+            numbers.with_u(row["time_s"], row["u_s"], digits=7),
+            numbers.plain(row["value"], 4),
+        )
+        for row in found["events"]
+        if row["stream"] in streams
+    )
+    if not rows:
+        return None
+    columns = (Column("Event", text=True), Column("Stretch", text=True),
+               Column("Time ± u (s)"), Column("Value"))  # fmt: skip
+    return Table("Events", columns, (Group("", rows),), folded=len(rows) > _RANGES)

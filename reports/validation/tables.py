@@ -1,0 +1,365 @@
+"""Tables of a validation: rows of the record grouped so that they are short."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from simcompare import units
+from simcompare.reports.render import numbers
+from simcompare.reports.render.tables import Column, Group, Scale, Table, of_engines, scale_of
+from simcompare.reports.run import runs
+from simcompare.reports.validation import phrases, validations
+from simcompare.reports.validation.gap_figures import PARTS, part_words
+from simcompare.results.run import Run
+
+Record = Mapping[str, Any]
+
+
+def _grouped(rows: Sequence[Record], second: str) -> Iterator[tuple[str, str, list[Record]]]:
+    """Stretch, value of the second key, and their rows."""
+    for stream, other in dict.fromkeys((row["stream"], row[second]) for row in rows):
+        found = [row for row in rows if (row["stream"], row[second]) == (stream, other)]
+        yield stream, other, found
+
+
+def _title(run: Run, stream: str, words: str) -> str:
+    where = validations.stretch(run, stream)
+    return f"{words}, {where}" if where else words
+
+
+def percent(share: float | None, digits: int = 1) -> str:
+    """A share of 1 in per cent, with always the same number of decimals."""
+    return Scale(0, digits).text(None if share is None else 100 * share)
+
+
+def waveforms(run: Run) -> Table:
+    """How far each engine is from each judged signal."""
+    rows = [row for row in validations.validation(run)["waveforms"] if row["judged"]]
+    fitted = validations.is_fitted(run)
+    aligned = any(row["aligned"] for row in rows)
+    groups = []
+    for stream, probe, own in _grouped(rows, "probe"):
+        scale = scale_of(row["rmse"] for row in own)
+        groups.append(
+            Group(
+                _title(run, stream, validations.label(run, probe))
+                + scale.unit(validations.unit(run, probe)),
+                tuple(_waveform(run, own, e, scale) for e in _sources(own)),
+            )
+        )
+    still = [phrases.is_constant(validations.validation(run), row) for row in rows]
+    columns = [Column("RMS error")]
+    columns += [Column("before the fit")] if fitted else []
+    columns += [Column("clock as recorded", spare=True)] if aligned else []
+    columns += [
+        Column("Bias", spare=True), Column("Largest"), Column("RMS ÷ range (%)"),
+        Column("Magnitude (%)", spare=True), Column("Phase (%)", spare=True),
+        Column("Samples", spare=True),
+    ]  # fmt: skip
+    table = of_engines(columns, groups, _waveform_note(fitted=fitted, aligned=aligned, still=still))
+    return table.without(_OF_RANGE) if all(still) else table
+
+
+#: columns that have no meaning where the measurement does not vary
+_OF_RANGE = ("RMS ÷ range (%)", "Magnitude (%)", "Phase (%)")
+
+
+def _waveform_note(*, fitted: bool, aligned: bool, still: Sequence[bool]) -> str:
+    note = "Error is simulated minus measured."
+    if not all(still):
+        note += (
+            " The range is that of the measurement. Magnitude and phase are those of Sprague and"
+            " Geers: how much too large the simulation is, whatever its timing, and how far it is"
+            " out of step, whatever its size; 0 is right."
+        )
+    if any(still):
+        note += (
+            " Where a measured signal spans no more than its noise, shares of its range would say"
+            " nothing and are left out."
+        )
+    if fitted:
+        note += " All columns but “before the fit” are with the fitted parameters."
+    if aligned:
+        note += " All but “clock as recorded” are with aligned clocks."
+    return note
+
+
+def _sources(rows: Sequence[Record]) -> list[str]:
+    return list(dict.fromkeys(row["source"] for row in rows))
+
+
+def _waveform(run: Run, rows: Sequence[Record], engine: str, scale: Scale) -> tuple[str, ...]:
+    own = [row for row in rows if row["source"] == engine]
+    is_aligned = any(row["aligned"] for row in own)
+
+    def one(parameters: str, aligned: bool) -> Record | None:
+        for row in own:
+            if row["parameters"] == parameters and row["aligned"] == aligned:
+                return row
+        return None
+
+    last = validations.last_parameters(run)
+    main = one(last, is_aligned)
+    assert main is not None
+    cells = [engine, scale.text(main["rmse"])]
+    if validations.is_fitted(run):
+        before = one(validations.KNOWN, is_aligned)
+        cells.append(scale.text(None if before is None else before["rmse"]))
+    if any(row["aligned"] for row in validations.validation(run)["waveforms"] if row["judged"]):
+        raw = one(last, aligned=False)
+        cells.append(scale.text(None if raw is None else raw["rmse"]))
+    still = phrases.is_constant(validations.validation(run), main)
+    shares = (None if still else main[key] for key in ("nrmse", "magnitude", "phase"))
+    cells += [scale.text(main["bias"]), scale.text(main["max_abs"])]
+    return (*cells, *(percent(share, 2) for share in shares), str(main["n"]))
+
+
+def gaps(run: Run) -> list[Table]:
+    """What the gap is made of: root mean squares, and how the shares add up."""
+    rows = validations.validation(run)["gaps"]
+    if not rows:
+        return []
+    return [_gap_sizes(run, rows), _gap_shares(run, rows)]
+
+
+def _gap_sizes(run: Run, rows: Sequence[Record]) -> Table:
+    fitted = validations.is_fitted(run)
+    columns = [Column("Gap before the fit"), Column("after it")] if fitted else [Column("Gap")]
+    columns += [Column(_first_up(part_words(run, "model_form", "model form")))]
+    columns += [Column("95 % interval", spare=True), Column("Numerical"), Column("Noise")]
+    columns += [Column("Fit took away (%)")] if fitted else []
+    covered = any(row.get("covered") is not None for row in rows)
+    columns += [Column("Covered (%)", spare=True)] if covered else []
+    groups = []
+    for stream, probe, own in _grouped(rows, "probe"):
+        scale = scale_of(v for row in own for v in (row["total"], row["remaining"]))
+        unit = scale.unit(validations.unit(run, probe))
+        groups.append(
+            Group(
+                _title(run, stream, validations.label(run, probe)) + unit,
+                tuple(
+                    (*_gap(row, scale, fitted=fitted), *_covered(row, wanted=covered))
+                    for row in own
+                ),
+            )
+        )
+    noises = " and ".join(dict.fromkeys(row["noise_from"] for row in rows))
+    note = (
+        "Root mean squares; the squares of model form, numerical error and noise add up to that of"
+        f" the gap{' after the fit' if fitted else ''}. The interval of the model form comes from a"
+        f" moving-block bootstrap over the record. The noise of the measurement is {noises}."
+    )
+    if fitted:
+        note += " A negative share says that the fitted parameters made the gap larger."
+    if covered:
+        note += (
+            " Covered: samples whose error is within twice all standard uncertainties together,"
+            " those of the parameters included."
+        )
+    return of_engines(columns, groups, note)
+
+
+def _first_up(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _gap(row: Record, scale: Scale, *, fitted: bool) -> tuple[str, ...]:
+    cells = [row["source"], scale.text(row["total"])]
+    cells += [scale.text(row["remaining"])] if fitted else []
+    low, high = scale.text(row["model_form_low"]), scale.text(row["model_form_high"])
+    cells += [scale.text(row["model_form"]), f"{low} … {high}"]
+    cells += [_small(row["numerical"], scale), _small(row["noise"], scale)]
+    return (*cells, *([percent(row["shares"]["removed"])] if fitted else []))
+
+
+def _covered(row: Record, *, wanted: bool) -> tuple[str, ...]:
+    return (percent(row.get("covered"), 0),) if wanted else ()
+
+
+def _small(value: float | None, scale: Scale) -> str:
+    """A part that may be too small for the scale of the whole, or unknown."""
+    if value is None:
+        return "–"
+    text = scale.text(value)
+    if value > 0 and float(text) == 0:
+        return f"< {scale.text(10.0 ** (scale.power - scale.places))}"
+    return text
+
+
+def _gap_shares(run: Run, rows: Sequence[Record]) -> Table:
+    keys = ("parameter", "cross", *(key for key, *_ in PARTS[1:]), "excess")
+    heads = ("Parameters alone", "Shared with the rest", "Model form", "Numerical", "Noise",
+             "Too much noise")  # fmt: skip
+    groups = [
+        Group(
+            _title(run, stream, validations.label(run, probe)),
+            tuple(
+                (row["source"], *(percent(row["shares"][key], 2) for key in keys),
+                 percent(sum(row["shares"][key] or 0.0 for key in keys), 2))
+                for row in own
+            ),
+        )
+        for stream, probe, own in _grouped(rows, "probe")
+    ]  # fmt: skip
+    note = (
+        "Shares of the mean square of the gap, in per cent. What parameters and the rest share is"
+        " negative where they oppose each other; both together are what the fit took away. “Too"
+        " much noise” is how much noise and numerical error exceed what is left."
+    )
+    columns = [Column(head) for head in (*heads, "Sum")]
+    return of_engines(columns, groups, note, "How the parts add up (%)")._replace(folded=True)
+
+
+def values(run: Run) -> Table | None:
+    """Single values, simulated and measured."""
+    rows = validations.validation(run)["values"]
+    if not rows:
+        return None
+    columns = [
+        Column("Simulated ± u"), Column("Error"), Column("u numerical", spare=True),
+        Column("u parameters", spare=True), Column("E_n"),
+        Column("In words", text=True, whole=True),
+    ]  # fmt: skip
+    groups = []
+    for stream, measure, own in _grouped(rows, "measure"):
+        symbol = units.symbol(own[0]["unit"])
+        unit = "" if symbol == "1" else f" {symbol}"
+        measured = numbers.with_u(own[0]["measured"], own[0]["u_data"] or None)
+        power = _thousands(max(abs(v) for row in own for v in (row["error"], row["u_val"])))
+        of_power = f" 10{numbers.raised(power)}{unit}" if power else unit
+        title = f"{_title(run, stream, runs.measure_words(measure))}: measured {measured}{unit}"
+        title += f"; error and u in{of_power}" if of_power else ""
+        scales = [_budget_scale(power, [row[key] for row in own]) for key in _BUDGET]
+        groups.append(Group(title, tuple(_value(row, scales) for row in own)))
+    note = (
+        "Standard uncertainties: numerical from runs with two and four times the step (grid"
+        " convergence index) and not below the deviation from the reference, parameters from what"
+        " is known of each and of the inputs, data from that of the samples (the ± of what was"
+        " measured). E_n is the error over their root sum of squares times 2 (ASME V&V 20-2009;"
+        " ISO 13528:2022, 9.7)."
+    )
+    return of_engines(columns, groups, note)
+
+
+#: columns of a value that are written in one power of ten
+_BUDGET = ("error", "u_num", "u_input")
+
+
+def _thousands(size: float) -> int:
+    """The power of ten, a multiple of 3, of which a size has 1 to 999; 0 for sizes near 1."""
+    return 0 if size == 0 or 0.01 <= size < 1e6 else 3 * math.floor(math.log10(size) / 3)
+
+
+def _budget_scale(power: int, column: Sequence[float | None]) -> Scale:
+    """Three digits of the smallest value, but no more than two places of a number up to 999."""
+    wanted = scale_of(column, 3)
+    places = wanted.places - wanted.power + power
+    return Scale(power, min(max(places, 0), 2 if power else 5))
+
+
+def _value(row: Record, scales: Sequence[Scale]) -> tuple[str, ...]:
+    budget = [scale.text(row[key]) for key, scale in zip(_BUDGET, scales, strict=True)]
+    budget[1:] = [
+        _small(row[key], scale) for key, scale in zip(_BUDGET[1:], scales[1:], strict=True)
+    ]
+    return (
+        row["source"],
+        numbers.with_u(row["simulated"], row["u_simulated"] or None),
+        *budget,
+        "–" if row["e_n"] is None else Scale(0, 2).text(row["e_n"]),
+        row["words"],
+    )
+
+
+def agreement(run: Run) -> Table | None:
+    """Whether the engines agree with each other."""
+    rows = validations.validation(run)["agreement"]
+    if not rows:
+        return None
+    columns = (Column("Quantity", text=True), Column("Engines"), Column("Birge ratio"),
+               Column("Expected"), Column("In words", text=True, whole=True))  # fmt: skip
+    cells = tuple(
+        (
+            _title(run, row["stream"], runs.measure_words(row["measure"])),
+            str(len(row["engines"])),
+            Scale(0, 2).text(row["ratio"]),
+            f"{row['low']:.2f} … {row['high']:.2f}",
+            "within their step errors" if row["consistent"] else "beyond their step errors",
+        )
+        for row in rows
+    )
+    title = "Do the engines agree with each other?"
+    return Table(title, columns, (Group("", cells),), _left_out(rows))
+
+
+def _left_out(rows: Sequence[Record]) -> str:
+    """Engines whose own step error is not known."""
+    names = dict.fromkeys(name for row in rows for name in row.get("left_out") or ())
+    if not names:
+        return ""
+    return f"Left out where no step error is known: {', '.join(names)}."
+
+
+def parameters(run: Run, *, chosen: bool = False) -> Table | None:
+    """What was known, what was fitted, and where each number comes from.
+
+    Args:
+        run: the validation.
+        chosen: without those that were left as the scenario has them.
+    """
+    rows = validations.validation(run)["parameters"]
+    rows = [row for row in rows if not chosen or row["kind"] != "scenario"]
+    if not rows:
+        return None
+    columns = [Column("Parameter", text=True, whole=True), Column("Unit", text=True, whole=True),
+               Column("Known before ± u")]  # fmt: skip
+    columns += [Column("Fitted ± u")] if validations.is_fitted(run) else []
+    columns += [Column("From", text=True, spare=True)]
+    return Table("", tuple(columns), (Group("", tuple(_parameter(run, row) for row in rows)),))
+
+
+def _parameter(run: Run, row: Record) -> tuple[str, ...]:
+    before = numbers.with_u(row["known"], row["u_known"] or None)
+    if row["known"] is None and row["kind"] == "read off":
+        before = "each stretch its own"
+    cells = [validations.parameter(row["name"]), "" if row["unit"] == "1" else row["unit"], before]
+    if validations.is_fitted(run):
+        cells.append(
+            "" if row["fitted"] is None else numbers.with_u(row["fitted"], row["u_fitted"])
+        )
+    return (*cells, row["source"])
+
+
+def single_fits(run: Run) -> Table | None:
+    """What each stretch gives when it is fitted alone."""
+    fit = validations.validation(run)["fit"]
+    if fit is None or not fit["single"]:
+        return None
+    known = {row["name"]: row["u_fitted"] for row in validations.validation(run)["parameters"]}
+    u = [known.get(name) for name in fit["names"]]
+    scales = [
+        _scale_beside(column, one)
+        for column, one in zip(zip(*fit["single"].values(), strict=True), u, strict=True)
+    ]
+    heads = [
+        validations.parameter(name) + scale.unit(units.symbol(units.unit_of(name)))
+        for name, scale in zip(fit["names"], scales, strict=True)
+    ]
+    rows = [
+        (validations.short(stream), *(s.text(v) for s, v in zip(scales, found, strict=True)))
+        for stream, found in fit["single"].items()
+    ]
+    rows.append(("u of all together", *(s.text(v) for s, v in zip(scales, u, strict=True))))
+    columns = (Column("Stretch", text=True, whole=True), *map(Column, heads))
+    return Table("Each stretch fitted alone", columns, (Group("", tuple(rows)),))
+
+
+def _scale_beside(values: Sequence[float], u: float | None) -> Scale:
+    """The scale on which values have two digits of the uncertainty beside them."""
+    wanted = scale_of(values, 4)
+    if not u:
+        return wanted
+    places = 1 - math.floor(math.log10(u)) + wanted.power
+    return Scale(wanted.power, min(max(places, 0), 9))

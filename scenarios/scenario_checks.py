@@ -1,0 +1,298 @@
+"""Faults between the parts of a scenario: names that point to nothing, scores that cannot be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from simcompare import measures, units
+from simcompare.errors import UnknownName
+from simcompare.model.scenario import (
+    ACTUATOR_SIGNALS,
+    MOVABLE,
+    SENSOR_SIGNALS,
+    Joint,
+    Measure,
+    Probe,
+    Scenario,
+)
+from simcompare.model.trajectory import BODY_SIGNALS
+
+
+def faults_between_parts(scenario: Scenario) -> dict[str, str]:
+    """Every fault that no part of a scenario shows alone, as place -> sentence."""
+    found = dangling_references(scenario)
+    if found:  # what follows walks along the names
+        return found
+    for checked in (
+        _names_given_twice,
+        _pairs_given_twice,
+        _impossible_joints,
+        _impossible_drives,
+        _impossible_contacts,
+        _without_effect,
+        _impossible_probes,
+        _unjudged_tolerances,
+        _impossible_answer,
+    ):
+        found.update(checked(scenario))
+    return found
+
+
+def dangling_references(scenario: Scenario) -> dict[str, str]:
+    """Names in a scenario that point to nothing, as place -> sentence."""
+    faults: dict[str, str] = {}
+
+    for place, name, kind, known in _references(scenario):
+        if name is not None and name not in known:
+            have = ", ".join(known) or "none"
+            faults[place] = f"no {kind} is called {name!r} (there are: {have})"
+    return faults
+
+
+def _references(
+    scenario: Scenario,
+) -> Iterator[tuple[str, str | None, str, Mapping[str, object]]]:
+    """Every use of a name: place, name, kind of thing, and the things of that kind."""
+    bodies, joints = ("body", scenario.bodies), ("joint", scenario.joints)
+    for name, joint in scenario.joints.items():
+        yield f"joints.{name}.parent", joint.parent, *bodies
+        yield f"joints.{name}.child", joint.child, *bodies
+    for name, actuator in scenario.actuators.items():
+        yield f"actuators.{name}.joint", actuator.joint, *joints
+        yield f"actuators.{name}.input", actuator.input, "input", scenario.inputs
+    for name, sensor in scenario.sensors.items():
+        yield f"sensors.{name}.body", sensor.body, *bodies
+        yield f"sensors.{name}.joint", sensor.joint, *joints
+        for body in sensor.pair or ():
+            yield f"sensors.{name}.pair", body, *bodies
+    for i, contact in enumerate(scenario.contacts):
+        for body in contact.pair:
+            yield f"contacts.{i}.pair", body, *bodies
+    yield from _observed(scenario)
+    if scenario.dither is not None:
+        yield "dither.parameter", scenario.dither.parameter, "parameter", scenario.parameters
+
+
+def _observed(
+    scenario: Scenario,
+) -> Iterator[tuple[str, str | None, str, Mapping[str, object]]]:
+    """Names that probes and measures use."""
+    observable = {
+        **scenario.bodies, **scenario.joints, **scenario.sensors, **scenario.actuators
+    }  # fmt: skip
+    for name, probe in scenario.probes.items():
+        owner = probe.observe.partition(".")[0]
+        yield f"probes.{name}.observe", owner, "body, joint, actuator or sensor", observable
+    for i, measure in enumerate(scenario.measures):
+        yield f"measures.{i}.probe", measure.probe, "probe", scenario.probes
+        for role, probe_name in measure.also.items():
+            yield f"measures.{i}.also.{role}", probe_name, "probe", scenario.probes
+
+
+def _pairs_given_twice(scenario: Scenario) -> dict[str, str]:
+    found, seen = {}, set()
+    for i, contact in enumerate(scenario.contacts):
+        pair = frozenset(contact.pair)
+        if pair in seen:
+            found[f"contacts.{i}"] = f"the pair {'-'.join(contact.pair)} is given twice"
+        seen.add(pair)
+    return found
+
+
+def _names_given_twice(scenario: Scenario) -> dict[str, str]:
+    """Signals are called by their owner's name, so no two owners may share one."""
+    found, seen = {}, dict.fromkeys(scenario.bodies, "body")
+    for kind in ("joints", "actuators", "sensors"):
+        for name in getattr(scenario, kind):
+            if name in seen:
+                found[f"{kind}.{name}"] = f"a {seen[name]} is called {name} too"
+            seen.setdefault(name, kind[:-1])
+    return found
+
+
+def _impossible_joints(scenario: Scenario) -> dict[str, str]:
+    """Children of the world, of two parents or of themselves, and motion that a joint gives."""
+    found: dict[str, str] = {}
+    parents: dict[str, tuple[str, Joint]] = {}
+    for name, joint in scenario.joints.items():
+        child = scenario.bodies[joint.child]
+        if child.fixed:
+            found[f"joints.{name}.child"] = f"{joint.child} is fixed to the world already"
+        elif joint.child in parents:
+            other = parents[joint.child][0]
+            found[f"joints.{name}.child"] = f"{joint.child} is the child of {other} already"
+        elif any((*child.velocity_m_s, *child.rate_rad_s)):
+            found[f"bodies.{joint.child}"] = (
+                f"its motion at the start follows from the joint {name}; give that a rate"
+            )
+        parents.setdefault(joint.child, (name, joint))
+    for body in scenario.bodies:
+        above, seen = body, {body}
+        while above in parents:
+            above = parents[above][1].parent
+            if above in seen:
+                found[f"joints.{parents[above][0]}"] = f"{above} hangs, in a circle, on itself"
+                break
+            seen.add(above)
+    return found
+
+
+def _impossible_drives(scenario: Scenario) -> dict[str, str]:
+    found = {}
+    for name, actuator in scenario.actuators.items():
+        kind = scenario.joints[actuator.joint].type
+        wanted = "slider" if actuator.type == "force" else "hinge"
+        if kind != wanted:
+            found[f"actuators.{name}"] = f"a {actuator.type} drives a {wanted}, not a {kind}"
+    for name, sensor in scenario.sensors.items():
+        if sensor.type == "encoder" and sensor.joint is not None:
+            kind = scenario.joints[sensor.joint].type
+            if kind != "hinge":
+                found[f"sensors.{name}"] = f"an encoder needs a hinge, not a {kind}"
+    return found
+
+
+def _without_effect(scenario: Scenario) -> dict[str, str]:
+    """What would be read and left out by every engine, so that nobody counts on it."""
+    found = {
+        f"{kind}.{name}": "a name has no dot; that comes before the signal"
+        for kind in ("bodies", "joints", "actuators", "sensors", "inputs")
+        for name in getattr(scenario, kind)
+        if "." in name
+    }
+    used = {actuator.input for actuator in scenario.actuators.values()}
+    for name in scenario.inputs:
+        if name not in used:
+            found[f"inputs.{name}"] = "no actuator follows it"
+    for joint in scenario.joints.values():
+        drag = scenario.bodies[joint.child].drag
+        if drag is not None and drag.factor_kg_m > 0:
+            found[f"bodies.{joint.child}.drag"] = "drag acts on bodies that hang on no joint"
+    return found
+
+
+def _impossible_contacts(scenario: Scenario) -> dict[str, str]:
+    """Pairs that never touch, though something is said of their contact."""
+    found = {}
+    jointed = {frozenset((j.parent, j.child)): name for name, j in scenario.joints.items()}
+    touching = {f"contacts.{i}": contact.pair for i, contact in enumerate(scenario.contacts)}
+    touching.update({f"sensors.{name}": s.pair for name, s in scenario.sensors.items() if s.pair})
+    for place, pair in touching.items():
+        bare = [name for name in pair if not scenario.bodies[name].shapes]
+        if frozenset(pair) in jointed:
+            found[place] = (
+                f"{' and '.join(pair)} never touch: {jointed[frozenset(pair)]} joins them"
+            )
+        elif bare:
+            found[place] = f"{' and '.join(bare)} cannot touch anything without a shape"
+    return found
+
+
+def _impossible_probes(scenario: Scenario) -> dict[str, str]:
+    found = {}
+    for name, probe in scenario.probes.items():
+        owner, _, part = probe.observe.partition(".")
+        known = _signals_of(scenario, owner)
+        if part not in known:
+            have = ", ".join(known) or "none"
+            found[f"probes.{name}.observe"] = f"{owner} has no signal {part!r} (there are: {have})"
+        elif fault := _component_fault(probe, part, known[part]) or _unit_fault(probe, part):
+            found[f"probes.{name}"] = fault
+    return found
+
+
+def _signals_of(scenario: Scenario, owner: str) -> dict[str, int]:
+    """What is recorded of a body, joint, actuator or sensor, with its number of components."""
+    if owner in scenario.bodies:
+        return {} if scenario.bodies[owner].fixed else dict(BODY_SIGNALS)
+    if owner in scenario.joints:
+        return dict.fromkeys(MOVABLE.get(scenario.joints[owner].type, ()), 1)
+    if owner in scenario.actuators:
+        return dict.fromkeys(ACTUATOR_SIGNALS[scenario.actuators[owner].type], 1)
+    return dict([SENSOR_SIGNALS[scenario.sensors[owner].type]])
+
+
+def recorded_signals(scenario: Scenario) -> list[str]:
+    """Names of everything that is recorded, in the order of the file."""
+    owners = (*scenario.bodies, *scenario.joints, *scenario.actuators, *scenario.sensors)
+    return [f"{owner}.{part}" for owner in owners for part in _signals_of(scenario, owner)]
+
+
+def _component_fault(probe: Probe, part: str, width: int) -> str | None:
+    if width == 1:
+        return None if probe.component is None else f"{part} is one number and has no component"
+    if probe.component is None or probe.component >= width:
+        return f"{part} needs a component from 0 to {width - 1}"
+    return None
+
+
+def _unit_fault(probe: Probe, part: str) -> str | None:
+    """A probe shows a signal as it is recorded, so its unit is that of the signal."""
+    unit = units.symbol(units.unit_of(part))
+    return None if probe.unit == unit else f"{part} is in {unit}, not in {probe.unit}"
+
+
+def _unjudged_tolerances(scenario: Scenario) -> dict[str, str]:
+    """Measures that do not exist or lack something, and tolerances for what no measure gives."""
+    found: dict[str, str] = {}
+    measured: set[str] = set()
+    for i, measure in enumerate(scenario.measures):
+        try:
+            module = measures.load(measure.function)
+        except UnknownName as error:
+            found[f"measures.{i}.function"] = str(error)
+            continue
+        found.update(_measure_faults(f"measures.{i}", measure, module))
+        names = [measure.names.get(name, name) for name in module.UNITS]
+        for name in names:
+            if name in measured:
+                found[f"measures.{i}"] = f"{name} is measured twice; give it another name in names"
+        measured.update(names)
+    if not found:
+        for name in scenario.tolerances:
+            if name not in measured:
+                found[f"tolerances.{name}"] = str(UnknownName("measured value", name, measured))
+    return found
+
+
+def _measure_faults(place: str, measure: Measure, module: measures.MeasureModule) -> dict[str, str]:
+    """Roles and options that are missing or unknown, and new names for what is not measured."""
+    found = {}
+    for key, needed, given in (
+        ("also", module.ROLES, measure.also),
+        ("options", module.OPTIONS, measure.options),
+    ):
+        for name in sorted(set(needed) ^ set(given)):
+            fault = "is missing" if name in needed else "is not known"
+            have = ", ".join(needed) or "none"
+            found[f"{place}.{key}.{name}"] = f"{fault}; {measure.function} needs: {have}"
+    for name in measure.names:
+        if name not in module.UNITS:
+            found[f"{place}.names.{name}"] = str(UnknownName("measured value", name, module.UNITS))
+    return found
+
+
+def _impossible_answer(scenario: Scenario) -> dict[str, str]:
+    """An answer made of what is not measured, or with causes that nobody is asked for."""
+    if scenario.answer is None:
+        return {}
+    measured = [name for measure in scenario.measures for name in _names_of(measure)]
+    wrong = scenario.answer.faults(measured, list(_held(scenario)))
+    return {f"answer.{place}": sentence for place, sentence in wrong.items()}
+
+
+def _names_of(measure: Measure) -> list[str]:
+    """What a measure finds, as the scenario calls it; nothing of one that does not exist."""
+    if measure.function not in measures.FUNCTIONS:
+        return []
+    return [measure.names.get(name, name) for name in measures.load(measure.function).UNITS]
+
+
+def _held(scenario: Scenario) -> Iterator[str]:
+    """Quantities of contacts and joints of which an engine may hold a value of its own."""
+    for contact in scenario.contacts:
+        for coefficient in ("restitution", "friction"):
+            yield f"{'-'.join(contact.pair)} {coefficient}"
+    for name in scenario.movable_joints():
+        for part in ("friction", "damping", "stiffness", "armature"):
+            yield f"{name}.{part}"

@@ -1,0 +1,1 @@
+"""Two clocks, one time: by waveforms, by events, by a line between two clocks."""

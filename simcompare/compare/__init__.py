@@ -1,0 +1,1 @@
+"""Trajectories held against a truth become scores."""

@@ -1,0 +1,218 @@
+"""The repeats of a scenario at each step that is asked for, and their truths."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from simcompare import measures, units
+from simcompare.engine.calibration.plan import drop_plans
+from simcompare.engine.drives import input_values
+from simcompare.engine.sensing import complete
+from simcompare.engine.simulation import sample_times
+from simcompare.errors import InputError
+from simcompare.model.scenario import MOST_SAMPLES, Scenario
+from simcompare.model.settings import DropPlan
+from simcompare.model.trajectory import AT, TRUTH, Trajectory
+from simcompare.scenarios import catalogue
+
+if TYPE_CHECKING:
+    from simcompare.scenarios.scenario_file import ScenarioFile
+
+#: samples below which a run shows nothing
+LEAST_SAMPLES = 100
+
+
+@dataclass(frozen=True)
+class AtStep:
+    """A scenario at one step, with all that depends on the step.
+
+    Attributes:
+        label: what the step adds to the name of a source, "@2ms"; empty where it is the only one.
+        scenarios: one for each repeat, the nominal one at index n//2.
+        truths: their truths, ``None`` where the scenario has no reference.
+        drops: impacts for which engines are tuned.
+    """
+
+    label: str
+    scenarios: Sequence[Scenario]
+    truths: Sequence[Trajectory | None]
+    drops: tuple[DropPlan, ...]
+
+    @property
+    def nominal(self) -> Scenario:
+        """The repeat in the middle."""
+        return self.scenarios[len(self.scenarios) // 2]
+
+
+def at_steps(
+    file: ScenarioFile,
+    values: Mapping[str, float],
+    preset: str | None,
+    steps_s: Sequence[float | None],
+    count: int | None,
+) -> list[AtStep]:
+    """The scenario at every step, in the order in which they are given.
+
+    Args:
+        file: the scenario.
+        values: parameters that differ from the file, SI.
+        preset: named set of parameters, applied first.
+        steps_s: times between samples [s]; ``None``: the scenario's own.
+        count: number of repeats; the scenario's own where ``None``.
+
+    Raises:
+        InputError: a step at which the scenario, or its truth, makes no sense.
+    """
+    found: list[AtStep] = []
+    for step_s in steps_s:
+        scenarios = repeats_of(file, values, preset, step_s, count)
+        nominal = scenarios[len(scenarios) // 2]
+        label = f"{AT}{step_words(nominal.world.engine_step_s)}" if len(steps_s) > 1 else ""
+        truths = truths_of(file.path, scenarios)
+        found.append(AtStep(label, scenarios, truths, drop_plans(nominal)))
+    return found
+
+
+def step_words(step_s: float) -> str:
+    """A step as it is typed, such as "0.5ms"."""
+    return f"{1e3 * step_s:.12g}ms"
+
+
+def asked_steps(step: str | float | Sequence[str | float] | None) -> list[str | float]:
+    """The steps that were asked for, each as it was given.
+
+    Raises:
+        InputError: a list with an empty place.
+    """
+    if step is None:
+        return []
+    each = step.split(",") if isinstance(step, str) else step
+    found: list[str | float] = [each] if isinstance(each, int | float) else [*each]
+    if not found or any(isinstance(one, str) and not one.strip() for one in found):
+        raise InputError("--step", [f"{step!r} lacks a step; expected such as 1ms, or 0.5ms,1ms"])
+    return found
+
+
+def one_step_s(step: str | float) -> float:
+    """A step where only one is taken [s].
+
+    Raises:
+        InputError: several, or no time above 0.
+    """
+    if isinstance(step, str) and "," in step:
+        raise InputError("--step", [f"{step}: expected one step; only run takes several"])
+    step_s = units.to_si(step, "s", "--step")
+    if not step_s > 0:
+        raise InputError("--step", [f"{step} is not a time above 0; expected such as 1ms"])
+    return step_s
+
+
+def sample_steps_s(
+    file: ScenarioFile,
+    values: Mapping[str, float],
+    preset: str | None,
+    step: str | float | Sequence[str | float] | None,
+) -> list[float]:
+    """Times between samples for the steps that were asked for, each once.
+
+    Raises:
+        InputError: a step that makes no sense in the scenario; says which do.
+    """
+    found = [sample_step_s(file, values, preset, one) for one in asked_steps(step)]
+    return list({step_words(step_s): step_s for step_s in found}.values())
+
+
+def repeats_of(
+    file: ScenarioFile,
+    values: Mapping[str, float],
+    preset: str | None,
+    step_s: float | None,
+    count: int | None,
+) -> list[Scenario]:
+    """The scenario once for every dithered repeat, the nominal one at index n//2.
+
+    The dithered parameter takes the values p + (i - n//2)/n · span for i = 0 … n-1.
+
+    Raises:
+        InputError: values out of bounds, or a step so long that the spread leaves what makes sense.
+    """
+    nominal = file.resolve(values, preset=preset, step_s=step_s)
+    dither = nominal.dither
+    if dither is None:
+        return [nominal]
+    count = dither.count if count is None else count
+    centre = nominal.parameters[dither.parameter]
+    if dither.span >= 2 * centre and file.parameters[dither.parameter].min >= 0:
+        raise InputError(
+            "--step",
+            [
+                f"{nominal.world.step_s:g} s spreads {dither.parameter} by {dither.span:.3g}"
+                f" about {centre:.3g}, below 0; use a shorter step"
+            ],
+        )
+    offsets = [(i - count // 2) / count * dither.span for i in range(count)]
+    return [
+        file.vary(nominal, dither.parameter, centre + offset) if offset else nominal
+        for offset in offsets
+    ]
+
+
+def sample_step_s(
+    file: ScenarioFile, values: Mapping[str, float], preset: str | None, step: str | float
+) -> float:
+    """Time between samples for an engine's step; they are as much coarser as the scenario says.
+
+    Raises:
+        InputError: a step that makes no sense in the scenario; says which do.
+    """
+    own = file.resolve(values, preset=preset)
+    step_s = one_step_s(step) * own.world.substeps
+    _check_step(own, step_s)
+    return step_s
+
+
+def _check_step(scenario: Scenario, step_s: float) -> None:
+    duration, parts = scenario.world.duration_s, scenario.world.substeps
+    shortest, longest = duration / MOST_SAMPLES, duration / LEAST_SAMPLES
+    if not shortest <= step_s <= longest:
+        raise InputError(
+            "--step",
+            [
+                f"{step_s / parts:g} s gives {duration / step_s:.3g} samples in {duration:.3g} s;"
+                f" use {shortest / parts:.2g} s to {longest / parts:.2g} s"
+            ],
+        )
+
+
+def truths_of(path: Path, scenarios: Sequence[Scenario]) -> list[Trajectory | None]:
+    """The truth of every repeat, ``None`` where the scenario has no reference.
+
+    Raises:
+        InputError: the reference fails or returns what cannot be a truth.
+    """
+    reference = catalogue.reference_of(path)
+    if reference is None:
+        return [None] * len(scenarios)
+    try:
+        return [_truth(reference, scenario) for scenario in scenarios]
+    except InputError:  # it refuses these parameters, and says why
+        raise
+    # a user's own code may raise anything, also SystemExit
+    except (Exception, SystemExit) as error:
+        where = str(path.with_name("reference.py"))
+        message = f"reference() failed: {type(error).__name__}: {error}"
+        raise InputError(where, [message]) from error
+
+
+def _truth(reference: catalogue.Reference, scenario: Scenario) -> Trajectory:
+    times = sample_times(scenario)
+    signals = dict(reference(scenario.parameters, times, scenario.inputs))
+    complete(scenario, times, signals, input_values(scenario, times))
+    truth = Trajectory(TRUTH, times, signals)
+    for measure in scenario.measures:
+        for probe in (measure.probe, *measure.also.values()):
+            measures.observe(truth, scenario.probes[probe])
+    return truth

@@ -1,0 +1,1 @@
+"""What an adapter writes a standalone script of its engine with."""

@@ -1,0 +1,190 @@
+"""Puts a script together."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from simcompare.compare.repeats import repeats_of, sample_step_s
+from simcompare.engine import engines
+from simcompare.engine.backend import EngineBackend, refuse
+from simcompare.engine.calibration.plan import drop_plans
+from simcompare.engine.calibration.tuned import tuned
+from simcompare.engine.scripting.contract import Plan, script_of
+from simcompare.engine.scripting.efforts import efforts_of
+from simcompare.errors import InputError, SimcompareError, Unsupported
+from simcompare.exporters.scripts.assemble import assembled
+from simcompare.exporters.scripts.expected import expected_of
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import CONTACT_LEVELS, DEFAULT, TUNED, Settings
+from simcompare.model.trajectory import Array
+from simcompare.results import fit_file
+from simcompare.scenarios import catalogue
+from simcompare.scenarios.scenario_file import ScenarioFile
+
+#: contact levels that a plain loop with one step can have
+LEVELS = ("default", "coefficients", "tuned")
+
+
+@dataclass(frozen=True)
+class Script:
+    """A script and what it needs.
+
+    Attributes:
+        name: of its file, without the ending.
+        text: its source.
+        inputs: arrays of the file ``<name>_inputs.npz`` beside it; none where it needs no file.
+        bodies: bodies that move.
+        joints: joints in it.
+    """
+
+    name: str
+    text: str
+    inputs: Mapping[str, Array] = field(default_factory=dict)
+    bodies: Sequence[str] = ()
+    joints: Sequence[str] = ()
+
+
+def script(
+    scenario: str,
+    *,
+    engine: str | None,
+    set: Mapping[str, str | float] | None = None,
+    preset: str | None = None,
+    fit: str | None = None,
+    step: str | float | None = None,
+    contact: str | None = None,
+    name: str | None = None,
+) -> Script:
+    """One scenario in one engine as a standalone script.
+
+    Args:
+        scenario: name, folder or file.
+        engine: name of the engine.
+        set: parameters that differ from the file; text may carry a unit ("30cm").
+        preset: named set of parameters, applied first.
+        fit: fit.json of ``simcompare fit``; the engine gets its own parameters.
+        step: the engine's step, "1ms" or in seconds.
+        contact: "default", "coefficients" or "tuned"; with a fit "tuned", else "default".
+        name: of the script's file, without the ending.
+
+    Raises:
+        SimcompareError: faults of the arguments, or an engine that is missing or cannot do it.
+    """
+    if engine is None:
+        raise InputError(
+            "--engine", [f"a script is of one engine; give one of {', '.join(_with_scripts())}"]
+        )
+    chosen = engines.get(engine)
+    writer = script_of(chosen)
+    assert isinstance(chosen, EngineBackend), "only those have a method script()"
+    level = level_of(contact, fit)
+    file = catalogue.load(scenario)
+    values = _values(file, engine, set or {}, fit)
+    step_s = None if fit is None else _read(fit).usual_step_s
+    if step is not None:
+        step_s = sample_step_s(file, values, preset, step)
+    repeats = repeats_of(file, values, preset, step_s, None)
+    nominal = repeats[len(repeats) // 2]
+    shifted = _shifted(file, nominal)
+    chosen.version()
+    settings, tuning = _settings(chosen, level, nominal, fit)
+    expected = expected_of(file, engine, repeats, shifted, settings)
+    efforts, inputs = efforts_of(nominal)
+    plan = Plan(nominal, shifted, settings, efforts, _lacking(chosen, nominal, settings), tuning)
+    parts = writer.parts(chosen, plan)
+    named = name or f"{nominal.name}_{engine.replace(engines.VARIANT, '_')}"
+    text, stored = assembled(named, chosen, plan, parts, expected, inputs)
+    return Script(named, text, stored, tuple(nominal.moving_bodies()), tuple(nominal.joints))
+
+
+def _read(fit: str) -> fit_file.FitFile:
+    return fit_file.read(fit_file.find(fit) or Path(fit))
+
+
+def _settings(
+    engine: EngineBackend, level: str, nominal: Scenario, fit: str | None
+) -> tuple[Settings, Sequence[Mapping[str, Any]]]:
+    """How the engine is run; tuned, with the numbers for all restitutions, and their records.
+
+    Raises:
+        InputError: there are none at this step, or the fit is not one for a plain loop.
+    """
+    if level != TUNED:
+        return Settings(level), ()
+    asked = Settings(level, drops=drop_plans(nominal))
+    if fit is not None:
+        asked = _read(fit).settings(engine.name, nominal)
+        if asked.contact != TUNED:
+            raise InputError(
+                f"--fit {fit}", ["was made with our helps; fit again without --assist for a script"]
+            )
+    try:
+        refuse(engine, nominal, asked)
+        return tuned(engine, engine.load(), nominal, asked)
+    except Unsupported as error:
+        raise InputError(f"--engine {engine.name}", [str(error)]) from None
+
+
+def _lacking(engine: EngineBackend, nominal: Scenario, settings: Settings) -> frozenset[str]:
+    """Signals that the engine does not give."""
+    try:
+        opened = engine.open(nominal, settings)
+    except Unsupported:  # the run that follows says why
+        return frozenset()
+    try:
+        return frozenset(opened.lacks)
+    finally:
+        opened.close()
+
+
+def level_of(contact: str | None, fit: str | None) -> str:
+    """The contact level that is asked for.
+
+    Raises:
+        InputError: it has no plain loop, or does not exist.
+    """
+    level = contact or ("tuned" if fit is not None else DEFAULT)
+    if level in ("assisted", "mapped"):
+        raise InputError(
+            f"--contact {level}",
+            [
+                "is no plain loop: simcompare lands on impacts and computes efforts in each step,"
+                f" which a script without simcompare cannot; use {', '.join(LEVELS)}"
+            ],
+        )
+    if level not in LEVELS or level not in CONTACT_LEVELS:
+        known = [name for name in LEVELS if name in CONTACT_LEVELS]
+        raise InputError(f"--contact {level}", [f"is no level of a script; use {', '.join(known)}"])
+    return level
+
+
+def _values(
+    file: ScenarioFile, engine: str, settings: Mapping[str, str | float], fit: str | None
+) -> dict[str, float]:
+    own = file.read_settings(settings)
+    if fit is None:
+        return own
+    from simcompare import exporters
+
+    # the drop that was measured, unless another one is asked for
+    measured = _read(fit).drop(file)
+    return {**exporters.fitted(file, fit, engine), **measured, **own}
+
+
+def _shifted(file: ScenarioFile, nominal: Scenario) -> Scenario | None:
+    if nominal.dither is None:
+        return None
+    name = nominal.dither.parameter
+    return file.vary(nominal, name, nominal.parameters[name] + nominal.dither.span)
+
+
+def _with_scripts() -> Iterator[str]:
+    """Engines whose scenes can be written as scripts."""
+    for name in engines.names():
+        with contextlib.suppress(SimcompareError):
+            script_of(engines.get(name))
+            yield name

@@ -1,0 +1,1 @@
+"""Restitution and drag from the times of measured bounces."""

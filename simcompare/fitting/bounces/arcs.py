@@ -1,0 +1,370 @@
+"""Height against time cut into flights, and flights joined to impact times.
+
+Adding g·t²/2 makes a flight a straight line and an impact a kink upwards; where the slope before
+and after differs by more than noise, there is an impact. Each flight is then fitted by an arc of
+given shape (a parabola, or with drag), of which only the apex is sought, and neighbouring arcs are
+intersected: neither the floor's level nor a frame at the impact is needed.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from simcompare.errors import InputError
+from simcompare.fitting.bounces import bounce_models
+from simcompare.fitting.bounces.impacts import TRACK, Dropped, Impacts, Track
+from simcompare.model.trajectory import Array
+from simcompare.statistics.agreement import MAD_TO_SD
+
+if TYPE_CHECKING:
+    from simcompare.model.recording import Recording
+
+#: samples that a flight must have
+LEAST = 4
+#: a kink is this many standard deviations of the slopes' difference
+_KINK = 6.0
+#: a ball that falls is faster than so many standard deviations of the slopes' difference
+_FALLING = 3.0
+#: slowest change of velocity that is looked for [m/s], and the longest window for it [s]
+_SLOW, _LONG_S = 0.6, 0.1
+#: a sample so many standard deviations off its arc is an outlier
+_OUTLIER = 5.0
+#: samples of the first flight that propose parabolas
+_PROPOSERS = 40
+#: names that a height may have, best first
+_NAMES = ("height", "y", "z", "position_y", "position_z")
+
+
+@dataclass(frozen=True)
+class _Arcs:
+    """Fitted flights: apex time and level of each, and their covariances for u = 1."""
+
+    apex_s: Array
+    apex_m: Array
+    unit_covariance: Array
+    gravity: float
+    drag: float
+
+    def at(self, time_s: Array, flight: NDArray[np.int64] | int) -> Array:
+        return bounce_models.arc(
+            time_s - self.apex_s[flight], self.apex_m[flight], self.gravity, self.drag
+        )
+
+    def speed(self, time_s: float, flight: int) -> float:
+        """Velocity upwards [m/s]."""
+        both = self.at(np.array([time_s - 1e-5, time_s + 1e-5]), flight)
+        return float(both[1] - both[0]) / 2e-5
+
+
+def height_channel(recording: Recording) -> str | None:
+    """Full name of the channel that is a height, ``None`` where there is none."""
+    from simcompare import units
+
+    found = [
+        (f"{stream}/{name}", name.removesuffix(units.suffix_of(name)).split(".")[-1])
+        for stream, content in recording.streams.items()
+        for name, channel in content.channels.items()
+        if channel.unit == "m" and len(content.time_s) >= 2 * LEAST
+    ]
+    for wanted in _NAMES:
+        fitting = [full for full, short in found if short == wanted or short.endswith(f"_{wanted}")]
+        if len(fitting) == 1:
+            return fitting[0]
+        if fitting:
+            raise InputError(
+                recording.provenance.file,
+                [f"more than one channel may be the ball's height: {', '.join(fitting)}; name one"],
+            )
+    return found[0][0] if len(found) == 1 else None
+
+
+def from_heights(
+    time_s: ArrayLike,
+    height_m: ArrayLike,
+    u_m: ArrayLike | None = None,
+    *,
+    gravity_m_s2: float = bounce_models.GRAVITY,
+    terminal_speed_m_s: float = np.inf,
+    source: str = "",
+) -> Impacts:
+    """One drop from height against time.
+
+    Args:
+        time_s: (n,) [s].
+        height_m: above any level (n,), NaN where nothing was seen [m].
+        u_m: standard uncertainty, one or one each; from the scatter where ``None`` [m].
+        gravity_m_s2: free fall.
+        terminal_speed_m_s: gives the arcs their shape; infinite for parabolas.
+        source: name of the file.
+
+    Raises:
+        InputError: no impact, or flights with too few samples.
+    """
+    time, height, u, dropped = _samples(time_s, height_m, u_m, source)
+    noise = _noise(height) if not np.isfinite(u).all() else float(np.median(u))
+    cuts = _kinks(time, height, noise, gravity_m_s2, source)
+    flight = np.searchsorted(cuts, np.arange(len(time)), side="right")
+    flight, notes = _long_enough(time, flight, source)
+    kept = (flight >= 0) & ~_in_hand(time, height, flight == 0, noise, gravity_m_s2)
+    drag = 1 / terminal_speed_m_s**2
+    for _ in range(10):
+        arcs = _fitted(time, height, u, np.where(kept, flight, -1), gravity_m_s2, drag)
+        before = kept, flight
+        kept, why = _good(time, height, u, flight, arcs, noise)
+        flight = np.where(flight >= 0, np.searchsorted(_joins(arcs), time), -1)
+        if np.array_equal(before[0], kept) and np.array_equal(before[1], flight):
+            break
+    dropped += [Dropped("sample", int(k) + 1, float(time[k]), why[k]) for k in sorted(why)]
+    arcs = _fitted(time, height, u, np.where(kept, flight, -1), gravity_m_s2, drag)
+    return _impacts(time, height, u, np.where(kept, flight, -1), arcs, source, dropped, notes)
+
+
+def rejoined(impacts: Impacts, terminal_speed_m_s: float, gravity_m_s2: float) -> Impacts:
+    """The same track with its arcs joined again, for another terminal speed."""
+    track = impacts.track
+    assert track is not None
+    drag = 1 / terminal_speed_m_s**2
+    arcs = _fitted(track.time_s, track.height_m, track.u_m, track.flight, gravity_m_s2, drag)
+    return _impacts(
+        track.time_s, track.height_m, track.u_m, track.flight, arcs, impacts.source,
+        list(impacts.dropped), impacts.notes,
+    )  # fmt: skip
+
+
+def _samples(
+    time_s: ArrayLike, height_m: ArrayLike, u_m: ArrayLike | None, source: str
+) -> tuple[Array, Array, Array, list[Dropped]]:
+    time, height = np.asarray(time_s, dtype=float), np.asarray(height_m, dtype=float)
+    u = np.full(len(time), np.nan)
+    if u_m is not None:
+        u[:] = u_m
+    whole = np.isfinite(time) & np.isfinite(height)
+    gone = [Dropped("sample", int(k) + 1, float(time[k]), "nothing was seen in it")
+            for k in np.flatnonzero(~whole)]  # fmt: skip
+    faults = []
+    if np.count_nonzero(whole) < 2 * LEAST:
+        faults.append(f"{np.count_nonzero(whole)} samples of height; a bounce needs at least"
+                      f" {2 * LEAST}")  # fmt: skip
+    elif np.any(np.diff(time[whole]) <= 0):
+        faults.append("the times of the heights do not increase")
+    if np.any(u <= 0):
+        faults.append("a standard uncertainty of a height is not above 0")
+    if faults:
+        raise InputError(source or "height", faults)
+    return time[whole], height[whole], u[whole], gone
+
+
+def _noise(height: Array) -> float:
+    """Standard deviation of one sample: third differences of a parabola are none."""
+    third = np.diff(height, 3)
+    return max(MAD_TO_SD * float(np.median(np.abs(third))) / math.sqrt(20), 1e-7)
+
+
+def _kinks(
+    time: Array, height: Array, noise: float, gravity: float, source: str
+) -> NDArray[np.intp]:
+    """Index of the first sample after each impact."""
+    step = float(np.median(np.diff(time)))
+    width = 2
+    while _KINK * _u_of_kink(noise, step, width) > _SLOW and width * step < _LONG_S:
+        width += 1
+    straight = height + 0.5 * gravity * (time - time[0]) ** 2
+    slopes = _slopes(time, straight, width)
+    # slope of the window that begins at i, less that of the window that ends at i - 1
+    kink = np.full(len(time), -np.inf)
+    kink[width : len(time) - width + 1] = slopes[width:] - slopes[: len(slopes) - width]
+    before = np.zeros(len(time))
+    before[width : len(time) - width + 1] = _slopes(time, height, width)[: len(slopes) - width]
+    # in a hand and at rest a ball does not fall: there the straight line bends by g all the time
+    u_kink = _u_of_kink(noise, step, width)
+    threshold = max(_KINK * u_kink, 1.3 * gravity * width * step)
+    kink[before > -_FALLING * u_kink] = -np.inf
+    down = -float(np.min(kink[np.isfinite(kink)], initial=0.0))
+    if down > 2 * max(float(np.max(kink)), _SLOW):
+        raise InputError(
+            source or "height",
+            ["the height turns downwards at the impacts: it is counted downwards; give it the other"
+             " sign in a mapping file"],
+        )  # fmt: skip
+    tops = [
+        i for i in np.flatnonzero(kink > threshold).tolist()
+        if kink[i] == np.max(kink[max(0, i - width) : i + width + 1])
+    ]  # fmt: skip
+    if not tops:
+        raise InputError(
+            source or "height",
+            [f"no impact is seen: nowhere does the velocity change upwards by more than"
+             f" {threshold:.2g} m/s within {2 * width * step:.2g} s; is it the height of a"
+             " bouncing ball, in metres?"],
+        )  # fmt: skip
+    return np.array(tops, dtype=np.intp)
+
+
+def _u_of_kink(noise: float, step: float, width: int) -> float:
+    """Standard deviation of the difference of two slopes through so many samples."""
+    return float(np.sqrt(2) * noise / (step * np.sqrt(width * (width**2 - 1) / 12)))
+
+
+def _slopes(time: Array, values: Array, width: int) -> Array:
+    """Least-squares slope of every window of so many samples, by its first sample."""
+    windows = np.lib.stride_tricks.sliding_window_view
+    t, y = windows(time, width), windows(values, width)
+    t = t - t.mean(axis=1, keepdims=True)
+    return np.asarray(np.sum(t * y, axis=1) / np.sum(t * t, axis=1))
+
+
+def _long_enough(
+    time: Array, flight: NDArray[np.intp], source: str
+) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+    """Flights up to the first one with too few samples; those after it are marked -1."""
+    counts = np.bincount(flight)
+    first = 0
+    # a recording may begin in the last frames of a fall
+    while first < len(counts) and counts[first] < LEAST:
+        first += 1
+    last = first
+    while last < len(counts) and counts[last] >= LEAST:
+        # a flight that lasts longer than the one before it hides an impact
+        if last > first + 1 and counts[last] > 1.05 * counts[last - 1] + 1:
+            break
+        last += 1
+    if last - first < 2:
+        raise InputError(
+            source or "height",
+            [f"{last - first} flight has {LEAST} samples or more; two at least are needed, three"
+             " for a restitution without a known drop height: film faster or drop from higher"],
+        )  # fmt: skip
+    notes: tuple[str, ...] = ()
+    if last < len(counts):
+        at = float(time[np.flatnonzero(flight == last)[0]])
+        notes = (f"from {at:.3f} s on the flights are too short for the samples and were left"
+                 " out",)  # fmt: skip
+    inside = (flight >= first) & (flight < last)
+    return np.where(inside, flight - first, -1), notes
+
+
+def _in_hand(
+    time: Array, height: Array, first: NDArray[np.bool_], noise: float, gravity: float
+) -> NDArray[np.bool_]:
+    """Samples of the first flight that do not lie on the fall that most of its samples share.
+
+    Each pair of samples proposes a parabola; a ball in a hand follows none of them for long.
+    """
+    t, y = time[first], height[first]
+    straight = y + 0.5 * gravity * (t - t[0]) ** 2
+    pick = np.unique(np.linspace(0, len(t) - 1, _PROPOSERS).round().astype(int))
+    a, b = np.triu_indices(len(pick), 1)
+    run = t[pick][b] - t[pick][a]
+    slope = (straight[pick][b] - straight[pick][a]) / run
+    level = straight[pick][a] - slope * t[pick][a]
+    off = np.abs(straight - level[:, None] - slope[:, None] * t)
+    # drag bends a fall by about a hundredth of its height
+    on = off <= max(_OUTLIER * noise, 0.01 * float(np.ptp(y)))
+    found = np.zeros(len(time), dtype=bool)
+    found[np.flatnonzero(first)] = ~on[int(np.argmax(on.sum(axis=1)))]
+    return found
+
+
+def _fitted(
+    time: Array, height: Array, u: Array, flight: NDArray[np.int64], gravity: float, drag: float
+) -> _Arcs:
+    """Apex of each flight by weighted least squares, and their covariance."""
+    weight = np.where(np.isfinite(u), 1 / u, 1.0)
+    apexes, covariances = [], []
+    for number in range(int(flight.max()) + 1):
+        inside = flight == number
+        t, y, w = time[inside], height[inside], weight[inside]
+        line = np.polyfit(t - t[0], y + 0.5 * gravity * (t - t[0]) ** 2, 1, w=w)
+        apex = np.array([t[0] + line[0] / gravity, line[1] + line[0] ** 2 / (2 * gravity)])
+        for _ in range(6 if drag else 1):
+            tau = t - apex[0]
+            here = bounce_models.arc(tau, apex[1], gravity, drag)
+            up = (bounce_models.arc(tau + 1e-6, apex[1], gravity, drag) - here) / 1e-6
+            design = np.column_stack((-up, np.ones(len(t)))) * w[:, None]
+            apex = apex + np.linalg.lstsq(design, (y - here) * w, rcond=None)[0]
+        apexes.append(apex)
+        covariances.append(np.linalg.inv(design.T @ design))
+    found = np.array(apexes)
+    return _Arcs(found[:, 0], found[:, 1], np.array(covariances), gravity, drag)
+
+
+def _good(
+    time: Array, height: Array, u: Array, flight: NDArray[np.int64], arcs: _Arcs, noise: float
+) -> tuple[NDArray[np.bool_], dict[int, str]]:
+    """Which samples follow their arcs, and why the others do not."""
+    left = np.where(flight >= 0, height - arcs.at(time, np.maximum(flight, 0)), 0.0)
+    used = flight >= 0
+    scatter = MAD_TO_SD * float(np.median(np.abs(left[used])))
+    limit = _OUTLIER * np.maximum(np.where(np.isfinite(u), u, noise), scatter)
+    # a ball in a hand does not fall: samples before the first apex count only where they follow
+    held = used & (flight == 0) & (time < arcs.apex_s[0])
+    early = held.any() and bool(np.any(np.abs(left[held]) > limit[held]))
+    why: dict[int, str] = {}
+    if early:
+        why |= {int(k): "the ball had not been released" for k in np.flatnonzero(held)}
+    off = used & (np.abs(left) > limit) & ~(held & early)
+    why |= {int(k): f"{1e3 * left[k]:.0f} mm off its flight" for k in np.flatnonzero(off)}
+    good = used & ~off & ~(held & early)
+    for number in range(int(flight.max()) + 1):  # never so many that nothing is left of a flight
+        inside = flight == number
+        if np.count_nonzero(good & inside) < LEAST - 1:
+            good |= inside
+            why = {k: text for k, text in why.items() if not inside[k]}
+    return good, why
+
+
+def _joins(arcs: _Arcs) -> Array:
+    """Times at which neighbouring arcs meet."""
+    times = []
+    for n in range(len(arcs.apex_s) - 1):
+        (a, b), (h, k) = arcs.apex_s[n : n + 2], arcs.apex_m[n : n + 2]
+        t = float((a + b) / 2 + (h - k) / (arcs.gravity * (b - a)))
+        for _ in range(20 if arcs.drag else 1):
+            gap = float((arcs.at(np.array([t]), n) - arcs.at(np.array([t]), n + 1))[0])
+            move = gap / (arcs.speed(t, n) - arcs.speed(t, n + 1))
+            t -= move
+            if abs(move) < 1e-13:
+                break
+        times.append(t)
+    return np.array(times)
+
+
+def _impacts(
+    time: Array, height: Array, u: Array, flight: NDArray[np.int64], arcs: _Arcs, source: str,
+    dropped: list[Dropped], notes: tuple[str, ...],
+) -> Impacts:  # fmt: skip
+    """Joins, their covariance, and apexes above the level at which the arcs meet."""
+    used = flight >= 0
+    left = height[used] - arcs.at(time[used], flight[used])
+    flights = len(arcs.apex_s)
+    stated = bool(np.isfinite(u[used]).all())
+    degrees = max(len(left) - 2 * flights, 1)
+    variance = 1.0 if stated else float(left @ left) / degrees
+    joins = _joins(arcs)
+    change, floor = np.zeros((len(joins), 2 * flights)), np.empty(len(joins))
+    for n, t in enumerate(joins.tolist()):
+        before, after = arcs.speed(t, n), arcs.speed(t, n + 1)
+        # the arcs' difference vanishes: dt = (dD/da·da + dD/dH·dH)/(after - before)
+        row = np.array([-before, 1.0, after, -1.0]) / (after - before)
+        change[n, 2 * n : 2 * n + 4] = row
+        floor[n] = arcs.at(np.array([t]), n)[0]
+    whole = np.zeros((2 * flights, 2 * flights))
+    for n in range(flights):
+        whole[2 * n : 2 * n + 2, 2 * n : 2 * n + 2] = variance * arcs.unit_covariance[n]
+    covariance = change @ whole @ change.T
+    covariance = (covariance + covariance.T) / 2
+    each = np.sqrt(np.diag(covariance))
+    level = float(np.median(floor))
+    track = Track(time[used], height[used], u[used], flight[used].astype(np.int64))
+    return Impacts(
+        joins, each, tuple(range(1, len(joins) + 1)), TRACK, source,
+        heights_m=arcs.apex_m - level,
+        u_heights_m=np.sqrt(variance * arcs.unit_covariance[:, 1, 1]),
+        height_numbers=tuple(range(flights)), track=track, covariance_s2=covariance,
+        dropped=tuple(dropped), notes=notes,
+    )  # fmt: skip

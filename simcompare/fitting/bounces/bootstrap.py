@@ -1,0 +1,132 @@
+"""How estimates scatter: fits to simulated repeats, and to resampled drops."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simcompare.errors import InputError
+from simcompare.fitting.bounces.likelihood import Fit, minimise
+from simcompare.fitting.bounces.problem import own_drop, shown
+from simcompare.model.trajectory import Array
+from simcompare.statistics import least_squares
+
+DRAWS = 200
+#: fits that are solved side by side
+_TOGETHER = 50
+
+
+@dataclass(frozen=True)
+class Bootstrap:
+    """Estimates of many repeats.
+
+    Attributes:
+        kind: "parametric" or "drops".
+        names: the unknowns.
+        draws: estimates (B, p); an infinite terminal speed means no drag.
+        u: standard deviation of each, NaN where some are infinite (p,).
+        low: 2.5 % quantiles (p,).
+        high: 97.5 % quantiles (p,).
+        bias: median less the fit's estimate (p,).
+        failed: fits that did not converge and were left out.
+        seed: of the generator.
+    """
+
+    kind: str
+    names: tuple[str, ...]
+    draws: Array
+    u: Array
+    low: Array
+    high: Array
+    bias: Array
+    failed: int
+    seed: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON, without the single draws."""
+        columns = zip(self.names, self.u, self.low, self.high, self.bias, strict=True)
+        return {
+            "kind": self.kind, "draws": len(self.draws), "failed": self.failed, "seed": self.seed,
+            "parameters": {
+                name: {
+                    key: float(v) if np.isfinite(v) else None
+                    for key, v in (("u", u), ("low", low), ("high", high), ("bias", bias))
+                }
+                for name, u, low, high, bias in columns
+            },
+        }  # fmt: skip
+
+
+def parametric(fit: Fit, draws: int = DRAWS, seed: int = 0) -> Bootstrap:
+    """Fits to data simulated with the fitted parameters and the measurements' noise.
+
+    The noise is as wide as the fit found it; the means of priors are drawn anew as well.
+    """
+    generator = np.random.default_rng(seed)
+    problem = fit.problem
+    data = problem.predicted(fit.x) + problem.noise(generator, draws)
+    index, _, u = problem.prior_rows
+    mean = fit.x[index] + u * generator.standard_normal((draws, len(index)))
+    found, fine = [], []
+    for first in range(0, draws, _TOGETHER):
+        part = slice(first, first + _TOGETHER)
+        start = np.tile(fit.x, (len(data[part]), 1))
+        best = minimise(problem, start, data[part], mean[part])
+        found.append(best.x)
+        fine.append(best.converged)
+    return _summary("parametric", fit, np.concatenate(found), np.concatenate(fine), seed)
+
+
+def over_drops(fit: Fit, draws: int = DRAWS, seed: int = 0) -> Bootstrap:
+    """Fits to drops drawn with replacement; heights and releases of single drops are left out.
+
+    Raises:
+        InputError: fewer than three drops, whose scatter would say nothing.
+    """
+    count = len(fit.problem.drops)
+    if count < 3:
+        raise InputError(
+            "bootstrap", [f"{count} drop{'s' * (count != 1)} recorded; resampling needs three"]
+        )
+    generator = np.random.default_rng(seed)
+    drawn = generator.integers(0, count, (draws, count))
+    times = np.stack([np.count_nonzero(drawn == k, axis=1) for k in range(count)], axis=1)
+    problem = fit.problem
+    drop_of = np.concatenate([np.full(len(b.data), b.drop) for b in problem.blocks])
+    weight = np.sqrt(times[:, drop_of])
+    extra = np.ones((draws, len(problem.prior_rows[0])))
+    weight = np.concatenate((weight, extra), axis=1)
+    start = np.tile(fit.x, (draws, 1))
+    best = least_squares.solve(
+        lambda x: problem.residuals(x) * weight, start, problem.low, problem.high, problem.size
+    )
+    shared = [k for k, name in enumerate(fit.names) if own_drop(name) is None]
+    return _summary("drops", fit, best.x, best.converged, seed, shared)
+
+
+def _summary(
+    kind: str,
+    fit: Fit,
+    x: Array,
+    fine: NDArray[np.bool_],
+    seed: int,
+    columns: list[int] | None = None,
+) -> Bootstrap:
+    kept = list(range(len(fit.names))) if columns is None else columns
+    names = tuple(fit.names[k] for k in kept)
+    whole = np.column_stack([shown(fit.names[k], x[fine][:, k]) for k in kept])
+    finite = np.isfinite(whole).all(axis=0)
+    safe = np.where(np.isfinite(whole), whole, 0.0)
+    low, high, middle = (_quantile(whole, q) for q in (0.025, 0.975, 0.5))
+    with np.errstate(invalid="ignore"):
+        bias = middle - fit.values[kept]
+    u = np.where(finite, safe.std(axis=0, ddof=1), np.nan)
+    return Bootstrap(kind, names, whole, u, low, high, bias, int(np.sum(~fine)), seed)
+
+
+def _quantile(draws: Array, q: float) -> Array:
+    """Quantile by the nearest draw, so that an infinite one stays infinite."""
+    return np.asarray(np.quantile(draws, q, axis=0, method="nearest"))

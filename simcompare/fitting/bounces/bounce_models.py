@@ -1,0 +1,312 @@
+"""Bounces in closed form: impact times, speeds and heights for many parameter sets at once.
+
+A model is a law of restitution with or without quadratic air drag. All of it is written with
+k = 1/v_t² (v_t the terminal speed; k = 0 is vacuum) and with functions that are analytic there, so
+that a fit may begin in vacuum and its derivatives hold. With s = k·u² a ball that rises from u
+takes u/g·A(s) to its apex u²/2g·ln(1+s)/s and returns with u/√(1+s); falling to the speed v takes
+v/g·A(-k·v²), where A(s) = arctan(√s)/√s (Timmerman and van der Weele, Am. J. Phys. 67 (1999) 538).
+
+Hunt and Crossley's contact F = K·xⁿ·(1 + χ·ẋ) (J. Appl. Mech. 42 (1975) 440) gives an effective
+restitution e that depends on y = χ·v alone: y·(1 + e) = ln((1 + y)/(1 - y·e)), for every n, K and
+mass (Marhefka and Orin, IEEE Trans. Syst. Man Cybern. A 29 (1999) 566, checked in the tests by
+integration). It is stated here by its restitution at a reference speed, as the other laws are.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simcompare.errors import UnknownName
+from simcompare.model.trajectory import Array
+
+#: speed at which the restitution of a law that depends on speed is stated [m/s]
+REFERENCE_SPEED = 4.0
+GRAVITY = 9.80665
+#: what a fit may seek, in the order in which it is shown, and its value where nothing is said
+DEFAULTS = {
+    "restitution": 0.8, "exponent": 0.0, "terminal_speed_m_s": np.inf, "drop_height_m": 1.0,
+    "release_time_s": 0.0, "clock_skew": 0.0, "floor_m": 0.0, "scale": 1.0,
+    "gravity_m_s2": GRAVITY,
+}  # fmt: skip
+#: below this the functions are summed as series
+_SMALL = 1e-3
+_ARC_SERIES = (1.0, -1 / 3, 1 / 5, -1 / 7, 1 / 9, -1 / 11)
+_COSH_SERIES = (1.0, -1 / 6, 2 / 45, -17 / 1260, 62 / 14175)
+_LOG_SERIES = (1.0, -2 / 3, 2 / 4, -2 / 5, 2 / 6, -2 / 7)
+#: largest χ·v of the table of Hunt and Crossley's restitution
+_FASTEST = 12.0
+
+
+@dataclass(frozen=True)
+class Model:
+    """A law of restitution, with or without drag.
+
+    Attributes:
+        name: short name ("constant", "power+drag").
+        law: "constant", "power" or "hunt_crossley".
+        drag: whether the terminal speed is an unknown of it.
+        text: what it says, in words.
+    """
+
+    name: str
+    law: str
+    drag: bool
+    text: str
+
+    @property
+    def own(self) -> tuple[str, ...]:
+        """The unknowns that make this model, beside heights and clocks."""
+        names = ("restitution", "exponent") if self.law == "power" else ("restitution",)
+        return (*names, "terminal_speed_m_s") if self.drag else names
+
+
+MODELS = {
+    model.name: model
+    for model in (
+        Model("constant", "constant", False, "constant restitution, no drag"),
+        Model("power", "power", False, "restitution falling with a power of the speed, no drag"),
+        Model("hunt_crossley", "hunt_crossley", False, "Hunt-Crossley contact, no drag"),
+        Model("constant+drag", "constant", True, "constant restitution and air drag"),
+        Model("hunt_crossley+drag", "hunt_crossley", True, "Hunt-Crossley contact and air drag"),
+        Model("power+drag", "power", True, "restitution as a power of the speed, and air drag"),
+    )
+}
+
+
+def model_of(name: str) -> Model:
+    """The model of that name.
+
+    Raises:
+        UnknownName: there is none.
+    """
+    if name not in MODELS:
+        raise UnknownName("bounce model", name, MODELS)
+    return MODELS[name]
+
+
+@dataclass(frozen=True)
+class Bounces:
+    """What a model says, for each of the parameter sets (…).
+
+    Attributes:
+        impact_s: impact times on the log's clock (…, K) [s].
+        speed_m_s: speeds at which the ball hits (…, K) [m/s].
+        restitution: effective restitution of each impact (…, K).
+        apex_s: on the ball's own clock from release on, apex of each flight; the first is the
+            release (…, K + 1) [s].
+        apex_m: height of each apex above the floor, the first is the drop height (…, K + 1) [m].
+    """
+
+    impact_s: Array
+    speed_m_s: Array
+    restitution: Array
+    apex_s: Array
+    apex_m: Array
+
+
+def bounces(model: Model, values: Mapping[str, Array | float], count: int) -> Bounces:
+    """The first ``count`` impacts.
+
+    Args:
+        model: which.
+        values: parameters by name, numbers or arrays (…) of one shape. Drag is
+            ``terminal_speed_m_s`` or, first, ``drag_k`` = 1/v_t²; what is missing has its default.
+        count: number of impacts K, at least 1.
+    """
+    given = {**DEFAULTS, **values}
+    gravity = np.asarray(given["gravity_m_s2"], dtype=float)
+    k = drag_of(given)
+    e = np.asarray(given["restitution"], dtype=float)
+    height = np.asarray(given["drop_height_m"], dtype=float)
+    exponent = np.asarray(given["exponent"], dtype=float)
+    shape = np.broadcast_shapes(gravity.shape, k.shape, e.shape, height.shape, exponent.shape)
+    dissipation = _inverse_hunt_crossley(e) / REFERENCE_SPEED if model.law == "hunt_crossley" else 0
+    times, speeds, laws = (np.empty((count, *shape)) for _ in range(3))
+    apex_s, apex_m = (np.empty((count + 1, *shape)) for _ in range(2))
+    speed = np.sqrt(2 * gravity * height * _decay(2 * gravity * k * height))
+    apex_s[0], apex_m[0] = 0.0, height
+    clock = speed / gravity * arc_ratio(-k * speed * speed)
+    for n in range(count):
+        if model.law == "power":
+            law = np.minimum(e * (np.maximum(speed, 1e-12) / REFERENCE_SPEED) ** -exponent, 1.0)
+        elif model.law == "hunt_crossley":
+            law = hunt_crossley(dissipation * speed)
+        else:
+            law = e
+        times[n], speeds[n], laws[n] = clock, speed, law
+        up = law * speed
+        s = k * up * up
+        rise = up / gravity * arc_ratio(s)
+        apex_s[n + 1], apex_m[n + 1] = clock + rise, up * up / (2 * gravity) * _log_ratio(s)
+        speed = up / np.sqrt(1 + s)
+        clock = clock + rise + speed / gravity * arc_ratio(-k * speed * speed)
+    own = [np.moveaxis(a, 0, -1) for a in (times, speeds, laws, apex_s, apex_m)]
+    skew, release = (np.asarray(given[n], dtype=float) for n in ("clock_skew", "release_time_s"))
+    on_log = release[..., None] + (1 + skew[..., None]) * own[0]
+    return Bounces(on_log, *own[1:])
+
+
+def drag_of(values: Mapping[str, Array | float]) -> Array:
+    """K = 1/v_t² [s²/m²]."""
+    if "drag_k" in values:
+        return np.asarray(values["drag_k"], dtype=float)
+    return 1.0 / np.asarray(values["terminal_speed_m_s"], dtype=float) ** 2
+
+
+def height_at(
+    found: Bounces, values: Mapping[str, Array | float], time_s: Array, flight: NDArray[np.int64]
+) -> Array:
+    """Height that a camera shows at times of the log, each within the flight of that number.
+
+    The arc of a flight is followed beyond its ends, so that the height is smooth in all
+    parameters.
+
+    Args:
+        found: bounces of the same parameter sets (…).
+        values: their parameters, as for :func:`bounces`.
+        time_s: times (n,) [s].
+        flight: number of the flight of each time, 0 is the first fall (n,).
+
+    Returns:
+        floor + height/scale, (…, n) [m].
+    """
+    given = {name: np.asarray(value)[..., None] for name, value in {**DEFAULTS, **values}.items()}
+    k, gravity = drag_of(given), given["gravity_m_s2"]
+    own = (time_s - given["release_time_s"]) / (1 + given["clock_skew"])
+    height = arc(own - found.apex_s[..., flight], found.apex_m[..., flight], gravity, k)
+    return np.asarray(given["floor_m"] + height / given["scale"])
+
+
+def arc(after_s: Array, apex_m: Array | float, gravity: Array | float, k: Array | float) -> Array:
+    """Height at times after (or, negative, before) the apex of a flight, with drag k = 1/v_t²."""
+    squared = gravity * gravity * k * after_s * after_s
+    fall = _cosh_ratio(np.where(after_s < 0, -squared, squared))
+    return np.asarray(apex_m - 0.5 * gravity * after_s * after_s * fall)
+
+
+def restitution_at(model: Model, values: Mapping[str, Array | float], speed: Array) -> Array:
+    """Effective restitution of an impact at that speed."""
+    given = {**DEFAULTS, **values}
+    e = np.asarray(given["restitution"], dtype=float)
+    if model.law == "power":
+        exponent = np.asarray(given["exponent"], dtype=float)
+        return np.asarray(np.minimum(e * (speed / REFERENCE_SPEED) ** -exponent, 1.0))
+    if model.law == "hunt_crossley":
+        return hunt_crossley(_inverse_hunt_crossley(e) / REFERENCE_SPEED * speed)
+    return np.broadcast_to(e, np.broadcast_shapes(e.shape, np.shape(speed))).copy()
+
+
+def hunt_crossley_dissipation(restitution: float) -> float:
+    """χ [s/m] of the contact that has this restitution at ``REFERENCE_SPEED``."""
+    return float(_inverse_hunt_crossley(np.asarray(restitution))) / REFERENCE_SPEED
+
+
+def hunt_crossley(y: Array) -> Array:
+    """Effective restitution at y = χ·v, to rounding."""
+    given = np.maximum(np.asarray(y, dtype=float), 0.0)
+    y = np.clip(given, 1e-12, _FASTEST)
+    places, guesses = _table()
+    z = _improved(np.interp(y / (1 + y), places, guesses), -y * _root_ratio(y))
+    found = np.where(given <= 1e-12, 1.0, -z / y)
+    if np.any(given > _FASTEST):
+        # the ball creeps out: q·exp(-q) = (1 + y)·exp(-1 - y) with small q = 1 - y·e
+        near = (1 + given) * np.exp(-(1 + given))
+        slow = (1 - near * (1 + near * (1 + 1.5 * near))) / np.maximum(given, 1.0)
+        found = np.where(given > _FASTEST, slow, found)
+    return np.asarray(found)
+
+
+@functools.cache
+def _table() -> tuple[Array, Array]:
+    """Z = -y·e at places of y/(1 + y), from which one Newton step reaches rounding."""
+    places = np.linspace(0, _FASTEST / (1 + _FASTEST), 4001)
+    y = places / (1 - places)
+    near = (1 + y) * np.exp(-(1 + y))
+    z = np.maximum(1 - y / (1 + 2 * y / 3), near * np.exp(near * np.exp(near))) - 1
+    goal = -y * _root_ratio(y)
+    for _ in range(6):
+        z = _improved(z, goal)
+    return places, z
+
+
+def _improved(z: Array, goal: Array) -> Array:
+    """One Newton step towards S(z) = goal; S is smooth and free of the trivial root z = y.
+
+    S(x) = ±√(2(x - ln(1 + x))), and the relation of Hunt and Crossley is S(-y·e) = -S(y).
+    """
+    ratio = _root_ratio(z)
+    return np.maximum(z - (z * ratio - goal) * (1 + z) * ratio, (z - 1) / 2)
+
+
+def _inverse_hunt_crossley(e: Array) -> Array:
+    """Y = χ·v at which the restitution is e."""
+    e = np.clip(np.asarray(e, dtype=float), 1.001 / _FASTEST, 1 - 1e-12)
+    places, z = _table()
+    y = places[1:] / (1 - places[1:])
+    # the table's restitution falls, and interpolation wants it to rise
+    guess = np.interp(-e, np.concatenate(([-1.0], z[1:] / y)), places)
+    y = np.maximum(guess / (1 - guess), 1e-13)
+    ours, theirs = _root_ratio(y), _root_ratio(-e * y)
+    slope = _root_slope(y, ours) + e * e * _root_slope(-e * y, theirs)
+    return np.asarray(y - (ours - e * theirs) / slope)
+
+
+def _root_ratio(x: Array) -> Array:
+    """√(2(x - ln(1 + x)))/|x|, 1 at 0."""
+    small = np.abs(x) < 0.003
+    safe = np.where(small, 0.5, x)
+    series = _series(x, _LOG_SERIES)
+    return np.sqrt(np.where(small, series, 2 * (safe - np.log1p(safe)) / (safe * safe)))
+
+
+def _root_slope(x: Array, ratio: Array) -> Array:
+    small = np.abs(x) < 1e-4
+    safe = np.where(small, 1.0, x)
+    exact = (1 / ((1 + safe) * ratio) - ratio) / safe
+    return np.where(small, -1 / 3 + 7 * x / 18, exact)
+
+
+def arc_ratio(s: Array) -> Array:
+    """A(s) = arctan(√s)/√s, and artanh(√-s)/√-s below 0; s above -1."""
+    s = np.maximum(np.asarray(s), -1 + 1e-15)
+    if not s.any():
+        return np.ones_like(s)
+    root = np.sqrt(np.abs(s))
+    small = root * root < _SMALL
+    root = np.where(small, 0.5, root)
+    exact = np.where(s >= 0, np.arctan(root), np.arctanh(np.minimum(root, 1 - 1e-16))) / root
+    return np.where(small, _series(s, _ARC_SERIES), exact)
+
+
+def _cosh_ratio(s: Array) -> Array:
+    """2·ln cosh(√s)/s, and 2·ln cos(√-s)/s below 0: a fall over that in vacuum."""
+    small = np.abs(s) < _SMALL
+    root = np.where(small, 0.5, np.sqrt(np.abs(s)))
+    down = root + np.log1p(np.exp(-2 * root)) - np.log(2.0)
+    up = -np.log(np.cos(np.minimum(root, 1.57)))
+    exact = 2 * np.where(s >= 0, down, up) / (root * root)
+    return np.where(small, _series(s, _COSH_SERIES), exact)
+
+
+def _log_ratio(s: Array) -> Array:
+    """ln(1 + s)/s."""
+    safe = np.where(s == 0, 1.0, s)
+    return np.where(s == 0, 1.0, np.log1p(safe) / safe)
+
+
+def _decay(x: Array) -> Array:
+    """(1 - exp(-x))/x."""
+    safe = np.where(x == 0, 1.0, x)
+    return np.where(x == 0, 1.0, -np.expm1(-safe) / safe)
+
+
+def _series(x: Array, coefficients: tuple[float, ...]) -> Array:
+    total = np.zeros_like(np.asarray(x, dtype=float))
+    for coefficient in reversed(coefficients):
+        total = total * x + coefficient
+    return total

@@ -1,0 +1,287 @@
+"""Drops that were not fitted, predicted: the only thing that validates a fit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from simcompare.fitting.bounces import bounce_models
+from simcompare.fitting.bounces.assisted_fit import AssistedFit
+from simcompare.fitting.bounces.engine_fit import EngineFit
+from simcompare.fitting.bounces.impacts import Impacts
+from simcompare.fitting.bounces.likelihood import Fit, fit
+from simcompare.fitting.bounces.problem import SPEED, base, usual
+from simcompare.fitting.bounces.tuned_fit import TunedFit
+from simcompare.model.trajectory import Array
+from simcompare.statistics.agreement import e_n
+
+#: unknowns that belong to one drop alone and are found in the held-out drop itself
+_OWN = ("drop_height_m", "release_time_s", "floor_m")
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """One held-out drop as the closed form predicts it.
+
+    Attributes:
+        drop: what was measured.
+        predicted: the fit of its own height and release, everything else as it was fitted.
+        again: the fit of its own restitution besides; ``None`` where none was sought.
+        row: what is told of it, as plain values.
+    """
+
+    drop: Impacts
+    predicted: Fit
+    again: Fit | None
+    row: Mapping[str, Any]
+
+
+def predict(best: Fit, held: Sequence[Impacts], fixed: Mapping[str, float]) -> list[Prediction]:
+    """How well a closed form predicts drops that it has not seen.
+
+    Height and release of a held-out drop are its own; with them alone fitted, and everything else
+    as it was, its impacts are predicted. The restitution that the drop itself would give is held
+    against the fitted one by E_n, and so is every rebound height against the predicted one.
+
+    Args:
+        best: the closed form that was fitted.
+        held: drops that were not fitted.
+        fixed: what was not sought.
+    """
+    return [_closed(best, drop, fixed) for drop in held]
+
+
+def of_engines(
+    closed: Sequence[Prediction], with_contact: Sequence[Prediction], engines: Sequence[EngineFit]
+) -> dict[str, Any]:
+    """What was predicted, by the closed form and by every engine, as plain values.
+
+    Args:
+        closed: predictions of the closed form.
+        with_contact: those of the closed form with the contact that engines have.
+        engines: the engines that were fitted.
+
+    Returns:
+        ``drops`` for the closed form, in each of them ``engines``; and ``text``.
+    """
+    if not closed:
+        return {"drops": [], "text": "No drop was held out, so nothing was validated."}
+    rows = []
+    for number, (one, other) in enumerate(zip(closed, with_contact, strict=True), start=1):
+        row: dict[str, Any] = {"number": number, "source": one.drop.source, **one.row}
+        for engine in engines:
+            if isinstance(engine, AssistedFit) and engine.fit is not None:
+                row.setdefault("engines", {})[engine.engine] = _assisted(engine, other.row)
+            elif isinstance(engine, TunedFit) and engine.fit is not None:
+                found = _tuned(engine, number - 1, one)
+                row.setdefault("engines", {})[engine.engine] = found
+        rows.append(row)
+    judged = [row["e_n"] for row in rows if row["e_n"] is not None]
+    text = (
+        f"{_good(judged)} of {len(judged)} held-out drops agree with the fitted restitution within"
+        " the noise level (|E_n| ≤ 1, k = 2)."
+    )
+    return {"drops": rows, "text": text + _heights_text(rows, engines)}
+
+
+def _good(judged: Sequence[float]) -> int:
+    return sum(abs(value) <= 1 for value in judged)
+
+
+def _heights_text(rows: Sequence[Mapping[str, Any]], engines: Sequence[EngineFit]) -> str:
+    """How many rebound heights are predicted, engine by engine."""
+    counts = []
+    names = [one.engine for one in engines if isinstance(one, TunedFit) and one.fit is not None]
+    for name in ("the closed form", *names):
+        own = [row if name == "the closed form" else row["engines"][name] for row in rows]
+        judged = [h["e_n"] for row in own for h in row["heights"] if h["e_n"] is not None]
+        if judged:
+            counts.append(f"{name} {_good(judged)} of {len(judged)}")
+    if not counts or not names:
+        return ""
+    return (
+        f" Rebound heights predicted within it: {', '.join(counts)}. Impact times stand beside"
+        " them and are not judged in plain loops, since they hold the time of the contact."
+    )
+
+
+def _closed(best: Fit, drop: Impacts, fixed: Mapping[str, float]) -> Prediction:
+    own = [n for n in best.problem.model.own if n != SPEED or SPEED not in fixed]
+    kept = {
+        base(n): float(v)
+        for n, v in zip(best.names, best.values, strict=True)
+        if base(n) not in _OWN and math.isfinite(v)
+    }
+    settled = {**fixed, **kept}
+    alone = [n for n in usual([drop], best.problem.model) if n in _OWN and n not in fixed]
+    predicted = fit(drop, best.model, unknowns=alone, fixed=settled, profiles=False)
+    told: dict[str, Any] = {"heights": _heights(best, drop, alone, settled, predicted)}
+    if "restitution" not in best.names:  # it was not sought: nothing but the prediction is judged
+        told |= dict.fromkeys(("restitution", "u_restitution", "fitted", "u_fitted", "e_n"))
+        return Prediction(drop, predicted, None, {**told, **_told(predicted, predicted, own)})
+    # what this drop says of the restitution by itself, everything else as fitted
+    single = {n: v for n, v in settled.items() if n != "restitution"}
+    asked = ["restitution", *alone]
+    again = fit(drop, best.model, unknowns=asked, fixed=single, profiles=False)
+    value, u = again.as_dict()["restitution"], float(again.u[again.names.index("restitution")])
+    k = best.names.index("restitution")
+    known, u_known = float(best.values[k]), float(best.u[k])
+    u_both = math.hypot(u, _u_of_kept(best, drop, asked, single, value))
+    found = {
+        "restitution": value, "u_restitution": u, "fitted": known, "u_fitted": u_known,
+        "u_difference": u_both, "e_n": e_n(known, value, 2 * u_both, 0.0),
+    }  # fmt: skip
+    return Prediction(drop, predicted, again, {**told, **_told(predicted, again, own), **found})
+
+
+def _told(predicted: Fit, again: Fit, own: Sequence[str]) -> dict[str, Any]:
+    """What is told of every prediction."""
+    return {
+        "rms": dict(predicted.rms),
+        "chi2": predicted.chi2,
+        "count": predicted.count,
+        "drop_height_m": predicted.as_dict().get("drop_height_m"),
+        "unknowns": list(own),
+        "speeds_m_s": list(again.speeds_m_s),
+    }
+
+
+def _u_of_kept(
+    best: Fit, drop: Impacts, asked: list[str], single: Mapping[str, float], value: float
+) -> float:
+    """What all that was fitted before contributes to e_held - e_fitted, with its covariance.
+
+    The fitted restitution enters with -1; every other unknown that was kept, such as an exponent or
+    a terminal speed, by how far the restitution of the held-out drop follows it.
+    """
+    slopes = np.zeros(len(best.names))
+    for k, name in enumerate(best.names):
+        if base(name) in _OWN or not math.isfinite(best.values[k]) or not best.u[k] > 0:
+            continue
+        if name == "restitution":
+            slopes[k] = -1.0
+            continue
+        step = 0.1 * float(best.u[k])
+        moved = {**single, base(name): float(best.values[k]) + step}
+        again = fit(drop, best.model, unknowns=asked, fixed=moved, profiles=False)
+        slopes[k] = (again.as_dict()["restitution"] - value) / step
+    covariance = np.where(np.isfinite(best.covariance), best.covariance, 0.0)
+    return math.sqrt(max(0.0, float(slopes @ covariance @ slopes)))
+
+
+def _heights(
+    best: Fit, drop: Impacts, alone: list[str], settled: Mapping[str, float], predicted: Fit
+) -> list[dict[str, Any]]:
+    """Measured and predicted rebound heights with their E_n.
+
+    Where no heights were measured, they are those of the flights between impacts, g·T²/8, of the
+    measurement and of the closed form alike.
+    """
+    numbers, measured, u = _measured_heights(drop, predicted)
+    if not numbers:
+        return []
+    central = _predicted_heights(drop, predicted, numbers)
+    # the uncertainty of everything that was fitted before, through the heights that it predicts
+    slopes = np.zeros((len(best.names), len(numbers)))
+    for k, name in enumerate(best.names):
+        if base(name) in _OWN or not math.isfinite(best.values[k]) or not best.u[k] > 0:
+            continue
+        step = 0.1 * float(best.u[k])
+        moved = {**settled, base(name): float(best.values[k]) + step}
+        again = fit(drop, best.model, unknowns=alone, fixed=moved, profiles=False)
+        slopes[k] = (_predicted_heights(drop, again, numbers) - central) / step
+    covariance = np.where(np.isfinite(best.covariance), best.covariance, 0.0)
+    own = np.sqrt(np.maximum(np.einsum("kn,kl,ln->n", slopes, covariance, slopes), 0.0))
+    found = []
+    for n, *row in zip(numbers, measured, u, central, own, strict=True):
+        m, u_m, p, u_p = map(float, row)
+        stated = math.isfinite(u_m)
+        found.append({
+            "number": n, "measured": m, "u_measured": u_m if stated else None,
+            "predicted": p, "u_predicted": u_p,
+            "e_n": e_n(p, m, 2 * u_p, 2 * u_m) if stated else None,
+        })  # fmt: skip
+    return found
+
+
+def _measured_heights(drop: Impacts, predicted: Fit) -> tuple[list[int], Array, Array]:
+    """Numbers of the bounces whose height is known, the heights and their u [m]."""
+    if len(drop.heights_m):
+        kept = [k for k, number in enumerate(drop.height_numbers) if number > 0]
+        numbers = [drop.height_numbers[k] for k in kept]
+        return numbers, drop.heights_m[kept], drop.u_heights_m[kept]
+    at = [k for k in range(len(drop.numbers) - 1) if drop.numbers[k + 1] == drop.numbers[k] + 1]
+    gravity = _gravity(predicted)
+    flight = drop.times_s[np.array(at, dtype=int) + 1] - drop.times_s[at]
+    variance = np.diag(drop.covariance(math.nan))
+    u_flight = np.sqrt(variance[np.array(at, dtype=int) + 1] + variance[at])
+    return [drop.numbers[k] for k in at], gravity * flight**2 / 8, gravity * flight / 4 * u_flight
+
+
+def _predicted_heights(drop: Impacts, predicted: Fit, numbers: Sequence[int]) -> Array:
+    values = predicted.problem.values(predicted.x, 0)
+    shown = bounce_models.bounces(predicted.problem.model, values, max(numbers) + 1)
+    at = np.array(numbers)
+    if len(drop.heights_m):
+        return np.asarray(np.ravel(shown.apex_m)[at], dtype=float)
+    times = np.ravel(shown.impact_s)
+    return np.asarray(_gravity(predicted) * (times[at] - times[at - 1]) ** 2 / 8)
+
+
+def _gravity(one: Fit) -> float:
+    return float(one.problem.fixed.get("gravity_m_s2", bounce_models.GRAVITY))
+
+
+def _assisted(one: EngineFit, row: Mapping[str, Any]) -> dict[str, Any]:
+    """The engine shows its effective restitution at every drop; that is held against this one's."""
+    assert one.effective is not None
+    value, whole = one.effective[0], one.u_effective
+    own = math.hypot(one.effective[1], one.u_num.get("restitution", 0.0))
+    score = None
+    if row["restitution"] is not None:
+        # the engine was fitted to the same data: beside the closed form's only its own part counts
+        score = e_n(value, row["restitution"], 2 * own, 2 * row["u_difference"])
+    return {"restitution": value, "u": whole, "e_n": score, "heights": []}
+
+
+def _tuned(one: TunedFit, place: int, closed: Prediction) -> dict[str, Any]:
+    """The plain loop at the height of the held-out drop: its first bounce, and its heights."""
+    seen = one.held[place]
+    value, phases = float(seen.restitution[0]), math.sqrt(one.phases)
+    # the mean over the phases, and over those in which the numbers were sought
+    own = math.sqrt(2) * float(seen.u_restitution[0]) / phases
+    score = held = u_held = None
+    if closed.again is not None:
+        speed = closed.again.speeds_m_s[1]
+        held, u_held = closed.again.restitution_at(speed)
+        score = e_n(value, held, 2 * own, 2 * math.hypot(u_held, one.restitution[1]))
+    heights = []
+    # errors of several bounces add up
+    scatter = np.cumsum(seen.u_restitution / seen.restitution) * math.sqrt(2) / phases
+    values = closed.predicted.problem.values(closed.predicted.x, 0)
+    shown = bounce_models.bounces(closed.predicted.problem.model, values, closed.drop.count)
+    for row in closed.row["heights"]:
+        k = row["number"]
+        if k > len(seen.restitution):
+            break
+        part = float(one.held_m[place][k]) / float(np.ravel(shown.apex_m)[k])
+        predicted = row["predicted"] * part
+        u = math.hypot(row["u_predicted"] * part, 2 * predicted * float(scatter[k - 1]))
+        judged = None
+        if row["u_measured"] is not None:
+            judged = e_n(predicted, row["measured"], 2 * u, 2 * row["u_measured"])
+        heights.append({"number": k, "predicted": predicted, "u_predicted": u, "e_n": judged})
+    return {
+        "restitution": value,
+        "u": math.hypot(own, one.restitution[1]),
+        "held": held,
+        "u_held": u_held,
+        "e_n": score,
+        "heights": heights,
+        "late_s": seen.late_s.tolist(),
+        "scatter_s": seen.scatter_s.tolist(),
+    }

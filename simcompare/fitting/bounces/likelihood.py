@@ -1,0 +1,302 @@
+"""Maximum likelihood of a closed form on the events of a bouncing ball, with its uncertainty.
+
+The residuals are those of events (impact times with their full covariance, or the times between
+them, rebound heights) or, for a video, of samples that stay within the flight they belong to;
+both are smooth in every unknown. Raw trajectories, whose residuals jump at impacts that move, are
+never fitted. Scatter beyond what is stated widens the data, not the priors: s² = max(1, χ²/ν),
+from the data alone where they suffice.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from simcompare.fitting.bounces import bounce_models, initial_guess
+from simcompare.fitting.bounces.impacts import Impacts
+from simcompare.fitting.bounces.problem import SPEED, Prior, Problem, base, build, shown, slope
+from simcompare.model.trajectory import Array
+from simcompare.statistics import least_squares
+
+#: Δχ² of a 95 % interval of one unknown, and its root
+LEVEL = 3.841458820694124
+COVERAGE = math.sqrt(LEVEL)
+#: unknowns that no reader asks for; they get no profile
+NUISANCE = ("release_time_s", "floor_m")
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Fitted parameters and how sure they are.
+
+    Attributes:
+        model: name of the model.
+        names: the unknowns.
+        values: estimates (p,).
+        covariance: of the estimates (p, p); NaN for a terminal speed that may be infinite.
+        intervals: 95 % interval of each unknown; an end that the data leave open is infinite.
+        how: of each interval: "normal" or "profile".
+        chi2: of the data at the estimate, with the stated uncertainties.
+        dof: degrees of freedom of ``s2``.
+        s2: max(1, χ²/ν), or χ²/ν where no uncertainty is stated.
+        count: number of measured numbers.
+        effective: how many unknowns the data, not the priors, determine.
+        rms: of the residuals, by kind: "times" and "intervals" [s], "heights" and "track" [m].
+        speeds_m_s: slowest and fastest impact in the data [m/s].
+        pulls: how far each prior is from what the data say, in standard uncertainties.
+        at_bound: unknowns that ended at a bound.
+        warnings: what the reader must know, one sentence each.
+        problem: what was fitted.
+        x: the numbers that were sought (1/v_t² for the terminal speed).
+        sought_covariance: of these.
+    """
+
+    model: str
+    names: tuple[str, ...]
+    values: Array
+    covariance: Array
+    intervals: tuple[tuple[float, float], ...]
+    how: tuple[str, ...]
+    chi2: float
+    dof: int
+    s2: float
+    count: int
+    effective: float
+    rms: Mapping[str, float]
+    speeds_m_s: tuple[float, float]
+    pulls: Mapping[str, float]
+    at_bound: tuple[str, ...]
+    warnings: tuple[str, ...]
+    problem: Problem = field(repr=False, compare=False)
+    x: Array = field(repr=False, compare=False)
+    sought_covariance: Array = field(repr=False, compare=False)
+
+    @property
+    def u(self) -> Array:
+        """Standard uncertainties (p,); NaN where none can be stated."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)), dtype=float)
+
+    @property
+    def correlation(self) -> Array:
+        """Correlation of the sought numbers, whose signs are those of the parameters (p, p)."""
+        u = np.sqrt(np.diag(self.sought_covariance))
+        sign = np.array([-1.0 if base(name) == SPEED else 1.0 for name in self.names])
+        whole = np.where(u > 0, u, 1.0)
+        return np.asarray(self.sought_covariance / np.outer(whole, whole) * np.outer(sign, sign))
+
+    def as_dict(self) -> dict[str, float]:
+        """Unknown -> estimate."""
+        return dict(zip(self.names, self.values.tolist(), strict=True))
+
+    def restitution_at(self, speed_m_s: float) -> tuple[float, float]:
+        """Effective restitution at that speed and its standard uncertainty."""
+        found, jacobian = self._restitution(np.array([speed_m_s]))
+        variance = float((jacobian @ self.sought_covariance @ jacobian.T)[0, 0])
+        return float(found[0]), math.sqrt(max(variance, 0.0))
+
+    def _restitution(self, speed: Array) -> tuple[Array, Array]:
+        model = bounce_models.model_of(self.model)
+
+        def law(x: Array) -> Array:
+            values = {n: np.asarray(v)[..., None] for n, v in self.problem.values(x, 0).items()}
+            return bounce_models.restitution_at(model, values, speed)
+
+        moves = np.eye(len(self.x)) * 1e-6 * self.problem.size
+        slopes = [(law(self.x + m) - law(self.x - m)) / (2 * m.sum()) for m in moves]
+        return law(self.x), np.column_stack(slopes)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON; what is not finite is ``None``."""
+        ends = [self.restitution_at(speed) for speed in self.speeds_m_s]
+        return {
+            "model": self.model,
+            "text": bounce_models.model_of(self.model).text,
+            "parameters": {
+                name: {
+                    "value": _plain(value), "u": _plain(u),
+                    "low": _plain(low), "high": _plain(high), "interval": how,
+                }
+                for name, value, u, (low, high), how in zip(
+                    self.names, self.values, self.u, self.intervals, self.how, strict=True
+                )
+            },
+            "covariance": [[_plain(c) for c in row] for row in self.covariance],
+            "correlation": [[_plain(c) for c in row] for row in self.correlation],
+            "fixed": {name: _plain(value) for name, value in self.problem.fixed.items()},
+            "priors": {n: {"value": p.value, "u": p.u} for n, p in self.problem.priors.items()},
+            "pulls": {name: _plain(pull) for name, pull in self.pulls.items()},
+            "chi2": self.chi2, "dof": self.dof, "s2": self.s2, "count": self.count,
+            "effective_unknowns": self.effective, "rms": dict(self.rms),
+            "restitution": [
+                {"speed_m_s": speed, "value": e, "u": u}
+                for speed, (e, u) in zip(self.speeds_m_s, ends, strict=True)
+            ],
+            "at_bound": list(self.at_bound), "warnings": list(self.warnings),
+        }  # fmt: skip
+
+
+def fit(
+    drops: Impacts | Sequence[Impacts],
+    model: str = "constant",
+    *,
+    unknowns: Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    priors: Mapping[str, Prior] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    intervals: bool = False,
+    profiles: bool = True,
+) -> Fit:
+    """Fits a closed form to one drop or to several together.
+
+    Args:
+        drops: what was measured.
+        model: name of the model.
+        unknowns: what is sought; by default all of the model, and the height and release time of
+            each drop.
+        fixed: values of what is not sought, such as gravity_m_s2 or terminal_speed_m_s.
+        priors: what is known of unknowns.
+        bounds: limits of unknowns.
+        intervals: judge the times between impacts in place of the impact times.
+        profiles: whether intervals are profiled where the normal ones may be wrong.
+
+    Raises:
+        InputError: every fault of the request, or too few numbers for the unknowns.
+    """
+    from simcompare.fitting.bounces import diagnostics, profile
+
+    whole = build(
+        [drops] if isinstance(drops, Impacts) else list(drops),
+        bounce_models.model_of(model), unknowns=unknowns, fixed=fixed, priors=priors,
+        bounds=bounds, intervals=intervals,
+    )  # fmt: skip
+    first = initial_guess.of(whole)
+    alone = _minimum(whole, first, priors=False) if whole.priors else None
+    s2, dof = _scatter(whole, first, alone)
+    scaled = whole.widened(math.sqrt(s2))
+    best = _minimum(scaled, first)
+    found = summary(whole, scaled, best, s2, dof)
+    ends = profile.intervals(found, scaled) if profiles else None
+    return diagnostics.completed(found, scaled, ends)
+
+
+def summary(
+    whole: Problem, scaled: Problem, best: least_squares.Solution, s2: float, dof: int
+) -> Fit:
+    """The fit with normal intervals and no warnings yet."""
+    x, held = best.x[0], best.at_bound[0] != 0
+    covariance = covariance_of(best.jacobian[0], held)
+    rows = len(whole.data)
+    own = best.jacobian[0][:rows]
+    values = np.array([float(shown(n, v)) for n, v in zip(whole.names, x, strict=True)])
+    scale = np.array([scale_of(n, v) for n, v in zip(whole.names, values, strict=True)])
+    half = COVERAGE * np.sqrt(np.diag(covariance))
+    intervals = tuple(
+        as_interval(name, low, high)
+        for name, low, high in zip(whole.names, x - half, x + half, strict=True)
+    )
+    left = whole.residuals(x, priors=False)
+    effective = float(np.clip(np.trace(own @ covariance @ own.T), 0.0, len(values)))
+    return Fit(
+        model=whole.model.name, names=whole.names, values=values,
+        covariance=covariance * np.outer(scale, scale), intervals=intervals,
+        how=("normal",) * len(values), chi2=float(left @ left), dof=dof, s2=s2, count=rows,
+        effective=effective, rms=_rms(whole, x),
+        speeds_m_s=_speeds(whole, x), pulls={},
+        at_bound=tuple(n for n, h in zip(whole.names, held, strict=True) if h), warnings=(),
+        problem=scaled, x=x, sought_covariance=covariance,
+    )  # fmt: skip
+
+
+def covariance_of(jacobian: Array, held: Array | None = None) -> Array:
+    """(JᵀJ)⁻¹ of whitened residuals; zero for unknowns that a bound holds (p, p)."""
+    free = np.ones(jacobian.shape[1], dtype=bool) if held is None else ~np.asarray(held, dtype=bool)
+    part = jacobian[:, free]
+    size = np.linalg.norm(part, axis=0)
+    size = np.where(size > 0, size, 1e-150)
+    _, s, v = np.linalg.svd(part / size, full_matrices=False)
+    # a direction that nothing determines has an uncertainty without bound, not none
+    inverse = (v.T / np.maximum(s, 1e-10) ** 2) @ v / np.outer(size, size)
+    whole = np.zeros((jacobian.shape[1], jacobian.shape[1]))
+    whole[np.ix_(free, free)] = inverse
+    return whole
+
+
+def as_interval(name: str, low: float, high: float) -> tuple[float, float]:
+    """Ends of an interval of the sought number as values of the unknown, the lower first."""
+    ends = float(shown(name, low)), float(shown(name, high))
+    return min(ends), max(ends)
+
+
+def shape(impacts: Impacts, model: str, count: int) -> tuple[Array, Array]:
+    """Impact times 1 … count of the closed form that fits best, and the residuals' Jacobian."""
+    problem = build([impacts], bounce_models.model_of(model))
+    best = _minimum(problem, initial_guess.of(problem))
+    values = problem.values(best.x[0], 0)
+    return bounce_models.bounces(problem.model, values, count).impact_s, best.jacobian[0]
+
+
+def minimise(
+    problem: Problem,
+    start: Array,
+    data: Array | None = None,
+    mean: Array | None = None,
+    *,
+    priors: bool = True,
+) -> least_squares.Solution:
+    """Fits of the same problem side by side, from starts (B, p) and to data (B, n)."""
+    return least_squares.solve(
+        lambda x: problem.residuals(x, data, mean, priors=priors),
+        start, problem.low, problem.high, problem.size,
+    )  # fmt: skip
+
+
+def _minimum(problem: Problem, start: Array, *, priors: bool = True) -> least_squares.Solution:
+    return minimise(problem, start[None, :], priors=priors)
+
+
+def _scatter(
+    problem: Problem, start: Array, alone: least_squares.Solution | None
+) -> tuple[float, int]:
+    """s² and its degrees of freedom, from the data alone where they determine the unknowns."""
+    dof = len(problem.data) - len(problem.names)
+    if alone is not None and dof > 0:
+        chi2 = float(alone.chi2[0])
+    else:
+        dof += len(problem.priors)
+        chi2 = float(_minimum(problem, start).chi2[0])
+    if dof == 0:
+        return 1.0, 0
+    ratio = chi2 / dof
+    return (max(1.0, ratio) if problem.u_known else max(ratio, 1e-12)), dof
+
+
+def scale_of(name: str, value: float) -> float:
+    """Derivative of the value to the sought number; NaN where the value is infinite."""
+    return 1 / slope(name, value) if math.isfinite(value) else math.nan
+
+
+def _rms(problem: Problem, x: Array) -> dict[str, float]:
+    left = problem.data - problem.predicted(x)
+    found: dict[str, list[Array]] = {}
+    at = 0
+    for block in problem.blocks:
+        found.setdefault(block.kind, []).append(left[at : at + len(block.data)])
+        at += len(block.data)
+    return {k: float(np.sqrt(np.mean(np.concatenate(v) ** 2))) for k, v in found.items()}
+
+
+def _speeds(problem: Problem, x: Array) -> tuple[float, float]:
+    speeds = []
+    for number, drop in enumerate(problem.drops):
+        values = problem.values(x, number)
+        found = bounce_models.bounces(problem.model, values, drop.count).speed_m_s
+        speeds += [float(found.min()), float(found.max())]
+    return min(speeds), max(speeds)
+
+
+def _plain(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

@@ -1,0 +1,141 @@
+"""What a report draws of a fit: what is left, e(v), ratios of single bounces, and profiles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from simcompare.errors import InputError
+from simcompare.fitting.bounces import bounce_models, profile, ratios
+from simcompare.fitting.bounces.beside import Bouncing, engine_bounces
+from simcompare.fitting.bounces.impacts import Impacts
+from simcompare.fitting.bounces.likelihood import NUISANCE, Fit
+from simcompare.fitting.bounces.problem import U_UNKNOWN_S, base, own_drop
+from simcompare.model.trajectory import Array
+
+#: samples of a video whose residuals are kept, speeds of the law, and most profiles
+_SAMPLES, _SPEEDS, _PROFILES = 200, 25, 6
+
+
+def left_of(fit: Fit, shown: Sequence[Bouncing] | None = None) -> list[dict[str, Any]]:
+    """Measured less predicted, for every kind of number of every drop.
+
+    Args:
+        fit: with which parameters.
+        shown: how an engine differs from the closed form in each drop; ``None`` for the closed
+            form itself.
+
+    Returns:
+        For each drop and kind ("times" [s], "heights" [m], "track" [m]): ``at`` are the numbers of
+        the impacts or apexes, or times [s]; ``u`` the standard uncertainty, from the scatter where
+        none is ``stated``; ``judged`` whether the fit minimised these. Times and heights of a video
+        are drawn from its arcs and only shown.
+    """
+    found: list[dict[str, Any]] = []
+    for number, drop in enumerate(fit.problem.drops):
+        values = fit.problem.values(fit.x, number)
+        closed = bounce_models.bounces(fit.problem.model, values, drop.count)
+        ours = closed if shown is None else engine_bounces(closed, shown[number])
+        if len(drop.times_s):
+            left = drop.times_s - ours.impact_s[np.array(drop.numbers) - 1]
+            found.append(_row(fit, number, "times", drop.numbers, left, drop.u_s))
+        if len(drop.heights_m):
+            left = drop.heights_m - ours.apex_m[np.array(drop.height_numbers)]
+            at = drop.height_numbers
+            found.append(_row(fit, number, "heights", at, left, drop.u_heights_m))
+        if drop.track is not None:
+            track = drop.track
+            seen = bounce_models.height_at(ours, values, track.time_s, track.flight)
+            kept = slice(None, None, math.ceil(len(track.time_s) / _SAMPLES))
+            at, left = track.time_s[kept].tolist(), (track.height_m - seen)[kept]
+            found.append(_row(fit, number, "track", at, left, track.u_m[kept]))
+    return found
+
+
+def _row(
+    fit: Fit, number: int, kind: str, at: Sequence[float], left: Array, u: Array
+) -> dict[str, Any]:
+    assumed = U_UNKNOWN_S * math.sqrt(fit.s2)
+    return {
+        "drop": number + 1, "kind": kind, "at": list(at), "left": np.ravel(left).tolist(),
+        "u": np.where(np.isfinite(u), u, assumed).tolist(),
+        "stated": bool(np.all(np.isfinite(u))),
+        "judged": kind == "track" or fit.problem.drops[number].track is None,
+    }  # fmt: skip
+
+
+def law_of(fit: Fit) -> dict[str, Any]:
+    """Restitution against speed as the closed form has it, and the speed of every impact."""
+    low, high = fit.speeds_m_s
+    speeds = np.linspace(low, high, _SPEEDS)
+    both = [fit.restitution_at(float(speed)) for speed in speeds]
+    impacts = []
+    for number, drop in enumerate(fit.problem.drops):
+        values = fit.problem.values(fit.x, number)
+        found = bounce_models.bounces(fit.problem.model, values, drop.count)
+        impacts.append(np.ravel(found.speed_m_s).tolist())
+    return {
+        "speed_m_s": speeds.tolist(), "value": [value for value, _ in both],
+        "u": [u for _, u in both], "impact_speed_m_s": impacts,
+    }  # fmt: skip
+
+
+def measured_ratios(fit: Fit) -> list[dict[str, Any]]:
+    """Ratios of neighbouring flights, or roots of ratios of heights, and what the fit expects."""
+    found = []
+    for number, drop in enumerate(fit.problem.drops, start=1):
+        try:
+            best = ratios.ratios(drop)
+            numbers, values, u, how = best.numbers, best.values, best.u, "flight times"
+        except InputError:
+            numbers, values, u, how = _of_heights(drop)
+        if len(numbers):
+            closed = bounce_models.bounces(
+                fit.problem.model, fit.problem.values(fit.x, number - 1), max(numbers) + 1
+            )
+            times, heights = np.ravel(closed.impact_s), np.ravel(closed.apex_m)
+            at = np.array(numbers)
+            if how == "heights":
+                expected = np.sqrt(heights[at] / heights[at - 1])
+            else:
+                before = times[at - 1] - times[at - 2]
+                expected = (times[at] - times[at - 1]) / before
+            found.append({
+                "drop": number, "how": how, "numbers": list(numbers), "values": values.tolist(),
+                "expected": expected.tolist(),
+                "u": [float(v) if np.isfinite(v) else None for v in u],
+            })  # fmt: skip
+    return found
+
+
+def _of_heights(drop: Impacts) -> tuple[tuple[int, ...], Array, Array, str]:
+    at = np.array(drop.height_numbers, dtype=int)
+    pairs = [k for k in range(1, len(at)) if at[k] - at[k - 1] == 1]
+    after, before = drop.heights_m[pairs], drop.heights_m[[k - 1 for k in pairs]]
+    u_after, u_before = drop.u_heights_m[pairs], drop.u_heights_m[[k - 1 for k in pairs]]
+    values = np.sqrt(after / before)
+    u = values / 2 * np.hypot(u_after / after, u_before / before)
+    return tuple(at[pairs].tolist()), values, u, "heights"
+
+
+def profiles_of(fit: Fit) -> list[dict[str, Any]]:
+    """How χ² rises when one unknown is held and all others make up for it."""
+    asked = [n for n in fit.names if base(n) not in NUISANCE and own_drop(n) in (None, 0)]
+    found = []
+    for name in asked[:_PROFILES]:
+        one = profile.profile(fit, name)
+        finite = np.isfinite(one.values)
+        order = np.argsort(one.values[finite])
+        found.append({
+            "name": name, "values": one.values[finite][order].tolist(),
+            "chi2": one.chi2[finite][order].tolist(), "low": _plain(one.low),
+            "high": _plain(one.high),
+        })  # fmt: skip
+    return found
+
+
+def _plain(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

@@ -1,0 +1,372 @@
+"""One fit put together: drops, model, unknowns, priors and bounds become weighted residuals.
+
+The terminal speed v_t is sought as 1/v_t², in which the data are nearly linear and vacuum is 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from simcompare.errors import InputError, UnknownName
+from simcompare.fitting.bounces import bounce_models
+from simcompare.fitting.bounces.bounce_models import DEFAULTS, Model
+from simcompare.fitting.bounces.impacts import Impacts
+from simcompare.model.trajectory import Array
+
+#: unknowns of which every drop has its own
+OF_A_DROP = ("drop_height_m", "release_time_s", "floor_m")
+SPEED = "terminal_speed_m_s"
+#: where nothing else is said; a fit does not leave them
+BOUNDS = {
+    "restitution": (0.01, 0.9999), "exponent": (-0.5, 1.0), SPEED: (0.5, np.inf),
+    "drop_height_m": (1e-4, 100.0), "release_time_s": (-np.inf, np.inf),
+    "clock_skew": (-0.01, 0.01), "floor_m": (-np.inf, np.inf), "scale": (0.1, 10.0),
+}  # fmt: skip
+#: usual sizes, for differences and steps
+_SIZES = {
+    "restitution": 1.0, "exponent": 1.0, SPEED: 0.01, "drop_height_m": 0.3,
+    "release_time_s": 0.3, "clock_skew": 1e-2, "floor_m": 0.1, "scale": 1.0,
+}  # fmt: skip
+#: timing uncertainty that is assumed until the scatter tells, where none is stated [s]
+U_UNKNOWN_S = 1e-3
+
+
+@dataclass(frozen=True)
+class Prior:
+    """What is known of an unknown beforehand: a normal distribution."""
+
+    value: float
+    u: float
+
+
+@dataclass(frozen=True)
+class Block:
+    """Measured numbers of one kind of one drop.
+
+    Attributes:
+        kind: "times", "intervals", "heights" or "track".
+        drop: number of the drop.
+        data: (n,).
+        whiten: multiplies residuals to unit variance: one number each (n,), or a matrix (n, n).
+    """
+
+    kind: str
+    drop: int
+    data: Array
+    whiten: Array
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What a fit minimises.
+
+    Attributes:
+        model: which.
+        drops: the measurements.
+        names: unknowns; those of one of several drops end with its number, "drop_height_m[2]".
+        fixed: what is not sought, by name.
+        priors: by name of the unknown.
+        bounds: by name of the unknown.
+        blocks: measured numbers.
+        u_known: whether the measurements' uncertainties are stated; else the scatter tells.
+    """
+
+    model: Model
+    drops: tuple[Impacts, ...]
+    names: tuple[str, ...]
+    fixed: Mapping[str, float]
+    priors: Mapping[str, Prior]
+    bounds: Mapping[str, tuple[float, float]]
+    blocks: tuple[Block, ...] = field(repr=False)
+    u_known: bool = True
+
+    @property
+    def data(self) -> Array:
+        """All measured numbers (n,)."""
+        return np.concatenate([block.data for block in self.blocks])
+
+    @property
+    def low(self) -> Array:
+        """Lower bounds of the sought numbers (p,)."""
+        return np.array([min(_both(name, self.bounds[name])) for name in self.names])
+
+    @property
+    def high(self) -> Array:
+        """Upper bounds of the sought numbers (p,)."""
+        return np.array([max(_both(name, self.bounds[name])) for name in self.names])
+
+    @property
+    def size(self) -> Array:
+        """Usual sizes (p,)."""
+        return np.array([_SIZES[base(name)] for name in self.names])
+
+    @property
+    def prior_rows(self) -> tuple[Array, Array, Array]:
+        """Index, mean and standard uncertainty of the priors on the sought numbers."""
+        index, mean, u = [], [], []
+        for name, prior in self.priors.items():
+            index.append(self.names.index(name))
+            mean.append(sought(name, prior.value))
+            u.append(prior.u * abs(slope(name, prior.value)))
+        return np.array(index, dtype=int), np.array(mean), np.array(u)
+
+    def values(self, x: Array, drop: int) -> dict[str, Array | float]:
+        """Parameters of one drop for sets of sought numbers (…, p)."""
+        found: dict[str, Array | float] = {**DEFAULTS, **self.fixed}
+        for k, name in enumerate(self.names):
+            if own_drop(name) in (None, drop):
+                found["drag_k" if base(name) == SPEED else base(name)] = x[..., k]
+        return found
+
+    def predicted(self, x: Array) -> Array:
+        """What would be measured (…, n)."""
+        parts = []
+        for number, impacts in enumerate(self.drops):
+            values = self.values(x, number)
+            found = bounce_models.bounces(self.model, values, impacts.count)
+            for block in self.blocks:
+                if block.drop == number:
+                    parts.append(seen_in(block, impacts, found, values, x.shape[:-1]))
+        return np.concatenate(parts, axis=-1)
+
+    def residuals(
+        self, x: Array, data: Array | None = None, mean: Array | None = None, *, priors: bool = True
+    ) -> Array:
+        """Whitened residuals, those of the priors last (…, n + m).
+
+        Args:
+            x: sought numbers (…, p).
+            data: other data than the measured ones, (n,) or (B, n).
+            mean: other means of the priors (m,) or (B, m).
+            priors: whether the priors count.
+        """
+        left = (self.data if data is None else data) - self.predicted(x)
+        parts, at = [], 0
+        for block in self.blocks:
+            part = left[..., at : at + len(block.data)]
+            at += len(block.data)
+            matrix = block.whiten.ndim == 2
+            parts.append(part @ block.whiten.T if matrix else part * block.whiten)
+        index, centre, u = self.prior_rows
+        if priors and len(index):
+            parts.append(((centre if mean is None else mean) - x[..., index]) / u)
+        return np.concatenate(parts, axis=-1)
+
+    def noise(self, generator: np.random.Generator, draws: int) -> Array:
+        """Draws of the measurement errors (draws, n)."""
+        parts = []
+        for block in self.blocks:
+            white = generator.standard_normal((draws, len(block.data)))
+            if block.whiten.ndim == 2:
+                parts.append(np.linalg.solve(block.whiten, white.T).T)
+            else:
+                parts.append(white / block.whiten)
+        return np.concatenate(parts, axis=-1)
+
+    def widened(self, factor: float) -> Problem:
+        """The same with all measurement uncertainties multiplied."""
+        blocks = tuple(replace(block, whiten=block.whiten / factor) for block in self.blocks)
+        return replace(self, blocks=blocks)
+
+
+def build(
+    drops: Sequence[Impacts],
+    model: Model,
+    *,
+    unknowns: Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    priors: Mapping[str, Prior] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    intervals: bool = False,
+) -> Problem:
+    """Checks what was asked and puts it together.
+
+    Args:
+        drops: the measurements, one for each drop of the ball.
+        model: which.
+        unknowns: what is sought; by default all of the model, and height and release of each drop.
+        fixed: values of what is not sought.
+        priors: what is known of unknowns; a name without a number holds for every drop.
+        bounds: limits of unknowns, in place of those that physics sets.
+        intervals: judge the times between impacts, with their tri-diagonal covariance, in place
+            of the impact times.
+
+    Raises:
+        InputError: every fault of the request.
+    """
+    asked = [SPEED if n == "terminal_speed" else n for n in unknowns or usual(drops, model)]
+    fixed, priors, bounds = dict(fixed or {}), dict(priors or {}), dict(bounds or {})
+    if unknowns is None:
+        asked = [name for name in asked if name not in fixed]
+    if intervals:
+        asked = [name for name in asked if name != "release_time_s"]
+    faults = _faults(asked, fixed, priors, bounds)
+    names = [n for name in asked for n in _numbered(name, len(drops))]
+    blocks = [b for k, drop in enumerate(drops) for b in _blocks(drop, k, intervals)]
+    known = all(drop.u_known for drop in drops)
+    rows = sum(len(block.data) for block in blocks)
+    spread_priors = {n: p for name, p in priors.items() for n in _numbered(name, len(drops))}
+    spread_priors = {n: p for n, p in spread_priors.items() if n in names}
+    if not faults and rows + len(spread_priors) < len(names):
+        faults.append(
+            f"{rows} measured numbers and {len(spread_priors)} priors cannot give {len(names)}"
+            f" unknowns ({', '.join(names)}); record more bounces, fix some or give priors"
+        )
+    elif not faults and not known and rows + len(spread_priors) == len(names):
+        faults.append(
+            f"{rows} measured numbers without a stated uncertainty leave nothing that tells their"
+            f" scatter when {len(names)} unknowns are fitted; state the uncertainty or record more"
+        )
+    if faults:
+        raise InputError("fit", faults)
+    limits = {n: bounds.get(n, bounds.get(base(n), BOUNDS[base(n)])) for n in names}
+    return Problem(
+        model, tuple(drops), tuple(names), fixed, spread_priors, limits, tuple(blocks), known
+    )
+
+
+def base(name: str) -> str:
+    """The name without the number of a drop: drop_height_m for drop_height_m[2]."""
+    return name.partition("[")[0]
+
+
+def own_drop(name: str) -> int | None:
+    """Number of the drop (from 0) to which an unknown belongs; ``None`` for all."""
+    _, bracket, rest = name.partition("[")
+    if bracket:
+        return int(rest[:-1]) - 1
+    return None
+
+
+def sought(name: str, value: float) -> float:
+    """The number that is sought for a value of an unknown."""
+    return 1 / value**2 if base(name) == SPEED else value
+
+
+def shown(name: str, x: Array | float) -> Array:
+    """The value of an unknown from the number that is sought; infinite speed for no drag."""
+    if base(name) != SPEED:
+        return np.asarray(x, dtype=float)
+    k = np.asarray(x, dtype=float)
+    return np.where(k > 0, 1 / np.sqrt(np.where(k > 0, k, 1.0)), np.inf)
+
+
+def slope(name: str, value: float) -> float:
+    """Derivative of the sought number to the value."""
+    return -2 / value**3 if base(name) == SPEED else 1.0
+
+
+def _both(name: str, bounds: tuple[float, float]) -> tuple[float, float]:
+    return sought(name, bounds[0]), sought(name, bounds[1])
+
+
+def usual(drops: Sequence[Impacts], model: Model) -> list[str]:
+    """What a fit seeks where nothing is said: the model, and where and when each drop began."""
+    names = list(model.own)
+    if all(len(drop.times_s) or drop.track for drop in drops):
+        names += ["drop_height_m", "release_time_s"]
+    elif any(len(drop.heights_m) for drop in drops):
+        names.append("drop_height_m")
+    if any(drop.track for drop in drops):
+        names.append("floor_m")
+    return names
+
+
+def _numbered(name: str, drops: int) -> list[str]:
+    if drops == 1 or name not in OF_A_DROP:
+        return [name]
+    return [f"{name}[{k + 1}]" for k in range(drops)]
+
+
+def _faults(
+    asked: Sequence[str],
+    fixed: Mapping[str, float],
+    priors: Mapping[str, Prior],
+    bounds: Mapping[str, tuple[float, float]],
+) -> list[str]:
+    """Every fault of the names and numbers that were given."""
+    unknown = [n for n in dict.fromkeys((*asked, *priors, *bounds)) if base(n) not in BOUNDS]
+    faults = [str(UnknownName("unknown of a bounce", name, BOUNDS)) for name in unknown]
+    for name in fixed:
+        if base(name) not in DEFAULTS:
+            faults.append(str(UnknownName("parameter of a bounce", name, DEFAULTS)))
+    for name in dict.fromkeys(asked):
+        if name in fixed:
+            faults.append(f"{name} is both sought and fixed at {fixed[name]:g}; choose one")
+        if list(asked).count(name) > 1:
+            faults.append(f"{name} is sought twice")
+    for name, prior in priors.items():
+        faults += _prior_faults(name, prior)
+    for name, limits in bounds.items():
+        faults += _bound_faults(name, *limits)
+    if not asked:
+        faults.append("nothing is sought; name at least one unknown")
+    return faults
+
+
+def _prior_faults(name: str, prior: Prior) -> list[str]:
+    if not (np.isfinite(prior.value) and np.isfinite(prior.u) and prior.u > 0):
+        return [f"the prior {prior.value:g} ± {prior.u:g} of {name} is no normal distribution; give"
+                " a finite value and an uncertainty above 0"]  # fmt: skip
+    if base(name) == SPEED and not prior.value > 0:
+        return [f"the prior of {name} is {prior.value:g}; a speed is above 0"]
+    return []
+
+
+def _bound_faults(name: str, low: float, high: float) -> list[str]:
+    if not low < high:
+        return [f"the bounds of {name} are {low:g} to {high:g}; the first must be lower"]
+    if base(name) == SPEED and low <= 0:
+        return [f"the lower bound of {name} is {low:g}; a speed is above 0"]
+    return []
+
+
+def _blocks(drop: Impacts, number: int, intervals: bool) -> list[Block]:
+    """Measured numbers of one drop; a track stands for the times and heights drawn from it."""
+    blocks = []
+    if drop.track is not None:
+        u = np.where(np.isfinite(drop.track.u_m), drop.track.u_m, U_UNKNOWN_S)
+        return [Block("track", number, drop.track.height_m, 1 / u)]
+    if len(drop.times_s):
+        covariance = drop.covariance(U_UNKNOWN_S)
+        if intervals:
+            step = np.diff(np.eye(len(drop.times_s)), axis=0)
+            whole = step @ covariance @ step.T
+            blocks.append(Block("intervals", number, np.diff(drop.times_s), _whitening(whole)))
+        elif drop.covariance_s2 is not None:
+            blocks.append(Block("times", number, drop.times_s, _whitening(covariance)))
+        else:
+            blocks.append(Block("times", number, drop.times_s, 1 / np.sqrt(np.diag(covariance))))
+    if len(drop.heights_m):
+        u = np.where(np.isfinite(drop.u_heights_m), drop.u_heights_m, 1e-3)
+        blocks.append(Block("heights", number, drop.heights_m, 1 / u))
+    return blocks
+
+
+def _whitening(covariance: Array) -> Array:
+    """Inverse of the Cholesky factor."""
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
+
+
+def seen_in(
+    block: Block,
+    impacts: Impacts,
+    found: bounce_models.Bounces,
+    values: Mapping[str, Array | float],
+    shape: tuple[int, ...],
+) -> Array:
+    """What bounces look like in the measured numbers of a block, for parameter sets of a shape."""
+    if block.kind == "track":
+        assert impacts.track is not None
+        track = impacts.track
+        part = bounce_models.height_at(found, values, track.time_s, track.flight)
+    elif block.kind == "heights":
+        part = found.apex_m[..., np.array(impacts.height_numbers)]
+    else:
+        part = found.impact_s[..., np.array(impacts.numbers) - 1]
+        if block.kind == "intervals":
+            part = np.diff(part, axis=-1)
+    return np.broadcast_to(part, (*shape, len(block.data)))

@@ -1,0 +1,99 @@
+"""Restitution from ratios of neighbouring flights, which no clock's offset or rate can change."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from simcompare.errors import InputError
+from simcompare.fitting.bounces.impacts import Impacts
+from simcompare.model.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Ratios:
+    """e_n = T_{n+1}/T_n of each impact between two whole flights.
+
+    Attributes:
+        numbers: which impacts.
+        values: the ratios (n,).
+        u: their standard uncertainties, NaN where those of the times are unknown (n,).
+        covariance: of the ratios, which share flights (n, n).
+        mean: the generalised least-squares mean.
+        u_mean: its standard uncertainty.
+        trend: by how much the ratio rises from impact to impact.
+        u_trend: its standard uncertainty.
+        text: what the trend says.
+    """
+
+    numbers: tuple[int, ...]
+    values: Array
+    u: Array
+    covariance: Array
+    mean: float
+    u_mean: float
+    trend: float
+    u_trend: float
+    text: str
+
+
+def ratios(impacts: Impacts) -> Ratios:
+    """Ratios of neighbouring flights, both of whose ends were recorded.
+
+    Raises:
+        InputError: no two flights follow each other.
+    """
+    number = np.array(impacts.numbers)
+    inner = [k for k in range(1, len(number) - 1) if number[k + 1] - number[k - 1] == 2]
+    if not inner:
+        raise InputError(
+            impacts.source or "impacts",
+            ["no two whole flights follow each other; a ratio needs three impacts in a row"],
+        )
+    times = impacts.times_s
+    at = np.array(inner)
+    before, after = times[at] - times[at - 1], times[at + 1] - times[at]
+    values = after / before
+    change = np.zeros((len(at), len(times)))
+    rows = np.arange(len(at))
+    change[rows, at - 1] = values / before
+    change[rows, at] = -(1 + values) / before
+    change[rows, at + 1] = 1 / before
+    known = bool(np.all(np.isfinite(impacts.u_s)))
+    covariance = change @ impacts.covariance(1.0) @ change.T
+    mean, u_mean, trend, u_trend = _line(number[at], values, covariance, known)
+    u = np.sqrt(np.diag(covariance)) if known else np.full(len(values), np.nan)
+    return Ratios(tuple(number[at].tolist()), values, u, covariance, mean, u_mean, trend, u_trend,
+                  _text(trend, u_trend))  # fmt: skip
+
+
+def _line(
+    number: Array, values: Array, covariance: Array, known: bool
+) -> tuple[float, float, float, float]:
+    """Weighted mean and weighted slope with their uncertainties."""
+    weight = np.linalg.inv(covariance)
+    ones = np.ones((len(values), 1))
+    steps = np.column_stack((ones[:, 0], number - number.mean()))
+    found = []
+    for design in (ones, steps[:, : min(2, len(values))]):
+        cov = np.linalg.inv(design.T @ weight @ design)
+        best = cov @ design.T @ weight @ values
+        left = values - design @ best
+        degrees = len(values) - design.shape[1]
+        scale = float(left @ weight @ left) / degrees if degrees else 1.0
+        factor = max(1.0, scale) if known else (scale if degrees else np.nan)
+        found.append((float(best[-1]), float(np.sqrt(factor * cov[-1, -1]))))
+    (mean, u_mean), (trend, u_trend) = found
+    return (mean, u_mean, trend, u_trend) if len(values) > 1 else (mean, u_mean, 0.0, np.inf)
+
+
+def _text(trend: float, u_trend: float) -> str:
+    if not np.isfinite(u_trend) or abs(trend) < 3 * u_trend:
+        return "the ratios of flights show no trend"
+    if trend > 0:
+        return (f"the ratios of flights rise by {trend:.2g} from impact to impact: the mark of air"
+                " drag, or of a restitution that falls with speed")  # fmt: skip
+    return (f"the ratios of flights fall by {-trend:.2g} from impact to impact: neither drag nor a"
+            " restitution that falls with speed does that; look at the last impacts, where the"
+            " ball may have rolled or the sounds run together")  # fmt: skip

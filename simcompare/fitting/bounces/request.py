@@ -1,0 +1,93 @@
+"""What the user asks of a fit of bounces, checked before anything is read or simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from simcompare import units
+from simcompare.errors import InputError, UnknownName
+from simcompare.fitting.bounces import bounce_models
+from simcompare.fitting.bounces.problem import SPEED, Prior
+from simcompare.fitting.bounces.roles import Roles
+from simcompare.scenarios.scenario_file import ScenarioFile
+
+
+@dataclass(frozen=True)
+class Asked:
+    """Unknowns, fixed values and priors, by the closed form's names.
+
+    Attributes:
+        extra: unknowns beside those of the model.
+        fixed: what is not sought.
+        priors: what is known beforehand.
+    """
+
+    extra: tuple[str, ...]
+    fixed: Mapping[str, float]
+    priors: Mapping[str, Prior]
+
+
+def check_request(
+    recordings: Sequence[str | Path],
+    hold_out: Sequence[str | Path],
+    u_time_s: float | None,
+    roles: Roles,
+    settings: Mapping[str, float],
+) -> None:
+    """Raises ``InputError`` for what would count data twice, or would be ignored."""
+    if u_time_s is not None and not u_time_s > 0:
+        raise InputError("--u-time", [f"{u_time_s:g} s is not an uncertainty; it must exceed 0"])
+    places = [str(Path(name).resolve()) for name in (*recordings, *hold_out)]
+    twice = {str(n) for n, p in zip((*recordings, *hold_out), places, strict=True)
+             if places.count(p) > 1}  # fmt: skip
+    if twice:
+        raise InputError(
+            "--recording, --hold-out",
+            [
+                f"{name} is given twice; what was seen predicts nothing new"
+                for name in sorted(twice)
+            ],
+        )
+    sought = {name: called for name, called in roles.sought.items() if name in settings}
+    if sought:
+        raise InputError(
+            "--set",
+            [
+                f"{name} belongs to the bounce; give it with --fix or --prior"
+                + ("" if name == called else f" as {called}")
+                for name, called in sought.items()
+            ],
+        )
+
+
+def given_of(
+    file: ScenarioFile, set: Mapping[str, str | float] | None, preset: str | None
+) -> dict[str, float]:
+    """Every parameter of the scenario: its own value, a preset's, or the user's."""
+    values = {name: parameter.value for name, parameter in file.parameters.items()}
+    if preset is not None:
+        if preset not in file.presets:
+            raise UnknownName(f"preset of {file.name}", preset, file.presets)
+        values.update(file.presets[preset].set)
+    return {**values, **file.read_settings(set or {})}
+
+
+def numbers_of(fixed: Mapping[str, str | float]) -> dict[str, float]:
+    """Fixed values by the closed form's names [SI]."""
+    found = {}
+    for text, value in fixed.items():
+        name = units.find_name(text, bounce_models.DEFAULTS)
+        if name is None:
+            raise UnknownName("parameter of a bounce", text, bounce_models.DEFAULTS)
+        found[name] = units.to_si(value, units.unit_of(name), f"--fix {text}")
+    return found
+
+
+def candidates(model: str, asked: Asked) -> list[str]:
+    """Closed forms that are compared; with a known terminal speed those without drag fall away."""
+    if model != "auto":
+        return [bounce_models.model_of(model).name]
+    known = SPEED in asked.fixed
+    return [name for name, one in bounce_models.MODELS.items() if one.drag or not known]

@@ -1,0 +1,268 @@
+"""Each engine's own numbers for its plain loop, and what it shows with them beside the closed form.
+
+Nothing is fitted to the engine's run: its numbers are calibrated on drops, so that the restitution
+of the first recorded impact is the closed form's, and are then held fixed. What its contact adds,
+such as the time that it lasts, is told and never made up for by another restitution.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from simcompare.engine.calibration.calibration import PHASES as CALIBRATED
+from simcompare.engine.calibration.plan import drop_plans
+from simcompare.errors import SimcompareError
+from simcompare.fitting.bounces import bounce_models
+from simcompare.fitting.bounces.beside import (
+    NO_CLOCK,
+    Bouncing,
+    Part,
+    beside,
+    ends_s,
+    scenes,
+    together,
+)
+from simcompare.fitting.bounces.engine_fit import contact_rows
+from simcompare.fitting.bounces.likelihood import Fit
+from simcompare.fitting.bounces.roles import Roles
+from simcompare.fitting.bounces.tuned_fit import Number, TunedFit
+from simcompare.fitting.bounces.wanted import Wanted
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import TUNED, PairNumbers, Settings
+from simcompare.model.trajectory import Array, Trajectory
+from simcompare.running.jobs import FAILED, OK, Job, Outcome
+from simcompare.running.runner import TIME_LIMIT_S, Progress, run_jobs
+
+#: part by which the last number is changed to see what the restitution makes of it
+_CHANGE = 0.01
+#: simulated time after the last measured impact [s], and steps for the contact of each impact
+_AFTER_S, _CONTACT_STEPS = 0.05, 15
+
+
+def tune_engines(
+    roles: Roles,
+    best: Fit,
+    wanted: Wanted,
+    engines: Sequence[str],
+    *,
+    step_s: float | None = None,
+    time_limit_s: float = TIME_LIMIT_S,
+    progress: Progress | None = None,
+) -> list[TunedFit]:
+    """Tunes all engines and runs the drops in their plain loops, each in a process of its own.
+
+    Args:
+        roles: the scenario.
+        best: the closed form.
+        wanted: what is asked of the engines.
+        engines: names.
+        step_s: time between samples; the scenario's own where ``None``.
+        time_limit_s: longest time for one simulation [s].
+        progress: called as jobs end.
+    """
+    drops = [_drop_scenes(roles, wanted, drop, step_s) for drop in range(len(wanted.drops))]
+    middle = drops[wanted.lead][wanted.phases // 2]
+    plans = tuple(
+        replace(plan, speed_m_s=wanted.speed_m_s) if _is_wanted(plan.restitution, middle, roles)
+        else plan for plan in drop_plans(middle)
+    )  # fmt: skip
+    tuning = Settings(TUNED, drops=plans)
+    jobs = [Job(name, middle, tuning) for name in engines]
+    first = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
+    short = _short_scenes(wanted, drops[wanted.lead])
+    jobs = []
+    for outcome in first:
+        if outcome.trajectory is not None:
+            numbers = _pair_numbers(outcome.trajectory)
+            jobs += [
+                Job(outcome.job.engine, scene, Settings(TUNED, numbers=numbers), drop)
+                for drop, own in enumerate(drops) for scene in own
+            ]  # fmt: skip
+            if numbers:
+                moved = Settings(TUNED, numbers=tuple(map(_moved, numbers)))
+                jobs += [Job(outcome.job.engine, scene, moved, len(drops)) for scene in short]
+    outcomes = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
+    return [
+        _result(roles, best, wanted, one, [o for o in outcomes if o.job.engine == one.job.engine])
+        for one in first
+    ]
+
+
+def _drop_scenes(roles: Roles, wanted: Wanted, drop: int, step_s: float | None) -> list[Scenario]:
+    """One drop at every phase of the step, long enough for what contacts add."""
+    closed, count = wanted.drops[drop], wanted.counts[drop]
+    nominal = roles.file.resolve(roles.values(closed), step_s=step_s)
+    contact_s = _CONTACT_STEPS * nominal.world.engine_step_s * count
+    lasts_s = ends_s(closed, count + 1) + _AFTER_S + contact_s
+    return scenes(roles, closed, step_s, lasts_s, wanted.phases)
+
+
+def _short_scenes(wanted: Wanted, lead: Sequence[Scenario]) -> list[Scenario]:
+    """The leading drop until after its first impact."""
+    step_s = lead[0].world.step_s
+    lasts_s = ends_s(wanted.drops[wanted.lead], 1) + _CONTACT_STEPS * step_s
+    world = {"duration_s": math.ceil(lasts_s / step_s) * step_s}
+    return [one.model_copy(update={"world": one.world.model_copy(update=world)}) for one in lead]
+
+
+def _is_wanted(restitution: float, scene: Scenario, roles: Roles) -> bool:
+    return math.isclose(restitution, scene.parameters[roles.restitution], rel_tol=1e-12)
+
+
+def _pair_numbers(run: Trajectory) -> tuple[PairNumbers, ...]:
+    return tuple(
+        PairNumbers((str(pair[0]), str(pair[1])), tuple(record["numbers"]))
+        for record in run.tuning for pair in record["pairs"]
+    )  # fmt: skip
+
+
+def _moved(numbers: PairNumbers) -> PairNumbers:
+    """The same with the last number, on which the restitution depends, a little smaller."""
+    *chosen, last = numbers.values
+    return replace(numbers, values=(*chosen, last * (1 - _CHANGE)))
+
+
+def _result(
+    roles: Roles, best: Fit, wanted: Wanted, first: Outcome, own: Sequence[Outcome]
+) -> TunedFit:
+    name, version = first.job.engine, first.facts.version
+    count = len(own) + 1
+    bad = next((outcome for outcome in (first, *own) if outcome.status != OK), None)
+    if bad is not None:
+        return TunedFit(name, version, TUNED, bad.status, bad.reason, simulations=count,
+                        outcome=bad)  # fmt: skip
+    assert first.trajectory is not None
+    runs = [outcome.trajectory for outcome in (first, *own) if outcome.trajectory is not None]
+    wall_s = sum(run.wall_s.get("build", 0.0) + run.wall_s.get("step", 0.0) for run in runs)
+    try:
+        parts = [_parts(roles, wanted, own, drop) for drop in range(len(wanted.drops))]
+        seen = [
+            together(part, limit, whole=False)
+            for part, limit in zip(parts, wanted.counts, strict=True)
+        ]
+        slope = _slope(roles, wanted, own, parts[wanted.lead])
+    except SimcompareError as error:
+        return TunedFit(name, version, TUNED, FAILED, str(error), simulations=count,
+                        wall_s=wall_s, outcome=first)  # fmt: skip
+    shown = tuple(seen[: wanted.fitted])
+    effective = _effective(parts[: wanted.fitted], shown)
+    tuning = tuple(_of_wanted(roles, first))
+    middle = tuple(
+        (o.job.scenario, o.trajectory)
+        for drop in range(wanted.fitted)
+        for o in [one for one in own if one.job.repeat == drop][wanted.phases // 2 :][:1]
+        if o.trajectory is not None
+    )
+    return TunedFit(
+        name, version, TUNED, OK, None, best, {}, effective, math.hypot(effective[1], wanted.u),
+        shown, contact_rows(middle[0][1]), count, wall_s, first, middle,
+        _numbers(tuning, first.trajectory, wanted.u, slope),
+        first.job.scenario.world.engine_step_s, (wanted.restitution, wanted.u),
+        tuple(_impacts(best, wanted, shown)),
+        max(part.penetration_m for every in parts[: wanted.fitted] for part in every),
+        tuning, tuple(seen[wanted.fitted :]), tuple(_apexes(wanted, seen)), wanted.phases,
+    )  # fmt: skip
+
+
+def _parts(roles: Roles, wanted: Wanted, own: Sequence[Outcome], drop: int) -> list[Part]:
+    return [
+        beside(roles, wanted.drops[drop], o.job.scenario, o.trajectory, wanted.counts[drop])
+        for o in own if o.job.repeat == drop and o.trajectory is not None
+    ]  # fmt: skip
+
+
+def _slope(roles: Roles, wanted: Wanted, own: Sequence[Outcome], lead: Sequence[Part]) -> float:
+    """How the mean restitution of the first impact follows the last number, in parts of it."""
+    changed = [
+        beside(roles, wanted.drops[wanted.lead], o.job.scenario, o.trajectory, 1).restitution
+        for o in own if o.job.repeat == len(wanted.drops) and o.trajectory is not None
+    ]  # fmt: skip
+    if not changed or not all(len(one) for one in changed):
+        return math.nan
+    before = float(np.mean([part.restitution[0] for part in lead]))
+    return (before - float(np.mean([one[0] for one in changed]))) / _CHANGE
+
+
+def _apexes(wanted: Wanted, seen: Sequence[Bouncing]) -> list[Array]:
+    """Heights of the apexes of the held-out drops."""
+    found = []
+    for drop in range(wanted.fitted, len(seen)):
+        closed = bounce_models.bounces(
+            bounce_models.MODELS["constant"], wanted.drops[drop], wanted.counts[drop]
+        )
+        higher = seen[drop].higher_m
+        found.append(np.ravel(closed.apex_m)[: len(higher)] + higher)
+    return found
+
+
+def _of_wanted(roles: Roles, first: Outcome) -> list[Mapping[str, Any]]:
+    """How the numbers were found, those of the fitted restitution before others."""
+    assert first.trajectory is not None
+    return sorted(
+        first.trajectory.tuning,
+        key=lambda record: not _is_wanted(record["restitution"], first.job.scenario, roles),
+    )
+
+
+def _numbers(
+    tuning: Sequence[Mapping[str, Any]], run: Trajectory, u: float, slope: float
+) -> tuple[Number, ...]:
+    """An engine's numbers under its own names; the last one carries the uncertainty."""
+    if not tuning:
+        return ()
+    values = [float(value) for value in tuning[0]["numbers"]]
+    scatter = tuning[0]["at"][0]["scatter"] if tuning[0]["at"] else 0.0
+    found = []
+    for place, value in enumerate(values):
+        rows = [row for row in run.audit if row.set_value == value]
+        own = 0.0
+        if place == len(values) - 1:
+            # one bounce tells the mean over all phases to its scatter over √n
+            own = abs(value / slope) * math.hypot(u, scatter / math.sqrt(CALIBRATED))
+        name = rows[0].engine_parameter if rows else f"number {place + 1}"
+        found.append(Number(name, value, own, rows[0].unit if rows else "1"))
+    return tuple(found)
+
+
+def _effective(parts: Sequence[Sequence[Part]], shown: Sequence[Bouncing]) -> tuple[float, float]:
+    """Mean over the phases of the mean over all recorded impacts, and its u from the phase."""
+    every = np.array([
+        np.concatenate([
+            part.restitution[: len(seen.restitution)]
+            for part, seen in zip(phase, shown, strict=True)
+        ]).mean()
+        for phase in zip(*parts, strict=True)
+    ])  # fmt: skip
+    return float(every.mean()), float(every.std(ddof=1) / math.sqrt(len(every)))
+
+
+def _impacts(best: Fit, wanted: Wanted, shown: Sequence[Bouncing]) -> list[dict[str, Any]]:
+    """Each recorded impact: what the closed form says of it, and what the engine showed."""
+    found = []
+    for drop, seen in enumerate(shown):
+        values, count = best.problem.values(best.x, drop), len(seen.restitution)
+        closed = bounce_models.bounces(best.problem.model, values, count)
+        # what the engines are run with has one restitution; the measured ball may have another law
+        plain = {**values, **NO_CLOCK}
+        law_s = np.ravel(bounce_models.bounces(best.problem.model, plain, count).impact_s)
+        run_with = {**wanted.drops[drop], **NO_CLOCK}
+        run_s = np.ravel(
+            bounce_models.bounces(bounce_models.MODELS["constant"], run_with, count).impact_s
+        )
+        for k in range(count):
+            law, value = float(np.ravel(closed.restitution)[k]), float(seen.restitution[k])
+            scatter = float(seen.u_restitution[k])
+            found.append({
+                "drop": drop + 1, "number": k + 1,
+                "speed_m_s": float(np.ravel(closed.speed_m_s)[k]), "closed_form": law,
+                "restitution": value, "u_phase": scatter / math.sqrt(wanted.phases),
+                "scatter": scatter, "deviation": value / law - 1,
+                "late_s": float(seen.late_s[k] + run_s[k] - law_s[k]),
+                "scatter_s": float(seen.scatter_s[k]),
+            })  # fmt: skip
+    return found

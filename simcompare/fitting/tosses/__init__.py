@@ -1,0 +1,1 @@
+"""Friction and restitution from tosses of a cube."""

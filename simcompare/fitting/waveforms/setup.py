@@ -1,0 +1,177 @@
+"""What a fit by waveform fits, what it holds out, and what it takes as known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from simcompare.errors import InputError, UnknownName
+from simcompare.inference import plan as plans
+from simcompare.inference import sources
+from simcompare.inference.plan import Plan
+from simcompare.inference.segments import Case, cases_of
+from simcompare.inference.sources import Source
+from simcompare.scenarios.scenario_file import ScenarioFile
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What is fitted to what.
+
+    Attributes:
+        plan: that of the first recording.
+        names: the parameters that are sought.
+        nuisance: parameters that are sought too, but belong to the recording alone.
+        probes: what is compared, the leading one first.
+        fitted: stretches that are fitted.
+        held: stretches that are predicted.
+        told: what the reader must know of this choice.
+    """
+
+    plan: Plan
+    names: tuple[str, ...]
+    nuisance: tuple[str, ...]
+    probes: tuple[str, ...]
+    fitted: tuple[Case, ...]
+    held: tuple[Case, ...]
+    told: tuple[str, ...]
+
+    @property
+    def every(self) -> tuple[str, ...]:
+        """All unknowns."""
+        return (*self.names, *self.nuisance)
+
+    @property
+    def starts(self) -> tuple[str, ...]:
+        """Parameters that each stretch has for itself, read off it."""
+        u = self.fitted[0].u
+        return tuple(n for n in self.plan.start if n not in self.every and u.get(n, 0.0) > 0)
+
+    def known(self) -> dict[str, float]:
+        """Parameters that all stretches share and that are known with some uncertainty."""
+        first = self.fitted[0]
+        return {
+            name: u
+            for name, u in first.u.items()
+            if u > 0 and name not in self.every and name not in self.plan.start
+        }
+
+
+def prepare(
+    file: ScenarioFile,
+    recordings: Sequence[str],
+    hold_out: Sequence[str],
+    *,
+    unknowns: Sequence[str],
+    given: Mapping[str, float],
+    mapping: str | Path | None,
+) -> Setup:
+    """Reads the recordings and chooses what is fitted.
+
+    Args:
+        file: a scenario that can be fitted by waveform.
+        recordings: logs, stored recordings, or public data sets that are fitted.
+        hold_out: the same, which are only predicted.
+        unknowns: what is sought; what the plan calibrates, or all that the scenario names, where
+            empty.
+        given: parameters that the user sets; they are not sought.
+        mapping: mapping file for the logs.
+
+    Raises:
+        InputError: every fault of the request or of a recording.
+    """
+    found = [_found(file, name, mapping) for name in recordings]
+    plan = found[0][1]
+    names, nuisance = _unknowns(file, plan, unknowns, given)
+    fitted: list[Case] = []
+    held: list[Case] = []
+    told: list[str] = []
+    for source, own in found:
+        one, other, words = _split(file, source, own, given)
+        several = len(found) > 1
+        fitted += _named(one, source, several)
+        held += _named(other, source, several)
+        told.append(words)
+    for name in hold_out:
+        source, own = _found(file, name, mapping)
+        held += _named(cases_of(file, own, source.recording, own.streams, given), source, True)
+    probes = tuple(probe for probe, compared in plan.compare.items() if compared.judged)
+    return Setup(plan, names, nuisance, probes, tuple(fitted), tuple(held), tuple(told))
+
+
+def _found(file: ScenarioFile, name: str, mapping: str | Path | None) -> tuple[Source, Plan]:
+    source = sources.find(name, mapping=mapping)
+    plan = plans.choose(source.plans, file.name, source.name)
+    faults = plans.faults(plan, file.resolve())
+    if plan.align.by != "none":
+        faults.append(
+            f"align.by is {plan.align.by}: a fit by waveform needs the scenario's clock to be that"
+            " of the recording; read the start off it, and say align: {by: none, …}"
+        )
+    if not plan.compare:
+        faults.append("compares no probe with a channel; say which under compare:")
+    if faults:
+        raise InputError(f"{source.name}, validate", faults)
+    return source, plan
+
+
+def _unknowns(
+    file: ScenarioFile, plan: Plan, asked: Sequence[str], given: Mapping[str, float]
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """What is sought, and what besides."""
+    from simcompare import units
+
+    assert file.fit is not None
+    fittable = file.fit.parameters
+    names: list[str] = []
+    for text in asked:
+        name = units.find_name(text, fittable)
+        if name is None:
+            raise UnknownName(f"parameter of {file.name} that can be fitted", text, fittable)
+        names.append(name)
+    wanted = plan.calibrate
+    if not names:
+        names = list(wanted.parameters if wanted is not None else fittable)
+    names = [name for name in dict.fromkeys(names) if name not in given]
+    if not names:
+        raise InputError("--set", ["sets all parameters that are sought; nothing is left to fit"])
+    bounds = file.parameters
+    fixed = [n for n in names if not bounds[n].max > bounds[n].min]
+    if fixed:
+        raise InputError(file.name, [f"{name} has no room between its bounds" for name in fixed])
+    nuisance = wanted.nuisance if wanted is not None else ()
+    return tuple(names), tuple(n for n in nuisance if n not in given and n not in names)
+
+
+def _split(
+    file: ScenarioFile, source: Source, plan: Plan, given: Mapping[str, float]
+) -> tuple[list[Case], list[Case], str]:
+    """Stretches that are fitted, and those that are predicted, as a validation has them."""
+    wanted = plan.calibrate
+    judged = cases_of(file, plan, source.recording, plan.streams, given)
+    if wanted is None:
+        return judged, [], (
+            f"{source.name} does not say which streams are fitted (calibrate:), so all"
+            f" {len(judged)} are, and nothing is held out."
+        )  # fmt: skip
+    other = source if wanted.recording is None else sources.find(wanted.recording)
+    own = plan if wanted.recording is None else plans.choose(other.plans, plan.scenario, other.name)
+    fitted = cases_of(file, own, other.recording, wanted.streams, given, wanted.most_s)
+    if wanted.recording is None:
+        names = {case.stream for case in fitted}
+        judged = [case for case in judged if case.stream not in names]
+    streams = ", ".join(case.stream for case in fitted)
+    held = ", ".join(case.stream for case in judged) or "nothing"
+    if wanted.recording is not None:
+        return fitted, judged, (
+            f"Fitted to {other.name} ({streams}); held out: {source.name} ({held})."
+        )  # fmt: skip
+    return fitted, judged, f"Fitted to {streams} of {source.name}; held out: {held}."
+
+
+def _named(cases: Sequence[Case], source: Source, several: bool) -> list[Case]:
+    """Streams of several recordings may have the same name."""
+    if not several:
+        return list(cases)
+    return [replace(case, stream=f"{source.name}: {case.stream}") for case in cases]

@@ -1,0 +1,283 @@
+"""The plan of a validation: which channel is which quantity of a scenario, and what is known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    NonNegativeFloat,
+    PositiveFloat,
+    ValidationError,
+    model_validator,
+)
+
+from simcompare.errors import InputError, UnknownName
+from simcompare.model.scenario import Scenario
+from simcompare.model.yaml_file import describe, faults_of
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Known(_Part):
+    """A parameter that was known before the recording was looked at.
+
+    Attributes:
+        value: in the unit of the parameter's name.
+        u: standard uncertainty (JCGM 100:2008, 4).
+        source: where both come from.
+    """
+
+    value: float
+    u: NonNegativeFloat
+    source: str = Field(min_length=3)
+
+
+class ReadOff(_Part):
+    """A parameter that is read off the recording, where the window begins.
+
+    Attributes:
+        channel: which channel.
+        over_s: a parabola (a cubic for a rate) is laid through the samples of this time [s].
+        derivative: 0 the value, 1 its rate of change.
+        offset: is added, for a parameter that is counted from elsewhere.
+    """
+
+    channel: str
+    over_s: PositiveFloat = 0.05
+    derivative: Literal[0, 1] = 0
+    offset: float = 0.0
+
+
+class Compared(_Part):
+    """A probe of the scenario and the channel that measured the same.
+
+    Attributes:
+        channel: which channel.
+        u: standard uncertainty of a sample; the channel's own, or an estimate, where ``None``.
+        offset: is added to the channel.
+        judged: whether it is judged, or only used to align the clocks.
+    """
+
+    channel: str
+    u: PositiveFloat | None = None
+    offset: float = 0.0
+    judged: bool = True
+
+
+class Driven(_Part):
+    """An input of the scenario that follows a channel."""
+
+    channel: str
+
+
+class Happened(_Part):
+    """Events of the recording that are held against a series of times of the scenario.
+
+    Attributes:
+        series: what a measure of the scenario calls these times ("impact_time").
+        event: what the recording calls them.
+    """
+
+    series: str
+    event: str = "impact"
+
+
+class Window(_Part):
+    """The part of each stream that is looked at, on its own clock [s]."""
+
+    start_s: NonNegativeFloat = 0.0
+    duration_s: PositiveFloat | None = None
+
+
+class Calibration(_Part):
+    """Parameters that are fitted to some streams, so that others can be predicted.
+
+    Attributes:
+        recording: name of another data set; this recording where ``None``.
+        streams: streams that are fitted.
+        parameters: which parameters.
+        nuisance: parameters that are fitted as well, but belong to that recording alone, such as
+            how its zero was set; they are not carried over.
+        most_s: longest part of a stream that is used [s].
+        chosen_knowing: whether it was chosen after it was seen what the others say.
+    """
+
+    recording: str | None = None
+    streams: tuple[str, ...] = ()
+    parameters: tuple[str, ...] = Field(min_length=1)
+    nuisance: tuple[str, ...] = ()
+    most_s: PositiveFloat | None = None
+    chosen_knowing: bool = False
+
+
+class Alignment(_Part):
+    """How the clock of the recording is brought to that of the scenario.
+
+    Attributes:
+        by: "none" where both are one clock, or the start is read off the recording; "events" by
+            the plan's events, of which then only the intervals are judged; "correlation" by a
+            probe.
+        probe: which compared quantity is used; it must not be judged.
+        reason: why so.
+    """
+
+    by: Literal["none", "events", "correlation"] = "none"
+    probe: str | None = None
+    reason: str = ""
+
+    @model_validator(mode="after")
+    def _has_a_probe(self) -> Alignment:
+        if (self.by == "correlation") != (self.probe is not None):
+            raise ValueError("a probe is needed to align by correlation, and only then")
+        return self
+
+
+class Plan(_Part):
+    """How one scenario is held against a recording.
+
+    Attributes:
+        scenario: its name.
+        parameters: what was known before.
+        start: parameters that are read off the recording.
+        inputs: inputs that follow the recording.
+        compare: probe -> channel; the first one leads.
+        events: events that are compared.
+        streams: those that are judged; all where empty.
+        window: the part of each that is looked at.
+        calibrate: what is fitted, and where.
+        align: how clocks are aligned.
+        note: what the reader must know.
+    """
+
+    scenario: str
+    parameters: Mapping[str, Known] = Field(default_factory=dict)
+    start: Mapping[str, ReadOff] = Field(default_factory=dict)
+    inputs: Mapping[str, Driven] = Field(default_factory=dict)
+    compare: Mapping[str, Compared] = Field(default_factory=dict)
+    events: Happened | None = None
+    streams: tuple[str, ...] = ()
+    window: Window = Window()
+    calibrate: Calibration | None = None
+    align: Alignment = Alignment()
+    note: str = ""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Plan:
+        if not any(compared.judged for compared in self.compare.values()) and self.events is None:
+            raise ValueError("nothing is judged; at least one probe, or events, must be")
+        if self.calibrate and not any(one.judged for one in self.compare.values()):
+            raise ValueError(
+                "calibrate fits a judged probe, and compare: has none; a ball is fitted to its"
+                " impacts by simcompare fit"
+            )
+        if self.align.by == "events" and self.events is None:
+            raise ValueError("align.by is events, and there are none; say which under events:")
+        if self.align.probe is not None:
+            used = self.compare.get(self.align.probe)
+            if used is None:
+                raise ValueError(f"align.probe {self.align.probe} is not among those compared")
+            shared = [n for n, c in self.compare.items() if c.judged and c.channel == used.channel]
+            if used.judged or shared:
+                raise ValueError(
+                    f"align.probe {self.align.probe} is judged as well: what clocks are aligned on"
+                    " must not be judged; say judged: false there, or align on another quantity"
+                )
+        twice = set(self.start) & set(self.parameters)
+        if twice:
+            raise ValueError(f"{', '.join(sorted(twice))} is both known and read off")
+        return self
+
+
+@dataclass(frozen=True)
+class Entries:
+    """Entries of ``validate:``, unread, and where they stand.
+
+    Attributes:
+        tree: one entry or a list of them.
+        where: file that holds them.
+        lines: dotted place in that file -> line.
+    """
+
+    tree: Any
+    where: str
+    lines: Mapping[str, int]
+
+    def __bool__(self) -> bool:
+        return bool(self.tree)
+
+
+def of_tree(
+    tree: Any,  # noqa: ANN401
+    where: str,
+    lines: Mapping[str, int] | None = None,
+    place: str = "validate",
+) -> Plan:
+    """The plan in one entry of ``validate:``.
+
+    Args:
+        tree: the entry.
+        where: file, or data set, that holds it.
+        lines: dotted place in that file -> line.
+        place: of the entry in it.
+
+    Raises:
+        InputError: all faults at once.
+    """
+    try:
+        return Plan.model_validate(tree)
+    except ValidationError as error:
+        found = {f"{place}.{at}".rstrip("."): text for at, text in faults_of(error).items()}
+        raise InputError(where, describe(found, lines or {})) from None
+
+
+def choose(entries: Any, scenario: str, where: str) -> Plan:  # noqa: ANN401
+    """The entry for a scenario.
+
+    Raises:
+        InputError: there is none, or it has faults.
+    """
+    lines: Mapping[str, int] = {}
+    if isinstance(entries, Entries):
+        entries, where, lines = entries.tree, entries.where, entries.lines
+    single = not isinstance(entries, list | tuple)
+    found = [entries] if single else entries
+    names = [e.get("scenario") for e in found if isinstance(e, Mapping)]
+    for i, entry in enumerate(found):
+        if isinstance(entry, Mapping) and entry.get("scenario") == scenario:
+            return of_tree(entry, where, lines, "validate" if single else f"validate.{i}")
+    known = ", ".join(str(name) for name in names) or "none"
+    raise InputError(
+        where,
+        [
+            f"is not prepared for the scenario {scenario} (prepared: {known}); say in a mapping"
+            " file (--map) under validate: which probe is which channel"
+        ],
+    )
+
+
+def faults(plan: Plan, scenario: Scenario) -> list[str]:
+    """What the plan names and the scenario does not have."""
+    found = []
+    for kind, names, known in (
+        ("parameter", (*plan.parameters, *plan.start), scenario.parameters),
+        ("input", plan.inputs, scenario.inputs),
+        ("probe", plan.compare, scenario.probes),
+        (
+            "parameter",
+            (*plan.calibrate.parameters, *plan.calibrate.nuisance) if plan.calibrate else (),
+            scenario.parameters,
+        ),
+    ):
+        found += [
+            str(UnknownName(f"{kind} of {plan.scenario}", n, known))
+            for n in names
+            if n not in known
+        ]
+    return found

@@ -1,0 +1,225 @@
+"""Every simulation that a validation needs, and what its probes saw."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from simcompare import measures
+from simcompare.errors import InputError, SimcompareError, UnknownName
+from simcompare.inference.reference_model import Model
+from simcompare.inference.segments import Case
+from simcompare.model.scenario import Measure, Scenario
+from simcompare.model.settings import Settings
+from simcompare.model.trajectory import Array, Trajectory
+from simcompare.running.jobs import OK, Job, Outcome
+from simcompare.running.runner import Progress, run_jobs
+
+#: what is run of every case
+NOMINAL, BEST = "nominal", "best"
+#: and with other steps, from which the step error is told; the last where longer ones cannot be
+DOUBLE, FOURFOLD, HALF = "double step", "fourfold step", "half step"
+_LONGER = {DOUBLE: 2.0, FOURFOLD: 4.0}
+
+
+@dataclass(frozen=True)
+class Engine:
+    """What one engine gave.
+
+    Attributes:
+        name: the engine.
+        outcomes: how the jobs that are judged ended.
+        runs: (case number, variant) -> the probes over time, for the jobs that ended well.
+    """
+
+    name: str
+    outcomes: Sequence[Outcome]
+    runs: Mapping[tuple[int, str], Trajectory] = field(repr=False)
+
+    def complete(self, case: int) -> bool:
+        """Whether the runs that are judged are there."""
+        return (case, NOMINAL) in self.runs and (case, BEST) in self.runs
+
+
+def simulate(
+    model: Model,
+    cases: Sequence[Case],
+    fitted: Mapping[str, float] | None,
+    engines: Sequence[str],
+    *,
+    contact: str,
+    step_s: float | None,
+    time_limit_s: float,
+    progress: Progress | None,
+) -> list[Engine]:
+    """Runs every case on every engine: as known before, as fitted, and with longer steps.
+
+    Args:
+        model: the scenario.
+        cases: stretches of the recording.
+        fitted: fitted parameters, ``None`` where nothing was fitted.
+        engines: names.
+        contact: contact level.
+        step_s: step [s]; the scenario's own where ``None``.
+        time_limit_s: longest time for one simulation [s].
+        progress: called as jobs end.
+    """
+    planned = [
+        (i, variant, scene)
+        for i, case in enumerate(cases)
+        for variant, scene in scenes(model, case, fitted, step_s).items()
+    ]
+    outcomes = run_jobs(
+        _jobs(planned, engines, contact), time_limit_s=time_limit_s, progress=progress
+    )
+    runs: dict[str, dict[tuple[int, str], Trajectory]] = {name: {} for name in engines}
+    _collect(runs, planned, cases, outcomes)
+    # a spring may be too stiff for a longer step: these engines try a shorter one
+    shorter = [
+        (i, HALF, model.scenario(case, fitted, planned[0][2].world.step_s / 2))
+        for i, case in enumerate(cases)
+    ]
+    without = [
+        name for name in engines if (0, BEST) in runs[name] and (0, DOUBLE) not in runs[name]
+    ]
+    if without:
+        more = run_jobs(
+            _jobs(shorter, without, contact), time_limit_s=time_limit_s, progress=progress
+        )
+        _collect(runs, shorter, cases, more)
+    if fitted is None:  # what was known before is then also the best there is
+        for own in runs.values():
+            own.update({(i, NOMINAL): run for (i, v), run in list(own.items()) if v == BEST})
+    judged = [o for o in outcomes if planned[o.job.repeat][1] in (NOMINAL, BEST)]
+    return [
+        Engine(name, [o for o in judged if o.job.engine == name], runs[name]) for name in engines
+    ]
+
+
+Planned = list[tuple[int, str, Scenario]]
+
+
+def _jobs(planned: Planned, engines: Sequence[str], contact: str) -> list[Job]:
+    return [
+        Job(name, scene, Settings(contact), number)
+        for name in engines
+        for number, (_, _, scene) in enumerate(planned)
+    ]
+
+
+def _collect(
+    runs: dict[str, dict[tuple[int, str], Trajectory]],
+    planned: Planned,
+    cases: Sequence[Case],
+    outcomes: Sequence[Outcome],
+) -> None:
+    for outcome in outcomes:
+        i, variant, scene = planned[outcome.job.repeat]
+        if outcome.status == OK and outcome.trajectory is not None:
+            found = of_probes(scene, outcome.trajectory, cases[i].watched)
+            runs[outcome.job.engine][i, variant] = found
+
+
+def scenes(
+    model: Model, case: Case, fitted: Mapping[str, float] | None, step_s: float | None
+) -> dict[str, Scenario]:
+    """Variant -> scene; longer steps are left out where the scene cannot have them."""
+    found = {} if fitted is None else {NOMINAL: model.scenario(case, None, step_s)}
+    found[BEST] = best = model.scenario(case, fitted, step_s)
+    for variant, multiple in _LONGER.items():
+        try:
+            found[variant] = model.scenario(case, fitted, best.world.step_s * multiple)
+        except InputError:  # too few samples are left; the step error is then unknown
+            break
+    return found
+
+
+def of_probes(scene: Scenario, trajectory: Trajectory, probes: Sequence[str]) -> Trajectory:
+    """A trajectory of what probes saw: signal ``<probe>`` for each.
+
+    Raises:
+        UnknownName: the source has no such signal.
+    """
+    signals = {name: measures.observe(trajectory, scene.probes[name]) for name in probes}
+    return Trajectory(
+        trajectory.source, trajectory.time_s, signals, trajectory.version, trajectory.contact
+    )
+
+
+def seeing(scene: Scenario, probes: Sequence[str]) -> Scenario:
+    """The scene with probes that look at such a trajectory instead."""
+    changed = {
+        name: scene.probes[name].model_copy(
+            update={"observe": name, "component": None, "offset": 0.0}
+        )
+        for name in probes
+    }
+    return scene.model_copy(update={"probes": {**scene.probes, **changed}})
+
+
+class Both(NamedTuple):
+    """One value, simulated and measured.
+
+    Attributes:
+        simulated: what the simulation gives.
+        measured: what the measurement gives.
+        unit: of both.
+        probe: which probe leads.
+        u: standard uncertainty of the measured value from its own scatter, 0 where it has none.
+    """
+
+    simulated: float
+    measured: float
+    unit: str
+    probe: str
+    u: float
+
+
+def measured_values(
+    scene: Scenario, simulated: Trajectory, measured: Trajectory, probes: Sequence[str]
+) -> dict[str, Both]:
+    """Every value that the scenario's measures find in both, by its name."""
+    view = seeing(scene, probes)
+    found = {}
+    for measure in scene.measures:
+        if not {measure.probe, *measure.also.values()} <= set(probes):
+            continue
+        judge = measures.judge_of(measure)
+        try:
+            ours = measures.take(measure, view, simulated)
+            theirs = measures.take(measure, view, measured)
+        except SimcompareError:
+            continue  # it needs what was not measured
+        for name, (value, true) in judge(ours, theirs).items():
+            # what only the comparison makes, such as a largest deviation, is no measured value
+            if value is not None and name in theirs.values:
+                shown = measure.names.get(name, name)
+                scatter = theirs.u.get(name, 0.0)
+                found[shown] = Both(value, true, ours.units[name], measure.probe, scatter)
+    return found
+
+
+def measure_of(scene: Scenario, series: str) -> Measure:
+    """The measure of a scenario that finds the times of events under that name.
+
+    Raises:
+        UnknownName: no measure of the scenario has such a series in seconds.
+    """
+    known = {
+        measure.names.get(name, name): measure
+        for measure in scene.measures
+        for name in measures.load(measure.function).SERIES
+        if measures.units_of(measure, scene)[name] == "s"
+    }
+    if series not in known:
+        raise UnknownName(f"series of times of {scene.name}", series, known)
+    return known[series]
+
+
+def times(scene: Scenario, run: Trajectory, series: str) -> Array:
+    """When the events of a simulation are [s]."""
+    measure = measure_of(scene, series)
+    name = next(n for n in measures.load(measure.function).SERIES
+                if measure.names.get(n, n) == series)  # fmt: skip
+    return measures.take(measure, seeing(scene, tuple(run.signals)), run).series[name]

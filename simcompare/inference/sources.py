@@ -1,0 +1,100 @@
+"""Where a recording and its plan come from: a public data set, a stored recording, or a log."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from simcompare.errors import UnknownName
+from simcompare.hardware import importing
+from simcompare.inference.plan import Entries
+from simcompare.model import recording_store
+from simcompare.model.recording import Recording
+from simcompare.model.yaml_file import read_yaml
+
+
+@dataclass(frozen=True)
+class Source:
+    """A recording with what is known of it.
+
+    Attributes:
+        name: as the user called it.
+        recording: the recording.
+        plans: entries of ``validate:``, unread.
+        about: title, citation, licence and so on of a public data set.
+    """
+
+    name: str
+    recording: Recording
+    plans: Any
+    about: Mapping[str, str]
+
+
+def find(name: str, *, mapping: str | Path | None = None, strict: bool = False) -> Source:
+    """Finds and reads a recording.
+
+    Args:
+        name: a public data set, the folder of a stored recording, or a log.
+        mapping: a mapping file; its ``validate:`` is used for a stored recording as well.
+        strict: refuse logs with defects.
+
+    Raises:
+        UnknownName: nothing of that name exists.
+        InputError: what is wrong with the files.
+    """
+    from simcompare.hardware import mapping as mappings
+    from simcompare.hardware.recordings import registry
+
+    given = None if mapping is None else mappings.read(Path(mapping))
+    path = Path(name)
+    if name in registry.files() and not recording_store.is_recording(path):
+        return _public(name, given, _entries(given, mapping), strict)
+    if not _exists(path):
+        raise UnknownName(
+            "recording (public data set, stored recording, or log)", name, registry.files()
+        )
+    wanted = given or mappings.NOTHING
+    if recording_store.is_recording(path):
+        found = recording_store.load(path)
+    else:
+        found = importing.read(path, wanted, strict=strict)
+    return Source(name, found, _entries(given, mapping) or [], {})
+
+
+def _entries(given: Any, mapping: str | Path | None) -> Entries | None:  # noqa: ANN401
+    """What a mapping file says under ``validate:``, with the lines of its parts."""
+    if given is None or mapping is None or not given.validate_:
+        return None
+    return Entries(given.validate_, str(mapping), read_yaml(Path(mapping))[1])
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError:  # a name too long for the file system
+        return False
+
+
+def _public(name: str, given: Any, entries: Entries | None, strict: bool) -> Source:  # noqa: ANN401
+    from simcompare.hardware import mapping as mappings
+    from simcompare.hardware.recordings import registry
+
+    data_set = registry.get(name)
+    paths = registry.locate(name)
+    wanted = given or mappings.of_tree(dict(data_set.read), f"{name}, read")
+    about = {
+        "title": data_set.title,
+        "text": data_set.text,
+        "citation": data_set.citation,
+        "licence": data_set.licence,
+        "source": f"github.com/{data_set.source.repository} at {data_set.source.commit}",
+    }
+    found = importing.read(paths[0], wanted, strict=strict, about=about)
+    return Source(name, found, entries or list(data_set.validation), about)
+
+
+def digest(name: str) -> str:
+    """SHA-256 of the log behind a recording, to tell whether two names mean the same."""
+    return find(name).recording.provenance.sha256

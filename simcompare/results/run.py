@@ -1,0 +1,64 @@
+"""What a run found, as one value: the record for run.json, the scores, the trajectories."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from simcompare.compare.comparison import FAIL, Score
+from simcompare.model.trajectory import Trajectory
+from simcompare.running.jobs import exit_code_of
+
+#: version of what run.json holds
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Stored:
+    """One trajectory of a run with its place in it."""
+
+    source: str
+    contact: str
+    repeat: int
+    trajectory: Trajectory
+
+
+@dataclass(frozen=True)
+class Run:
+    """Everything that one ``run`` found.
+
+    Attributes:
+        record: what run.json holds; plain values.
+        scores: every score.
+        trajectories: every trajectory that came out, the truth's included.
+        folder: where it is stored, ``None`` where it is not.
+        interrupted: whether Ctrl-C ended it early.
+    """
+
+    record: Mapping[str, Any]
+    scores: tuple[Score, ...]
+    trajectories: tuple[Stored, ...]
+    folder: Path | None = None
+    interrupted: bool = False
+
+    @property
+    def exit_code(self) -> int:
+        """0 fine, 1 a tolerance failed, 3 an engine is broken or none of those asked for ran.
+
+        With ``all``, an engine that is not installed is a row with its reason and no failure. What
+        an engine does by itself is no failure either, unless that level was to be judged. A step
+        or value at which none of those asked for can do what is asked is the user's to change: 2.
+        """
+        sources = self.record["sources"]
+        code = exit_code_of(
+            [source["status"] for source in sources],
+            self.record["engines_asked"],
+            out_of_reach=any(source.get("out_of_reach") for source in sources),
+        )
+        if code:
+            return code
+        judged = self.record.get("judge")
+        failed = {score.contact for score in self.scores if score.verdict == FAIL}
+        return 1 if (failed if judged is None else failed & set(judged)) else 0

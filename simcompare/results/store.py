@@ -1,0 +1,210 @@
+"""A run on disk: ``runs/<id>/{run.json, trajectories.parquet, scores.csv}``.
+
+A run is written into a hidden folder beside its place and renamed when it is complete, so a full
+disk or Ctrl-C leaves nothing half-written behind.
+"""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import json
+import shutil
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from simcompare.compare.comparison import Score
+from simcompare.errors import InputError, OutputError
+from simcompare.model.settings import OLD_LEVELS
+from simcompare.model.trajectory import Trajectory
+from simcompare.results.run import FORMAT, Run, Stored
+
+RECORD, TRAJECTORIES, SCORES = "run.json", "trajectories.parquet", "scores.csv"
+#: columns that say whose sample a row is
+_INDEX = ("source", "contact", "repeat")
+
+
+def save(run: Run, folder: Path) -> Run:
+    """Writes a run below ``folder`` and returns it with its place filled in.
+
+    Raises:
+        OutputError: it cannot be written; nothing is left behind.
+    """
+    partial = None
+    try:
+        place, partial = _reserve(folder, run.record)
+        record = {**run.record, "run": str(place)}
+        (partial / RECORD).write_text(to_json(record, indent=1) + "\n", encoding="utf-8")
+        _write_scores(partial / SCORES, run.scores)
+        _write_trajectories(partial / TRAJECTORIES, run.trajectories)
+        partial.rename(place)
+    except OSError as error:
+        raise OutputError(
+            f"{folder}: the run cannot be written ({error.strerror or error});"
+            " nothing was kept, free some space or choose another --out"
+        ) from None
+    finally:
+        if partial is not None:
+            shutil.rmtree(partial, ignore_errors=True)
+    return replace(run, record=record, folder=place)
+
+
+def to_json(record: Mapping[str, Any], indent: int | None = None) -> str:
+    """JSON text; a number that is not finite is an error, not ``NaN``."""
+    return json.dumps(record, indent=indent, ensure_ascii=False, allow_nan=False)
+
+
+def load(place: Path) -> Run:
+    """Reads a stored run.
+
+    Raises:
+        InputError: there is none, or its files are damaged; names the file.
+    """
+    path = place / RECORD
+    if not path.is_file():
+        raise InputError(str(place), [f"is not a stored run: it holds no {RECORD}"])
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+        if not isinstance(record, dict):
+            raise TypeError(f"holds a {type(record).__name__}, not an object")
+        known = {field.name for field in fields(Score)}
+        for row in (*record.get("sources", ()), *record["scores"]):  # runs of old have old names
+            if row.get("contact") in OLD_LEVELS:
+                row["contact"] = OLD_LEVELS[row["contact"]]
+        scores = [Score(**{k: v for k, v in row.items() if k in known}) for row in record["scores"]]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(str(path), [f"cannot be read: {error}"]) from None
+    if record.get("format") != FORMAT:
+        raise InputError(
+            str(path), [f"format {record.get('format')!r} is not known; expected {FORMAT}"]
+        )
+    versions = {
+        (source.get("name"), source.get("contact")): source.get("version") or ""
+        for source in record.get("sources", [])
+    }
+    stored = _read_trajectories(place / TRAJECTORIES, versions)
+    return Run(record, tuple(scores), tuple(stored), place, bool(record.get("interrupted")))
+
+
+def _reserve(folder: Path, record: Mapping[str, Any]) -> tuple[Path, Path]:
+    """A free place for the run and the hidden folder, made by this call alone, to write it in."""
+    stamp = str(record["created"])[:19].replace("-", "").replace(":", "").replace("T", "-")
+    base = f"{stamp}-{record['scenario']}"
+    folder.mkdir(parents=True, exist_ok=True)
+    for number in itertools.count(1):
+        place = folder / (base if number == 1 else f"{base}-{number}")
+        partial = folder / f".{place.name}.partial"
+        if place.exists():
+            continue
+        try:
+            partial.mkdir()
+        except FileExistsError:  # another process is writing there at this moment
+            continue
+        if not place.exists():
+            return place, partial
+        partial.rmdir()
+    raise AssertionError
+
+
+def _write_scores(path: Path, scores: tuple[Score, ...]) -> None:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, [field.name for field in fields(Score)])
+        writer.writeheader()
+        writer.writerows(score.to_dict() for score in scores)
+
+
+def _write_trajectories(path: Path, stored: tuple[Stored, ...]) -> None:
+    """One table: source, contact, repeat, time and one column per component.
+
+    Raises:
+        OSError: DuckDB could not write; its own message is kept.
+    """
+    if not stored:
+        return
+    import duckdb
+
+    blocks = [item.trajectory.to_columns() for item in stored]
+    names = list(dict.fromkeys(name for block in blocks for name in block))
+    lengths = [len(item.trajectory.time_s) for item in stored]
+    labels = [(item.source, item.contact, item.repeat) for item in stored]
+    table: dict[str, np.ndarray[Any, Any]] = {
+        "entry": np.repeat(np.arange(len(stored)), lengths),
+        **{name: _column(blocks, lengths, name) for name in names},
+    }
+    rows = ", ".join(["(?, ?, ?, ?)"] * len(labels))
+    values = [value for i, label in enumerate(labels) for value in (i, *label)]
+    columns = ", ".join(f'nullif("{name}", \'nan\'::double) as "{name}"' for name in names)
+    try:
+        with duckdb.connect() as connection:
+            connection.register("samples", table)
+            connection.execute(
+                "create table labels as select * from"
+                f" (values {rows}) t(entry, source, contact, repeat)",
+                values,
+            )
+            connection.execute(
+                f"copy (select source, contact, repeat, {columns}"
+                " from samples join labels using (entry)"
+                f" order by entry, time_s) to '{_quoted(path)}' (format parquet, compression zstd)"
+            )
+    except duckdb.Error as error:
+        # DuckDB appends the same again as JSON
+        message = str(error).splitlines()[0].partition(": {")[0]
+        raise OSError(f"writing {path.name}: {message}") from None
+
+
+def _column(blocks: list[dict[str, Any]], lengths: list[int], name: str) -> np.ndarray[Any, Any]:
+    empty = [np.full(length, np.nan) for length in lengths]
+    return np.concatenate([block.get(name, nan) for block, nan in zip(blocks, empty, strict=True)])
+
+
+def _read_trajectories(path: Path, versions: Mapping[Any, str]) -> list[Stored]:
+    if not path.is_file():
+        return []
+    import duckdb
+
+    try:
+        with duckdb.connect() as connection:
+            query = f"select * from '{_quoted(path)}'"
+            columns = connection.execute(query).fetchnumpy()
+    except duckdb.Error as error:
+        raise InputError(str(path), [f"cannot be read: {str(error).splitlines()[0]}"]) from None
+    lacking = [name for name in (*_INDEX, "time_s") if name not in columns]
+    if lacking:
+        raise InputError(str(path), [f"is not of a run: it has no column {', '.join(lacking)}"])
+    keys = list(zip(*(columns[name].tolist() for name in _INDEX), strict=True))
+    signals = [name for name in columns if name not in _INDEX]
+    starts = [i for i, key in enumerate(keys) if i == 0 or key != keys[i - 1]]
+    stored = []
+    for start, end in zip(starts, [*starts[1:], len(keys)], strict=True):
+        source, contact, repeat = keys[start]
+        contact = OLD_LEVELS.get(contact, contact)
+        block = {name: np.ma.filled(columns[name][start:end], np.nan) for name in signals}
+        trajectory = _from_columns(source, contact, block)
+        trajectory = replace(trajectory, version=versions.get((source, contact), ""))
+        stored.append(Stored(source, contact, int(repeat), trajectory))
+    return stored
+
+
+def _from_columns(source: str, contact: str, columns: dict[str, Any]) -> Trajectory:
+    signals: dict[str, list[Any]] = {}
+    for name, values in columns.items():
+        if name == "time_s" or np.isnan(values).all():
+            continue
+        base, dot, component = name.rpartition(".")
+        signals.setdefault(base if dot and component in ("w", "x", "y", "z") else name, []).append(
+            values
+        )
+    stacked = {
+        name: np.column_stack(parts) if len(parts) > 1 else parts[0]
+        for name, parts in signals.items()
+    }
+    return Trajectory(source, columns["time_s"], stacked, contact=contact)
+
+
+def _quoted(path: Path) -> str:
+    return str(path).replace("'", "''")

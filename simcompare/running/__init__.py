@@ -1,0 +1,1 @@
+"""Jobs, and the processes in which they run."""

@@ -1,0 +1,90 @@
+"""The verb ``doctor``: engines, versions, features, limits, and a self-test in a child process."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from simcompare.engine import engines
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import Settings
+from simcompare.running.jobs import FAILED, OK, Facts, Job, Outcome
+from simcompare.running.runner import run_jobs
+
+#: a sphere in free fall, without any contact
+_FALL = {
+    "name": "self_test",
+    "title": "Free fall",
+    "question": "Does the engine step?",
+    "world": {"duration_s": 0.2, "step_s": 0.001},
+    "bodies": {
+        "ball": {
+            "mass_kg": 1.0,
+            "inertia_kg_m2": [0.1, 0.1, 0.1],
+            "position_m": [0.0, 0.0, 10.0],
+            "shapes": [{"type": "sphere", "radius_m": 0.5}],
+        }
+    },
+}
+SELF_TEST_LIMIT_S = 60.0
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What is known of one engine.
+
+    Attributes:
+        engine: its name.
+        status: "ok", "missing" or "failed".
+        message: what the self-test found, or what to do.
+        facts: version, features, limits and mapping that the backend states.
+    """
+
+    engine: str
+    status: str
+    message: str
+    facts: Facts
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return {
+            "engine": self.engine,
+            "status": self.status,
+            "message": self.message,
+            "version": self.facts.version,
+            "features": list(self.facts.features),
+            "known_limits": self.facts.limits_as_dicts(),
+            "mapping": self.facts.mapping,
+            "helps": list(self.facts.helps),
+            "variants": [
+                {"name": name, "text": text, "reference": source}
+                for name, text, source in self.facts.variants
+            ],
+        }
+
+
+def doctor() -> list[Diagnosis]:
+    """Examines every known engine; each is imported and stepped in a process of its own."""
+    scenario = Scenario.model_validate(_FALL)
+    jobs = [Job(name, scenario, Settings()) for name in engines.names()]
+    return [_diagnose(outcome) for outcome in run_jobs(jobs, time_limit_s=SELF_TEST_LIMIT_S)]
+
+
+def _diagnose(outcome: Outcome) -> Diagnosis:
+    status, message = outcome.status, outcome.reason or ""
+    if outcome.trajectory is not None:
+        status, message = _judge(outcome)
+    return Diagnosis(outcome.job.engine, status, message, outcome.facts)
+
+
+def _judge(outcome: Outcome) -> tuple[str, str]:
+    """Free fall of 0.2 s: any time-stepping engine is within two steps' worth of -½·g·t²."""
+    assert outcome.trajectory is not None
+    world = outcome.job.scenario.world
+    fallen = 10.0 - float(outcome.trajectory.signals["ball.position_m"][-1, 2])
+    gravity = -world.gravity_m_s2[2]
+    exact = 0.5 * gravity * world.duration_s**2
+    bound = gravity * world.duration_s * world.step_s
+    if abs(fallen - exact) > bound:
+        return FAILED, f"fell {fallen:.6g} m in 0.2 s instead of {exact:.6g} m"
+    return OK, "self-test passed"

@@ -1,0 +1,60 @@
+"""The process in which one engine runs: jobs come in on stdin, outcomes go out on stdout.
+
+Everything that the engine itself prints, also from C, is sent to stderr, which the runner keeps.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import struct
+import sys
+import threading
+from typing import IO
+
+from simcompare.running.jobs import Inquiry, Job
+
+HEADER = struct.Struct("<Q")
+
+
+def main() -> None:
+    """Reads one frame with a list of jobs and writes one frame per outcome, as each ends."""
+    results = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    payload = read_frame(sys.stdin.buffer)
+    jobs: list[Job | Inquiry] = pickle.loads(payload) if payload is not None else []
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    for index, job in enumerate(jobs):
+        write_frame(results, _pickled(index, job))
+
+
+def _pickled(index: int, job: Job | Inquiry) -> bytes:
+    outcome = job.execute()
+    try:
+        return pickle.dumps((index, outcome), protocol=5)
+    except Exception as error:  # noqa: BLE001  (a backend may have put anything into its result)
+        reason = f"{job.engine}: its result cannot be sent: {type(error).__name__}: {error}"
+        return pickle.dumps((index, job.failed(reason)), protocol=5)
+
+
+def _end_with_parent() -> None:
+    """Ends this process when the runner is gone, whatever ended it: then stdin is at its end."""
+    os.read(0, 1)
+    os._exit(1)
+
+
+def write_frame(stream: IO[bytes], payload: bytes) -> None:
+    """Writes one length-prefixed frame."""
+    stream.write(HEADER.pack(len(payload)))
+    stream.write(payload)
+    stream.flush()
+
+
+def read_frame(stream: IO[bytes]) -> bytes | None:
+    """Reads one frame; ``None`` at the end of the stream, also in the middle of a frame."""
+    header = stream.read(HEADER.size)
+    if len(header) < HEADER.size:
+        return None
+    (size,) = HEADER.unpack(header)
+    payload = stream.read(size)
+    return payload if len(payload) == size else None

@@ -1,0 +1,1 @@
+"""Noise, agreement, grid convergence, correlation and least squares."""

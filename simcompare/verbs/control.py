@@ -1,0 +1,59 @@
+"""A controller in the loop: it reads the sensors and sets the inputs before each recorded step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from simcompare import units
+from simcompare.engine import engines
+from simcompare.engine.simulation import Controller
+from simcompare.model.settings import ASSISTED, Settings
+from simcompare.model.trajectory import Trajectory
+from simcompare.scenarios import catalogue
+
+
+def control(
+    scenario: str,
+    controller: Controller,
+    *,
+    engine: str,
+    contact: str = ASSISTED,
+    set: Mapping[str, str | float] | None = None,
+    preset: str | None = None,
+    step: str | float | None = None,
+) -> Trajectory:
+    """Runs a scenario on one engine with a controller in the loop.
+
+    Args:
+        scenario: name, folder or file.
+        controller: called as ``controller(time_s, readings)`` before each recorded step.
+            ``readings`` has every signal by name, a number or a tuple of its components, such as
+            ``readings["chassis.velocity_m_s"]``; it returns values of inputs by name, and those
+            that it leaves out follow the scenario's signals. A controller that remembers something
+            is made anew for each run.
+        engine: name of the engine.
+        contact: contact level.
+        set: parameters that differ from the file; text may carry a unit.
+        preset: named set of parameters, applied first.
+        step: time between samples, "1ms" or in seconds.
+
+    Returns:
+        The trajectory; what the controller gave is recorded by the actuators.
+
+    Raises:
+        InputError: the controller returned something else than finite numbers by name.
+        UnknownName: it set an input that the scenario does not have.
+        Unsupported: the engine lacks what the scenario needs.
+    """
+    file = catalogue.load(scenario)
+    values = file.read_settings(set or {})
+    step_s = None if step is None else units.to_si(step, "s", "step")
+    scene = file.resolve(values, preset=preset, step_s=step_s)
+    backend = engines.get(engine)
+    simulation = backend.open(scene, Settings(contact))
+    try:
+        found = simulation.run(engine, backend.version(), controller)
+    finally:
+        simulation.close()
+    return replace(found, contact=contact)

@@ -1,0 +1,287 @@
+"""The verb ``fit``: parameters from measurements, on every engine, with uncertainty."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from simcompare.compare.comparison import INFO, Score
+from simcompare.compare.repeats import sample_step_s
+from simcompare.engine import engines
+from simcompare.engine.assist import ALL, NONE
+from simcompare.engine.helps import known
+from simcompare.errors import InputError
+from simcompare.fitting.bounces import bounce_models, holdout, model_selection, records
+from simcompare.fitting.bounces.arcs import rejoined
+from simcompare.fitting.bounces.assisted_fit import fit_engines
+from simcompare.fitting.bounces.engine_fit import EngineFit
+from simcompare.fitting.bounces.identifiability import BLIND, identifiability
+from simcompare.fitting.bounces.impacts import Impacts
+from simcompare.fitting.bounces.likelihood import Fit
+from simcompare.fitting.bounces.measured import drops_of
+from simcompare.fitting.bounces.problem import SPEED, Prior
+from simcompare.fitting.bounces.request import (
+    Asked,
+    candidates,
+    check_request,
+    given_of,
+    numbers_of,
+)
+from simcompare.fitting.bounces.roles import Roles, roles_of
+from simcompare.fitting.bounces.tune_engines import tune_engines
+from simcompare.fitting.bounces.wanted import Wanted, wanted_of
+from simcompare.model.fittable import WAVEFORM
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import ASSISTED, TUNED
+from simcompare.results import run_record
+from simcompare.results.fit_file import FITTED
+from simcompare.results.run import Run, Stored
+from simcompare.running.runner import TIME_LIMIT_S, Progress
+from simcompare.scenarios import catalogue
+from simcompare.scenarios.scenario_file import ScenarioFile
+from simcompare.verbs import fit_waveforms, levels
+from simcompare.verbs import run as experiment
+
+
+def fit(
+    scenario: str = "ball",
+    *,
+    recordings: Sequence[str | Path],
+    hold_out: Sequence[str | Path] = (),
+    engine: str = "all",
+    model: str = "auto",
+    unknowns: Sequence[str] = (),
+    fixed: Mapping[str, str | float] | None = None,
+    priors: Mapping[str, tuple[float, float]] | None = None,
+    u_time_s: float | None = None,
+    set: Mapping[str, str | float] | None = None,
+    preset: str | None = None,
+    mapping: str | Path | None = None,
+    step: str | float | None = None,
+    assist: str | Sequence[str] | None = None,
+    out: str | Path | None = None,
+    time_limit_s: float = TIME_LIMIT_S,
+    progress: Progress | None = None,
+) -> Run:
+    """Fits a scenario to a measurement: to impacts and heights, or to signals over time.
+
+    Args:
+        scenario: name, folder or file of a scenario that says under ``fit:`` how it is fitted.
+        recordings: logs, stored recordings, public data sets or bounce tables that are fitted.
+        hold_out: the same, which are not fitted but predicted.
+        engine: ``"all"`` or names with commas.
+        model: closed form, or "auto": the one with the least AICc.
+        unknowns: what is sought beside what the model has, such as "clock_skew"; by waveform,
+            all that is sought.
+        fixed: values of what is not sought.
+        priors: unknown -> value and standard uncertainty.
+        u_time_s: standard uncertainty of an impact time, where a recording does not say [s].
+        set: parameters of the scenario, such as the ball's mass.
+        preset: named set of parameters, applied first.
+        mapping: mapping file for the logs.
+        step: the engine's step, which engines are tuned for; the scenario's own where ``None``.
+        assist: our helps with which engines are run: "none", for which bounces are fitted if
+            nothing is said, "all", or names (``simcompare.engine.helps``); by waveform always
+            "all".
+        out: folder in which the run's own folder is made; nothing is stored where ``None``.
+        time_limit_s: longest time for one simulation [s].
+        progress: called as jobs end.
+
+    Returns:
+        The run; ``record["fit"]`` holds what was found, and goes into fit.json.
+
+    Raises:
+        InputError: every fault of the request or of a recording.
+    """
+    chosen = engines.select(engine)
+    file = catalogue.load(scenario)
+    if not recordings:
+        raise InputError("--recording", ["no recording is given; give at least one"])
+    if file.fit is None:
+        raise InputError(
+            scenario, ["names nothing that can be fitted; expected fit: {by: bounces|waveform, …}"]
+        )
+    if out is not None:
+        experiment.check_writable(Path(out))
+    if file.fit.by == WAVEFORM:
+        only = {"--prior": priors, "--model": model != "auto", "--u-time": u_time_s is not None,
+                "--assist": assist not in (None, ALL)}  # fmt: skip
+        done = fit_waveforms.fit_waveform(
+            file, recordings=recordings, hold_out=hold_out, engine=engine, unknowns=unknowns,
+            given=fit_waveforms.given_of(file, preset, fixed or {}, set or {}, only),
+            mapping=mapping, step=step, time_limit_s=time_limit_s, progress=progress,
+        )  # fmt: skip
+        return _saved(done, out)
+    helps = levels.chosen_helps(NONE if assist is None else assist, engine)
+    given = given_of(file, set, preset)
+    step_s = None if step is None else sample_step_s(file, given, None, step)
+    roles = roles_of(file, given)
+    asked = Asked(
+        extra=tuple(unknowns),
+        fixed=roles.known(numbers_of(fixed or {})),
+        priors={name: Prior(value, u) for name, (value, u) in (priors or {}).items()},
+    )
+    check_request(recordings, hold_out, u_time_s, roles, file.read_settings(set or {}))
+    how_read = (mapping, u_time_s, asked.fixed.get("gravity_m_s2", bounce_models.GRAVITY))
+    drops = [drop for name in recordings for drop in drops_of(name, *how_read)]
+    held = [drop for name in hold_out for drop in drops_of(name, *how_read)]
+    choice = model_selection.compare(
+        drops, candidates(model, asked), extra=asked.extra, fixed=asked.fixed, priors=asked.priors
+    )
+    told = identifiability(choice.best)
+    if asked.extra and not told.condition < BLIND:
+        raise InputError("--unknown", [*told.words, "leave it out, or --fix what it mixes with"])
+    how = _How(chosen, helps, step_s, time_limit_s, progress)
+    start, found, predicted, wanted = _engines(roles, choice, drops, held, asked, how)
+    command = ["simcompare", "fit", scenario, "--engine", engine, "--model", model]
+    for option, values in (
+        ("--recording", recordings), ("--hold-out", hold_out), ("--preset", [preset]),
+        ("--unknown", [",".join(unknowns)]), ("--map", [mapping]), ("--step", [step]),
+        ("--u-time", [u_time_s and f"{u_time_s!r}s"]), ("--assist", [assist and how.assist]),
+        ("--fix", [f"{name}={value}" for name, value in (fixed or {}).items()]),
+        ("--prior", [f"{name}={value!r}:{u!r}" for name, (value, u) in (priors or {}).items()]),
+        ("--set", [f"{name}={value}" for name, value in (set or {}).items()]),
+    ):  # fmt: skip
+        command += [word for value in values if value for word in (option, str(value))]
+    scene = file.resolve(roles.values(start.problem.values(start.x, 0)), step_s=step_s)
+    record = records.of_fit(
+        roles, choice, start, found, predicted, (drops, held),
+        records.Made(TUNED if how.tuned else ASSISTED, how.assist, wanted, scene),
+    )  # fmt: skip
+    told_of = {
+        "engines_asked": engine, "scenario_asked": scenario, "command": command,
+        "recording_asked": [str(name) for name in recordings],
+    }  # fmt: skip
+    return _saved(_gather(file, record, found, told_of, scene), out)
+
+
+@dataclass(frozen=True)
+class _How:
+    """How engines are fitted."""
+
+    engines: Sequence[str]
+    helps: frozenset[str] | None
+    step_s: float | None
+    time_limit_s: float
+    progress: Progress | None
+
+    @property
+    def tuned(self) -> bool:
+        """Whether engines run in their plain loop."""
+        return self.helps == frozenset()
+
+    @property
+    def assist(self) -> str:
+        """The helps as they are typed."""
+        return ALL if self.helps is None else known(self.helps) or NONE
+
+
+def _engines(
+    roles: Roles,
+    choice: model_selection.Choice,
+    drops: Sequence[Impacts],
+    held: Sequence[Impacts],
+    asked: Asked,
+    how: _How,
+) -> tuple[Fit, Sequence[EngineFit], dict[str, Any], Wanted | None]:
+    """The closed form that engines get, what they make of it, and held-out drops."""
+    closed = holdout.predict(choice.best, held, asked.fixed)
+    more: dict[str, Any] = {
+        "step_s": how.step_s, "time_limit_s": how.time_limit_s, "progress": how.progress,
+    }  # fmt: skip
+    if how.tuned:
+        best = choice.best
+        wanted = wanted_of(roles, best, [one.predicted for one in closed])
+        tuned = tune_engines(roles, best, wanted, how.engines, **more)
+        return best, tuned, holdout.of_engines(closed, closed, tuned), wanted
+    start = _for_engines(roles, choice.best, _joined(choice.best, drops, asked), asked)
+    assisted = fit_engines(roles, start, how.engines, helps=how.helps, **more)
+    other = closed if start is choice.best else holdout.predict(start, held, asked.fixed)
+    return start, assisted, holdout.of_engines(closed, other, assisted), None
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401
+    """The same with what is not finite, such as a terminal speed without drag, as ``None``."""
+    if isinstance(value, dict):
+        return {key: _plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _saved(done: Run, out: str | Path | None) -> Run:
+    done = replace(done, record=_plain(dict(done.record)))
+    if out is None:
+        return done
+    from simcompare.results import store
+
+    stored = store.save(done, Path(out))
+    assert stored.folder is not None
+    (stored.folder / "fit.json").write_text(
+        store.to_json(stored.record["fit"], indent=1) + "\n", encoding="utf-8"
+    )
+    return stored
+
+
+def _joined(best: Fit, drops: Sequence[Impacts], asked: Asked) -> list[Impacts]:
+    """Impacts of videos where arcs with the drag that was found meet, and not parabolas."""
+    speed = best.as_dict().get(SPEED, asked.fixed.get(SPEED, math.inf))
+    if not math.isfinite(speed):
+        return list(drops)
+    gravity = float(asked.fixed.get("gravity_m_s2", bounce_models.GRAVITY))
+    return [drop if drop.track is None else rejoined(drop, speed, gravity) for drop in drops]
+
+
+def _for_engines(roles: Roles, best: Fit, drops: Sequence[Impacts], asked: Asked) -> Fit:
+    """The fit with the contact that engines have: a restitution that does not depend on speed."""
+    model = bounce_models.model_of(best.model)
+    with_drag = (model.drag or SPEED in asked.fixed) and roles.has_drag
+    given = model.law == "constant" and (roles.has_drag or not model.drag)
+    if given and all(drop.track is None for drop in drops):
+        return best
+    name = "constant+drag" if with_drag else "constant"
+    priors = {n: prior for n, prior in asked.priors.items() if n != "exponent"}
+    fixed = {n: value for n, value in asked.fixed.items() if n != "exponent"}
+    return model_selection.compare(
+        drops, [name], extra=asked.extra, fixed=fixed, priors=priors
+    ).best
+
+
+def _gather(
+    file: ScenarioFile,
+    fitted: dict[str, Any],
+    found: Sequence[EngineFit],
+    told: Mapping[str, Any],
+    scene: Scenario,
+) -> Run:
+    sources = [
+        run_record.of_source(one.engine, FITTED, [one.outcome])
+        for one in found
+        if one.outcome is not None
+    ]
+    scores = [score for row in fitted["sources"] for score in _scores(row)]
+    record = run_record.of_run(file, [scene], None, sources, scores)
+    record["fit"] = fitted
+    record.update(against=None, against_asked=None, preset=None, interrupted=False, kind="fit")
+    record.update(told)
+    stored = [
+        Stored(one.engine, FITTED, drop, run)
+        for one in found
+        for drop, (_, run) in enumerate(one.runs)
+    ]
+    return Run(record, tuple(scores), tuple(stored))
+
+
+def _scores(row: Mapping[str, Any]) -> list[Score]:
+    """What was found for one engine, as scores that are shown and not judged."""
+    cells = [(name, *(one[key] for key in ("value", "u", "unit")))
+             for name, one in row["parameters"].items()]  # fmt: skip
+    cells += [(f"effective_{name}", *(one[key] for key in ("value", "u", "unit")))
+              for name, one in row["effective"].items()]  # fmt: skip
+    cells += [(one["name"], *(one[key] for key in ("value", "u", "unit")))
+              for one in row.get("numbers", ())]  # fmt: skip
+    return [Score(row["name"], FITTED, name, "", None, value, u, unit, 1, None, None, INFO)
+            for name, value, u, unit in cells]  # fmt: skip

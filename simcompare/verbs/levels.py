@@ -1,0 +1,81 @@
+"""What is asked of contact levels: which run, with which helps, and which are judged."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from simcompare.engine import engines
+from simcompare.engine.assist import chosen
+from simcompare.engine.helps import HELPS, known
+from simcompare.errors import InputError, UnknownName
+from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, OLD_LEVELS, TUNED
+
+if TYPE_CHECKING:
+    from simcompare.results.fit_file import FitFile
+
+
+def chosen_levels(contact: str | Sequence[str]) -> tuple[list[str], FitFile | None]:
+    """Contact levels, and the fit where one of them is a file."""
+    from simcompare.results import fit_file
+
+    asked = [part.strip() for part in contact.split(",")] if isinstance(contact, str) else contact
+    modes, fit = [], None
+    for mode in (OLD_LEVELS.get(level, level) for level in asked):
+        path = None if mode in CONTACT_LEVELS else fit_file.find(mode)
+        if path is not None:
+            if fit is not None:
+                raise InputError("--contact", [f"{mode} is a second fit; a run takes one"])
+            fit = fit_file.read(path)
+            modes.append(fit_file.FITTED)
+        elif mode in CONTACT_LEVELS:
+            modes.append(mode)
+        else:
+            raise UnknownName("contact level or fit", mode, CONTACT_LEVELS)
+    return list(dict.fromkeys(modes)), fit
+
+
+def chosen_helps(assist: str | Sequence[str], engine: str) -> frozenset[str] | None:
+    """The helps that were asked for; ``None``: all that an engine takes.
+
+    Raises:
+        InputError: an engine that was named takes one of them not; says which it takes.
+    """
+    helps = chosen(assist)
+    if helps == frozenset(HELPS):
+        return None
+    faults = []
+    for name in [] if engine == "all" else engines.select(engine):
+        takes: frozenset[str] = getattr(engines.get(name), "helps", frozenset())
+        if helps - takes:
+            faults.append(
+                f"{name} takes no {known(helps - takes)}; it takes {known(takes) or 'none'}"
+            )
+    if faults:
+        raise InputError("--assist", faults)
+    return helps
+
+
+def check_used(
+    levels: Sequence[str], helps: frozenset[str] | None, judge: str | Sequence[str]
+) -> None:
+    """Refuses options that would do nothing.
+
+    Raises:
+        InputError: helps without a level that takes them, or a level to judge that is not run.
+    """
+    if helps is not None and ASSISTED not in levels:
+        raise InputError("--assist", [f"is for the level {ASSISTED}; name it in --contact"])
+    asked = [part.strip() for part in judge.split(",")] if isinstance(judge, str) else list(judge)
+    if TUNED in asked and not {TUNED, "fitted"} & {*levels}:
+        raise InputError("--judge", [f"{TUNED} is not among the levels that run; see --contact"])
+
+
+def judged_levels(judge: str | Sequence[str], fit: FitFile | None) -> list[str]:
+    """Levels whose failures count; those of a fit for a plain loop where "tuned" does."""
+    asked = [part.strip() for part in judge.split(",")] if isinstance(judge, str) else list(judge)
+    for level in asked:
+        if level not in (TUNED, ASSISTED):
+            raise UnknownName("level that is judged", level, (TUNED, ASSISTED))
+    plain = fit is not None and fit.contact == TUNED and TUNED not in asked
+    return sorted({*asked, ASSISTED, *(() if plain else ("fitted",))})

@@ -1,0 +1,277 @@
+"""The verb ``run``: a scenario through engines, held against the truth and against measurements."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from simcompare import measures
+from simcompare.compare import ablation
+from simcompare.compare.against import Match, matches
+from simcompare.compare.comparison import Repeat, Score, scores_of
+from simcompare.compare.repeats import AtStep, at_steps, sample_steps_s
+from simcompare.engine import engines
+from simcompare.engine.assist import ALL, NONE
+from simcompare.engine.helps import known
+from simcompare.errors import InputError, OutputError, SimcompareError
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, DEFAULT, TUNED, Settings
+from simcompare.model.trajectory import TRUTH
+from simcompare.results import run_record
+from simcompare.results.run import Run, Stored
+from simcompare.running.jobs import FAILED, OK, Job, Outcome
+from simcompare.running.runner import TIME_LIMIT_S, Interrupted, Progress, run_jobs
+from simcompare.scenarios import catalogue
+from simcompare.verbs import levels
+
+if TYPE_CHECKING:
+    from simcompare.hardware.recordings.bounce_table import BounceTable
+    from simcompare.results.fit_file import FitFile
+    from simcompare.scenarios.scenario_file import ScenarioFile
+
+
+def run(
+    scenario: str = "ball",
+    *,
+    engine: str = "all",
+    contact: str | Sequence[str] = (DEFAULT, TUNED, ASSISTED),
+    assist: str | Sequence[str] = ALL,
+    judge: str | Sequence[str] = ASSISTED,
+    set: Mapping[str, str | float] | None = None,
+    preset: str | None = None,
+    step: str | float | Sequence[str | float] | None = None,
+    seeds: int | None = None,
+    against: str | Path | None = None,
+    out: str | Path | None = None,
+    time_limit_s: float = TIME_LIMIT_S,
+    progress: Progress | None = None,
+) -> Run:
+    """Simulates a scenario on engines and compares the results.
+
+    Args:
+        scenario: name, folder or file.
+        engine: ``"all"`` or names with commas; "mujoco:rk4" is an engine's variant.
+        contact: contact levels, a list or a text with commas; also the fit.json of a fit, with
+            which each engine runs with its own fitted parameters.
+        assist: our helps in "assisted": "all", "none" or names (see ``simcompare.engine.helps``).
+        judge: levels in which a tolerance that is missed is a failure of the run; "assisted"
+            always is.
+        set: parameters that differ from the file; text may carry a unit ("30cm").
+        preset: named set of parameters, applied first.
+        step: the engine's step, "1ms" or in seconds; samples may be coarser. Of several, as a list
+            or a text with commas, each makes a source of its own, such as "pymunk@2ms".
+        seeds: number of dithered repeats; the scenario's own where ``None``.
+        against: table of measured bounces: a file or the name of a published one.
+        out: folder in which the run's own folder is made; nothing is stored where ``None``.
+        time_limit_s: longest time for one simulation [s].
+        progress: called as ``progress(engine, done, total)``.
+
+    Returns:
+        The run; a run that Ctrl-C ended is marked so and keeps what had finished.
+
+    Raises:
+        SimcompareError: faults of the arguments or of a file, or nowhere to store the run.
+    """
+    chosen = engines.select(engine)
+    modes, fit = levels.chosen_levels(contact)
+    helps = levels.chosen_helps(assist, engine)
+    levels.check_used(modes, helps, judge)
+    judged = levels.judged_levels(judge, fit)
+    file = catalogue.load(scenario)
+    table = _table(file, against)
+    values = {**({} if fit is None else fit.base(file)), **file.read_settings(set or {})}
+    if table is not None:
+        values, preset = with_conditions(file, table, values, preset)
+    steps_s = sample_steps_s(file, values, preset, step)
+    if seeds is not None and seeds < 1:
+        raise InputError("--seeds", [f"{seeds} is not a number of repeats; expected 1 or more"])
+    if seeds is not None and file.resolve(values, preset=preset).dither is None:
+        raise InputError("--seeds", [f"{file.name} has nothing that is dithered between repeats"])
+    usual_s = None if fit is None else fit.usual_step_s
+    steps = at_steps(file, values, preset, steps_s or [usual_s], seeds)
+    if out is not None:
+        check_writable(Path(out))
+    jobs = [
+        job
+        for name in chosen
+        for mode in modes
+        for at in steps
+        for job in _jobs(file, name, mode, at, (fit, helps))
+    ]
+    interrupted = False
+    try:
+        outcomes = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
+    except Interrupted as stop:
+        outcomes, interrupted = stop.outcomes, True
+    done = _gather(file, steps, outcomes, table)
+    done.record.update(
+        engines_asked=engine,
+        scenario_asked=scenario,
+        against_asked=None if against is None else str(against),
+        fit_asked=None if fit is None else str(fit.path),
+        cautions=[] if fit is None else _cautions(fit, file, steps, chosen),
+        assist=None if helps is None else known(helps) or NONE,
+        judge=judged,
+        preset=preset,
+        interrupted=interrupted,
+    )
+    result = Run(done.record, tuple(done.scores), tuple(done.trajectories), None, interrupted)
+    if out is None:
+        return result
+    from simcompare.results import store
+
+    return store.save(result, Path(out))
+
+
+def with_conditions(
+    file: ScenarioFile, table: BounceTable, values: Mapping[str, float], preset: str | None
+) -> tuple[dict[str, float], str | None]:
+    """Parameters and preset under which a table was measured, with what the user adds.
+
+    Raises:
+        InputError: the user, or the table, asks for another scenario, preset or condition.
+    """
+    measured = file.read_settings(table.parameters, str(table.path))
+    faults = [
+        f"{name} = {values[name]:g} is asked for, but the table was measured at {value:g}"
+        for name, value in measured.items()
+        if name in values and values[name] != value
+    ]
+    if preset is not None and table.preset is not None and preset != table.preset:
+        faults.append(f"preset {preset} is asked for, but the table is of {table.preset}")
+    scenario = table.head.get("scenario", file.name)
+    if scenario != file.name:
+        faults.append(f"the table is of the scenario {scenario}, not of {file.name}")
+    if faults:
+        raise InputError(f"--against {table.path.name}", faults)
+    return {**measured, **values}, preset or table.preset
+
+
+def check_writable(folder: Path) -> None:
+    """Makes the output folder and proves that it can be written to, before anything is simulated.
+
+    Raises:
+        OutputError: it cannot.
+    """
+    probe = folder / ".simcompare-write-test"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe.write_bytes(b"")
+        probe.unlink()
+    except OSError as error:
+        raise OutputError(
+            f"--out {folder}: cannot be written to ({error.strerror}); choose another folder"
+        ) from None
+
+
+def _cautions(
+    fit: FitFile, file: ScenarioFile, steps: Sequence[AtStep], chosen: Sequence[str]
+) -> list[str]:
+    said = [sentence for at in steps for sentence in fit.cautions(at.nominal, file, chosen)]
+    return list(dict.fromkeys(said))
+
+
+def _jobs(
+    file: ScenarioFile,
+    engine: str,
+    mode: str,
+    at: AtStep,
+    given: tuple[FitFile | None, frozenset[str] | None],
+) -> list[Job]:
+    """One job for each repeat; a fitted engine is given its own parameters.
+
+    Assisted, the nominal repeat is run once more without each of the helps that act in it.
+    """
+    fit, helps = given
+    if fit is None or mode in CONTACT_LEVELS:
+        settings = Settings(mode, helps=helps, drops=at.drops)
+        jobs = [
+            Job(engine, scene, settings, i, at=at.label) for i, scene in enumerate(at.scenarios)
+        ]
+        if mode == ASSISTED:
+            jobs += ablation.jobs_of(engine, at, settings)
+        return jobs
+    found = []
+    fitted = fit.settings(engine, at.nominal)
+    for i, scene in enumerate(at.scenarios):
+        for name, value in (fit.of_engine(engine, file) or {}).items():
+            scene = file.vary(scene, name, value)
+        found.append(Job(engine, scene, fitted, i, mode, at=at.label))
+    return found
+
+
+def _table(file: ScenarioFile, against: str | Path | None) -> BounceTable | None:
+    if against is None:
+        return None
+    from simcompare.hardware.recordings import bounce_table
+
+    return bounce_table.read(bounce_table.find(str(against)), _measured_units(file.resolve()))
+
+
+def _measured_units(scenario: Scenario) -> dict[str, str]:
+    """Per-event quantities of a scenario's measures and their units."""
+    found: dict[str, str] = {}
+    for measure in scenario.measures:
+        units = measures.units_of(measure, scenario)
+        for name in measures.load(measure.function).SERIES:
+            found[measure.names.get(name, name)] = units[name]
+    return found
+
+
+@dataclass
+class _Gathered:
+    record: dict[str, Any]
+    scores: list[Score]
+    trajectories: list[Stored]
+
+
+def _gather(
+    file: ScenarioFile,
+    steps: Sequence[AtStep],
+    outcomes: Sequence[Outcome],
+    table: BounceTable | None,
+) -> _Gathered:
+    scores: list[Score] = []
+    trajectories: list[Stored] = []
+    sources = []
+    at_label = {at.label: at for at in steps}
+    by_source: dict[tuple[str, str], list[Outcome]] = {}
+    for outcome in outcomes:
+        if not outcome.job.without:
+            by_source.setdefault((outcome.job.source, outcome.job.mode), []).append(outcome)
+    for (source, mode), own in by_source.items():
+        at = at_label[own[0].job.at]
+        good = [outcome for outcome in own if outcome.status == OK]
+        record = run_record.of_source(source, mode, own)
+        if at.label:
+            record |= run_record.of_step(own[0].job.engine, at)
+        if len(good) == len(own):
+            repeats = [
+                Repeat(at.scenarios[o.job.repeat], o.trajectory, at.truths[o.job.repeat])
+                for o in own
+                if o.trajectory is not None
+            ]
+            try:
+                scores += scores_of(repeats)
+            except SimcompareError as error:  # this source lacks a signal; the others have it
+                record.update(status=FAILED, reason=str(error))
+        trajectories += [
+            Stored(source, mode, o.job.repeat, o.trajectory) for o in good if o.trajectory
+        ]
+        sources.append(record)
+    finest = min(steps, key=lambda at: at.nominal.world.engine_step_s)
+    for at in (finest, *(at for at in steps if at is not finest)):
+        name = TRUTH if at is finest else f"{TRUTH}{at.label}"
+        trajectories += [Stored(name, "", i, true) for i, true in enumerate(at.truths) if true]
+    found: list[Match] = []
+    if table is not None:
+        found = matches(table, scores, _measured_units(finest.nominal))
+    truth = TRUTH if any(finest.truths) else None
+    record = run_record.of_run(file, finest.scenarios, truth, sources, scores)
+    if len(steps) > 1:
+        record["steps"] = [run_record.of_scenario_at(at) for at in steps]
+    record["without"] = [row for at in steps for row in ablation.results_of(at, outcomes)]
+    record["against"] = run_record.of_measurement(file, table, found) if table is not None else None
+    return _Gathered(record, scores, trajectories)
