@@ -10,6 +10,7 @@ from simcompare import units
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Scale, scale_of
 from simcompare.reports.validation import validations
+from simcompare.results.records.fit import FitRecord
 from simcompare.results.run import Run
 
 Record = Mapping[str, Any]
@@ -22,7 +23,8 @@ _SMALL_UNITS = {"s": ("s", "ms", "µs"), "m": ("m", "mm", "µm")}
 
 def record(run: Run) -> Record:
     """The record of the fit."""
-    found: Record = run.record["fit"]
+    assert isinstance(run.record, FitRecord)
+    found: Record = run.record.fit
     return found
 
 
@@ -38,6 +40,7 @@ def failed(run: Run) -> list[Record]:
 
 def for_engines(run: Run) -> Record:
     """The closed form with the contact that engines have."""
+    assert isinstance(run.record, FitRecord)
     found: Record = record(run).get("engine_form") or record(run)["closed_form"]
     return found
 

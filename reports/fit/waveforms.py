@@ -62,7 +62,7 @@ def _panel(run: Run, probe: str, number: int, case: dict[str, Any]) -> Panel | N
     u = float(case["probes"][probe]["u"])
     largest = max(float(np.nanmax(np.abs(line.y), initial=0.0)) for line in lines)
     reach = 1.1 * max(largest, 2.5 * u) or 1.0
-    unit = runs.unit_words(str(run.record["probes"][probe]["unit"]))
+    unit = runs.unit_words(str(run.record.probes[probe].unit))
     return Panel(
         case["stream"], "time (s)", f"simulated − measured{unit}", tuple(lines),
         (Band(-2 * u, 2 * u, "noise of a sample ± 2u", 0.0),) if u else (), y_range=(-reach, reach),
@@ -76,7 +76,7 @@ def _line(engine: str, shown: Trajectory, measured: Trajectory, probe: str) -> S
 
 
 def _label(run: Run, probe: str) -> str:
-    return str(run.record["probes"][probe]["label"])
+    return str(run.record.probes[probe].label)
 
 
 def holdout(run: Run) -> Table | None:
@@ -135,6 +135,6 @@ def valid(run: Run) -> dict[str, str]:
     found = fits.record(run)["valid"]
     facts = {"step": f"{found['step_s']:g} s", "longest stretch": f"{found['duration_s']:.4g} s"}
     for probe, (low, high) in found["ranges"].items():
-        unit = run.record["probes"][probe]["unit"]
+        unit = run.record.probes[probe].unit
         facts[_label(run, probe)] = f"{low:.4g} to {high:.4g} {unit}"
     return facts

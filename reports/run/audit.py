@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from simcompare.model.audit import AuditRow
+from simcompare.results.records.run import SourceRecord
 
 SAME, LEFT, TRANSLATED, UNREAD = "same", "left", "translated", "unread"
 #: what each source says of its step
 STEP = "engine step_s"
 
 
-def state_of(row: Mapping[str, Any]) -> str:
+def state_of(row: AuditRow) -> str:
     """Whether the engine holds the scenario's value, its own, or a translation of it."""
-    wanted, given, held = row["scenario_value"], row["set_value"], row["read_value"]
+    wanted, given, held = row.scenario_value, row.set_value, row.read_value
     if held is None:
         return LEFT if given is None else UNREAD
     if wanted is None or abs(wanted - held) <= 1e-9 * max(abs(wanted), abs(held)):
@@ -20,15 +20,15 @@ def state_of(row: Mapping[str, Any]) -> str:
     return LEFT if given is None else TRANSLATED
 
 
-def keeps_its_own(source: Mapping[str, Any], quantity: str) -> bool:
+def keeps_its_own(source: SourceRecord, quantity: str) -> bool:
     """Whether an engine was left a value of its own where the scenario asks for another one."""
-    rows = [row for row in source["audit"] if row["quantity"] == quantity]
-    return any(row["scenario_value"] is not None and state_of(row) == LEFT for row in rows)
+    rows = [row for row in source.audit if row.quantity == quantity]
+    return any(row.scenario_value is not None and state_of(row) == LEFT for row in rows)
 
 
-def step_of(source: Mapping[str, Any]) -> float | None:
+def step_of(source: SourceRecord) -> float | None:
     """The engine's step [s], ``None`` where the audit does not tell it."""
-    for row in source["audit"]:
-        if row["quantity"] == STEP:
-            return None if row["set_value"] is None else float(row["set_value"])
+    for row in source.audit:
+        if row.quantity == STEP:
+            return None if row.set_value is None else float(row.set_value)
     return None

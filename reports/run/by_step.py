@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from simcompare.compare.repeats import step_words
@@ -15,6 +12,7 @@ from simcompare.reports.render.figures import Figure, Panel, Series, Style, styl
 from simcompare.reports.run import listing, runs
 from simcompare.reports.run.lead import MIXED, OUTSIDE, Lead, Row, rows_of
 from simcompare.reports.run.level_words import how
+from simcompare.results.records.run import StepRecord
 from simcompare.results.run import Run
 
 #: behind a value that is outside of its tolerance
@@ -49,8 +47,8 @@ def figure(run: Run, lead: Lead) -> Figure | None:
     if not panels:
         return None
     caption = "One line for each engine"
-    if run.record["repeats"] > 1:
-        caption += f"; bars are one standard deviation over {run.record['repeats']} repeats"
+    if run.record.repeats > 1:
+        caption += f"; bars are one standard deviation over {run.record.repeats} repeats"
     if lead.is_judged:
         caption += "; the band is the tolerance at each step"
     title = f"{lead.words[0].upper()}{lead.words[1:]} over the step"
@@ -72,9 +70,7 @@ def _head(run: Run, lead: Lead, mode: str, *, judged: bool) -> str:
 
 def widths(run: Run, lead: Lead) -> list[tuple[str, float | None]]:
     """Each of several steps, as it is typed, with its tolerance."""
-    return [
-        (step_words(float(step["engine_step_s"])), _width(run, lead, step)) for step in _steps(run)
-    ]
+    return [(step_words(step.engine_step_s), _width(run, lead, step)) for step in _steps(run)]
 
 
 def _value(lead: Lead, at: At, judged: bool) -> str:
@@ -87,24 +83,23 @@ def _by_engine(run: Run, lead: Lead, mode: str) -> dict[str, list[At]]:
     """What each engine has of the leading measure, at each of its steps from the shortest on."""
     found: dict[str, list[At]] = {}
     for row in rows_of(run, lead, mode):
-        source = runs.source_of(run, row.name, mode) or {}
-        own = found.setdefault(str(source["engine"]), [])
-        own.append((float(source["engine_step_s"]), row))
+        source = runs.source_of(run, row.name, mode)
+        assert source is not None  # rows are of sources that ran
+        own = found.setdefault(source.engine or source.name, [])
+        own.append((source.engine_step_s or 0.0, row))
     return {engine: sorted(own, key=lambda at: at[0]) for engine, own in found.items()}
 
 
-def _steps(run: Run) -> list[Mapping[str, Any]]:
-    return sorted(runs.steps(run), key=lambda step: float(step["engine_step_s"]))
+def _steps(run: Run) -> list[StepRecord]:
+    return sorted(runs.steps(run), key=lambda step: step.engine_step_s)
 
 
-def _width(run: Run, lead: Lead, step: Mapping[str, Any]) -> float | None:
+def _width(run: Run, lead: Lead, step: StepRecord) -> float | None:
     """The tolerance at a step."""
     found = (
         runs.width(run, score)
         for score in run.scores
-        if score.measure == lead.measure
-        and score.index is None
-        and score.source.endswith(str(step["at"]))
+        if score.measure == lead.measure and score.index is None and score.source.endswith(step.at)
     )
     return next((width for width in found if width is not None), None)
 
@@ -137,7 +132,7 @@ def _truth(run: Run, lead: Lead) -> tuple[Series, ...]:
     """The truth, with the tolerance at each step about it."""
     if lead.truth is None:
         return ()
-    x = np.array([1e3 * float(step["engine_step_s"]) for step in _steps(run)])
+    x = np.array([1e3 * step.engine_step_s for step in _steps(run)])
     u = np.array([_width(run, lead, step) or 0.0 for step in _steps(run)])
     label = f"truth ({TRUTH}) ± tolerance" if u.any() else f"truth ({TRUTH})"
     return (Series(label, x, x * 0 + lead.truth, _TRUTH_STYLE, u, shaded=True),)

@@ -23,7 +23,7 @@ def height_probe(run: Run) -> Probe | None:
 
     Where joints or motors do work, height and speed of one body are not all of the energy.
     """
-    if not run.record["parameters"].get(GRAVITY) or run.record.get("has_joints"):
+    if not run.record.parameters.get(GRAVITY) or run.record.has_joints:
         return None
     for probe in runs.probes(run).values():
         if probe.observe.endswith(".position_m") and probe.component == 2 and probe.unit == "m":

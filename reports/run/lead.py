@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from simcompare.compare.comparison import Score
+from simcompare.model.answer import Answer
 from simcompare.reports.render import numbers
 from simcompare.reports.run import runs
 from simcompare.results.run import Run
@@ -45,7 +46,7 @@ class Lead:
     truth: float | None
     width: float | None
     widths: tuple[float, ...]
-    answer: Mapping[str, Any] | None
+    answer: Answer | None
     of_events: bool = False
 
     @property
@@ -195,17 +196,17 @@ class Group(NamedTuple):
 
 def lead_of(run: Run) -> Lead | None:
     """The measure that the scenario names, else the first that is judged or measured."""
-    answer = run.record.get("answer")
+    answer = run.record.answer
     measures = [*runs.judged(run), *runs.measures(run)]
-    if answer is not None and answer["measure"] in measures:
-        return _lead(run, answer["measure"], answer)
+    if answer is not None and answer.measure in measures:
+        return _lead(run, answer.measure, answer)
     return _lead(run, measures[0], None) if measures else None
 
 
 def first_events(run: Run, lead: Lead, mode: str) -> list[Row]:
     """What every source has of the first event alone, where the measure is a mean over events."""
     return [
-        Row(score.source, score.value, score.u, UNJUDGED)
+        Row(score.source, score.value, score.scatter, UNJUDGED)
         for score in run.scores
         if (score.measure, score.contact, score.index) == (lead.measure, mode, 1)
         and score.value is not None
@@ -234,7 +235,7 @@ def _row(run: Run, lead: Lead, name: str, score: Score | None) -> Row:
     # of several steps each has a truth of its own
     truth = lead.truth if score.truth is None else score.truth
     kind = _kind(truth, value, width, ends)
-    return Row(name, value, score.u, kind, width, ends, score.repeats, score.lacking)
+    return Row(name, value, score.scatter, kind, width, ends, score.repeats, score.lacking)
 
 
 def groups_of(lead: Lead, rows: Sequence[Row]) -> list[Group]:
@@ -257,7 +258,7 @@ def groups_of(lead: Lead, rows: Sequence[Row]) -> list[Group]:
     return sorted(found, key=lambda group: (-len(group.rows), abs(lead.off(group.middle))))
 
 
-def _lead(run: Run, measure: str, answer: Mapping[str, Any] | None) -> Lead:
+def _lead(run: Run, measure: str, answer: Answer | None) -> Lead:
     every = [s for s in run.scores if s.measure == measure]
     scores = [s for s in every if s.index is None]
     known = next((score for score in scores if score.truth is not None), scores[0])

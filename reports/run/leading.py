@@ -205,13 +205,13 @@ def _tolerance(truth: float, width: float, rows: tuple[float, float] | None = No
 
 def _missing(run: Run, name: str) -> str:
     """What became of a source of which nothing can be drawn."""
-    states = {s["status"] for s in run.record["sources"] if s["name"] == name} - {OK}
+    states = {s.status for s in run.record.sources if s.name == name} - {OK}
     return f"– {', '.join(sorted(states))}"
 
 
 def _caption(run: Run, lead: Lead, scales: Sequence[_Scale]) -> str:
     parts = ["One row for each engine, one symbol for each level"]
-    repeats = run.record["repeats"]
+    repeats = run.record.repeats
     if repeats > 1:
         parts.append(
             f"bars are one standard deviation over {repeats} repeats,"

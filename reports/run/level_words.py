@@ -27,7 +27,7 @@ def _rest(said: tuple[str, str]) -> str:
 
 def how(run: Run, mode: str) -> str:
     """A level as the begin of a sentence, with the step that all engines took in it."""
-    if mode == ASSISTED and run.record.get("assist") == "none":
+    if mode == ASSISTED and run.record.assist == "none":
         return "With none of our helps,"
     if mode == TUNED:
         return f"Tuned{_step(run, mode)},"
@@ -43,7 +43,7 @@ _HOW = {
 
 
 def _step(run: Run, mode: str) -> str:
-    ran = [run_source for run_source in run.record["sources"] if run_source["contact"] == mode]
-    steps = {audit.step_of(source) for source in ran if source["status"] == "ok"}
+    ran = [source for source in run.record.sources if source.contact == mode]
+    steps = {audit.step_of(source) for source in ran if source.status == "ok"}
     step_s = steps.pop() if len(steps) == 1 else None
     return "" if step_s is None else f" at a step of {numbers.plain(1e3 * step_s, 3)} ms"

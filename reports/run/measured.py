@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
+from simcompare.compare.against import Match
 from simcompare.model.trajectory import Array
 from simcompare.reports.render.figures import (
     MEASURED_STYLE,
@@ -22,23 +22,29 @@ from simcompare.reports.run import runs
 from simcompare.reports.run.looks import look
 from simcompare.results.run import Run
 
-Rows = Sequence[Mapping[str, Any]]
+Rows = Sequence[Match]
 #: engines stand this far apart about their event, so that none hides another
 _SPREAD = 0.6
 
 
+def matches_of(run: Run) -> tuple[Match, ...]:
+    """Every measured value beside every source's."""
+    against = runs.own_record(run).against
+    return () if against is None else against.matches
+
+
 def quantities(run: Run) -> list[str]:
     """Names of the measured quantities."""
-    return list(dict.fromkeys(str(row["quantity"]) for row in run.record["against"]["matches"]))
+    return list(dict.fromkeys(row.quantity for row in matches_of(run)))
 
 
 def measured_figure(run: Run, quantity: str) -> Figure:
     """Every engine beside the measured values of one quantity, one panel a contact level."""
-    matches = [row for row in run.record["against"]["matches"] if row["quantity"] == quantity]
-    several = len({row["bounce"] for row in matches}) > 1
+    matches = [row for row in matches_of(run) if row.quantity == quantity]
+    several = len({row.bounce for row in matches}) > 1
     panels = []
     for mode in runs.modes(run):
-        rows = [row for row in matches if row["contact"] == mode]
+        rows = [row for row in matches if row.contact == mode]
         if rows:
             panels.append((_by_event if several else _by_engine)(run, mode, rows))
     if several:
@@ -50,7 +56,7 @@ def measured_figure(run: Run, quantity: str) -> Figure:
         caption = "The shaded band is the measurement."
     if len(panels) > 1:
         caption += " Mind the scales: each panel has its own."
-    if not several and any(row["value"] is None for row in matches):
+    if not several and any(row.value is None for row in matches):
         caption += " (none): there is no such event in the engine."
     words = runs.measure_words(quantity)
     title = f"Measured {words}"
@@ -63,10 +69,10 @@ def _by_engine(run: Run, mode: str, rows: Rows) -> Panel:
     band = _band(first)
     ticks, series = [], []
     for i, row in enumerate(rows):
-        ticks.append(f"{row['source']}\n(none)" if row["value"] is None else str(row["source"]))
-        y, u = _floats([row], "value"), _floats([row], "u")
-        x, style = np.array([float(i)]), look(run, row["source"])
-        series.append(Series(row["source"], x, y, style, u, points=True, line=False))
+        ticks.append(f"{row.source}\n(none)" if row.value is None else str(row.source))
+        y, u = _floats([row], "value"), _floats([row], "scatter")
+        x, style = np.array([float(i)]), look(run, row.source)
+        series.append(Series(row.source, x, y, style, u, points=True, line=False))
     drawn = tuple(series)
     return Panel(
         runs.mode_title(mode), "", _y_label(first), drawn, (band,), tuple(ticks),
@@ -76,9 +82,9 @@ def _by_engine(run: Run, mode: str, rows: Rows) -> Panel:
 
 def _by_event(run: Run, mode: str, rows: Rows) -> Panel:
     """Several measured events: deviations, for on one scale no engine can be told from another."""
-    own = [row for row in rows if row["source"] == rows[0]["source"]]
-    relative = all(row["measured"] for row in own)
-    names = [*dict.fromkeys(str(row["source"]) for row in rows)]
+    own = [row for row in rows if row.source == rows[0].source]
+    relative = all(row.measured for row in own)
+    names = [*dict.fromkeys(str(row.source) for row in rows)]
     count = len(names) + 1
     half = np.array([(band.high - band.low) / 2 for band in map(_band, own)]) * _scale(
         own, relative
@@ -90,14 +96,14 @@ def _by_event(run: Run, mode: str, rows: Rows) -> Panel:
         Series("measured", place, zero, MEASURED_STYLE, half, points=True, line=False),
     ]
     for i, name in enumerate(names):
-        found = [row for row in rows if row["source"] == name]
+        found = [row for row in rows if row.source == name]
         scale = _scale(found, relative)
         y = (_floats(found, "value") - _floats(found, "measured")) * scale
         x = _floats(found, "bounce") + spread(i + 1, count, _SPREAD)
-        u = _floats(found, "u") * scale
+        u = _floats(found, "scatter") * scale
         series.append(Series(name, x, y, look(run, name), u, points=True, line=False))
-    unit = " (%)" if relative else runs.unit_words(rows[0]["unit"])
-    label = f"{runs.measure_words(rows[0]['quantity'])} − measured{unit}"
+    unit = " (%)" if relative else runs.unit_words(rows[0].unit)
+    label = f"{runs.measure_words(rows[0].quantity)} − measured{unit}"
     title = runs.mode_title(mode)
     return Panel(title, "number of the event", label, tuple(series), whole_x=True)
 
@@ -107,18 +113,19 @@ def _scale(rows: Rows, relative: bool) -> Array:
     return 100 / np.abs(_floats(rows, "measured")) if relative else np.ones(len(rows))
 
 
-def _band(row: Mapping[str, Any]) -> Band:
-    centre = float(row["measured"])
-    if row["low"] is not None and row["high"] is not None:
-        return Band(float(row["low"]), float(row["high"]), "measured, stated limits", centre)
-    half = 2 * float(row["u_measured"] or 0.0)
+def _band(row: Match) -> Band:
+    centre = float(row.measured)
+    if row.low is not None and row.high is not None:
+        return Band(float(row.low), float(row.high), "measured, stated limits", centre)
+    half = 2 * float(row.u_measured or 0.0)
     label = "measured ± 2u" if half else "measured"
     return Band(centre - half, centre + half, label, centre)
 
 
-def _y_label(row: Mapping[str, Any]) -> str:
-    return f"{runs.measure_words(row['quantity'])}{runs.unit_words(row['unit'])}"
+def _y_label(row: Match) -> str:
+    return f"{runs.measure_words(row.quantity)}{runs.unit_words(row.unit)}"
 
 
 def _floats(rows: Rows, key: str) -> Array:
-    return np.array([math.nan if row[key] is None else float(row[key]) for row in rows])
+    values = [getattr(row, key) for row in rows]
+    return np.array([math.nan if value is None else float(value) for value in values])

@@ -74,8 +74,8 @@ def _title(run: Run, lead: Lead | None) -> str:
     unit = "" if lead.unit in ("", "1") else f" in {lead.unit}"
     title = f"{lead.words}{unit}"
     means = ["all events of a repeat"] if lead.of_events else []
-    if run.record["repeats"] > 1:
-        means.append(f"{run.record['repeats']} repeats (scatter in the last digits)")
+    if run.record.repeats > 1:
+        means.append(f"{run.record.repeats} repeats (scatter in the last digits)")
     if means:
         title += f", mean over {' and '.join(means)}"
     return title if lead.width is None else f"{title}; tolerance {_tolerances(run, lead)}"
@@ -93,8 +93,8 @@ def _cell(run: Run, lead: Lead | None, name: str, mode: str) -> str:
     source = runs.source_of(run, name, mode)
     if source is None:
         return "–"
-    if source["status"] != OK:
-        return str(source["status"])
+    if source.status != OK:
+        return str(source.status)
     score = runs.score_of(run, name, mode, lead.measure) if lead else None
     if lead is None or score is None:
         return "–"
@@ -104,7 +104,7 @@ def _cell(run: Run, lead: Lead | None, name: str, mode: str) -> str:
             dict.fromkeys(_value(lead, end, None) for end in (score.low, score.high))
         )
         return f"{ends} {runs.measured_words(run, score)}{_VERDICTS.get(score.verdict, '')}"
-    return _value(lead, score.value, score.u) + _VERDICTS.get(score.verdict, "")
+    return _value(lead, score.value, score.scatter) + _VERDICTS.get(score.verdict, "")
 
 
 def _value(lead: Lead, value: float | None, u: float | None) -> str:

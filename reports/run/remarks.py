@@ -13,9 +13,11 @@ from simcompare.reports.render import numbers
 from simcompare.reports.run import listing, runs
 from simcompare.reports.run.lead import Lead, first_events, groups_of, lead_of
 from simcompare.reports.run.level_words import how, merged
+from simcompare.results.records.run import SourceRecord
 from simcompare.results.run import Run
 from simcompare.running.jobs import OK
 
+Tuning = Mapping[str, Any]
 #: contacts whose depths differ by less than this factor are told as one
 _ALIKE_DEPTHS = 2.0
 #: a depth below this part of the body's size is called small
@@ -28,20 +30,20 @@ def remarks(run: Run) -> list[str]:
     found = [*_means(run, judged), *_typed_in(run), _contacts(run)]
     found += merged((how(run, mode), _missed(run, mode)) for mode in judged)
     found += [*_variants(run), *_not_run(run)]
-    if run.interrupted:
+    if run.record.interrupted:
         found.append("The run was interrupted before it was complete.")
     return [sentence for sentence in found if sentence]
 
 
 def _means(run: Run, judged: Sequence[str]) -> list[str]:
     """What the scatter is, and what the first event gives where the value is a mean of several."""
-    lead, repeats = lead_of(run), run.record["repeats"]
+    lead, repeats = lead_of(run), run.record.repeats
     if lead is None:
         return []
     found = []
-    dither = run.record.get("dither")
+    dither = run.record.dither
     if repeats > 1 and dither:
-        found.append(f"± is the standard deviation over {repeats} repeats. {dither['reason']}")
+        found.append(f"± is the standard deviation over {repeats} repeats. {dither.reason}")
     if lead.of_events and not runs.steps(run):
         found += merged((how(run, mode), _first(run, lead, mode)) for mode in judged)
     return found
@@ -60,22 +62,22 @@ def _first(run: Run, lead: Lead, mode: str) -> str:
 def _variants(run: Run) -> list[str]:
     """What each variant is, as its source notes it."""
     found: dict[str, str] = {}
-    for source in run.record["sources"]:
-        name = source["name"].partition(AT)[0]
+    for source in run.record.sources:
+        name = source.name.partition(AT)[0]
         mark = f"variant {name.partition(VARIANT)[2]}: "
-        for note in source["notes"]:
+        for note in source.notes:
             if VARIANT in name and note.startswith(mark):
                 # behind it stands where that is documented
                 found[name] = note.removeprefix(mark).rpartition(" [")[0]
     return [f"{name}: {text}." for name, text in found.items()]
 
 
-def typed(source: Mapping[str, Any], record: Mapping[str, Any], digits: int = 6) -> str:
+def typed(source: SourceRecord, record: Tuning, digits: int = 6) -> str:
     """The numbers of a tuning under the names of the engine's own parameters."""
     names = {
-        row["set_value"]: row["engine_parameter"]
-        for row in source["audit"]
-        if row["quantity"].endswith("restitution")
+        row.set_value: row.engine_parameter
+        for row in source.audit
+        if row.quantity.endswith("restitution")
     }
     return ", ".join(
         f"{names[value]} = {numbers.plain(value, digits)}"
@@ -89,16 +91,16 @@ def typed(source: Mapping[str, Any], record: Mapping[str, Any], digits: int = 6)
 _ALL = {1: "the one tolerance is", 2: "both tolerances are"}
 
 
-def _tuned(run: Run) -> list[tuple[Mapping[str, Any], Mapping[str, Any]]]:
+def _tuned(run: Run) -> list[tuple[SourceRecord, Tuning]]:
     """Sources of the level tuned, each with the first record of its tuning."""
-    sources = [source for source in run.record["sources"] if source["contact"] == TUNED]
-    return [(source, source["tuning"][0]) for source in sources if source.get("tuning")]
+    sources = [source for source in run.record.sources if source.contact == TUNED]
+    return [(source, source.tuning[0]) for source in sources if source.tuning]
 
 
 def _contacts(run: Run) -> str:
     """How deep the first contact sinks and how long it lasts, engines alike together."""
     known = [
-        (at["penetration_m"], at["contact_s"], source["name"], record.get("size_m") or 0.0)
+        (at["penetration_m"], at["contact_s"], source.name, record.get("size_m") or 0.0)
         for source, record in _tuned(run)
         for at in record["at"][:1]
         if at["penetration_m"] is not None and at["contact_s"] is not None
@@ -152,33 +154,31 @@ def _span(values: Sequence[float], unit: str, digits: int = 2) -> str:
 
 def _typed_in(run: Run) -> list[str]:
     """Which numbers stand for each restitution, engine by engine."""
-    sources = [source for source in run.record["sources"] if source["contact"] == TUNED]
-    sources.sort(key=lambda source: float(source.get("engine_step_s", 0.0)))
-    rows = [(source, record) for source in sources for record in source.get("tuning") or ()]
+    sources = [source for source in run.record.sources if source.contact == TUNED]
+    sources.sort(key=lambda source: float(source.engine_step_s or 0.0))
+    rows = [(source, record) for source in sources for record in source.tuning]
     return [
         _typed_for(run, restitution, [row for row in rows if row[1]["restitution"] == restitution])
         for restitution in dict.fromkeys(record["restitution"] for _, record in rows)
     ]
 
 
-def _typed_for(
-    run: Run, restitution: float, rows: Sequence[tuple[Mapping[str, Any], Mapping[str, Any]]]
-) -> str:
+def _typed_for(run: Run, restitution: float, rows: Sequence[tuple[SourceRecord, Tuning]]) -> str:
     by_engine: dict[str, list[str]] = {}
     for source, record in rows:  # at several steps, one after the other
-        engine = source["name"].partition(AT)[0]
+        engine = source.name.partition(AT)[0]
         by_engine.setdefault(engine, []).append(_short(source, record))
     said = [f"{', '.join(numbers)} in {engine}" for engine, numbers in by_engine.items()]
     goal = f" for a restitution of {numbers.plain(restitution)}"
     steps = [
-        str(step["at"]).removeprefix(AT)
-        for step in sorted(runs.steps(run), key=lambda step: float(step["engine_step_s"]))
+        step.at.removeprefix(AT)
+        for step in sorted(runs.steps(run), key=lambda step: step.engine_step_s)
     ]
     at = f" at {listing.joined(steps)}" if steps else ""
     return f"Typed in{goal}{at}: {('; ' if steps else ', ').join(said)}."
 
 
-def _short(source: Mapping[str, Any], record: Mapping[str, Any]) -> str:
+def _short(source: SourceRecord, record: Tuning) -> str:
     """A coefficient alone; the numbers of a parameter with several under its name."""
     values = [numbers.plain(value) for value in record["numbers"]]
     if len(values) == 1:
@@ -249,7 +249,7 @@ def _worst(run: Run, mode: str) -> str:
     off = abs((score.value or 0.0) - (score.truth or 0.0))
     if share <= 1:  # what was missed could not be measured
         return ""
-    far = numbers.with_u(off, score.u, score.unit, score.truth, 2)
+    far = numbers.with_u(off, score.scatter, score.unit, score.truth, 2)
     return (
         f"; farthest is {score.source}, {runs.measure_words(score.measure)} off by {far},"
         f" {numbers.plain(share, 2)} times the tolerance"
@@ -260,11 +260,11 @@ def _not_run(run: Run) -> list[str]:
     """Engines that did not run at any level, and those that ran at some, by what became of them."""
     heads: dict[str, dict[str, list[str]]] = {}
     for name in dict.fromkeys(row["name"] for row in runs.not_run(run)):
-        own = [source for source in run.record["sources"] if source["name"] == name]
-        bad = [source for source in own if source["status"] != OK]
-        levels = listing.joined([runs.mode_words(source["contact"]) for source in bad])
+        own = [source for source in run.record.sources if source.name == name]
+        bad = [source for source in own if source.status != OK]
+        levels = listing.joined([runs.mode_words(source.contact) for source in bad])
         head = "Did not run" if len(bad) == len(own) else f"Not run {levels}"
-        for status in dict.fromkeys(source["status"] for source in bad):
+        for status in dict.fromkeys(source.status for source in bad):
             heads.setdefault(head, {}).setdefault(status, []).append(name)
     found = []
     for head, by_status in heads.items():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
 import shlex
 from collections.abc import Sequence
@@ -12,7 +11,9 @@ from simcompare.errors import SimcompareError
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import COEFFICIENTS, DEFAULT, TUNED
 from simcompare.reports.run import runs
+from simcompare.results.records.run import RunRecord
 from simcompare.results.run import Run
+from simcompare.results.run_record import sha256_of
 from simcompare.running.jobs import OK
 from simcompare.scenarios import catalogue
 
@@ -23,41 +24,41 @@ def command(run: Run) -> str:
     All values are named where the scenario's file is no longer the one of the run.
     """
     record = run.record
-    if record.get("command"):
-        return shlex.join(record["command"])
-    words = ["simcompare", "run", str(record["scenario_asked"])]
-    words += ["--engine", str(record["engines_asked"])]
+    if record.command:
+        return shlex.join(record.command)
+    words = ["simcompare", "run", str(record.scenario_asked)]
+    words += ["--engine", str(record.engines_asked)]
     words += ["--contact", ",".join(runs.modes(run))]
-    if record.get("assist"):
-        words += ["--assist", str(record["assist"])]
+    if record.assist:
+        words += ["--assist", str(record.assist)]
     own = _own_values(run)
-    words += _values(run, own, [step["engine_step_s"] for step in runs.steps(run)])
+    words += _values(run, own, [step.engine_step_s for step in runs.steps(run)])
     count = own.dither.count if own is not None and own.dither is not None else 1
-    if count != record["repeats"]:
-        words += ["--seeds", str(record["repeats"])]
-    if record.get("against"):
-        words += ["--against", str(record["against_asked"])]
+    if count != record.repeats:
+        words += ["--seeds", str(record.repeats)]
+    if isinstance(record, RunRecord) and record.against is not None:
+        words += ["--against", str(record.against_asked)]
     return shlex.join(words)
 
 
 def scripts(run: Run) -> list[str]:
     """Commands that write each row of a plain loop as a script that needs no simcompare."""
     record = run.record
-    if "scenario_asked" not in record or not record.get("engines_asked"):
+    if not record.scenario_asked or not record.engines_asked:
         return []
     found = []
-    for source in record["sources"]:
-        if source["status"] != OK or source["contact"] not in (DEFAULT, COEFFICIENTS, TUNED):
+    for source in record.sources:
+        if source.status != OK or source.contact not in (DEFAULT, COEFFICIENTS, TUNED):
             continue
-        name, level = str(source.get("engine", source["name"])), str(source["contact"])
+        name, level = str(source.engine or source.name), str(source.contact)
         base = engines.split(name)[0]
         if base in engines.names() and not getattr(engines.get(base), "script_module", ""):
             continue  # it has no writer of scripts
-        words = ["simcompare", "export", str(record["scenario_asked"]), "--format", "script"]
-        steps_s = [source["engine_step_s"]] if "engine_step_s" in source else []
+        words = ["simcompare", "export", str(record.scenario_asked), "--format", "script"]
+        steps_s = [] if source.engine_step_s is None else [source.engine_step_s]
         words += ["--engine", name, "--contact", level]
         words += _values(run, _own_values(run), steps_s)
-        stem = f"{record['scenario']}_{source['name']}_{level}"
+        stem = f"{record.scenario}_{source.name}_{level}"
         words += ["-o", f"{re.sub('[:@]', '_', stem)}.py"]
         found.append(shlex.join(words))
     return found
@@ -72,26 +73,25 @@ def _values(run: Run, own: Scenario | None, steps_s: Sequence[float]) -> list[st
         steps_s: steps of the engines, where the run has several.
     """
     record, words = run.record, []
-    if record["preset"]:
-        words += ["--preset", str(record["preset"])]
-    for name, value in record["parameters"].items():
+    if record.preset:
+        words += ["--preset", str(record.preset)]
+    for name, value in record.parameters.items():
         if own is None or own.parameters.get(name) != value:
             words += ["--set", f"{name}={value!r}"]
     if steps_s:
         words += ["--step", ",".join(f"{step_s!r}s" for step_s in steps_s)]
-    elif own is None or own.world.step_s != record["step_s"]:
+    elif own is None or own.world.step_s != record.step_s:
         parts = 1 if own is None else own.world.substeps
-        words += ["--step", f"{record['step_s'] / parts!r}s"]
+        words += ["--step", f"{record.step_s / parts!r}s"]
     return words
 
 
 def _own_values(run: Run) -> Scenario | None:
     """The scenario as its file has it, ``None`` where that file is gone or has changed."""
     try:
-        file = catalogue.load(str(run.record["scenario_asked"]))
-        digest = hashlib.sha256(file.path.read_bytes()).hexdigest()
-        if digest != run.record["scenario_sha256"]:
+        file = catalogue.load(str(run.record.scenario_asked))
+        if sha256_of(file) != run.record.scenario_sha256:
             return None
-        return file.resolve(preset=run.record["preset"])
+        return file.resolve(preset=run.record.preset)
     except (SimcompareError, OSError):
         return None

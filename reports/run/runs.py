@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any
 
 from simcompare.compare.comparison import PASS, Score
 from simcompare.errors import UnknownName
@@ -12,6 +11,7 @@ from simcompare.model.scenario import Probe, Tolerance
 from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, SHOWN_LEVELS, TUNED
 from simcompare.model.trajectory import TRUTH, Array, Trajectory
 from simcompare.reports.render import numbers
+from simcompare.results.records.run import RunRecord, SourceRecord, StepRecord
 from simcompare.results.run import Run
 from simcompare.running.jobs import OK
 
@@ -24,9 +24,15 @@ _MODES = {
 }
 
 
+def own_record(run: Run) -> RunRecord:
+    """The record of a run that is no fit and no validation."""
+    assert isinstance(run.record, RunRecord)
+    return run.record
+
+
 def modes(run: Run) -> list[str]:
     """Contact levels of a run, in the order in which they were asked for."""
-    return list(dict.fromkeys(str(source["contact"]) for source in run.record["sources"]))
+    return list(dict.fromkeys(source.contact for source in run.record.sources))
 
 
 def judged_modes(run: Run) -> list[str]:
@@ -36,7 +42,7 @@ def judged_modes(run: Run) -> list[str]:
 
 def names(run: Run) -> list[str]:
     """Names of all engines of a run, those that did not run included."""
-    return list(dict.fromkeys(str(source["name"]) for source in run.record["sources"]))
+    return list(dict.fromkeys(source.name for source in run.record.sources))
 
 
 def mode_title(mode: str) -> str:
@@ -49,31 +55,30 @@ def mode_words(mode: str) -> str:
     return _MODES.get(mode, (mode, mode))[1]
 
 
-def source_of(run: Run, name: str, mode: str) -> Mapping[str, Any] | None:
+def source_of(run: Run, name: str, mode: str) -> SourceRecord | None:
     """The record of one engine in one mode."""
-    for source in run.record["sources"]:
-        if source["name"] == name and source["contact"] == mode:
-            found: Mapping[str, Any] = source
-            return found
+    for source in run.record.sources:
+        if source.name == name and source.contact == mode:
+            return source
     return None
 
 
 def ran(run: Run, mode: str) -> list[str]:
     """Engines that ran in a mode."""
     return [
-        str(source["name"])
-        for source in run.record["sources"]
-        if source["contact"] == mode and source["status"] == OK
+        source.name
+        for source in run.record.sources
+        if source.contact == mode and source.status == OK
     ]
 
 
 def not_run(run: Run) -> list[dict[str, str]]:
     """Engine, modes, status and reason of everything that did not run; one row for one reason."""
     rows: dict[tuple[str, str, str], list[str]] = {}
-    for source in run.record["sources"]:
-        if source["status"] != OK:
-            key = (source["name"], source["status"], source["reason"] or "no reason is known")
-            rows.setdefault(key, []).append(mode_words(source["contact"]))
+    for source in run.record.sources:
+        if source.status != OK:
+            key = (source.name, source.status, source.reason or "no reason is known")
+            rows.setdefault(key, []).append(mode_words(source.contact))
     return [
         {
             "name": name,
@@ -97,17 +102,17 @@ def unit_words(unit: str) -> str:
 
 def axes(run: Run) -> dict[str, str]:
     """Series that are drawn over another one: measure -> the measure that gives its x values."""
-    return {str(name): str(axis) for name, axis in (run.record.get("axes") or {}).items()}
+    return dict(run.record.axes)
 
 
 def probes(run: Run) -> dict[str, Probe]:
     """The probes of a run's scenario, the leading one first."""
-    return {name: Probe(**probe) for name, probe in (run.record.get("probes") or {}).items()}
+    return dict(run.record.probes)
 
 
 def nominal(run: Run, source: str, contact: str) -> Trajectory | None:
     """The trajectory of the nominal repeat, which is the middle one."""
-    middle = int(run.record["repeats"]) // 2
+    middle = run.record.repeats // 2
     for stored in run.trajectories:
         if (stored.source, stored.contact, stored.repeat) == (source, contact, middle):
             return stored.trajectory
@@ -150,23 +155,21 @@ def toleranced_first(run: Run, measures: Iterable[str]) -> list[str]:
     Scores stand in the order of the scenario's own ``measures``; the tolerances of one that
     extends another begin with those of the other.
     """
-    tolerances = run.record["tolerances"]
+    tolerances = run.record.tolerances
     return sorted(dict.fromkeys(measures), key=lambda name: name not in tolerances)
 
 
-def steps(run: Run) -> list[Mapping[str, Any]]:
+def steps(run: Run) -> tuple[StepRecord, ...]:
     """What depends on the step, for each of several; empty for a run with one step."""
-    return list(run.record.get("steps") or ())
+    return run.record.steps
 
 
-def tolerances(run: Run, source: str) -> Mapping[str, Any]:
+def tolerances(run: Run, source: str) -> Mapping[str, Tolerance]:
     """The tolerances of the scenario at the step of a source."""
     for step in steps(run):
-        if source.endswith(str(step["at"])):
-            found: Mapping[str, Any] = step["tolerances"]
-            return found
-    whole: Mapping[str, Any] = run.record["tolerances"]
-    return whole
+        if source.endswith(step.at):
+            return step.tolerances
+    return run.record.tolerances
 
 
 def judged(run: Run) -> list[str]:
@@ -174,7 +177,7 @@ def judged(run: Run) -> list[str]:
     found = {
         score.measure for score in run.scores if score.index is None and score.truth is not None
     }
-    tolerances = run.record["tolerances"]
+    tolerances = run.record.tolerances
     return [name for name in measures(run) if name in found and name in tolerances]
 
 
@@ -183,7 +186,7 @@ def width(run: Run, score: Score) -> float | None:
     tolerance = tolerances(run, score.source).get(score.measure)
     if score.tolerance is not None or tolerance is None or score.truth is None:
         return score.tolerance
-    return Tolerance(**tolerance).width(score.truth)
+    return tolerance.width(score.truth)
 
 
 def share_of_tolerance(run: Run, score: Score) -> float | None:
@@ -203,7 +206,7 @@ def passed(run: Run, source: str, mode: str) -> tuple[int, int]:
 
 
 def value_words(run: Run, score: Score | None) -> str:
-    """A score as ``value ± u``; of some repeats alone, from the lowest to the highest."""
+    """A score as ``value ± scatter``; of some repeats alone, from the lowest to the highest."""
     if score is None:
         return "–"
     if score.value is None and score.low is not None and score.high is not None:
@@ -213,12 +216,12 @@ def value_words(run: Run, score: Score | None) -> str:
         ends = low if low == high else f"{low} to {high}"
         return f"{ends} {measured_words(run, score)}"
     scale, digits = size(run, score), numbers.digits(score.value, width(run, score))
-    return numbers.with_u(score.value, score.u, scale=scale, digits=digits)
+    return numbers.with_u(score.value, score.scatter, scale=scale, digits=digits)
 
 
 def measured_words(run: Run, score: Score) -> str:
     """In how many of the repeats something could be measured."""
-    return f"({score.repeats} of {run.record['repeats']})"
+    return f"({score.repeats} of {run.record.repeats})"
 
 
 def size(run: Run, score: Score) -> float:

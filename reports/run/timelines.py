@@ -31,9 +31,9 @@ def _probe_figure(run: Run, name: str, probe: Probe, modes: Sequence[str]) -> Fi
 
     label = f"{probe.label}{runs.unit_words(probe.unit)}"
     caption = "One line for each engine"
-    if run.record["repeats"] > 1:
+    if run.record.repeats > 1:
         caption += (
-            f", the middle one of {run.record['repeats']} repeats, which may differ from their mean"
+            f", the middle one of {run.record.repeats} repeats, which may differ from their mean"
             " as much as ± says"
         )
     if runs.truth(run) is not None:
@@ -51,7 +51,7 @@ def energy_figure(run: Run) -> Figure | None:
     probe = energy.height_probe(run)
     if probe is None:
         return None
-    gravity = float(run.record["parameters"][energy.GRAVITY])
+    gravity = float(run.record.parameters[energy.GRAVITY])
 
     def curve(trajectory: Trajectory) -> tuple[Array, Array] | None:
         times, values = energy.relative(trajectory, probe, gravity)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
-from simcompare.model.answer import VALUE, placeholders
+from simcompare.model.answer import VALUE, Cause, placeholders
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import TRUTH
 from simcompare.reports.render import numbers
@@ -121,7 +120,7 @@ def _values(
 
 def _mixed(run: Run, lead: Lead, row: Row) -> str:
     """The lowest and highest repeat of a source, and how many there are where some are missing."""
-    of = run.record["repeats"]
+    of = run.record.repeats
     count = "" if row.repeats == of else f" (measured in {row.repeats} of {of})"
     return f"{lead.ends(row)} in {row.name}{count}"
 
@@ -135,7 +134,7 @@ def _lacking(rows: Sequence[Row]) -> str:
 def _template(lead: Lead, kind: str) -> str:
     kind = OUTSIDE if kind == UNJUDGED else kind
     if lead.answer is not None:
-        return str(lead.answer[kind])
+        return str(getattr(lead.answer, kind))
     return f"there is no {lead.words}" if kind == NOTHING else f"the {lead.words} is {{{VALUE}}}"
 
 
@@ -178,14 +177,14 @@ def _causes(run: Run, lead: Lead, mode: str, rows: Sequence[Row], kinds: Sequenc
     """What the scenario names as a cause, where the audit shows that it holds."""
     missing = [row.name for row in rows if row.kind in kinds]
     said = []
-    for cause in (lead.answer or {}).get("causes", ()):
+    for cause in lead.answer.causes if lead.answer else ():
         own = [name for name in missing if _keeps(run, name, mode, cause)]
         if own:
             where = "" if own == missing else f"in {listing.joined(own)} "
-            said.append(f"{where}{cause['says']}")
+            said.append(f"{where}{cause.says}")
     return "; ".join(said)
 
 
-def _keeps(run: Run, name: str, mode: str, cause: Mapping[str, Any]) -> bool:
+def _keeps(run: Run, name: str, mode: str, cause: Cause) -> bool:
     source = runs.source_of(run, name, mode)
-    return source is not None and audit.keeps_its_own(source, cause["quantity"])
+    return source is not None and audit.keeps_its_own(source, cause.quantity)

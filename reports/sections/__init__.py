@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 from simcompare.reports.sections.assistance import Assistance
 from simcompare.reports.sections.base import Section
 from simcompare.reports.sections.contrast import Contrast
@@ -44,6 +41,9 @@ from simcompare.reports.sections.validation import (
     Source,
     Timings,
 )
+from simcompare.results.records.fit import FitRecord
+from simcompare.results.records.run import Record
+from simcompare.results.records.validation import ValidationRecord
 
 #: in the order in which a reader wants them
 SECTIONS: tuple[Section, ...] = (
@@ -101,10 +101,8 @@ WAVES: tuple[Section, ...] = (
 )
 
 
-def of_run(record: Mapping[str, Any]) -> tuple[Section, ...]:
+def of_run(record: Record) -> tuple[Section, ...]:
     """The sections that suit a run."""
-    if "choice" in (record.get("fit") or {}):  # other fits are no bounces
-        return FIT
-    if (record.get("fit") or {}).get("by") == "waveform":
-        return WAVES
-    return VALIDATION if record.get("validation") else SECTIONS
+    if isinstance(record, FitRecord):
+        return WAVES if record.fit.get("by") == "waveform" else FIT
+    return VALIDATION if isinstance(record, ValidationRecord) else SECTIONS

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
+from simcompare.compare.ablation import Ablated, Ablation
 from simcompare.engine.helps import HELPS
-from simcompare.model.scenario import Tolerance
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.reports.run import runs
@@ -38,7 +38,7 @@ _SHOWN = 4
 #: changes below this part of a tolerance are none
 _NOTHING = 1e-6
 
-Change = tuple[float, str, Mapping[str, Any]]
+Change = tuple[float, str, Ablated]
 
 
 class Assistance(Section):
@@ -48,13 +48,13 @@ class Assistance(Section):
 
     def context(self, run: Run) -> dict[str, Any] | None:
         """The largest change by each help, and all of them folded; ``None`` where none acted."""
-        left_out = run.record.get("without") or []
+        left_out = runs.own_record(run).without
         if not left_out:
             return None
         rows = tuple(
             _short(run, name, own)
             for name in HELPS
-            if (own := [item for item in left_out if item["help"] == name])
+            if (own := [item for item in left_out if item.help == name])
         )
         note = (
             "The nominal repeat alone, without one help at a time, all others kept. Of each help"
@@ -64,32 +64,30 @@ class Assistance(Section):
         return parts_of([], [short, _every(run, left_out)])
 
 
-def _short(run: Run, name: str, items: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
+def _short(run: Run, name: str, items: Sequence[Ablation]) -> tuple[str, ...]:
     """One row for a help: in how many engines it acts, and the largest change that it makes."""
     head = (name, HELPS[name])
-    ran = len({item["source"] for item in items if item["status"] == OK})
+    ran = len({item.source for item in items if item.status == OK})
     acts = f"{ran} engine{'' if ran == 1 else 's'}"
     share, source, row = _largest(run, items)
     if row is None or share <= _NOTHING:
         return *head, acts, "nothing that is judged", "–", "–", "–", "0"
-    what = f"{runs.measure_words(row['measure'])}{runs.unit_words(row['unit'])} in {source}"
-    values = (numbers.plain(row[key], 5) for key in ("with", "without", "truth"))
+    what = f"{runs.measure_words(row.measure)}{runs.unit_words(row.unit)} in {source}"
+    values = (numbers.plain(value, 5) for value in _values(row))
     return *head, acts, what, *values, numbers.plain(share, 2)
 
 
-def _largest(
-    run: Run, items: Sequence[Mapping[str, Any]]
-) -> tuple[float, str, Mapping[str, Any] | None]:
+def _largest(run: Run, items: Sequence[Ablation]) -> tuple[float, str, Ablated | None]:
     """The largest change in tolerances: of the leading measure if it changes, else of any."""
     lead = lead_of(run)
     found: list[Change] = [
-        (share, item["source"], row)
+        (share, item.source, row)
         for item in items
-        if item["status"] == OK
-        for row in item["measures"]
-        if (share := _share(run, item["source"], row)) is not None
+        if item.status == OK
+        for row in item.measures
+        if (share := _share(run, item.source, row)) is not None
     ]
-    leading = [c for c in found if lead and c[2]["measure"] == lead.measure and c[0] > _LEADS]
+    leading = [c for c in found if lead and c[2].measure == lead.measure and c[0] > _LEADS]
     return max(leading or found, key=lambda change: change[0], default=(0.0, "", None))
 
 
@@ -97,29 +95,33 @@ def _largest(
 _LEADS = 0.1
 
 
-def _share(run: Run, source: str, row: Mapping[str, Any]) -> float | None:
-    tolerance = runs.tolerances(run, source).get(row["measure"])
-    if tolerance is None or None in (row["with"], row["without"], row["truth"]):
+def _share(run: Run, source: str, row: Ablated) -> float | None:
+    tolerance = runs.tolerances(run, source).get(row.measure)
+    if tolerance is None or row.with_ is None or row.without is None or row.truth is None:
         return None
-    return float(abs(row["with"] - row["without"]) / Tolerance(**tolerance).width(row["truth"]))
+    return abs(row.with_ - row.without) / tolerance.width(row.truth)
 
 
-def _every(run: Run, left_out: Sequence[Mapping[str, Any]]) -> Table:
+def _values(row: Ablated) -> tuple[float | None, ...]:
+    return row.with_, row.without, row.truth
+
+
+def _every(run: Run, left_out: Sequence[Ablation]) -> Table:
     """One group of rows for each help."""
     lead = runs.measures(run)[:_SHOWN]
     groups = []
     for name in HELPS:
         rows: list[tuple[str, ...]] = []
-        for item in (item for item in left_out if item["help"] == name):
-            if item["status"] != OK:
-                rows.append((item["source"], item["reason"] or item["status"], "", "–", ""))
+        for item in (item for item in left_out if item.help == name):
+            if item.status != OK:
+                rows.append((item.source, item.reason or item.status, "", "–", ""))
                 continue
-            shown = {row["measure"]: row for row in item["measures"]}
+            shown = {row.measure: row for row in item.measures}
             rows += [
                 (
-                    item["source"],
-                    runs.measure_words(measure) + runs.unit_words(shown[measure]["unit"]),
-                    *(numbers.plain(shown[measure][k]) for k in ("with", "without", "truth")),
+                    item.source,
+                    runs.measure_words(measure) + runs.unit_words(shown[measure].unit),
+                    *map(numbers.plain, _values(shown[measure])),
                 )
                 for measure in lead
                 if measure in shown

@@ -23,7 +23,7 @@ class Events(Section):
         return {
             "figures": figures,
             "tables": [_table(run, measure) for measure in measures],
-            "repeats": run.record["repeats"],
+            "repeats": run.record.repeats,
         }
 
 

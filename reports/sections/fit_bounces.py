@@ -36,7 +36,7 @@ class FitAnswer(Section):
             said.append(f"Could not be fitted: {', '.join(missing)}; the reasons are below.")
         table = tuned.typed if tuned.is_tuned(run) else fitted_tables.engines
         return {
-            "question": run.record["question"],
+            "question": run.record.question,
             "answer": said,
             **parts_of(fitted_figures.left_figures(run), [table(run)]),
         }

@@ -22,7 +22,7 @@ class WavesAnswer(Section):
         found = fits.record(run)
         said = [printable(text) for text in (*found["told"], *found["sentences"])]
         return {
-            "question": run.record["question"],
+            "question": run.record.question,
             "answer": said,
             **parts_of(waveforms.residual_figures(run), []),
         }

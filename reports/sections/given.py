@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 from simcompare.model.settings import SHOWN_LEVELS
@@ -10,6 +9,7 @@ from simcompare.reports.render import numbers
 from simcompare.reports.run import runs
 from simcompare.reports.run.audit import LEFT, SAME, TRANSLATED, UNREAD, state_of
 from simcompare.reports.sections.base import Section
+from simcompare.results.records.run import SourceRecord
 from simcompare.results.run import Run
 
 _WORDS = {
@@ -27,7 +27,7 @@ class Given(Section):
 
     def context(self, run: Run) -> dict[str, Any]:
         """One table for each engine and mode, and what differs in the engines' defaults."""
-        blocks = [_block(source) for source in run.record["sources"]]
+        blocks = [_block(source) for source in run.record.sources]
         left = [
             {"source": block["name"], "mode": block["mode"], **row}
             for block in blocks
@@ -50,35 +50,35 @@ def _velocity(offset_s: float | None) -> str:
     )
 
 
-def _block(source: Mapping[str, Any]) -> dict[str, Any]:
+def _block(source: SourceRecord) -> dict[str, Any]:
     rows = []
-    for row in source["audit"]:
+    for row in source.audit:
         state = state_of(row)
         rows.append(
             {
-                "quantity": row["quantity"],
-                "wanted": numbers.plain(row["scenario_value"]),
-                "parameter": row["engine_parameter"],
-                "given": numbers.plain(row["set_value"]),
-                "held": numbers.plain(row["read_value"]),
-                "unit": "" if row["unit"] == "1" else row["unit"],
-                "note": row["note"],
-                "read": row["read_value"] is not None,
-                "asked": row["scenario_value"] is not None,
+                "quantity": row.quantity,
+                "wanted": numbers.plain(row.scenario_value),
+                "parameter": row.engine_parameter,
+                "given": numbers.plain(row.set_value),
+                "held": numbers.plain(row.read_value),
+                "unit": "" if row.unit == "1" else row.unit,
+                "note": row.note,
+                "read": row.read_value is not None,
+                "asked": row.scenario_value is not None,
                 "state": state,
                 "words": _WORDS[state],
             }
         )
     return {
-        "name": source["name"],
-        "version": source["version"],
-        "mode": runs.mode_words(source["contact"]),
-        "status": source["status"],
-        "reason": source["reason"],
-        "mapping": source["mapping"] if source["contact"] not in SHOWN_LEVELS else "",
-        "velocity": _velocity(source.get("velocity_offset_s")),
-        "notes": source["notes"],
-        "noise": source["noise"],
+        "name": source.name,
+        "version": source.version,
+        "mode": runs.mode_words(source.contact),
+        "status": source.status,
+        "reason": source.reason,
+        "mapping": source.mapping if source.contact not in SHOWN_LEVELS else "",
+        "velocity": _velocity(source.velocity_offset_s),
+        "notes": source.notes,
+        "noise": source.noise,
         "rows": rows,
         "left": sum(row["state"] == LEFT for row in rows),
         "translated": sum(row["state"] == TRANSLATED for row in rows),

@@ -28,7 +28,7 @@ class Headline(Section):
         found = lead_of(run)
         lead = found.measure if found else None
         return {
-            "question": run.record["question"],
+            "question": run.record.question,
             "answer": words.answer(run),
             "remarks": remarks.remarks(run),
             "figures": [figure for figure in _figures(run, found) if figure is not None],
@@ -71,9 +71,9 @@ def _row(run: Run, name: str, lead: str | None) -> dict[str, Any]:
         if source is None:
             cells.append({"reason": "was not asked for"})
             continue
-        version = version or source["version"]
-        if source["status"] != OK:
-            cells.append({"status": source["status"], "reason": source["reason"]})
+        version = version or source.version
+        if source.status != OK:
+            cells.append({"status": source.status, "reason": source.reason})
             continue
         met, of = runs.passed(run, name, mode)
         score = runs.score_of(run, name, mode, lead) if lead else None

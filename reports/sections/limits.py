@@ -15,6 +15,6 @@ class Limits(Section):
 
     def context(self, run: Run) -> dict[str, Any] | None:
         """The limits of each engine once; ``None`` where none is known."""
-        engines = {source["name"]: source["known_limits"] for source in run.record["sources"]}
+        engines = {source.name: source.known_limits for source in run.record.sources}
         found = {name: limits for name, limits in engines.items() if limits}
         return {"engines": found} if found else None

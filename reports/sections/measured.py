@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+from simcompare.compare.against import Match
 from simcompare.reports.render import numbers
 from simcompare.reports.render.figures import style_of
 from simcompare.reports.run import measured, runs
@@ -25,29 +27,29 @@ class Measured(Section):
 
     def context(self, run: Run) -> dict[str, Any] | None:
         """Figure and table of all matches; ``None`` where the run was held against nothing."""
-        against = run.record.get("against")
-        if not against or not against["matches"]:
+        against = runs.own_record(run).against
+        if not against or not against.matches:
             return None
         return {
-            "head": against["head"],
-            "file": against["file"],
-            "caution": against.get("caution"),
+            "head": against.head,
+            "file": against.file,
+            "caution": against.caution,
             "sentences": [_sentence(run, mode) for mode in runs.modes(run)],
             "figures": [measured.measured_figure(run, name) for name in measured.quantities(run)],
-            "groups": _groups(against["matches"]),
+            "groups": _groups(against.matches),
         }
 
 
-def _groups(matches: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _groups(matches: Sequence[Match]) -> list[dict[str, Any]]:
     """One group of rows for each measured value."""
-    found: dict[tuple[str, int], list[dict[str, Any]]] = {}
+    found: dict[tuple[str, int], list[Match]] = {}
     for match in matches:
-        found.setdefault((match["quantity"], match["bounce"]), []).append(match)
+        found.setdefault((match.quantity, match.bounce), []).append(match)
     return [
         {
             "title": f"{runs.measure_words(quantity)}, event {event}"
-            f"{runs.unit_words(rows[0]['unit'])}",
-            "measured": numbers.with_u(rows[0]["measured"], rows[0]["u_measured"]),
+            f"{runs.unit_words(rows[0].unit)}",
+            "measured": numbers.with_u(rows[0].measured, rows[0].u_measured),
             "limits": _limits(rows[0]),
             "rows": [_row(match) for match in rows],
         }
@@ -55,23 +57,23 @@ def _groups(matches: list[dict[str, Any]]) -> list[dict[str, Any]]:
     ]
 
 
-def _limits(match: dict[str, Any]) -> str | None:
-    if match["low"] is None or match["high"] is None:
+def _limits(match: Match) -> str | None:
+    if match.low is None or match.high is None:
         return None
-    return f"{numbers.plain(match['low'])} … {numbers.plain(match['high'])}"
+    return f"{numbers.plain(match.low)} … {numbers.plain(match.high)}"
 
 
-def _row(match: dict[str, Any]) -> dict[str, Any]:
-    symbol, words = _WORDS[match["inside"]]
-    if match["value"] is None:
+def _row(match: Match) -> dict[str, Any]:
+    symbol, words = _WORDS[match.inside]
+    if match.value is None:
         words += ": there is no such event in the engine"
     return {
-        "source": match["source"],
-        "style": style_of(match["source"]),
-        "mode": runs.mode_words(match["contact"]),
-        "value": numbers.with_u(match["value"], match["u"], scale=match["measured"]),
-        "e_n": "–" if match["e_n"] is None else numbers.plain(match["e_n"], 2),
-        "inside": match["inside"],
+        "source": match.source,
+        "style": style_of(match.source),
+        "mode": runs.mode_words(match.contact),
+        "value": numbers.with_u(match.value, match.scatter, scale=match.measured),
+        "e_n": "–" if match.e_n is None else numbers.plain(match.e_n, 2),
+        "inside": match.inside,
         "symbol": symbol,
         "words": words,
     }
@@ -80,9 +82,9 @@ def _row(match: dict[str, Any]) -> dict[str, Any]:
 def _sentence(run: Run, mode: str) -> str:
     """How many engines are consistent with every measured value."""
     by_source: dict[str, list[bool | None]] = {}
-    for match in run.record["against"]["matches"]:
-        if match["contact"] == mode:
-            by_source.setdefault(match["source"], []).append(match["inside"])
+    for match in measured.matches_of(run):
+        if match.contact == mode:
+            by_source.setdefault(match.source, []).append(match.inside)
     good = sum(all(inside) for inside in by_source.values())
     are = "is" if good in (0, 1) or len(by_source) == 1 else "are"
     head = runs.mode_title(mode)

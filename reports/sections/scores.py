@@ -34,7 +34,7 @@ class Scores(Section):
             ],
             "groups": [_group(run, measure) for measure in measures],
             "missing": runs.not_run(run),
-            "repeats": run.record["repeats"],
+            "repeats": run.record.repeats,
             "truth": TRUTH if any(s.truth is not None for s in run.scores) else None,
         }
 
@@ -42,30 +42,30 @@ class Scores(Section):
 def _group(run: Run, measure: str) -> dict[str, Any]:
     found = [s for s in run.scores if s.measure == measure and s.index is None]
     first = found[0]
-    tolerance = run.record["tolerances"].get(measure)
+    tolerance = run.record.tolerances.get(measure)
     # at other steps there may be other tolerances
     widths = [runs.width(run, score) for score in (found if runs.steps(run) else [first])]
     accepted = dict.fromkeys(numbers.plain(width, 3) for width in widths if width is not None)
-    relative = tolerance.get("relative") if tolerance else None
+    relative = tolerance.relative if tolerance else None
     return {
         "title": runs.measure_words(measure),
         "unit": runs.unit_words(first.unit),
         "truth": None if first.truth is None else _truth(run, first),
         "tolerance": " or ".join(accepted) or None,
         "relative": None if relative is None else numbers.percent(relative),
-        "reason": tolerance["reason"] if tolerance else None,
+        "reason": tolerance.reason if tolerance else None,
         "rows": [_row(run, name, measure) for name in runs.names(run) if _ran(run, name)],
     }
 
 
 def _truth(run: Run, score: Score) -> str:
-    digits = 6 if score.u is not None else numbers.digits(score.truth, runs.width(run, score))
+    digits = 6 if score.scatter is not None else numbers.digits(score.truth, runs.width(run, score))
     return numbers.with_u(score.truth, None, scale=runs.size(run, score), digits=digits)
 
 
 def _ran(run: Run, name: str) -> bool:
-    sources = run.record["sources"]
-    return any(source["name"] == name and source["status"] == OK for source in sources)
+    sources = run.record.sources
+    return any(source.name == name and source.status == OK for source in sources)
 
 
 def _row(run: Run, name: str, measure: str) -> dict[str, Any]:
@@ -78,8 +78,10 @@ def _cell(run: Run, score: Score | None) -> dict[str, Any] | None:
         return None
     deviation = "–"
     if score.value is not None and score.truth is not None:
-        size, digits = runs.size(run, score), 6 if score.u is not None else 4
-        deviation = numbers.with_u(score.value - score.truth, score.u, scale=size, digits=digits)
+        size, digits = runs.size(run, score), 6 if score.scatter is not None else 4
+        deviation = numbers.with_u(
+            score.value - score.truth, score.scatter, scale=size, digits=digits
+        )
     return {
         "value": runs.value_words(run, score),
         "deviation": deviation,

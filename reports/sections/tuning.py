@@ -11,6 +11,7 @@ from simcompare.reports.render.tables import Column, Group, of_engines
 from simcompare.reports.run.remarks import typed
 from simcompare.reports.sections.base import Section
 from simcompare.reports.sections.parts import parts_of
+from simcompare.results.records.run import SourceRecord
 from simcompare.results.run import Run
 
 _COLUMNS = (
@@ -33,14 +34,14 @@ class Tuning(Section):
 
     def context(self, run: Run) -> dict[str, Any] | None:
         """One group of rows for each engine; ``None`` where nothing was tuned."""
-        every = run.record["sources"]
-        sources = [s for s in every if s["contact"] != ASSISTED and s.get("tuning")]
+        every = run.record.sources
+        sources = [s for s in every if s.contact != ASSISTED and s.tuning]
         if not sources:
             return None
         groups = [
-            Group(_title(source, record), _rows(source["name"], record))
+            Group(_title(source, record), _rows(source.name, record))
             for source in sources
-            for record in source["tuning"]
+            for record in source.tuning
         ]
         note = (
             "Each row is the mean over 25 drops that fall at even phases of the step, and after ±"
@@ -52,10 +53,10 @@ class Tuning(Section):
         return parts_of([], [of_engines(_COLUMNS, groups, note)])
 
 
-def _title(source: Mapping[str, Any], record: Mapping[str, Any]) -> str:
+def _title(source: SourceRecord, record: Mapping[str, Any]) -> str:
     pairs = ", ".join("-".join(pair) for pair in record["pairs"])
     said = (
-        f"{source['name']}: {typed(source, record)} for {numbers.plain(record['restitution'])}"
+        f"{source.name}: {typed(source, record)} for {numbers.plain(record['restitution'])}"
         f" between {pairs}, at a step of {numbers.plain(1e3 * record['step_s'])} ms"
     )
     if record.get("stall_speed_m_s"):

@@ -27,7 +27,7 @@ class RealAnswer(Section):
             for figure in waveforms.overlay_figures(run, probe)
         ]
         return {
-            "question": run.record["question"],
+            "question": run.record.question,
             "answer": [*map(printable, found["sentences"]), *_not_run(run)],
             **_parts(figures, [real_tables.waveforms(run)] if found["waveforms"] else []),
         }

@@ -9,6 +9,7 @@ from simcompare import units
 from simcompare.model.trajectory import TRUTH, Trajectory
 from simcompare.reports.render.tables import printable
 from simcompare.reports.run import runs
+from simcompare.results.records.validation import ValidationRecord
 from simcompare.results.run import Run
 
 MEASURED = "measured"
@@ -26,7 +27,8 @@ _LETTERS = 28
 
 def validation(run: Run) -> Mapping[str, Any]:
     """The record of the validation."""
-    found: Mapping[str, Any] = run.record["validation"]
+    assert isinstance(run.record, ValidationRecord)
+    found: Mapping[str, Any] = run.record.validation
     return found
 
 

@@ -93,10 +93,12 @@ def fit(
 
         written = builder.write_html([result], result.folder / "report.html")
     if as_json:
-        console.print_json({**result.record["fit"], "run": str(result.folder)})
+        from simcompare.reports.fit import fits
+
+        console.print_json({**fits.record(result), "run": str(result.folder)})
     else:
         fit_tables.show(result, written)
-    raise typer.Exit(130 if result.interrupted else result.exit_code)
+    raise typer.Exit(130 if result.record.interrupted else result.exit_code)
 
 
 def _priors(texts: list[str]) -> dict[str, tuple[float, float]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,7 @@ import typer
 from simcompare import notation
 from simcompare.cli import console
 from simcompare.model.settings import TUNED
+from simcompare.reports.fit import fits
 
 if TYPE_CHECKING:
     from simcompare.results.run import Run
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
 
 def show(result: Run, written: Path | None) -> None:
     """Prints what was found: for a plain loop first what to type in."""
-    found = result.record["fit"]
+    found = fits.record(result)
     for sentence in found["told"]:
         typer.echo(sentence)
     said = _print_tables(found)
@@ -35,7 +37,7 @@ def show(result: Run, written: Path | None) -> None:
         typer.echo(f"Report: {written}")
 
 
-def _print_tables(found: dict[str, Any]) -> list[str]:
+def _print_tables(found: Mapping[str, Any]) -> list[str]:
     """Prints the tables of a kind of fit; returns the sentences that are still to be told."""
     said: list[str] = found["sentences"]
     if "choice" not in found:
@@ -55,15 +57,13 @@ def _print_tables(found: dict[str, Any]) -> list[str]:
 
 def _print_places(result: Run, folder: Path) -> None:
     """Where the fit is stored, and how it is used."""
-    found, place = result.record["fit"], shlex.quote(str(folder / "fit.json"))
+    found, place = fits.record(result), shlex.quote(str(folder / "fit.json"))
     able = [str(source["name"]) for source in found["sources"] if source["status"] == "ok"]
     reuse = f"; reuse it with --contact {place}" if "choice" in found and able else ""
     typer.echo(f"Stored in {folder}{reuse}")
     if found["contact"] == TUNED and able:
-        name = str(result.record["scenario"])
-        export = (
-            f"simcompare export {shlex.quote(str(result.record['scenario_asked']))} --fit {place}"
-        )
+        name = result.record.scenario
+        export = f"simcompare export {shlex.quote(str(result.record.scenario_asked))} --fit {place}"
         typer.echo(f"All settings to type in: {export} --contact-values")
         for writer in [one for one in able if _has_scripts(one)][:1]:
             script = f"--format script --engine {writer} -o {name}_{writer}.py"
@@ -78,7 +78,7 @@ def _has_scripts(engine: str) -> bool:
     return bool(getattr(backend, "script_module", ""))
 
 
-def _print_waves(found: dict[str, Any]) -> None:
+def _print_waves(found: Mapping[str, Any]) -> None:
     """Parameters and what engines show with them, and how well they predict what was held out."""
     closed, names = found["closed_form"], found["closed_form"]["names"]
     held = found["holdout"]["streams"]
@@ -127,7 +127,7 @@ def _print_holdout(held: list[dict[str, Any]]) -> None:
     console.show_table(made)
 
 
-def _print_choice(found: dict[str, Any]) -> None:
+def _print_choice(found: Mapping[str, Any]) -> None:
     criterion = found["choice"]["criterion"]
     made = console.table("closed form", "unknowns", "χ²", criterion, "BIC", "weight", "restitution")
     for row in found["choice"]["candidates"]:
@@ -141,7 +141,7 @@ def _print_choice(found: dict[str, Any]) -> None:
     console.show_table(made)
 
 
-def _print_tuned(found: dict[str, Any]) -> None:
+def _print_tuned(found: Mapping[str, Any]) -> None:
     """The numbers to type in, and what each engine does with them in its plain loop."""
     step_ms = 1e3 * found["valid"]["engine_step_s"]
     made = console.table(
@@ -179,7 +179,7 @@ def _print_tuned(found: dict[str, Any]) -> None:
     )
 
 
-def _print_engines(found: dict[str, Any]) -> None:
+def _print_engines(found: Mapping[str, Any]) -> None:
     names = list(
         dict.fromkeys(name for source in found["sources"] for name in source["parameters"])
     )

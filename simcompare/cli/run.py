@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
 from simcompare.cli import complete
 
 if TYPE_CHECKING:
-    from simcompare.results.run import Run
+    from simcompare.compare.against import Match
+from simcompare.results.records import stored
+from simcompare.results.records.run import Measurement, Record
+from simcompare.results.run import Run
 
 
 def run(
@@ -80,10 +82,10 @@ def run(
     written = _write_report(result) if report else None
     if as_json:
         more = {"headline": _headline(result), "exit_code": result.exit_code}
-        console.print_json({**result.record, **more})
+        console.print_json({**stored.plain(result.record), **more})
     else:
         _print(result, written, details=details)
-    raise typer.Exit(130 if result.interrupted else result.exit_code)
+    raise typer.Exit(130 if result.record.interrupted else result.exit_code)
 
 
 def _write_report(result: Run) -> Path | None:
@@ -111,7 +113,7 @@ def _print(result: Run, written: Path | None, *, details: bool) -> None:
     typer.echo()
     console.print_wrapped([*remarks.remarks(result), *_levels(result.record)])
     _print_remarks(result)
-    if result.interrupted:
+    if result.record.interrupted:
         typer.echo("Interrupted: what had finished is kept.", err=True)
     if result.folder is not None:
         typer.echo(f"Stored in {result.folder}")
@@ -119,15 +121,15 @@ def _print(result: Run, written: Path | None, *, details: bool) -> None:
         typer.echo(f"Report: {written}")
 
 
-def _levels(record: Mapping[str, Any]) -> list[str]:
+def _levels(record: Record) -> list[str]:
     """What the levels of the table are, in a sentence each, and what was run."""
-    asked = dict.fromkeys(source["contact"] for source in record["sources"])
+    asked = dict.fromkeys(source.contact for source in record.sources)
     said = dict(_LEVELS)
-    if record.get("assist") == "none":
+    if record.assist == "none":
         said["assisted"] = "here with none of our helps, so the same as tuned."
     # one engine may stand in several rows, each with its step behind an @
-    known = [source for source in record["sources"] if source["version"]]
-    versions = {source["name"].partition("@")[0]: source["version"] for source in known}
+    known = [source for source in record.sources if source.version]
+    versions = {source.name.partition("@")[0]: source.version for source in known}
     found = [f"{level}: {said[level]}" for level in asked if level in said]
     if versions:
         found.append(f"Versions: {', '.join(f'{name} {own}' for name, own in versions.items())}.")
@@ -152,38 +154,39 @@ def _print_remarks(result: Run) -> None:
     console.print_wrapped(
         f"{row['name']} ({row['modes']}): {row['reason']}" for row in runs.not_run(result)
     )
-    if result.record["against"] is not None:
-        _print_against(result.record["against"])
-    console.print_wrapped(f"Caution: {said}" for said in result.record.get("cautions", ()))
+    record = runs.own_record(result)
+    if record.against is not None:
+        _print_against(record.against)
+    console.print_wrapped(f"Caution: {said}" for said in record.cautions)
 
 
-def _measured(match: dict[str, Any]) -> str:
+def _measured(match: Match) -> str:
     from simcompare import notation
 
-    if match["low"] is not None:
-        return f"{match['low']:.5g} to {match['high']:.5g}"
-    return notation.number(match["measured"], match["u_measured"])
+    if match.low is not None:
+        return f"{match.low:.5g} to {match.high:.5g}"
+    return notation.number(match.measured, match.u_measured)
 
 
-def _print_against(against: dict[str, Any]) -> None:
+def _print_against(against: Measurement) -> None:
     from simcompare import notation
     from simcompare.cli import console
 
-    head = against["head"]
-    typer.echo(f"Against {head.get('title', against['file'])}")
+    head = against.head
+    typer.echo(f"Against {head.get('title', against.file)}")
     typer.echo(f"  {head.get('citation', 'no citation given')}")
-    if against["caution"]:
-        typer.echo(f"  {against['caution']}")
+    if against.caution:
+        typer.echo(f"  {against.caution}")
     made = console.table("engine", "contact", "quantity", "simulated", "measured", "E_n", "inside")
-    for match in against["matches"]:
-        inside = {True: "yes", False: "no", None: "no uncertainty is known"}[match["inside"]]
+    for match in against.matches:
+        inside = {True: "yes", False: "no", None: "no uncertainty is known"}[match.inside]
         made.add_row(
-            match["source"],
-            match["contact"],
-            f"{match['quantity']} {match['bounce']} [{match['unit']}]",
-            notation.number(match["value"], match["u"]),
+            match.source,
+            match.contact,
+            f"{match.quantity} {match.bounce} [{match.unit}]",
+            notation.number(match.value, match.scatter),
             _measured(match),
-            "–" if match["e_n"] is None else f"{match['e_n']:+.2f}".replace("-0.00", "+0.00"),
+            "–" if match.e_n is None else f"{match.e_n:+.2f}".replace("-0.00", "+0.00"),
             inside,
         )
     console.show_table(made)

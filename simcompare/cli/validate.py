@@ -81,16 +81,18 @@ def validate(
 
         written = builder.write_html([result], result.folder / "report.html")
     if as_json:
-        console.print_json({**result.record, "exit_code": result.exit_code})
+        from simcompare.results.records import stored
+
+        console.print_json({**stored.plain(result.record), "exit_code": result.exit_code})
     else:
         _print(result, written)
-    raise typer.Exit(130 if result.interrupted else result.exit_code)
+    raise typer.Exit(130 if result.record.interrupted else result.exit_code)
 
 
 def _print(result: Run, written: Path | None) -> None:
-    from simcompare.reports.validation import events, tables
+    from simcompare.reports.validation import events, tables, validations
 
-    found = result.record["validation"]
+    found = validations.validation(result)
     for key in ("title", "citation"):
         if found["about"].get(key):
             _say(found["about"][key])
@@ -99,13 +101,13 @@ def _print(result: Run, written: Path | None) -> None:
         _show(tables.waveforms(result))
     _show(events.summary(result))
     _show(tables.values(result))
-    for source in result.record["sources"]:
-        if source["status"] != "ok":
-            _say(f"{source['name']}, {source['contact']}: {source['reason']}")
+    for source in result.record.sources:
+        if source.status != "ok":
+            _say(f"{source.name}, {source.contact}: {source.reason}")
     typer.echo("")
     for sentence in found["sentences"]:
         _say(sentence)
-    if result.interrupted:
+    if result.record.interrupted:
         typer.echo("Interrupted: what had finished is kept.", err=True)
     if result.folder is not None:
         typer.echo(f"Stored in {result.folder}")

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Annotated
+
+from pydantic import Field
 
 from simcompare.compare.comparison import Repeat, Score, scores_of
 from simcompare.compare.repeats import AtStep
@@ -12,6 +14,44 @@ from simcompare.engine.helps import HELPS
 from simcompare.errors import SimcompareError
 from simcompare.model.settings import ASSISTED, Settings
 from simcompare.running.jobs import UNSUPPORTED, Job, Outcome, does_not_act
+
+
+@dataclass(frozen=True)
+class Ablated:
+    """One measure of the nominal repeat with all helps, and without one of them.
+
+    Attributes:
+        measure: what was measured.
+        unit: unit of all of it.
+        truth: value of the closed form.
+        with_: with all helps.
+        without: without one; ``None`` where it could not be measured.
+    """
+
+    measure: str
+    unit: str
+    truth: float | None
+    with_: Annotated[float | None, Field(alias="with")]
+    without: float | None
+
+
+@dataclass(frozen=True)
+class Ablation:
+    """What one source shows without one of our helps.
+
+    Attributes:
+        source: name of the source.
+        help: the help that was left out.
+        status: how the simulation without it ended.
+        reason: why it did not end well.
+        measures: of the whole run.
+    """
+
+    source: str
+    help: str
+    status: str
+    reason: str | None
+    measures: tuple[Ablated, ...]
 
 
 def jobs_of(engine: str, at: AtStep, settings: Settings) -> list[Job]:
@@ -28,7 +68,7 @@ def jobs_of(engine: str, at: AtStep, settings: Settings) -> list[Job]:
     ]  # fmt: skip
 
 
-def results_of(at: AtStep, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
+def results_of(at: AtStep, outcomes: Sequence[Outcome]) -> list[Ablation]:
     """What the nominal repeat shows with each help, and without it, all others kept.
 
     Args:
@@ -56,13 +96,13 @@ def results_of(at: AtStep, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
         if outcome.status == UNSUPPORTED and outcome.reason == does_not_act(name):
             continue
         left_out = nominal.get((source, name), {})
-        found.append({
-            "source": source, "help": name, "status": outcome.status,
-            "reason": outcome.reason or faults.get((source, name)),
-            "measures": [
-                {"measure": measure, "unit": score.unit, "truth": score.truth,
-                 "with": score.value, "without": getattr(left_out.get(measure), "value", None)}
-                for measure, score in nominal[source, ""].items()
-            ],
-        })  # fmt: skip
+        measures = tuple(
+            Ablated(
+                measure, score.unit, score.truth, score.value,
+                getattr(left_out.get(measure), "value", None),
+            )
+            for measure, score in nominal[source, ""].items()
+        )  # fmt: skip
+        reason = outcome.reason or faults.get((source, name))
+        found.append(Ablation(source, name, outcome.status, reason, measures))
     return found

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
 
-if TYPE_CHECKING:
-    from simcompare.compare.comparison import Score
-    from simcompare.hardware.recordings.bounce_table import BounceTable, Quantity
+from simcompare.compare.comparison import Score
+from simcompare.hardware.recordings.bounce_table import BounceTable, Quantity
 
 #: coverage factor of the expanded uncertainties U = k·u in E_n
 COVERAGE_FACTOR = 2.0
@@ -25,7 +23,7 @@ class Match:
         quantity: what was measured.
         bounce: number of the bounce.
         value: simulated value, mean over the repeats; ``None`` where the engine has no such bounce.
-        u: its standard deviation over the repeats.
+        scatter: its standard deviation over the repeats: a measured drop is one of them.
         measured: measured value.
         u_measured: its standard uncertainty, ``None`` where none is known.
         low: lower stated limit.
@@ -42,7 +40,7 @@ class Match:
     quantity: str
     bounce: int
     value: float | None
-    u: float | None
+    scatter: float | None
     measured: float
     u_measured: float | None
     low: float | None
@@ -50,10 +48,6 @@ class Match:
     unit: str
     e_n: float | None
     inside: bool | None
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        return asdict(self)
 
 
 def matches(table: BounceTable, scores: Iterable[Score], units: dict[str, str]) -> list[Match]:
@@ -77,13 +71,13 @@ def matches(table: BounceTable, scores: Iterable[Score], units: dict[str, str]) 
 def _match(
     quantity: Quantity, source: tuple[str, str], score: Score | None, units: dict[str, str]
 ) -> Match:
-    value, u = (score.value, score.u) if score is not None else (None, None)
+    value, scatter = (score.value, score.scatter) if score is not None else (None, None)
     e_n = None
     if value is not None and quantity.u is not None and quantity.low is None:
-        spread = COVERAGE_FACTOR * math.hypot(u or 0.0, quantity.u)
+        spread = COVERAGE_FACTOR * math.hypot(scatter or 0.0, quantity.u)
         e_n = (value - quantity.value) / spread
     return Match(
-        *source, quantity.name, quantity.bounce, value, u, quantity.value, quantity.u,
+        *source, quantity.name, quantity.bounce, value, scatter, quantity.value, quantity.u,
         quantity.low, quantity.high, units[quantity.name], e_n, _inside(quantity, value, e_n),
     )  # fmt: skip
 

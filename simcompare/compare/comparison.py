@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -35,8 +35,10 @@ class Score:
         probe: at which probe of the scenario.
         index: number of the event, first is 1; ``None`` for values of the whole run.
         value: mean over the repeats; ``None`` where it could not be measured.
-        u: standard deviation over the repeats; ``None`` for a single one.
-        unit: unit of value, u, truth and tolerance.
+        scatter: standard deviation of single repeats; ``None`` for a single one.
+        u: standard uncertainty of the value: of the mean, the scatter over the root of the
+            number of repeats (JCGM 100:2008, 4.2.3).
+        unit: unit of value, scatter, u, truth and tolerance.
         repeats: number of repeats in the mean.
         truth: value of the closed form, for the nominal parameters.
         tolerance: half-width of the accepted band around the truth.
@@ -52,6 +54,7 @@ class Score:
     probe: str
     index: int | None
     value: float | None
+    scatter: float | None
     u: float | None
     unit: str
     repeats: int
@@ -61,10 +64,6 @@ class Score:
     low: float | None = None
     high: float | None = None
     lacking: str = ""
-
-    def to_dict(self) -> dict[str, Any]:
-        """The score as plain values for JSON and CSV."""
-        return asdict(self)
 
 
 @dataclass(frozen=True)
@@ -99,9 +98,9 @@ def scores_of(repeats: Sequence[Repeat]) -> list[Score]:
     return found
 
 
-class _Found(NamedTuple):
+class _Mean(NamedTuple):
     value: float | None
-    u: float | None
+    scatter: float | None
     unit: str
     repeats: int
     low: float | None = None
@@ -130,7 +129,7 @@ def _judged(
         shown = measure.names.get(name, name)
         # not even the truth can be measured
         if shown in tolerances and shown not in judged:
-            nothing = _Found(None, None, unit, 0)
+            nothing = _Mean(None, None, unit, 0)
             scores.append(_score(nominal, (shown, measure.probe, None), nothing, None, None))
     return scores
 
@@ -176,30 +175,31 @@ def _without_truth(nominal: Repeat, measure: Measure, ours: Sequence[Measured]) 
     return scores
 
 
-def _mean_and_sd(offset: float, deviations: Sequence[float], unit: str, *, of: int) -> _Found:
+def _mean_and_sd(offset: float, deviations: Sequence[float], unit: str, *, of: int) -> _Mean:
     """Mean and standard deviation, which take all ``of`` repeats, and the ends of those known."""
     finite = [offset + deviation for deviation in deviations if math.isfinite(deviation)]
     least = ROUNDING * max(map(abs, (offset, *finite)), default=0.0)
     low, high = min(finite, default=None), max(finite, default=None)
     ends = tuple(end if end is None or abs(end) > least else 0.0 for end in (low, high))
     if len(deviations) < of:
-        return _Found(None, None, unit, len(deviations), *ends)
+        return _Mean(None, None, unit, len(deviations), *ends)
     value = offset + float(np.mean(deviations))
     sd = float(np.std(deviations, ddof=1)) if of > 1 else None
     # what the subtraction and addition of the truth leave behind is rounding, not a spread
     rounding = ROUNDING * max(abs(offset), abs(value))
     value = value if abs(value) > rounding else 0.0
-    return _Found(value, 0.0 if sd is not None and sd <= rounding else sd, unit, of, *ends)
+    return _Mean(value, 0.0 if sd is not None and sd <= rounding else sd, unit, of, *ends)
 
 
 def _score(
     nominal: Repeat,
     name: tuple[str, str, int | None],
-    found: _Found,
+    found: _Mean,
     truth: float | None,
     tolerance: Tolerance | None,
 ) -> Score:
-    value, u, unit, repeats, low, high = found
+    value, scatter, unit, repeats, low, high = found
+    u = None if scatter is None else scatter / math.sqrt(repeats)
     source, contact = nominal.trajectory.source, nominal.trajectory.contact
     width, verdict = None, INFO
     # what an engine does as it comes is shown, not judged
@@ -211,4 +211,6 @@ def _score(
             # what could be measured is right: the rest is not known, which is no failure
             known = max(abs(low - truth), abs(high - truth)) <= width
             verdict = INFO if known else FAIL
-    return Score(source, contact, *name, value, u, unit, repeats, truth, width, verdict, low, high)
+    return Score(
+        source, contact, *name, value, scatter, u, unit, repeats, truth, width, verdict, low, high
+    )

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from simcompare.compare.comparison import FAIL, Score
 from simcompare.model.trajectory import Trajectory
+from simcompare.results.records.run import Record
 from simcompare.running.jobs import exit_code_of
-
-#: version of what run.json holds
-FORMAT = 1
 
 
 @dataclass(frozen=True)
@@ -30,18 +26,19 @@ class Run:
     """Everything that one ``run`` found.
 
     Attributes:
-        record: what run.json holds; plain values.
-        scores: every score.
+        record: what run.json holds.
         trajectories: every trajectory that came out, the truth's included.
         folder: where it is stored, ``None`` where it is not.
-        interrupted: whether Ctrl-C ended it early.
     """
 
-    record: Mapping[str, Any]
-    scores: tuple[Score, ...]
+    record: Record
     trajectories: tuple[Stored, ...]
     folder: Path | None = None
-    interrupted: bool = False
+
+    @property
+    def scores(self) -> tuple[Score, ...]:
+        """Every score."""
+        return self.record.scores
 
     @property
     def exit_code(self) -> int:
@@ -51,14 +48,14 @@ class Run:
         an engine does by itself is no failure either, unless that level was to be judged. A step
         or value at which none of those asked for can do what is asked is the user's to change: 2.
         """
-        sources = self.record["sources"]
+        sources = self.record.sources
         code = exit_code_of(
-            [source["status"] for source in sources],
-            self.record["engines_asked"],
-            out_of_reach=any(source.get("out_of_reach") for source in sources),
+            [source.status for source in sources],
+            self.record.engines_asked,
+            out_of_reach=any(source.out_of_reach for source in sources),
         )
         if code:
             return code
-        judged = self.record.get("judge")
+        judged = self.record.judge
         failed = {score.contact for score in self.scores if score.verdict == FAIL}
         return 1 if (failed if judged is None else failed & set(judged)) else 0

@@ -1,4 +1,4 @@
-"""What run.json says: plain values with versions, machine, and what every engine was given."""
+"""What run.json says, gathered: versions, machine, and what every engine was given."""
 
 from __future__ import annotations
 
@@ -7,121 +7,130 @@ import hashlib
 import platform
 import statistics
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeVar
 
 from simcompare import measures, notation
 from simcompare.compare.against import Match
 from simcompare.compare.comparison import Score
 from simcompare.compare.repeats import AtStep
 from simcompare.engine.library import installed_version
+from simcompare.hardware.recordings.bounce_table import BounceTable
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import Settings
-from simcompare.results.run import FORMAT
+from simcompare.results.records.run import (
+    Limit,
+    Machine,
+    Measurement,
+    Record,
+    Software,
+    SourceRecord,
+    StepRecord,
+    Wall,
+)
 from simcompare.running.jobs import OK, Outcome
+from simcompare.scenarios.scenario_file import ScenarioFile
 
-if TYPE_CHECKING:
-    from simcompare.hardware.recordings.bounce_table import BounceTable
-    from simcompare.scenarios.scenario_file import ScenarioFile
+R = TypeVar("R", bound=Record)
 
 
-def of_source(name: str, mode: str, outcomes: Sequence[Outcome]) -> dict[str, Any]:
+def of_source(name: str, mode: str, outcomes: Sequence[Outcome]) -> SourceRecord:
     """What run.json says of one source in one contact level."""
     bad = [outcome for outcome in outcomes if outcome.status != OK]
     done = [outcome.trajectory for outcome in outcomes if outcome.trajectory is not None]
-    nominal = done[len(done) // 2] if done else None
-    walls = [trajectory.wall_s for trajectory in done]
     facts = outcomes[0].facts
-    return {
-        "name": name,
-        "version": facts.version,
-        "contact": mode,
-        "status": bad[0].status if bad else OK,
-        "reason": bad[0].reason if bad else None,
-        "out_of_reach": bool(bad) and bad[0].longest_step_s is not None,
-        "longest_step_s": notation.finite(bad[0].longest_step_s) if bad else None,
-        "steps": len(nominal.time_s) - 1 if nominal else None,
-        "repeats": len(done),
-        "wall_s": {
-            "import": walls[0]["import"] if walls and "import" in walls[0] else None,
-            # of one simulation, like "steps"; engines run beside each other: this is no benchmark
-            "build": _median([wall.get("build", 0.0) for wall in walls]),
-            "step": _median([wall.get("step", 0.0) for wall in walls]),
-        },
-        "helps": list(nominal.helps) if nominal else [],
-        "velocity_offset_s": nominal.velocity_offset_s if nominal else None,
-        "tuning": [dict(record) for record in nominal.tuning] if nominal else [],
-        "lacks": dict(nominal.lacks) if nominal else {},
-        "notes": list(nominal.notes) if nominal else [],
-        "noise": outcomes[0].noise,
-        "audit": [vars(row) for row in nominal.audit] if nominal else [],
-        "mapping": facts.mapping,
-        "known_limits": facts.limits_as_dicts(),
-    }
+    found = SourceRecord(
+        name=name,
+        contact=mode,
+        version=facts.version,
+        repeats=len(done),
+        wall_s=_wall([trajectory.wall_s for trajectory in done]),
+        noise=outcomes[0].noise,
+        mapping=facts.mapping,
+        known_limits=tuple(Limit(*limit) for limit in facts.known_limits),
+    )
+    if bad:
+        longest_s = bad[0].longest_step_s
+        found = replace(
+            found,
+            status=bad[0].status,
+            reason=bad[0].reason,
+            out_of_reach=longest_s is not None,
+            longest_step_s=notation.finite(longest_s),
+        )
+    if not done:
+        return found
+    nominal = done[len(done) // 2]
+    return replace(
+        found,
+        steps=len(nominal.time_s) - 1,
+        helps=tuple(nominal.helps),
+        velocity_offset_s=nominal.velocity_offset_s,
+        tuning=tuple(nominal.tuning),
+        lacks=dict(nominal.lacks),
+        notes=tuple(nominal.notes),
+        audit=tuple(nominal.audit),
+    )
 
 
-def of_step(engine: str, at: AtStep) -> dict[str, Any]:
-    """What run.json says more of a source where a run has several steps."""
-    return {"engine": engine, "engine_step_s": at.nominal.world.engine_step_s}
-
-
-def of_scenario_at(at: AtStep) -> dict[str, Any]:
+def of_scenario_at(at: AtStep) -> StepRecord:
     """What of the scenario depends on the step, where a run has several of them."""
-    dumped = at.nominal.model_dump(mode="json")
-    return {
-        "at": at.label,
-        "engine_step_s": at.nominal.world.engine_step_s,
-        "step_s": at.nominal.world.step_s,
-        "dither": dumped["dither"],
-        "tolerances": dumped["tolerances"],
-    }
+    scene = at.nominal
+    return StepRecord(
+        at.label, scene.world.engine_step_s, scene.world.step_s, scene.dither, scene.tolerances
+    )
 
 
 def of_run(
+    kind: type[R],
     file: ScenarioFile,
     scenarios: Sequence[Scenario],
     truth: str | None,
-    sources: list[dict[str, Any]],
+    sources: Sequence[SourceRecord],
     scores: Sequence[Score],
-) -> dict[str, Any]:
-    """What run.json says of the whole run, its sources and scores included."""
+    **more: Any,  # noqa: ANN401
+) -> R:
+    """What run.json says of the whole run, its sources and scores included.
+
+    Args:
+        kind: of a run, a fit or a validation.
+        file: the scenario.
+        scenarios: its repeats.
+        truth: source of the truth.
+        sources: what became of every source.
+        scores: every score.
+        more: the fields that only this kind has, and how it was asked for.
+    """
     nominal = scenarios[len(scenarios) // 2]
-    dumped = nominal.model_dump(mode="json")
-    return {
-        "format": FORMAT,
-        "run": None,
-        "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-        "scenario": nominal.name,
-        "title": nominal.title,
-        "question": nominal.question,
-        "parameters": dict(nominal.parameters),
-        "parameter_texts": {name: p.text for name, p in file.parameters.items()},
-        "step_s": nominal.world.step_s,
-        "duration_s": nominal.world.duration_s,
-        "repeats": len(scenarios),
-        "dither": dumped["dither"],
-        "seed": Settings().seed,
-        "truth": truth,
-        "probes": dumped["probes"],
-        "axes": _axes(nominal),
-        "has_joints": bool(nominal.joints),
-        "tolerances": dumped["tolerances"],
-        "answer": dumped["answer"],
-        "scenario_sha256": _sha256_of((file.path, *file.extends)),
-        "software": {
-            "simcompare": installed_version("simcompare"),
-            "python": platform.python_version(),
-            "numpy": installed_version("numpy"),
-        },
-        "machine": {
-            "system": platform.platform(),
-            "processor": _processor(),
-            "python_implementation": sys.implementation.name,
-        },
-        "sources": sources,
-        "scores": [score.to_dict() for score in scores],
-    }
+    return kind(
+        created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        scenario=nominal.name,
+        title=nominal.title,
+        question=nominal.question,
+        parameters=dict(nominal.parameters),
+        parameter_texts={name: p.text for name, p in file.parameters.items()},
+        step_s=nominal.world.step_s,
+        duration_s=nominal.world.duration_s,
+        repeats=len(scenarios),
+        dither=nominal.dither,
+        seed=Settings().seed,
+        truth=truth,
+        probes=nominal.probes,
+        axes=_axes(nominal),
+        has_joints=bool(nominal.joints),
+        tolerances=nominal.tolerances,
+        answer=nominal.answer,
+        scenario_sha256=sha256_of(file),
+        software=Software(
+            installed_version("simcompare"), platform.python_version(), installed_version("numpy")
+        ),
+        machine=Machine(platform.platform(), _processor(), sys.implementation.name),
+        sources=tuple(sources),
+        scores=tuple(scores),
+        **more,
+    )
 
 
 def _axes(scenario: Scenario) -> dict[str, str]:
@@ -133,18 +142,12 @@ def _axes(scenario: Scenario) -> dict[str, str]:
     return found
 
 
-def of_measurement(
-    file: ScenarioFile, table: BounceTable, found: Sequence[Match]
-) -> dict[str, Any]:
+def of_measurement(file: ScenarioFile, table: BounceTable, found: Sequence[Match]) -> Measurement:
     """What run.json says of the measurement that the engines were held against."""
-    return {
-        "file": table.path.name,
-        "sha256": table.sha256,
-        "head": dict(table.head),
-        "parameters": dict(table.parameters),
-        "caution": _caution(file, table),
-        "matches": [match.to_dict() for match in found],
-    }
+    return Measurement(
+        table.path.name, table.sha256, dict(table.head), dict(table.parameters),
+        _caution(file, table), tuple(found),
+    )  # fmt: skip
 
 
 def _caution(file: ScenarioFile, table: BounceTable) -> str | None:
@@ -158,13 +161,20 @@ def _caution(file: ScenarioFile, table: BounceTable) -> str | None:
     )
 
 
-def _sha256_of(paths: Sequence[Path]) -> str:
-    """Digest of the scenario file, and of those that it extends."""
+def sha256_of(file: ScenarioFile) -> str:
+    """Digest of a scenario file, and of those that it extends."""
+    paths = (file.path, *file.extends)
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()
 
 
-def _median(values: Sequence[float]) -> float | None:
-    return statistics.median(values) if values else None
+def _wall(walls: Sequence[Mapping[str, float]]) -> Wall:
+    """Of one simulation, like "steps"."""
+    if not walls:
+        return Wall()
+    build, step = (
+        statistics.median(wall.get(stage, 0.0) for wall in walls) for stage in ("build", "step")
+    )
+    return Wall(walls[0].get("import"), build, step)
 
 
 def _processor() -> str:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import csv
 import itertools
-import json
 import shutil
 from collections.abc import Mapping
 from dataclasses import fields, replace
@@ -21,11 +20,30 @@ from simcompare.compare.comparison import Score
 from simcompare.errors import InputError, OutputError
 from simcompare.model.settings import OLD_LEVELS
 from simcompare.model.trajectory import Trajectory
-from simcompare.results.run import FORMAT, Run, Stored
+from simcompare.results.records import stored
+from simcompare.results.records.run import Record
+from simcompare.results.run import Run, Stored
 
 RECORD, TRAJECTORIES, SCORES = "run.json", "trajectories.parquet", "scores.csv"
 #: columns that say whose sample a row is
 _INDEX = ("source", "contact", "repeat")
+
+
+def check_writable(folder: Path) -> None:
+    """Makes the output folder and proves that it can be written to, before anything is simulated.
+
+    Raises:
+        OutputError: it cannot.
+    """
+    probe = folder / ".simcompare-write-test"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe.write_bytes(b"")
+        probe.unlink()
+    except OSError as error:
+        raise OutputError(
+            f"--out {folder}: cannot be written to ({error.strerror}); choose another folder"
+        ) from None
 
 
 def save(run: Run, folder: Path) -> Run:
@@ -37,8 +55,8 @@ def save(run: Run, folder: Path) -> Run:
     partial = None
     try:
         place, partial = _reserve(folder, run.record)
-        record = {**run.record, "run": str(place)}
-        (partial / RECORD).write_text(to_json(record, indent=1) + "\n", encoding="utf-8")
+        record = replace(run.record, run=str(place))
+        (partial / RECORD).write_text(stored.text(record, indent=1) + "\n", encoding="utf-8")
         _write_scores(partial / SCORES, run.scores)
         _write_trajectories(partial / TRAJECTORIES, run.trajectories)
         partial.rename(place)
@@ -53,11 +71,6 @@ def save(run: Run, folder: Path) -> Run:
     return replace(run, record=record, folder=place)
 
 
-def to_json(record: Mapping[str, Any], indent: int | None = None) -> str:
-    """JSON text; a number that is not finite is an error, not ``NaN``."""
-    return json.dumps(record, indent=indent, ensure_ascii=False, allow_nan=False)
-
-
 def load(place: Path) -> Run:
     """Reads a stored run.
 
@@ -67,33 +80,15 @@ def load(place: Path) -> Run:
     path = place / RECORD
     if not path.is_file():
         raise InputError(str(place), [f"is not a stored run: it holds no {RECORD}"])
-    try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-        if not isinstance(record, dict):
-            raise TypeError(f"holds a {type(record).__name__}, not an object")
-        known = {field.name for field in fields(Score)}
-        for row in (*record.get("sources", ()), *record["scores"]):  # runs of old have old names
-            if row.get("contact") in OLD_LEVELS:
-                row["contact"] = OLD_LEVELS[row["contact"]]
-        scores = [Score(**{k: v for k, v in row.items() if k in known}) for row in record["scores"]]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(str(path), [f"cannot be read: {error}"]) from None
-    if record.get("format") != FORMAT:
-        raise InputError(
-            str(path), [f"format {record.get('format')!r} is not known; expected {FORMAT}"]
-        )
-    versions = {
-        (source.get("name"), source.get("contact")): source.get("version") or ""
-        for source in record.get("sources", [])
-    }
-    stored = _read_trajectories(place / TRAJECTORIES, versions)
-    return Run(record, tuple(scores), tuple(stored), place, bool(record.get("interrupted")))
+    record = stored.read(path)
+    versions = {(source.name, source.contact): source.version or "" for source in record.sources}
+    return Run(record, tuple(_read_trajectories(place / TRAJECTORIES, versions)), place)
 
 
-def _reserve(folder: Path, record: Mapping[str, Any]) -> tuple[Path, Path]:
+def _reserve(folder: Path, record: Record) -> tuple[Path, Path]:
     """A free place for the run and the hidden folder, made by this call alone, to write it in."""
-    stamp = str(record["created"])[:19].replace("-", "").replace(":", "").replace("T", "-")
-    base = f"{stamp}-{record['scenario']}"
+    stamp = record.created[:19].replace("-", "").replace(":", "").replace("T", "-")
+    base = f"{stamp}-{record.scenario}"
     folder.mkdir(parents=True, exist_ok=True)
     for number in itertools.count(1):
         place = folder / (base if number == 1 else f"{base}-{number}")
@@ -114,25 +109,25 @@ def _write_scores(path: Path, scores: tuple[Score, ...]) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, [field.name for field in fields(Score)])
         writer.writeheader()
-        writer.writerows(score.to_dict() for score in scores)
+        writer.writerows(vars(score) for score in scores)
 
 
-def _write_trajectories(path: Path, stored: tuple[Stored, ...]) -> None:
+def _write_trajectories(path: Path, entries: tuple[Stored, ...]) -> None:
     """One table: source, contact, repeat, time and one column per component.
 
     Raises:
         OSError: DuckDB could not write; its own message is kept.
     """
-    if not stored:
+    if not entries:
         return
     import duckdb
 
-    blocks = [item.trajectory.to_columns() for item in stored]
+    blocks = [item.trajectory.to_columns() for item in entries]
     names = list(dict.fromkeys(name for block in blocks for name in block))
-    lengths = [len(item.trajectory.time_s) for item in stored]
-    labels = [(item.source, item.contact, item.repeat) for item in stored]
+    lengths = [len(item.trajectory.time_s) for item in entries]
+    labels = [(item.source, item.contact, item.repeat) for item in entries]
     table: dict[str, np.ndarray[Any, Any]] = {
-        "entry": np.repeat(np.arange(len(stored)), lengths),
+        "entry": np.repeat(np.arange(len(entries)), lengths),
         **{name: _column(blocks, lengths, name) for name in names},
     }
     rows = ", ".join(["(?, ?, ?, ?)"] * len(labels))
@@ -179,15 +174,15 @@ def _read_trajectories(path: Path, versions: Mapping[Any, str]) -> list[Stored]:
     keys = list(zip(*(columns[name].tolist() for name in _INDEX), strict=True))
     signals = [name for name in columns if name not in _INDEX]
     starts = [i for i, key in enumerate(keys) if i == 0 or key != keys[i - 1]]
-    stored = []
+    entries = []
     for start, end in zip(starts, [*starts[1:], len(keys)], strict=True):
         source, contact, repeat = keys[start]
         contact = OLD_LEVELS.get(contact, contact)
         block = {name: np.ma.filled(columns[name][start:end], np.nan) for name in signals}
         trajectory = _from_columns(source, contact, block)
         trajectory = replace(trajectory, version=versions.get((source, contact), ""))
-        stored.append(Stored(source, contact, int(repeat), trajectory))
-    return stored
+        entries.append(Stored(source, contact, int(repeat), trajectory))
+    return entries
 
 
 def _from_columns(source: str, contact: str, columns: dict[str, Any]) -> Trajectory:

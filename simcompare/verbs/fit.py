@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -36,14 +36,15 @@ from simcompare.fitting.bounces.wanted import Wanted, wanted_of
 from simcompare.model.fittable import WAVEFORM
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, TUNED
-from simcompare.results import run_record
+from simcompare.results import run_record, store
 from simcompare.results.fit_file import FITTED
+from simcompare.results.records import stored
+from simcompare.results.records.fit import FitRecord
 from simcompare.results.run import Run, Stored
 from simcompare.running.runner import TIME_LIMIT_S, Progress
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs import fit_waveforms, levels
-from simcompare.verbs import run as experiment
 
 
 def fit(
@@ -105,7 +106,7 @@ def fit(
             scenario, ["names nothing that can be fitted; expected fit: {by: bounces|waveform, …}"]
         )
     if out is not None:
-        experiment.check_writable(Path(out))
+        store.check_writable(Path(out))
     if file.fit.by == WAVEFORM:
         only = {"--prior": priors, "--model": model != "auto", "--u-time": u_time_s is not None,
                 "--assist": assist not in (None, ALL)}  # fmt: skip
@@ -213,17 +214,15 @@ def _plain(value: Any) -> Any:  # noqa: ANN401
 
 
 def _saved(done: Run, out: str | Path | None) -> Run:
-    done = replace(done, record=_plain(dict(done.record)))
     if out is None:
         return done
-    from simcompare.results import store
-
-    stored = store.save(done, Path(out))
-    assert stored.folder is not None
-    (stored.folder / "fit.json").write_text(
-        store.to_json(stored.record["fit"], indent=1) + "\n", encoding="utf-8"
+    saved = store.save(done, Path(out))
+    assert saved.folder is not None
+    assert isinstance(saved.record, FitRecord)
+    (saved.folder / "fit.json").write_text(
+        stored.text(saved.record.fit, indent=1) + "\n", encoding="utf-8"
     )
-    return stored
+    return saved
 
 
 def _joined(best: Fit, drops: Sequence[Impacts], asked: Asked) -> list[Impacts]:
@@ -263,16 +262,15 @@ def _gather(
         if one.outcome is not None
     ]
     scores = [score for row in fitted["sources"] for score in _scores(row)]
-    record = run_record.of_run(file, [scene], None, sources, scores)
-    record["fit"] = fitted
-    record.update(against=None, against_asked=None, preset=None, interrupted=False, kind="fit")
-    record.update(told)
-    stored = [
+    record = run_record.of_run(
+        FitRecord, file, [scene], None, sources, scores, fit=_plain(fitted), **told
+    )
+    trajectories = [
         Stored(one.engine, FITTED, drop, run)
         for one in found
         for drop, (_, run) in enumerate(one.runs)
     ]
-    return Run(record, tuple(scores), tuple(stored))
+    return Run(record, tuple(trajectories))
 
 
 def _scores(row: Mapping[str, Any]) -> list[Score]:
@@ -283,5 +281,5 @@ def _scores(row: Mapping[str, Any]) -> list[Score]:
               for name, one in row["effective"].items()]  # fmt: skip
     cells += [(one["name"], *(one[key] for key in ("value", "u", "unit")))
               for one in row.get("numbers", ())]  # fmt: skip
-    return [Score(row["name"], FITTED, name, "", None, value, u, unit, 1, None, None, INFO)
+    return [Score(row["name"], FITTED, name, "", None, value, None, u, unit, 1, None, None, INFO)
             for name, value, u, unit in cells]  # fmt: skip

@@ -20,6 +20,7 @@ from simcompare.inference.simulated import BEST, of_probes
 from simcompare.model.trajectory import TRUTH
 from simcompare.results import run_record
 from simcompare.results.fit_file import FITTED
+from simcompare.results.records.fit import FitRecord
 from simcompare.results.run import Run, Stored
 from simcompare.running.runner import TIME_LIMIT_S, Progress
 from simcompare.scenarios.scenario_file import ScenarioFile
@@ -137,16 +138,13 @@ def _gather(
     best = fitted.estimate.as_dict()
     scene = model.scenario(setup.fitted[0], best, step_s)
     scores = [score for one in found for score in _scores(model, setup, fitted, one)]
-    record = run_record.of_run(model.file, [scene], TRUTH, sources, scores)
-    record["fit"] = records.of_fit(
-        model, setup, fitted, found, predicted, given, scene.world.step_s
-    )
-    record.update(
-        engines_asked=asked.engine, scenario_asked=model.file.name, against=None,
-        against_asked=None, preset=None, interrupted=False, kind="fit",
-        recording_asked=list(asked.recordings), command=list(asked.command),
+    record = run_record.of_run(
+        FitRecord, model.file, [scene], TRUTH, sources, scores,
+        fit=records.of_fit(model, setup, fitted, found, predicted, given, scene.world.step_s),
+        engines_asked=asked.engine, scenario_asked=model.file.name,
+        recording_asked=tuple(asked.recordings), command=tuple(asked.command),
     )  # fmt: skip
-    return Run(record, tuple(scores), tuple(_stored(model, setup, fitted, found, step_s)))
+    return Run(record, tuple(_stored(model, setup, fitted, found, step_s)))
 
 
 def _scores(model: Model, setup: Setup, fitted: Fitted, one: EngineWaves) -> list[Score]:
@@ -154,7 +152,7 @@ def _scores(model: Model, setup: Setup, fitted: Fitted, one: EngineWaves) -> lis
         return []
     rows = records.parameters(model, fitted, one.x, one.u_num)
     return [
-        Score(one.engine, FITTED, name, "", None, rows[name]["value"], rows[name]["u"],
+        Score(one.engine, FITTED, name, "", None, rows[name]["value"], None, rows[name]["u"],
               units.unit_of(name), 1, None, None, INFO)
         for name in setup.names
     ]  # fmt: skip

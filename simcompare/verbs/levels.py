@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from simcompare.engine import engines
 from simcompare.engine.assist import chosen
 from simcompare.engine.helps import HELPS, known
 from simcompare.errors import InputError, UnknownName
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, OLD_LEVELS, TUNED
-
-if TYPE_CHECKING:
-    from simcompare.results.fit_file import FitFile
+from simcompare.results import fit_file
+from simcompare.results.fit_file import FitFile
 
 
 def chosen_levels(contact: str | Sequence[str]) -> tuple[list[str], FitFile | None]:
     """Contact levels, and the fit where one of them is a file."""
-    from simcompare.results import fit_file
-
     asked = [part.strip() for part in contact.split(",")] if isinstance(contact, str) else contact
     modes, fit = [], None
     for mode in (OLD_LEVELS.get(level, level) for level in asked):

@@ -3,33 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from simcompare import measures
 from simcompare.compare import ablation
-from simcompare.compare.against import Match, matches
+from simcompare.compare.against import matches
 from simcompare.compare.comparison import Repeat, Score, scores_of
 from simcompare.compare.repeats import AtStep, at_steps, sample_steps_s
 from simcompare.engine import engines
 from simcompare.engine.assist import ALL, NONE
 from simcompare.engine.helps import known
-from simcompare.errors import InputError, OutputError, SimcompareError
+from simcompare.errors import InputError, SimcompareError
+from simcompare.hardware.recordings import bounce_table
+from simcompare.hardware.recordings.bounce_table import BounceTable
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, DEFAULT, TUNED, Settings
 from simcompare.model.trajectory import TRUTH
-from simcompare.results import run_record
+from simcompare.results import run_record, store
+from simcompare.results.fit_file import FitFile
+from simcompare.results.records.run import Measurement, RunRecord
 from simcompare.results.run import Run, Stored
 from simcompare.running.jobs import FAILED, OK, Job, Outcome
 from simcompare.running.runner import TIME_LIMIT_S, Interrupted, Progress, run_jobs
 from simcompare.scenarios import catalogue
+from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs import levels
-
-if TYPE_CHECKING:
-    from simcompare.hardware.recordings.bounce_table import BounceTable
-    from simcompare.results.fit_file import FitFile
-    from simcompare.scenarios.scenario_file import ScenarioFile
 
 
 def run(
@@ -92,7 +92,7 @@ def run(
     usual_s = None if fit is None else fit.usual_step_s
     steps = at_steps(file, values, preset, steps_s or [usual_s], seeds)
     if out is not None:
-        check_writable(Path(out))
+        store.check_writable(Path(out))
     jobs = [
         job
         for name in chosen
@@ -105,24 +105,19 @@ def run(
         outcomes = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
     except Interrupted as stop:
         outcomes, interrupted = stop.outcomes, True
-    done = _gather(file, steps, outcomes, table)
-    done.record.update(
+    done = _gather(
+        file, steps, outcomes, table,
         engines_asked=engine,
         scenario_asked=scenario,
         against_asked=None if against is None else str(against),
         fit_asked=None if fit is None else str(fit.path),
-        cautions=[] if fit is None else _cautions(fit, file, steps, chosen),
+        cautions=() if fit is None else _cautions(fit, file, steps, chosen),
         assist=None if helps is None else known(helps) or NONE,
-        judge=judged,
+        judge=None if judged is None else tuple(judged),
         preset=preset,
         interrupted=interrupted,
-    )
-    result = Run(done.record, tuple(done.scores), tuple(done.trajectories), None, interrupted)
-    if out is None:
-        return result
-    from simcompare.results import store
-
-    return store.save(result, Path(out))
+    )  # fmt: skip
+    return done if out is None else store.save(done, Path(out))
 
 
 def with_conditions(
@@ -149,28 +144,11 @@ def with_conditions(
     return {**measured, **values}, preset or table.preset
 
 
-def check_writable(folder: Path) -> None:
-    """Makes the output folder and proves that it can be written to, before anything is simulated.
-
-    Raises:
-        OutputError: it cannot.
-    """
-    probe = folder / ".simcompare-write-test"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        probe.write_bytes(b"")
-        probe.unlink()
-    except OSError as error:
-        raise OutputError(
-            f"--out {folder}: cannot be written to ({error.strerror}); choose another folder"
-        ) from None
-
-
 def _cautions(
     fit: FitFile, file: ScenarioFile, steps: Sequence[AtStep], chosen: Sequence[str]
-) -> list[str]:
-    said = [sentence for at in steps for sentence in fit.cautions(at.nominal, file, chosen)]
-    return list(dict.fromkeys(said))
+) -> tuple[str, ...]:
+    sentences = [one for at in steps for one in fit.cautions(at.nominal, file, chosen)]
+    return tuple(dict.fromkeys(sentences))
 
 
 def _jobs(
@@ -205,8 +183,6 @@ def _jobs(
 def _table(file: ScenarioFile, against: str | Path | None) -> BounceTable | None:
     if against is None:
         return None
-    from simcompare.hardware.recordings import bounce_table
-
     return bounce_table.read(bounce_table.find(str(against)), _measured_units(file.resolve()))
 
 
@@ -220,19 +196,13 @@ def _measured_units(scenario: Scenario) -> dict[str, str]:
     return found
 
 
-@dataclass
-class _Gathered:
-    record: dict[str, Any]
-    scores: list[Score]
-    trajectories: list[Stored]
-
-
 def _gather(
     file: ScenarioFile,
     steps: Sequence[AtStep],
     outcomes: Sequence[Outcome],
     table: BounceTable | None,
-) -> _Gathered:
+    **asked: Any,  # noqa: ANN401
+) -> Run:
     scores: list[Score] = []
     trajectories: list[Stored] = []
     sources = []
@@ -241,22 +211,23 @@ def _gather(
     for outcome in outcomes:
         if not outcome.job.without:
             by_source.setdefault((outcome.job.source, outcome.job.mode), []).append(outcome)
-    for (source, mode), own in by_source.items():
-        at = at_label[own[0].job.at]
-        good = [outcome for outcome in own if outcome.status == OK]
-        record = run_record.of_source(source, mode, own)
+    for (source, mode), of_source in by_source.items():
+        at = at_label[of_source[0].job.at]
+        good = [outcome for outcome in of_source if outcome.status == OK]
+        record = run_record.of_source(source, mode, of_source)
         if at.label:
-            record |= run_record.of_step(own[0].job.engine, at)
-        if len(good) == len(own):
+            step_s = at.nominal.world.engine_step_s
+            record = replace(record, engine=of_source[0].job.engine, engine_step_s=step_s)
+        if len(good) == len(of_source):
             repeats = [
                 Repeat(at.scenarios[o.job.repeat], o.trajectory, at.truths[o.job.repeat])
-                for o in own
+                for o in of_source
                 if o.trajectory is not None
             ]
             try:
                 scores += scores_of(repeats)
             except SimcompareError as error:  # this source lacks a signal; the others have it
-                record.update(status=FAILED, reason=str(error))
+                record = replace(record, status=FAILED, reason=str(error))
         trajectories += [
             Stored(source, mode, o.job.repeat, o.trajectory) for o in good if o.trajectory
         ]
@@ -265,13 +236,20 @@ def _gather(
     for at in (finest, *(at for at in steps if at is not finest)):
         name = TRUTH if at is finest else f"{TRUTH}{at.label}"
         trajectories += [Stored(name, "", i, true) for i, true in enumerate(at.truths) if true]
-    found: list[Match] = []
-    if table is not None:
-        found = matches(table, scores, _measured_units(finest.nominal))
-    truth = TRUTH if any(finest.truths) else None
-    record = run_record.of_run(file, finest.scenarios, truth, sources, scores)
-    if len(steps) > 1:
-        record["steps"] = [run_record.of_scenario_at(at) for at in steps]
-    record["without"] = [row for at in steps for row in ablation.results_of(at, outcomes)]
-    record["against"] = run_record.of_measurement(file, table, found) if table is not None else None
-    return _Gathered(record, scores, trajectories)
+    record_of_run = run_record.of_run(
+        RunRecord, file, finest.scenarios, TRUTH if any(finest.truths) else None, sources, scores,
+        steps=tuple(map(run_record.of_scenario_at, steps)) if len(steps) > 1 else (),
+        without=tuple(row for at in steps for row in ablation.results_of(at, outcomes)),
+        against=_against(file, table, scores, finest.nominal),
+        **asked,
+    )  # fmt: skip
+    return Run(record_of_run, tuple(trajectories))
+
+
+def _against(
+    file: ScenarioFile, table: BounceTable | None, scores: Sequence[Score], scene: Scenario
+) -> Measurement | None:
+    if table is None:
+        return None
+    found = matches(table, scores, _measured_units(scene))
+    return run_record.of_measurement(file, table, found)

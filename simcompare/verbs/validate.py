@@ -24,14 +24,14 @@ from simcompare.inference.simulated import BEST, NOMINAL, Engine, of_probes, sim
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS
 from simcompare.model.trajectory import TRUTH, Trajectory
-from simcompare.results import run_record
+from simcompare.results import run_record, store
+from simcompare.results.records.validation import ValidationRecord
 from simcompare.results.run import Run, Stored
 from simcompare.running.runner import TIME_LIMIT_S, Progress
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.validation import eventful, judging, records
 from simcompare.validation.judging import Judged
-from simcompare.verbs import run as experiment
 
 #: what measured trajectories are stored under
 MEASURED = "measured"
@@ -85,7 +85,7 @@ def validate(
     given = file.read_settings(set or {})
     step_s = None if step is None else units.to_si(step, "s", "--step")
     if out is not None:
-        experiment.check_writable(Path(out))
+        store.check_writable(Path(out))
     model = model_of(file)
     cases = cases_of(file, plan, source.recording, streams or plan.streams, given)
     fit = _fit(model, plan, source, given, mapping)
@@ -96,18 +96,15 @@ def validate(
         progress=progress,
     )  # fmt: skip
     done = _gather(_Asked(file, source, plan, contact, fit), judged, found, alignments)
-    record = dict(done.record)
-    record.update(
-        engines_asked=engine, scenario_asked=scenario, against_asked=None, preset=None,
-        recording_asked=recording, interrupted=False, kind="validation",
-        command=_command(scenario, recording, engine, contact, mapping, set, streams, step)
-        + (["--strict"] if strict else []),
+    command = _command(scenario, recording, engine, contact, mapping, set, streams, step)
+    assert isinstance(done.record, ValidationRecord)
+    record = replace(
+        done.record, engines_asked=engine, scenario_asked=scenario, recording_asked=str(recording),
+        command=(*command, *(["--strict"] if strict else [])),
     )  # fmt: skip
     done = replace(done, record=record)
     if out is None:
         return done
-    from simcompare.results import store
-
     return store.save(done, Path(out))
 
 
@@ -310,19 +307,20 @@ def _gather(
     scores = [_score(row, asked.contact) for row in rows["values"]]
     scenes = [one.scene for one in judged]
     truth = TRUTH if judged[0].truth is not None else None
-    record = run_record.of_run(asked.file, scenes[:1], truth, sources_, scores)
-    record["against"] = None
-    record["validation"] = records.of_validation(
+    found_out = records.of_validation(
         asked.source, asked.plan, judged, asked.fit, rows, judging.agreement(rows["values"]),
         alignments,
     )  # fmt: skip
-    return Run(record, tuple(scores), tuple(_stored(judged, found)))
+    record = run_record.of_run(
+        ValidationRecord, asked.file, scenes[:1], truth, sources_, scores, validation=found_out
+    )
+    return Run(record, tuple(_stored(judged, found)))
 
 
 def _score(row: Mapping[str, Any], contact: str) -> Score:
     return Score(
         row["source"], contact, row["measure"], row["probe"], None, row["simulated"],
-        row["u_simulated"], row["unit"], 1, row["measured"],
+        None, row["u_simulated"], row["unit"], 1, row["measured"],
         2 * row["u_val"] if row["e_n"] is not None else None, INFO,
     )  # fmt: skip
 
