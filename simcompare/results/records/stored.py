@@ -26,9 +26,8 @@ AnyRecord = Annotated[RunRecord | FitRecord | ValidationRecord, Field(discrimina
 
 def plain(record: Any) -> dict[str, Any]:  # noqa: ANN401
     """A record, or any part of one, as JSON holds it."""
-    found: dict[str, Any] = _adapter(cast("Any", type(record))).dump_python(
-        record, mode="json", by_alias=True
-    )
+    adapter = _adapter(cast("Any", type(record)))
+    found: dict[str, Any] = adapter.dump_python(record, mode="json", by_alias=True)
     return found
 
 
@@ -47,18 +46,29 @@ def read(path: Path) -> Record:
         data = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise InputError(str(path), [f"cannot be read: {error}"]) from None
+    try:
+        return of_plain(data)
+    except InputError as error:
+        raise InputError(str(path), error.faults) from None
+
+
+def of_plain(data: object) -> Record:
+    """The record that JSON holds, also that of an older format.
+
+    Raises:
+        InputError: it is none; says what is wrong, place by place.
+    """
     if not isinstance(data, dict):
-        raise InputError(str(path), [f"holds a {type(data).__name__}, not an object"])
+        raise InputError("record", [f"holds a {type(data).__name__}, not an object"])
     known = (_FIRST_FORMAT, FORMAT)
     if data.get("format") not in known:
         expected = " or ".join(map(str, known))
         fault = f"format {data.get('format')!r} is not known; expected {expected}"
-        raise InputError(str(path), [fault])
+        raise InputError("record", [fault])
     try:
         found: Record = _adapter(AnyRecord).validate_python(_of_today(data))
     except ValidationError as error:
-        sentences = [f"cannot be read: {fault}" for fault in faults(error)]
-        raise InputError(str(path), sentences) from None
+        raise InputError("record", [f"cannot be read: {one}" for one in faults(error)]) from None
     return found
 
 
