@@ -19,7 +19,7 @@ def table(*quantities):
 
 
 def score(value, u, *, measure="rebound_height", index=1, source="toy", contact="assisted"):
-    return Score(source, contact, measure, "h", index, value, u, "m", 9, None, None, "info")
+    return Score(source, contact, measure, "h", index, value, u, None, "m", 9, None, None, "info")
 
 
 def one(quantity, *scores):

@@ -26,7 +26,7 @@ def stepped(mode, tolerances=WIDE, **engines):
         for at, own in ((2, tolerances), (1, TOLERANCES))
     ]
     run = make_run(level(mode, **values), answer=ANSWER, steps=steps)
-    for one in run.record["sources"]:
+    for one in run.record.sources:
         one["engine"], _, at = one["name"].partition("@")
         one["engine_step_s"] = 1e-3 * float(at.removesuffix("ms"))
     # then the tolerance of a score is that of its step
@@ -86,7 +86,7 @@ def test_a_run_with_one_step_has_no_such_picture():
 
 def test_what_is_typed_in_is_told_engine_by_engine():
     run = stepped("tuned", north=(0.8, 0.8), south=(0.8, 0.8))
-    for source, number in zip(run.record["sources"], (0.81, 0.82, 0.71, 0.72), strict=True):
+    for source, number in zip(run.record.sources, (0.81, 0.82, 0.71, 0.72), strict=True):
         source["tuning"] = tuning([number], None, None)
     assert (
         "Typed in for a restitution of 0.8 at 1ms and 2ms: 0.81, 0.82 in north;"

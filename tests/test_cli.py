@@ -234,7 +234,7 @@ def test_a_measurement_is_never_compared_with_another_condition(call, words, exp
 def test_the_python_function_gives_what_the_command_prints(add_engine, fall):
     add_engine("toy")
     run = simcompare.run(str(fall), engine="toy", contact="assisted", set={"height": "120cm"})
-    assert run.record["parameters"] == {"height_m": pytest.approx(1.2)}
+    assert run.record.parameters == {"height_m": pytest.approx(1.2)}
     assert run.exit_code == 0
     assert run.folder is None
     json.dumps(run.record, allow_nan=False)

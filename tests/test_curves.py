@@ -32,7 +32,7 @@ def swept(modes=("default", "assisted"), unit="Hz", **truths):
                 value = true * factor + shift
                 known = truths.get(name, true)
                 scores.append(
-                    Score("north", mode, name, "probe", k + 1, value, None, its_unit, 1, known,
+                    Score("north", mode, name, "probe", k + 1, value, None, None, its_unit, 1, known,
                           None, "info")
                 )  # fmt: skip
     record = {**run.record, "axes": {"amplitude": "frequency", "phase": "frequency"}}

@@ -97,7 +97,7 @@ def any_run(request):
 
 def changed(run, **more):
     """The same run with another record of its fit."""
-    return replace(run, record={**run.record, "fit": {**plain(run.record["fit"]), **more}})
+    return replace(run, record={**run.record, "fit": {**plain(run.record.fit), **more}})
 
 
 def plain(value):
@@ -134,7 +134,7 @@ def test_every_section_is_in_the_html_which_fetches_nothing(any_run, tmp_path):
                   "What the data can tell", "Drops that were not fitted", "With another residual",
                   "What was measured", "How it was made"):  # fmt: skip
         assert f"<h2>{title}</h2>" in own
-    for sentence in any_run.record["fit"]["sentences"]:
+    for sentence in any_run.record.fit["sentences"]:
         assert sentence.split("(")[0].strip() in own
     assert not re.findall(r"(?:src|href)\s*=\s*[\"'](?!#|data:)", own)
 
@@ -170,7 +170,7 @@ def test_a_long_answer_leaves_the_first_figure_a_page_of_its_own(heard, tmp_path
 
 
 def test_hostile_names_stay_text(heard, tmp_path):
-    record = plain(heard.record["fit"])
+    record = plain(heard.record.fit)
     for drop in (*record["measured"], *record["held_out"], *record["holdout"]["drops"],
                  *record["other_estimates"]):  # fmt: skip
         drop["source"] = EVIL
@@ -195,7 +195,7 @@ def test_hostile_names_stay_text(heard, tmp_path):
 
 def test_a_fit_for_plain_loops_leads_with_what_to_type_in(tuned, tmp_path):
     table = fitted_tuned.typed(tuned)
-    sources = {row["name"]: row for row in tuned.record["fit"]["sources"]}
+    sources = {row["name"]: row for row in tuned.record.fit["sources"]}
     rows = cells(table)
     assert [row[0] for row in rows] == ["closed form", "dart", "pymunk"]
     for name, told, first, *_ in rows[1:]:
@@ -221,7 +221,7 @@ def test_a_fit_for_plain_loops_leads_with_what_to_type_in(tuned, tmp_path):
 def test_each_impact_in_a_plain_loop_is_drawn_beside_the_closed_form(tuned):
     figure = fitted_tuned.impacts_figure(tuned)
     off, late = figure.panels
-    for source in tuned.record["fit"]["sources"]:
+    for source in tuned.record.fit["sources"]:
         if source["status"] == "ok":
             shown = series(off, source["name"])
             assert shown.y == pytest.approx([100 * row["deviation"] for row in source["impacts"]])
@@ -246,7 +246,7 @@ def test_residuals_are_measured_less_simulated(heard):
     (figure,) = fitted_figures.left_figures(heard)
     assert [panel.title for panel in figure.panels] == ["drop 1: first.wav", "drop 2: second.wav"]
     assert figure.panels[0].y_label == "measured − simulated (µs)"
-    record = heard.record["fit"]
+    record = heard.record.fit
     for number, panel in enumerate(figure.panels):
         for source in record["sources"]:
             drawn = series(panel, source["name"]).y
@@ -260,7 +260,7 @@ def test_residuals_are_measured_less_simulated(heard):
 
 
 def test_scatter_beyond_what_is_stated_has_a_band_of_its_own(heard):
-    record = heard.record["fit"]
+    record = heard.record.fit
     (figure,) = fitted_figures.left_figures(heard)
     wide, stated = (series(figure.panels[0], label).u
                     for label in ("± 2u, widened", "± 2u of the measurement"))  # fmt: skip
@@ -279,7 +279,7 @@ def test_a_video_shows_times_heights_and_samples(filmed):
     assert panel.y_label == "measured − simulated (mm)"
     closed = series(panel, "closed form").y
     assert np.sqrt(np.mean(closed**2)) == pytest.approx(
-        1e3 * filmed.record["fit"]["closed_form"]["rms"]["track"], rel=1e-6
+        1e3 * filmed.record.fit["closed_form"]["rms"]["track"], rel=1e-6
     )
     assert np.std(series(panel, "pymunk").y) == pytest.approx(3.0, rel=0.3)
 
@@ -287,7 +287,7 @@ def test_a_video_shows_times_heights_and_samples(filmed):
 def test_engines_without_the_law_are_told_to_be_without_it(falling, in_air):
     (figure,) = fitted_figures.left_figures(falling)
     assert "Engines have no such contact" in figure.caption
-    form = falling.record["fit"]["engine_form"]
+    form = falling.record.fit["engine_form"]
     rows = cells(tables.engines(falling))
     assert rows[0][1] == fits.value_words(form["parameters"]["restitution"])
     assert fits.other_form(in_air) == ""
@@ -300,7 +300,7 @@ def test_engines_without_the_law_are_told_to_be_without_it(falling, in_air):
 
 def test_the_table_of_engines_is_the_record(heard):
     closed, *rows = cells(tables.engines(heard))
-    record = heard.record["fit"]
+    record = heard.record.fit
     own = record["closed_form"]["parameters"]["restitution"]
     assert closed[:2] == ("closed form", numbers.with_u(own["value"], own["u"]))
     for row, source in zip(rows, record["sources"], strict=True):
@@ -314,7 +314,7 @@ def test_the_table_of_engines_is_the_record(heard):
 
 
 def test_an_engines_interval_holds_its_own_scatter(any_run):
-    for source in any_run.record["fit"]["sources"]:
+    for source in any_run.record.fit["sources"]:
         row = source["parameters"]["restitution"]
         low, high = row["interval95"]
         assert high - low >= 2 * 1.95 * row["u_num"]
@@ -328,10 +328,10 @@ def test_parameter_and_effective_value_are_drawn_apart(heard):
     parameter, effective = series(panel, "parameter"), series(panel, "effective value ± 2u")
     assert effective.style.hollow
     assert not parameter.style.hollow
-    for i, source in enumerate(heard.record["fit"]["sources"]):
+    for i, source in enumerate(heard.record.fit["sources"]):
         assert parameter.x[i + 1] == source["parameters"]["restitution"]["value"]
         assert effective.x[i] == source["effective"]["restitution"]["value"]
-    own = heard.record["fit"]["closed_form"]["parameters"]["restitution"]
+    own = heard.record.fit["closed_form"]["parameters"]["restitution"]
     assert (panel.spans[0].low, panel.spans[0].high) == (own["low"], own["high"])
 
 
@@ -345,7 +345,7 @@ def test_an_open_interval_is_told_as_open():
 
 
 def test_an_engine_that_failed_is_told_with_its_reason(heard, tmp_path):
-    record = plain(heard.record["fit"])
+    record = plain(heard.record.fit)
     record["sources"][0] |= {"status": "failed", "reason": "it fell through", "parameters": {},
                              "effective": {}}  # fmt: skip
     record["sources"][0].pop("left")
@@ -360,7 +360,7 @@ def test_an_engine_that_failed_is_told_with_its_reason(heard, tmp_path):
 
 
 def test_bars_of_closed_forms_end_but_keep_their_numbers(in_air):
-    rows = in_air.record["fit"]["choice"]["candidates"]
+    rows = in_air.record.fit["choice"]["candidates"]
     figure = more_figures.forms_figure(in_air)
     (bars,) = figure.panels[0].bars
     assert max(row["delta"] for row in rows) > 30 == bars.heights.max()
@@ -380,20 +380,20 @@ def test_drag_shows_in_ratios_but_not_in_the_restitution(in_air):
     assert measured.y == pytest.approx(ratio.y, abs=0.005)
     assert measured.x == pytest.approx(ratio.x)
     assert np.all(np.diff(measured.x) < 0)  # every bounce is slower than the one before
-    for source in in_air.record["fit"]["sources"]:
+    for source in in_air.record.fit["sources"]:
         assert series(panel, source["name"]).y == pytest.approx(law.y[0], abs=0.002)
 
 
 def test_the_matrix_holds_the_correlations(heard):
     (panel,) = more_figures.correlation_figure(heard).panels
-    known = heard.record["fit"]["identifiability"]
+    known = heard.record.fit["identifiability"]
     assert panel.matrix.values == pytest.approx(np.array(known["correlation"]))
     assert panel.y_ticks[1] == "drop height of drop 1"
 
 
 def test_a_profile_crosses_its_level_at_the_ends_of_the_interval(in_air):
     figure = more_figures.profile_figures(in_air)[0]
-    record = in_air.record["fit"]
+    record = in_air.record.fit
     for panel, row in zip(figure.panels, record["profiles"], strict=False):
         curve = series(panel, "profile")
         best = record["closed_form"]["parameters"][row["name"]]
@@ -407,7 +407,7 @@ def test_a_profile_crosses_its_level_at_the_ends_of_the_interval(in_air):
 
 def test_a_held_out_drop_is_shown_with_its_e_n(heard):
     figure = more_figures.holdout_figure(heard)
-    drop = heard.record["fit"]["holdout"]["drops"][0]
+    drop = heard.record.fit["holdout"]["drops"][0]
     own = series(figure.panels[0], "of the held-out drop ± 2u")
     assert own.x[0] == drop["restitution"] == pytest.approx(0.86, abs=1e-3)
     assert own.u[0] == 2 * drop["u_restitution"]
@@ -427,11 +427,11 @@ def test_without_a_held_out_drop_nothing_was_validated(in_air, tmp_path):
 def test_another_residual_moves_the_restitution(in_air):
     figure = more_figures.others_figure(in_air)
     (panel,) = figure.panels
-    rows = in_air.record["fit"]["other_estimates"]
+    rows = in_air.record.fit["other_estimates"]
     assert panel.series[0].x.tolist() == [row["value"] for row in rows]
     table = cells(tables.others(in_air))
     assert table[0][3] == "no"  # the mean ratio does not know drag
-    low, high = fits.interval(in_air.record["fit"]["closed_form"]["parameters"]["restitution"])
+    low, high = fits.interval(in_air.record.fit["closed_form"]["parameters"]["restitution"])
     for row, cell in zip(rows, table, strict=True):
         assert cell[3] == ("yes" if low <= row["value"] <= high else "no")
 
@@ -439,14 +439,14 @@ def test_another_residual_moves_the_restitution(in_air):
 def test_what_was_measured_and_where_it_holds_are_told(heard):
     rows = cells(tables.measured(heard))
     assert [row[2] for row in rows] == ["fitted", "fitted", "held out"]
-    low, high = heard.record["fit"]["valid"]["speed_m_s"]
+    low, high = heard.record.fit["valid"]["speed_m_s"]
     told = tables.valid(heard)["valid for impacts at"]
     assert told == f"{numbers.plain(low, 3)} to {numbers.plain(high, 3)} m/s"
 
 
 def test_what_was_left_out_is_told_with_its_reason(heard):
     assert tables.left_out(heard) is None
-    measured = plain(heard.record["fit"]["measured"])
+    measured = plain(heard.record.fit["measured"])
     measured[0] |= {"missed": [4], "dropped": [
         {"what": "impact", "number": 6, "time_s": 1.25, "reason": "a click of the switch"}
     ]}  # fmt: skip
@@ -458,7 +458,7 @@ def test_what_was_left_out_is_told_with_its_reason(heard):
 def test_priors_and_fixed_values_are_told(heard):
     assert tables.known(heard) is None
     closed = {
-        **heard.record["fit"]["closed_form"], "fixed": {"terminal_speed_m_s": 9.0},
+        **heard.record.fit["closed_form"], "fixed": {"terminal_speed_m_s": 9.0},
         "priors": {"drop_height_m": {"value": 1.0, "u": 0.002}}, "pulls": {"drop_height_m": -2.5},
     }  # fmt: skip
     fixed, prior = cells(tables.known(changed(heard, closed_form=closed)))

@@ -34,7 +34,7 @@ def found(tmp_path_factory):
 
 
 def test_every_engine_gets_its_parameter_and_shows_the_measured_restitution(found):
-    record = found.record["fit"]
+    record = found.record.fit
     ran = [source for source in record["sources"] if source["status"] == "ok"]
     assert len(ran) >= 3
     for source in ran:
@@ -48,22 +48,22 @@ def test_every_engine_gets_its_parameter_and_shows_the_measured_restitution(foun
 
 
 def test_what_is_left_is_the_noise(found):
-    for source in found.record["fit"]["sources"]:
+    for source in found.record.fit["sources"]:
         if source["status"] == "ok":
             assert np.std(source["left_s"][0]) < 2 * U_S, source["name"]
 
 
 def test_a_held_out_drop_from_another_height_is_predicted(found):
-    (row,) = found.record["fit"]["holdout"]["drops"]
+    (row,) = found.record.fit["holdout"]["drops"]
     assert abs(row["e_n"]) <= 1
-    for source in found.record["fit"]["sources"]:
+    for source in found.record.fit["sources"]:
         if source["status"] == "ok":
             assert abs(source["holdout"][0]["e_n"]) <= 1
 
 
 def test_without_a_held_out_drop_nothing_was_validated(tmp_path):
     drop = stopwatch(tmp_path / "drop.csv")
-    record = simcompare.fit("ball", recordings=[drop], engine="pymunk").record["fit"]
+    record = simcompare.fit("ball", recordings=[drop], engine="pymunk").record.fit
     assert any("nothing was validated" in text for text in record["sentences"])
 
 
@@ -74,10 +74,10 @@ def test_a_fit_is_used_again_and_its_range_is_watched(found):
     score = next(s for s in again.scores if s.measure == "restitution" and s.index is None)
     assert score.contact == "fitted"
     assert score.value == pytest.approx(E, rel=1e-3)
-    assert again.record["parameters"]["restitution"] == pytest.approx(fitted.closed["restitution"])
-    assert again.record["cautions"] == []
+    assert again.record.parameters["restitution"] == pytest.approx(fitted.closed["restitution"])
+    assert again.record.cautions == []
     high = simcompare.run("ball", engine="pymunk", contact=place, seeds=1, set={"drop_height": 3})
-    assert any("the fit saw" in text for text in high.record["cautions"])
+    assert any("the fit saw" in text for text in high.record.cautions)
     with pytest.raises(InputError, match="is a fit of ball, not of robot"):
         simcompare.run("robot", engine="pymunk", contact=place)
 

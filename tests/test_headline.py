@@ -31,7 +31,7 @@ def changed(run, name, **fields):
         replace(s, **fields) if s.source == name and s.measure == "restitution" else s
         for s in run.scores
     )
-    return Run(run.record, found, run.trajectories, None, run.interrupted)
+    return Run(run.record, found, run.trajectories, None, run.record.interrupted)
 
 
 def level(mode, **values):
@@ -83,9 +83,9 @@ def test_what_most_engines_do_wrong_comes_first():
 
 def test_a_cause_is_told_only_of_engines_that_hold_a_value_of_their_own():
     run = answered(level("default", north=0.0, south=0.0))
-    run.record["sources"][1]["audit"] = [{**audit_row("default"), "read_value": 0.8}]
+    run.record.sources[1]["audit"] = [{**audit_row("default"), "read_value": 0.8}]
     assert words.answer(run)[0].endswith(": in north no restitution is set.")
-    run.record["sources"][0]["audit"] = []
+    run.record.sources[0]["audit"] = []
     assert words.answer(run)[0].endswith("north and south.")
 
 
@@ -138,10 +138,10 @@ def test_the_same_at_two_levels_is_said_once():
 def test_the_step_is_told_where_all_took_the_same():
     run = answered(level("tuned", north=0.8, south=0.8))
     row = {**audit_row("tuned"), "quantity": "engine step_s", "set_value": 0.002}
-    for one in run.record["sources"]:
+    for one in run.record.sources:
         one["audit"] = [row]
     assert words.answer(run)[0].startswith("Tuned at a step of 2 ms, the ball")
-    run.record["sources"][0]["audit"] = [{**row, "set_value": 0.001}]
+    run.record.sources[0]["audit"] = [{**row, "set_value": 0.001}]
     assert words.answer(run)[0].startswith("Tuned, the ball")
 
 
@@ -231,13 +231,13 @@ def test_what_the_scatter_is_and_what_the_first_event_gives_is_said():
 
 def test_variants_say_what_they_are():
     run = answered(level("tuned", **{"north:fine": 0.8, "north": 0.8}))
-    run.record["sources"][0]["notes"] = ["variant fine: ten sweeps [its manual, §2]"]
+    run.record.sources[0]["notes"] = ["variant fine: ten sweeps [its manual, §2]"]
     assert "north:fine: ten sweeps." in remarks.remarks(run)
 
 
 def test_engines_that_did_not_run_are_told_once_by_what_became_of_them():
     run = answered([*level("tuned", north=0.8, south=None), *level("assisted", south=None)])
-    run.record["sources"] += [source("east", "tuned", "missing", "pip install it")]
+    run.record.sources += [source("east", "tuned", "missing", "pip install it")]
     found = remarks.remarks(run)
     assert "Did not run: south (failed); east (missing). The reasons are below." in found
 
@@ -259,7 +259,7 @@ def tuning(numbers, depth_m, contact_s):
 
 def test_what_is_typed_in_and_what_contacts_cost():
     run = answered(level("tuned", north=0.8, south=0.8, west=0.8))
-    north, south, west = run.record["sources"]
+    north, south, west = run.record.sources
     north["tuning"] = tuning([0.80132], 1e-7, 0.0019)
     south["tuning"] = tuning([-119338.1, -50.87462], 0.01172, 0.0086)
     south["audit"] = [

@@ -16,6 +16,8 @@ from simcompare.reports.render import numbers, output, plotly_
 from simcompare.reports.run import reproduce, runs
 from simcompare.reports.run.audit import state_of
 from simcompare.reports.sections import SECTIONS
+from simcompare.results.records import stored as records
+from simcompare.results.records.run import FORMAT
 from simcompare.results.run import Run, Stored
 
 EVIL = "<script>alert('x')</script> it broke | badly"
@@ -66,11 +68,37 @@ def scores(name, contact, value, truth=0.8):
         verdict = ("pass" if good else "fail") if judged else "info"
         unit = "1" if measure == "restitution" else "s"
         found.append(
-            Score(name, contact, measure, "height_m", None, v, 0.001, unit, 3, true, width, verdict)
+            Score(
+                name,
+                contact,
+                measure,
+                "height_m",
+                None,
+                v,
+                0.001,
+                0.0006,
+                unit,
+                3,
+                true,
+                width,
+                verdict,
+            )
         )
     found += [
         Score(
-            name, contact, "restitution", "height_m", k, value, 0.001, "1", 3, truth, None, "info"
+            name,
+            contact,
+            "restitution",
+            "height_m",
+            k,
+            value,
+            0.001,
+            0.0006,
+            "1",
+            3,
+            truth,
+            None,
+            "info",
         )
         for k in (1, 2)
     ]
@@ -86,7 +114,7 @@ def make_run(sources=None, *, truth=0.8, against=None, interrupted=False, **more
     if truth is not None:
         stored += [Stored(TRUTH, "", i, trajectory(TRUTH, "")) for i in range(3)]
     record = {
-        "format": 1, "run": None, "created": "2026-01-01T00:00:00+00:00", "scenario": "toy",
+        "kind": "run", "format": FORMAT, "run": None, "created": "2026-01-01T00:00:00+00:00", "scenario": "toy",
         "title": "A toy <scene>", "question": "Does it bounce & rest?",
         "parameters": {"drop_height_m": 1.0, "gravity_m_s2": 9.81},
         "parameter_texts": {"drop_height_m": "Height of the drop."},
@@ -102,15 +130,16 @@ def make_run(sources=None, *, truth=0.8, against=None, interrupted=False, **more
         "sources": [
             source(n, m) if v is not None else source(n, m, "failed", EVIL) for n, m, v in sources
         ],
-        "against": against, "interrupted": interrupted, **more,
+        "against": against, "interrupted": interrupted, "scores": [vars(one) for one in found],
+        **more,
     }  # fmt: skip
-    return Run(record, tuple(found), tuple(stored), None, interrupted)
+    return Run(records.of_plain(record), tuple(stored))
 
 
 def match(name, mode, value, inside, bounce=1, **more):
     return {
         "source": name, "contact": mode, "quantity": "rebound_height", "bounce": bounce,
-        "value": value, "u": None if value is None else 0.001, "measured": 0.6, "u_measured": 0.01,
+        "value": value, "scatter": None if value is None else 0.001, "measured": 0.6, "u_measured": 0.01,
         "low": 0.58, "high": 0.62, "unit": "m", "inside": inside,
         "e_n": None if value is None else (value - 0.6) / 0.02, **more,
     }  # fmt: skip
@@ -124,7 +153,14 @@ def measured(*matches):
         "seen": "in the abstract",
         "note": "One ball.",
     }
-    return {"file": "ball.csv", "sha256": "0", "head": head, "parameters": {}, "matches": matches}
+    return {
+        "file": "ball.csv",
+        "sha256": "0",
+        "head": head,
+        "parameters": {},
+        "caution": None,
+        "matches": matches,
+    }
 
 
 AGAINST = measured(match("north", "default", None, False), match("north", "assisted", 0.61, True))
@@ -354,7 +390,7 @@ def test_sections_without_data_are_left_out():
 
 
 def test_further_probes_have_a_section_of_their_own():
-    probes = make_run().record["probes"]
+    probes = make_run().record.probes
     second = {**probes["height_m"], "label": "Sideways", "component": 0}
     run = make_run(probes={**probes, "side_m": second})
     assert [f.name for f in builder.blocks_of([run])[0].contexts["signals"]["figures"]] == [
@@ -364,13 +400,13 @@ def test_further_probes_have_a_section_of_their_own():
     leading = builder.blocks_of([run])[0].figures[:2]
     assert [figure.name for figure in leading] == ["answer", "motion-height_m"]
     # at one level the motion is seen already
-    alone = make_run([("north", "assisted", 0.8)], probes=run.record["probes"])
+    alone = make_run([("north", "assisted", 0.8)], probes=run.record.probes)
     (figure,) = builder.blocks_of([alone])[0].contexts["signals"]["figures"]
     assert figure.name == "probe-side_m"
 
 
 def test_most_of_many_signals_are_folded_away(html):
-    probe = make_run().record["probes"]["height_m"]
+    probe = make_run().record.probes["height_m"]
     probes = {f"p{i}_m": {**probe, "label": f"Signal {i}"} for i in range(6)}
     text = html(make_run(probes=probes))
     assert "<details><summary>The same for Signal 2; Signal 3; Signal 4; Signal 5</summary>" in text
@@ -422,7 +458,7 @@ def test_what_was_left_without_a_getter_is_told_in_its_note_and_comes_first(html
         {**unread, "quantity": "wheel.friction"},
     ]
     run = make_run([("north", "default", 0.0)])
-    run.record["sources"][0]["audit"] = rows
+    run.record.sources[0]["audit"] = rows
     left = builder.blocks_of([run])[0].contexts["given"]["left"]
     assert [row["quantity"] for row in left] == ["wheel.friction", "contact"]
     assert html(run).count("its motor was left on") == 2

@@ -19,8 +19,9 @@ import simcompare
 from simcompare.compare.comparison import Score
 from simcompare.errors import InputError, OutputError
 from simcompare.model.trajectory import Trajectory
-from simcompare.results import run as results
 from simcompare.results import store
+from simcompare.results.records import stored as records
+from simcompare.results.records.run import FORMAT
 from simcompare.results.run import Run, Stored
 
 
@@ -50,22 +51,48 @@ def synthetic():
             None,
             0.1 + 0.2,
             1e-17,
+            1e-17 / 3,
             "1",
             9,
             0.8,
             0.002,
             "fail",
         ),
-        Score("toy", "assisted", "rebound, height", "h", 3, None, None, "m", 9, None, None, "info"),
+        Score(
+            "toy",
+            "assisted",
+            "rebound, height",
+            "h",
+            3,
+            None,
+            None,
+            None,
+            "m",
+            9,
+            None,
+            None,
+            "info",
+        ),
     )
     record = {
-        "format": results.FORMAT,
+        "kind": "run",
+        "format": FORMAT,
+        "title": "Ball",
+        "question": "Does it bounce?",
+        "parameters": {},
+        "step_s": 0.001,
+        "duration_s": 0.05,
+        "repeats": 2,
+        "software": {"simcompare": "0", "python": "3", "numpy": "2"},
+        "machine": {"system": "Linux", "processor": "", "python_implementation": "cpython"},
         "created": "2026-01-02T03:04:05+00:00",
         "scenario": "ball",
-        "sources": [{"name": "toy", "status": "ok", "noise": "Höhe\n\u2028"}],
+        "sources": [
+            {"name": "toy", "contact": "assisted", "status": "ok", "noise": "Höhe\n\u2028"}
+        ],
         "engines_asked": "toy",
         "interrupted": True,
-        "scores": [score.to_dict() for score in scores],
+        "scores": [vars(score) for score in scores],
     }
     stored = (
         Stored("toy", "assisted", 0, first),
@@ -73,12 +100,12 @@ def synthetic():
         Stored("toy", "default", 0, second),
         Stored("closed form", "", 0, truth),
     )
-    return Run(record, scores, stored, None, True)
+    return Run(records.of_plain(record), stored)
 
 
 def assert_same(back, run):
     assert back.scores == run.scores
-    assert back.interrupted == run.interrupted
+    assert back.record == replace(run.record, run=back.record.run)
     assert {k: v for k, v in back.record.items() if k != "run"} == {
         k: v for k, v in run.record.items() if k != "run"
     }
@@ -99,7 +126,7 @@ def test_what_is_read_is_what_was_written_to_the_last_bit(tmp_path):
     run = synthetic()
     saved = store.save(run, tmp_path / "runs")
     assert saved.folder is not None
-    assert saved.record["run"] == str(saved.folder)
+    assert saved.record.run == str(saved.folder)
     assert_same(store.load(saved.folder), run)
     assert simcompare.load_run(saved.folder).exit_code == 1
     assert sorted(p.name for p in saved.folder.iterdir()) == [
@@ -178,7 +205,7 @@ def test_a_place_that_cannot_be_written_is_told_before_and_after(tmp_path, fall)
     assert (tmp_path / "file").read_text() == "x"
 
 
-@pytest.mark.parametrize("part", ["to_json", "_write_scores", "_write_trajectories"])
+@pytest.mark.parametrize("part", ["stored.text", "_write_scores", "_write_trajectories"])
 def test_a_full_disk_leaves_nothing(tmp_path, monkeypatch, part):
     def full(*_, **__):
         raise OSError(errno.ENOSPC, "No space left on device")

@@ -27,12 +27,12 @@ def found(tmp_path_factory):
 
 
 def sources(run):
-    rows = {source["name"]: source for source in run.record["fit"]["sources"]}
+    rows = {source["name"]: source for source in run.record.fit["sources"]}
     return {name: rows[name] for name in INSTALLED}
 
 
 def test_a_fit_is_for_a_plain_loop_unless_help_is_asked_for(found):
-    record = found.record["fit"]
+    record = found.record.fit
     assert (record["contact"], record["assist"]) == ("tuned", "none")
     assert found.exit_code == 0
     for source in sources(found).values():
@@ -46,7 +46,7 @@ def test_a_fit_is_for_a_plain_loop_unless_help_is_asked_for(found):
 def test_the_numbers_transfer_to_a_bare_loop(found, engine):
     need(engine)
     numbers = tuple(row["value"] for row in sources(found)[engine]["numbers"])
-    speed = found.record["fit"]["tuned_to"]["speed_m_s"]
+    speed = found.record.fit["tuned_to"]["speed_m_s"]
     bare = ENGINES[engine](STEP_S)
     # phases that neither the calibration nor the fit has seen
     assert bare(numbers, speed, even_phases(23, 0.3)).mean == pytest.approx(E, rel=0.005)
@@ -55,7 +55,7 @@ def test_the_numbers_transfer_to_a_bare_loop(found, engine):
 
 
 def test_a_number_carries_the_uncertainty_of_the_restitution(found):
-    goal = found.record["fit"]["tuned_to"]
+    goal = found.record.fit["tuned_to"]
     for source in sources(found).values():
         *chosen, last = source["numbers"]
         assert all(row["u"] == 0 for row in chosen)
@@ -93,7 +93,7 @@ def test_every_recorded_impact_is_set_beside_the_closed_form(found):
 
 
 def test_a_held_out_drop_is_judged_by_restitution_and_heights(found):
-    (drop,) = found.record["fit"]["holdout"]["drops"]
+    (drop,) = found.record.fit["holdout"]["drops"]
     assert abs(drop["e_n"]) <= 1
     assert [row["number"] for row in drop["heights"]] == [1, 2, 3, 4, 5, 6]
     assert all(abs(row["e_n"]) <= 1.2 for row in drop["heights"])
@@ -102,14 +102,14 @@ def test_a_held_out_drop_is_judged_by_restitution_and_heights(found):
     assert spring["heights"][0]["predicted"] == pytest.approx(0.7 * E**2, rel=0.02)
     # lateness stands beside, without a score
     assert spring["late_s"][0] > 2e-3
-    assert "not judged" in found.record["fit"]["holdout"]["text"]
+    assert "not judged" in found.record.fit["holdout"]["text"]
 
 
 def test_a_ball_of_another_kind_is_told_apart(found, tmp_path):
     other = stopwatch(tmp_path / "other.csv", seed=3, e=0.8)
     drop = stopwatch(tmp_path / "drop.csv")
     run = simcompare.fit("ball", recordings=[drop], hold_out=[other], engine="pymunk")
-    (held,) = run.record["fit"]["holdout"]["drops"]
+    (held,) = run.record.fit["holdout"]["drops"]
     assert abs(held["engines"]["pymunk"]["e_n"]) > 3
     assert abs(held["engines"]["pymunk"]["heights"][0]["e_n"]) > 1
 
@@ -120,7 +120,7 @@ def test_a_table_of_rebounds_is_held_out(tmp_path):
     held.write_text(f"# title: made up\nbounce,rebound_height_m,u_rebound_height_m\n{rows}")
     drop = stopwatch(tmp_path / "drop.csv")
     run = simcompare.fit("ball", recordings=[drop], hold_out=[held], engine="pymunk")
-    (row,) = run.record["fit"]["holdout"]["drops"]
+    (row,) = run.record.fit["holdout"]["drops"]
     assert [abs(height["e_n"]) <= 1 for height in row["heights"]] == [True] * 5
     assert [abs(h["e_n"]) <= 1 for h in row["engines"]["pymunk"]["heights"]] == [True] * 5
 
@@ -128,28 +128,28 @@ def test_a_table_of_rebounds_is_held_out(tmp_path):
 def test_a_run_takes_the_numbers_of_the_fit_and_tunes_anew_at_another_step(found):
     place = str(found.folder)
     run = simcompare.run("ball", engine="pymunk,mujoco", contact=place, seeds=3)
-    assert run.record["cautions"] == []
-    for source in run.record["sources"]:
+    assert run.record.cautions == []
+    for source in run.record.sources:
         known = {row["value"] for row in sources(found)[source["name"]]["numbers"]}
         held = {row["set_value"] for row in source["audit"]}
         assert known <= held
         assert not source["tuning"]
     other = simcompare.run("ball", engine="pymunk", contact=place, seeds=1, step="2ms")
-    (caution,) = other.record["cautions"]
+    (caution,) = other.record.cautions
     assert "tuned anew" in caution
-    assert other.record["sources"][0]["tuning"][0]["step_s"] == 2e-3
+    assert other.record.sources[0]["tuning"][0]["step_s"] == 2e-3
     changed = simcompare.run("ball", engine="pymunk", contact=place, seeds=1,
                              set={"restitution": 0.7})  # fmt: skip
-    assert any("tuned anew" in text for text in changed.record["cautions"])
+    assert any("tuned anew" in text for text in changed.record.cautions)
 
 
 def test_a_run_has_the_step_of_the_fit_where_none_is_asked_for(tmp_path):
     drop = stopwatch(tmp_path / "drop.csv")
     fit = simcompare.fit("ball", recordings=[drop], engine="pymunk", step="2ms", out=tmp_path)
     run = simcompare.run("ball", engine="pymunk", contact=str(fit.folder), seeds=1)
-    assert run.record["step_s"] == 2e-3
-    assert run.record["cautions"] == []
-    assert not run.record["sources"][0]["tuning"]
+    assert run.record.step_s == 2e-3
+    assert run.record.cautions == []
+    assert not run.record.sources[0]["tuning"]
 
 
 def test_settings_of_a_fit_hold_for_its_step(found):
@@ -211,7 +211,7 @@ def test_a_law_of_speed_gives_the_first_impact_and_the_others_are_told(tmp_path)
     path.write_text(f"# title: made up\nbounce,impact_time_s,u_impact_time_s\n{rows}")
     record = simcompare.fit(
         "ball", recordings=[path], engine="pymunk", model="power", step=STEP_S
-    ).record["fit"]
+    ).record.fit
     goal = record["tuned_to"]
     assert goal["restitution"] == pytest.approx(0.85 * (goal["speed_m_s"] / 4) ** -0.05, rel=1e-3)
     impacts = record["sources"][0]["impacts"]
@@ -223,7 +223,7 @@ def test_a_law_of_speed_gives_the_first_impact_and_the_others_are_told(tmp_path)
 
 def test_several_drops_share_one_set_of_numbers(tmp_path):
     drops = [stopwatch(tmp_path / f"{h}.csv", seed=k, height_m=h) for k, h in enumerate((0.4, 0.9))]
-    (source,) = simcompare.fit("ball", recordings=drops, engine="pymunk").record["fit"]["sources"]
+    (source,) = simcompare.fit("ball", recordings=drops, engine="pymunk").record.fit["sources"]
     assert {row["drop"] for row in source["impacts"]} == {1, 2}
     assert source["tuning"][0]["speed_m_s"] == pytest.approx(math.sqrt(2 * 9.80665 * 0.9), rel=0.01)
 
@@ -241,7 +241,7 @@ def test_an_old_fit_is_read_as_assisted(found, tmp_path):
     fit = fit_file.read(path)
     assert (fit.contact, fit.assist) == ("assisted", "all")
     run = simcompare.run("ball", engine="pymunk", contact=str(path), seeds=1)
-    assert "landing" in run.record["sources"][0]["helps"]
+    assert "landing" in run.record.sources[0]["helps"]
     assert "not for a plain loop" in fit_file.contact_values(path)
 
 
@@ -259,10 +259,10 @@ def test_some_helps_are_taken_and_written_down(tmp_path):
     drop = stopwatch(tmp_path / "drop.csv")
     run = simcompare.fit("ball", recordings=[drop], engine="pymunk", out=tmp_path / "runs",
                          assist="landing,half_step_start")  # fmt: skip
-    assert run.record["fit"]["assist"] == "landing,half_step_start"
+    assert run.record.fit["assist"] == "landing,half_step_start"
     fit = fit_file.read(run.folder / "fit.json")
     assert fit.contact == "assisted"
-    assert "--assist" in run.record["command"]
+    assert "--assist" in run.record.command
 
 
 @pytest.mark.parametrize(

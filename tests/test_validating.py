@@ -69,7 +69,7 @@ FIT = {"calibrate": {"parameters": ["length_m", "damping_N_m_s_rad"]}}
 def fitted(logs):
     return simcompare.validate(
         "pendulum", recording=str(logs / "s0.csv"), mapping=plan(logs, 0.9, **FIT), engine="pymunk"
-    ).record["validation"]
+    ).record.validation
 
 
 def test_a_fit_finds_the_parameters_that_made_the_recording(fitted):
@@ -101,7 +101,7 @@ def test_a_wrong_length_is_seen_as_such(logs):
     found = simcompare.validate(
         "pendulum", recording=str(logs / "s1.csv"), mapping=plan(logs, 0.6), engine="pymunk",
         set={"length": "0.26 m", "damping": DAMPING},
-    ).record["validation"]  # fmt: skip
+    ).record.validation  # fmt: skip
     assert found["basis"] == "known before"
     periods = [row for row in found["values"] if row["measure"] == "small_angle_period"]
     expected = 2 * np.pi * np.sqrt(0.26 / 9.80665) - 2 * np.pi * np.sqrt(LENGTH_M / 9.80665)
@@ -114,7 +114,7 @@ def test_what_is_known_badly_is_in_the_uncertainty(logs):
     """A length known to 4 % explains a period that is 2 % off."""
     found = simcompare.validate(
         "pendulum", recording=str(logs / "s1.csv"), mapping=plan(logs, 0.6), engine="pymunk"
-    ).record["validation"]
+    ).record.validation
     (period,) = [row for row in found["values"] if row["measure"] == "small_angle_period"]
     assert period["u_input"] == pytest.approx(0.5 * 0.01 / 0.24 * period["simulated"], rel=0.05)
     assert abs(period["e_n"]) < 1
@@ -125,12 +125,12 @@ def test_every_engine_that_can_is_held_against_the_recording(logs, tmp_path):
     run = simcompare.validate(
         "pendulum", recording=str(logs / "s0.csv"), mapping=plan(logs, 0.9, **FIT), out=tmp_path
     )
-    ran = [source["name"] for source in run.record["sources"] if source["status"] == "ok"]
-    rows = run.record["validation"]["waveforms"]
+    ran = [source["name"] for source in run.record.sources if source["status"] == "ok"]
+    rows = run.record.validation["waveforms"]
     assert sorted({row["source"] for row in rows}) == sorted(ran)
     assert len(ran) >= 3
     stored = simcompare.load_run(run.folder)
-    assert stored.record["validation"] == json.loads(json.dumps(run.record["validation"]))
+    assert stored.record.validation == json.loads(json.dumps(run.record.validation))
     assert {one.source for one in stored.trajectories} == {*ran, "measured", "closed form"}
 
 
@@ -191,7 +191,7 @@ def test_what_a_fit_makes_up_for_is_no_uncertainty_of_the_prediction(logs):
     place.write_text(yaml.safe_dump(tree))
     found = simcompare.validate(
         "pendulum", recording=str(logs / "s0.csv"), mapping=str(place), engine="pymunk"
-    ).record["validation"]
+    ).record.validation
     (loss,) = [row for row in found["values"] if row["measure"] == "log_decrement"]
     assert loss["budget"]["mass_kg"] < 0.05 * 0.2 * loss["simulated"]
 
@@ -220,12 +220,12 @@ def test_another_log_is_calibrated_on_with_the_same_plan(logs):
     place.write_text(yaml.safe_dump(tree))
     found = simcompare.validate(
         "pendulum", recording=str(logs / "s1.csv"), mapping=str(place), engine="pymunk"
-    ).record["validation"]
+    ).record.validation
     assert found["basis"] == "held out"
     (length,) = [row for row in found["parameters"] if row["name"] == "length_m"]
     assert abs(length["fitted"] - LENGTH_M) < 3 * length["u_fitted"]
     assert length["u_fitted"] < 1e-3 * LENGTH_M
     again = simcompare.validate(
         "pendulum", recording=str(logs / "s0.csv"), mapping=str(place), engine="pymunk"
-    ).record["validation"]
+    ).record.validation
     assert again["basis"] == "same data"

@@ -31,7 +31,7 @@ def judged(made):
 
 
 def test_a_gap_that_the_fit_made_larger_is_told_and_not_drawn(fitted):
-    rows = json.loads(json.dumps(fitted.record["validation"]["gaps"]))
+    rows = json.loads(json.dumps(fitted.record.validation["gaps"]))
     for row in rows:
         row["shares"] |= {"removed": -0.06, "model_form": 1.05, "noise": 0.01, "numerical": 0.0}
     (figure,) = gap_figures.gap_figures(changed(fitted, gaps=rows))
@@ -61,7 +61,7 @@ def test_bars_stand_below_the_name_of_their_stretch(fitted):
 
 
 def test_a_distant_e_n_is_drawn_at_the_edge(judged):
-    rows = json.loads(json.dumps(judged.record["validation"]["values"]))
+    rows = json.loads(json.dumps(judged.record.validation["values"]))
     rows[0]["e_n"] = -480.0
     figure = gap_figures.e_n_figure(changed(judged, values=rows))
     assert min(series.x.min() for series in figure.panels[0].series) == -10
@@ -72,7 +72,7 @@ def test_a_distant_e_n_is_drawn_at_the_edge(judged):
 def test_fitted_parameters_are_drawn_in_units_of_what_was_known(fitted):
     figure = gap_figures.parameter_figure(fitted)
     (series,) = figure.panels[0].series
-    rows = {row["name"]: row for row in fitted.record["validation"]["parameters"]}
+    rows = {row["name"]: row for row in fitted.record.validation["parameters"]}
     length = rows["length_m"]
     assert series.x[0] == pytest.approx((length["fitted"] - 0.24) / 0.01)
     assert series.u[0] == pytest.approx(2 * length["u_fitted"] / 0.01)
@@ -80,8 +80,8 @@ def test_fitted_parameters_are_drawn_in_units_of_what_was_known(fitted):
 
 
 def test_single_stretches_scatter_about_the_fit(fitted):
-    fit = json.loads(json.dumps(fitted.record["validation"]["fit"]))
-    rows = {row["name"]: row for row in fitted.record["validation"]["parameters"]}
+    fit = json.loads(json.dumps(fitted.record.validation["fit"]))
+    rows = {row["name"]: row for row in fitted.record.validation["parameters"]}
     names = fit["names"]
     fit["single"] = {
         "a": [rows[n]["fitted"] + rows[n]["u_fitted"] for n in names],
@@ -188,7 +188,7 @@ def test_a_run_without_events_has_no_section_on_them(fitted):
 
 
 def test_no_quantity_is_left_out_of_the_picture_of_the_gap(fitted):
-    found = fitted.record["validation"]
+    found = fitted.record.validation
     probes = [f"q{i}" for i in range(5)]
     rows = [{**row, "probe": probe} for probe in probes for row in found["gaps"]]
     compare = {probe: found["compare"]["angle_rad"] | {"label": probe} for probe in probes}

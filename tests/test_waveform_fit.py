@@ -95,7 +95,7 @@ def swing_fit(swings):
 
 
 def good(run):
-    found = [row for row in run.record["fit"]["sources"] if row["status"] == "ok"]
+    found = [row for row in run.record.fit["sources"] if row["status"] == "ok"]
     assert {row["name"] for row in found} >= set(INSTALLED)
     return found
 
@@ -107,7 +107,7 @@ def near(parameters, truth, times=3.0):
 
 
 def test_the_truth_comes_back_within_its_uncertainty_on_every_engine(swing_fit):
-    record = swing_fit.record["fit"]
+    record = swing_fit.record.fit
     near(record["closed_form"]["parameters"], SWING)
     for source in good(swing_fit):
         near(source["parameters"], SWING)
@@ -122,7 +122,7 @@ def rounded(source, double, single):
 
 
 def test_engines_show_the_same_with_parameters_of_their_own(swing_fit):
-    closed = swing_fit.record["fit"]["closed_form"]["parameters"]
+    closed = swing_fit.record.fit["closed_form"]["parameters"]
     for source in good(swing_fit):
         for name, row in closed.items():
             effective = source["effective"][name]["value"]
@@ -139,7 +139,7 @@ def test_another_round_would_change_nothing(swing_fit):
 
 
 def test_a_stream_that_was_not_fitted_is_predicted(swing_fit):
-    record = swing_fit.record["fit"]
+    record = swing_fit.record.fit
     assert [case["stream"] for case in record["measured"]] == ["a", "b", "c"]
     assert [row["stream"] for row in record["holdout"]["streams"]] == ["d"]
     for source in good(swing_fit):
@@ -152,7 +152,7 @@ def test_a_stream_that_was_not_fitted_is_predicted(swing_fit):
 
 
 def test_the_record_is_plain_and_says_how_far_it_holds(swing_fit):
-    record = swing_fit.record["fit"]
+    record = swing_fit.record.fit
     assert json.loads(json.dumps(record)) == record
     assert record["by"] == "waveform"
     assert record["valid"]["step_s"] == 0.001
@@ -174,11 +174,11 @@ def test_what_was_known_before_is_in_the_uncertainty(tmp_path):
         "pendulum", recordings=[path], mapping=plan, engine="mujoco",
         unknowns=["length", "damping"],
     )  # fmt: skip
-    row = run.record["fit"]["closed_form"]["parameters"]["damping_N_m_s_rad"]
+    row = run.record.fit["closed_form"]["parameters"]["damping_N_m_s_rad"]
     assert row["u_known"] / row["value"] == pytest.approx(0.1, rel=0.02)
     assert row["u"] == pytest.approx(np.hypot(row["u_data"], row["u_known"]))
-    assert run.record["fit"]["closed_form"]["parameters"]["length_m"]["u_known"] < 1e-6
-    said = " ".join(run.record["fit"]["sentences"])
+    assert run.record.fit["closed_form"]["parameters"]["length_m"]["u_known"] < 1e-6
+    said = " ".join(run.record.fit["sentences"])
     assert "Most of the uncertainty of the damping comes from what was known before" in said
     assert "nothing was validated" in said
 
@@ -198,7 +198,7 @@ def motor(tmp_path, noise, **given):
 def test_rate_and_current_tell_every_constant_of_a_motor(tmp_path):
     path, plan = motor(tmp_path, {"rate_rad_s": 0.5, "current_A": 0.01})
     run = fit.fit("motor_step", recordings=[path], mapping=plan)
-    record = run.record["fit"]
+    record = run.record.fit
     near(record["closed_form"]["parameters"], MOTOR)
     assert len(record["closed_form"]["names"]) == 5
     for source in good(run):
@@ -210,7 +210,7 @@ def test_rate_and_current_tell_every_constant_of_a_motor(tmp_path):
 def test_the_rate_alone_does_not_tell_resistance_and_torque_constant(tmp_path):
     path, plan = motor(tmp_path, {"rate_rad_s": 0.5})
     run = fit.fit("motor_step", recordings=[path], mapping=plan, engine="mujoco")
-    record = run.record["fit"]
+    record = run.record.fit
     assert not record["sources"][0]["identifiable"]
     assert "cannot separate" in " ".join(record["sentences"]) or "nothing in the data" in " ".join(
         record["sentences"]
@@ -220,8 +220,8 @@ def test_the_rate_alone_does_not_tell_resistance_and_torque_constant(tmp_path):
         "motor_step", recordings=[path], mapping=plan, engine="mujoco",
         set={"resistance": "2ohm", "damping": "1e-5"},
     )  # fmt: skip
-    assert run.record["fit"]["sources"][0]["identifiable"]
-    near(run.record["fit"]["sources"][0]["parameters"], MOTOR)
+    assert run.record.fit["sources"][0]["identifiable"]
+    near(run.record.fit["sources"][0]["parameters"], MOTOR)
 
 
 def test_one_voltage_does_not_tell_dry_from_viscous_friction(tmp_path):
@@ -231,7 +231,7 @@ def test_one_voltage_does_not_tell_dry_from_viscous_friction(tmp_path):
         set={"second_voltage": "12V"},
     )  # fmt: skip
     u = {name: row["u"] / row["value"]
-         for name, row in run.record["fit"]["closed_form"]["parameters"].items()}  # fmt: skip
+         for name, row in run.record.fit["closed_form"]["parameters"].items()}  # fmt: skip
     assert u["torque_constant_N_m_A"] < 0.01
     assert u["damping_N_m_s_rad"] > 0.1
 
@@ -248,11 +248,11 @@ def test_friction_comes_back_from_a_sliding_block(tmp_path):
     ]  # fmt: skip
     plan = mapping(tmp_path, "sliding_block", noise, {})
     run = fit.fit("sliding_block", recordings=[paths[0]], mapping=plan)
-    near(run.record["fit"]["closed_form"]["parameters"], BLOCK)
+    near(run.record.fit["closed_form"]["parameters"], BLOCK)
     for source in good(run):
         near(source["parameters"], BLOCK)
         assert source["parameters"]["friction"]["u"] < 0.01 * BLOCK["friction"]
-    assert "nothing is held out" in run.record["fit"]["told"][0]
+    assert "nothing is held out" in run.record.fit["told"][0]
 
 
 def test_a_recording_of_another_scenario_is_refused(swings):
@@ -297,7 +297,7 @@ def test_an_engine_that_fails_leaves_the_others(swings):
         "pendulum", recordings=[recording], mapping=plan, engine="mujoco,pymunk",
         time_limit_s=1e-3,
     )  # fmt: skip
-    record = run.record["fit"]
+    record = run.record.fit
     assert {row["status"] for row in record["sources"]} != {"ok"}
     assert all(row["reason"] for row in record["sources"] if row["status"] != "ok")
     near(record["closed_form"]["parameters"], SWING)
@@ -333,7 +333,7 @@ def test_json_has_the_record(swings, tmp_path, call):
 @pytest.mark.skipif(not os.environ.get("SIMCOMPARE_DATA"), reason="SIMCOMPARE_DATA is not set")
 def test_the_real_free_swing_gives_its_length_and_shows_that_the_period_drifts():
     run = fit.fit("pendulum", recordings=["pendulum_free_swing"], engine="mujoco")
-    record = run.record["fit"]
+    record = run.record.fit
     length = record["closed_form"]["parameters"]["length_m"]
     assert length["value"] == pytest.approx(0.15314, abs=3e-5)
     assert length["u"] < 5e-5

@@ -65,7 +65,7 @@ def run_of(made, mapping):
 
 def changed(run, **more):
     """The same run with another record of its validation."""
-    found = json.loads(json.dumps(run.record["validation"])) | more
+    found = json.loads(json.dumps(run.record.validation)) | more
     return replace(run, record={**run.record, "validation": found})
 
 
@@ -80,7 +80,7 @@ def renamed(value, old, new):
 
 def streams(run, count):
     """The same run as if the log had held so many stretches."""
-    found = json.loads(json.dumps(run.record["validation"]))
+    found = json.loads(json.dumps(run.record.validation))
     names = [f"part {i}" for i in range(count)]
     several = dict(found)
     for key in ("waveforms", "values", "gaps", "cases", "agreement"):
