@@ -9,7 +9,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs.bags.files import Connection, State, reader_of
+from simcompare.hardware.logs.bags import folder, mcap, reader, ros1, sqlite
+from simcompare.hardware.logs.bags.container import Connection, State
 from simcompare.hardware.logs.bags.stream import Finished, finish
 from simcompare.hardware.logs.bags.topic import EPOCH_NS, Topic
 from simcompare.hardware.mapping import Mapping
@@ -26,9 +27,9 @@ Key = tuple[str, str, str, str]
 
 def recognises(head: Head) -> int:
     """By the first bytes, or by the files of a folder."""
-    if head.start.startswith((b"#ROSBAG", b"\x89MCAP0\r\n")):
+    if head.start.startswith((ros1.MAGIC, mcap.MAGIC)):
         return 100
-    if head.start.startswith(b"SQLite format 3\0"):
+    if head.start.startswith(sqlite.MAGIC):
         return 95 if b"topics" in head.start and b"messages" in head.start else 0
     if not head.start:
         top = [name for name in head.members if "/" not in name]
@@ -48,7 +49,8 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     # by identity: to compare connections would cost more than to decode their messages
     direct: dict[int, tuple[Connection, Topic]] = {}
     origin = None
-    for connection, time_ns, data in reader_of(path)(path, state):
+    messages = folder.messages if path.is_dir() else reader.of_file(path)
+    for connection, time_ns, data in messages(path, state):
         if origin is None:
             # a clock that does not count from 1970 keeps its own zero
             origin = time_ns // _BILLION * _BILLION if time_ns > EPOCH_NS else 0

@@ -1,9 +1,8 @@
-"""ROS 2 bags: a folder with ``metadata.yaml`` and one or more files, and their SQLite storage."""
+"""ROS 2 bags: a folder with ``metadata.yaml`` and one or more files."""
 
 from __future__ import annotations
 
 import re
-import sqlite3
 import tempfile
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -13,17 +12,15 @@ from typing import Any
 import yaml
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs.bags.files import (
+from simcompare.hardware.logs.bags import reader
+from simcompare.hardware.logs.bags.container import (
     LEAST_LIMIT,
     MOST_TIMES,
-    Connection,
     Message,
     State,
-    reader_of,
     zstandard,
 )
 
-_LANGUAGES = {"ros2msg": "msg", "ros2idl": "idl"}
 _BLOCK = 1 << 20
 #: bytes of a description: parsing YAML is slow
 _LONGEST = 1 << 22
@@ -43,7 +40,7 @@ def messages(path: Path, state: State) -> Iterator[Message]:
         source = _unpacked(file) if mode == "file" or file.suffix == ".zstd" else file
         inner = State()
         try:
-            for connection, time, data in reader_of(source)(source, inner):
+            for connection, time, data in reader.of_file(source)(source, inner):
                 counted[connection.topic] += 1
                 yield connection, time, _message(data, file) if mode == "message" else data
         finally:
@@ -143,83 +140,3 @@ def _message(data: bytes, file: Path) -> bytes:
         return bytes(zstd.ZstdDecompressor().decompress(data, max_length=most))
     except zstd.ZstdError as error:
         raise InputError(str(file), [f"a message cannot be unpacked: {error}"]) from None
-
-
-def sqlite_messages(path: Path, state: State) -> Iterator[Message]:
-    """All messages of one SQLite file, in the order in which they were written.
-
-    Raises:
-        InputError: it has no tables of a bag, or is truncated.
-    """
-    _check_length(path)
-    if path.with_name(f"{path.name}-wal").is_file():
-        state.truncated = f"{path.name}-wal lies beside it and was not merged: open it with sqlite3"
-    place = f"{path.resolve().as_uri()}?mode=ro&immutable=1"
-    base = sqlite3.connect(place, uri=True)
-    try:
-        known = _connections(base, path)
-        state.connections.update(dict.fromkeys(known.values()))
-        yield from _rows(base, known, state)
-    finally:
-        base.close()
-
-
-def _check_length(path: Path) -> None:
-    """SQLite would read zeros where a file was cut off, so such a file is refused."""
-    size = path.stat().st_size
-    with path.open("rb") as file:
-        head = file.read(100)
-    page = int.from_bytes(head[16:18], "big")
-    wanted = (65536 if page == 1 else page) * int.from_bytes(head[28:32], "big")
-    told = head[24:28] == head[92:96]  # otherwise an old writer left the length as it was
-    if len(head) < 100 or (told and wanted > size):
-        raise InputError(
-            str(path),
-            [
-                f"byte {size}: the file is truncated, {wanted - size} of {wanted} bytes are missing"
-                " and cannot be told from zeros; copy it again or try `sqlite3 FILE .recover`"
-            ],
-        )
-
-
-def _connections(base: sqlite3.Connection, path: Path) -> dict[int, Connection]:
-    schemas: dict[str, tuple[str, str]] = {}
-    try:
-        names = {row[0] for row in base.execute("SELECT name FROM sqlite_master")}
-        if not {"topics", "messages"} <= names:
-            raise InputError(
-                str(path), [f"has no tables 'topics' and 'messages' (has {sorted(names)[:9]})"]
-            )
-        if "message_definitions" in names:
-            rows = base.execute(
-                "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
-            )
-            schemas = {str(k): (_LANGUAGES.get(str(e), str(e)), str(t)) for k, e, t in rows}
-        topics = base.execute("SELECT id, name, type, serialization_format FROM topics")
-        return {
-            int(number): Connection(
-                str(topic), str(kind), str(form), *reversed(schemas.get(str(kind), ("", "")))
-            )
-            for number, topic, kind, form in topics
-        }
-    except (sqlite3.Error, ValueError, TypeError) as error:
-        raise InputError(
-            str(path), [f"is a damaged SQLite bag: {error}; try `sqlite3 FILE .recover`"]
-        ) from None
-
-
-def _rows(
-    base: sqlite3.Connection, known: dict[int, Connection], state: State
-) -> Iterator[Message]:
-    last = 0
-    try:
-        for number, topic, time, data in base.execute(
-            "SELECT id, topic_id, timestamp, data FROM messages ORDER BY id"
-        ):
-            if topic not in known or not isinstance(data, bytes) or not isinstance(time, int):
-                state.damaged.append(f"message {number} belongs to no topic; it was left out")
-                continue
-            last = number
-            yield known[topic], time, data
-    except sqlite3.Error as error:
-        state.truncated = f"the data base is damaged behind message {last} ({error})"

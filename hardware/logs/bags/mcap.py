@@ -9,7 +9,7 @@ from collections.abc import Generator, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from simcompare.hardware.logs.bags.files import Connection, Cut, Message, Source, State, unpack
+from simcompare.hardware.logs.bags.container import Connection, Cut, Message, Source, State, unpack
 
 MAGIC = b"\x89MCAP0\r\n"
 _HEADER, _FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _DATA_END = 1, 2, 3, 4, 5, 6, 15

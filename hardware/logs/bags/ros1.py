@@ -8,9 +8,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs.bags.files import Connection, Cut, Message, Source, State, unpack
+from simcompare.hardware.logs.bags.container import Connection, Cut, Message, Source, State, unpack
 
-_START = b"#ROSBAG V2.0\n"
+MAGIC = b"#ROSBAG"
+_START = MAGIC + b" V2.0\n"
 _MESSAGE, _BAG, _INDEX, _CHUNK, _CHUNK_INFO, _CONNECTION = 2, 3, 4, 5, 6, 7
 _U32 = struct.Struct("<I")
 _TIME = struct.Struct("<II")

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from simcompare.hardware.logs.bags.files import Connection
+from simcompare.hardware.logs.bags.container import Connection
 from simcompare.hardware.logs.bags.layout import Layout, Misfit, Number, TooMuch, layout_of, pick
 from simcompare.hardware.logs.bags.types import NOT_MEASURED, NotDefined, Types, definitions
 from simcompare.hardware.raw import Spool, blocks

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from simcompare.hardware.logs.bags.files import Connection
+from simcompare.hardware.logs.bags.container import Connection
 
 #: type -> its fields as (name, description); a description is what rosbags' parsers return
 Types = Mapping[str, list[tuple[str, Any]]]

@@ -8,12 +8,8 @@ is named with its byte.
 from __future__ import annotations
 
 import bz2
-from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any, BinaryIO, Protocol
-
-from simcompare.errors import InputError
+from typing import Any, BinaryIO
 
 #: a chunk may become so much larger, or at least this large, when it is unpacked
 MOST_TIMES, LEAST_LIMIT = 256, 1 << 25
@@ -60,14 +56,6 @@ class State:
     damaged: list[str] = field(default_factory=list)
     expected: dict[str, int] = field(default_factory=dict)
     about: dict[str, str] = field(default_factory=dict)
-
-
-class Reader(Protocol):
-    """Reads one kind of file."""
-
-    def __call__(self, path: Path, state: State) -> Iterator[Message]:
-        """All messages in the order of the file."""
-        ...
 
 
 class Cut(Exception):
@@ -157,27 +145,3 @@ def zstandard() -> Any:  # noqa: ANN401  (a module)
     except ModuleNotFoundError:
         from backports import zstd
     return zstd
-
-
-def reader_of(path: Path) -> Reader:
-    """The reader of a file or folder, by its content.
-
-    Raises:
-        InputError: it is no bag.
-    """
-    from simcompare.hardware.logs.bags import folder, mcap, ros1
-
-    if path.is_dir():
-        return folder.messages
-    with path.open("rb") as file:
-        start = file.read(16)
-    if start.startswith(b"#ROSBAG"):
-        return ros1.messages
-    if start.startswith(mcap.MAGIC):
-        return mcap.messages
-    if start.startswith(b"SQLite format 3\0"):
-        return folder.sqlite_messages
-    raise InputError(
-        str(path),
-        [f"is no bag: begins with {start!r}; expected '#ROSBAG V2.0', MCAP or SQLite (.db3)"],
-    )
