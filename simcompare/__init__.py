@@ -16,7 +16,7 @@ _PUBLIC = {
     "Run": "simcompare.results.run",
     "load_run": "simcompare.results.store",
     "export": "simcompare.exporters",
-    "import_log": "simcompare.hardware.importing",
+    "import_log": "simcompare.verbs.import_log",
     "fit": "simcompare.verbs.fit",
     "tune": "simcompare.verbs.tune",
     "validate": "simcompare.verbs.validate",

@@ -15,8 +15,8 @@ from simcompare.fitting.bounces.impacts import (
     from_times,
     sentences,
 )
-from simcompare.hardware.importing import import_log
 from simcompare.hardware.recordings import bounce_table
+from simcompare.verbs.import_log import import_log
 from tests.bounces import IN_AIR, TRUTH, filmed, filmed_samples, recording, times_of
 
 EVENTS = times_of(count=7)

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from simcompare.errors import InputError
-from simcompare.hardware import importing, mapping
+from simcompare.hardware import mapping
 from simcompare.hardware.logs import importers
 from simcompare.hardware.logs.text import text as _text
+from simcompare.verbs.import_log import import_log
 
 #: line of the first row in GOOD
 FIRST = 24
@@ -156,7 +157,7 @@ def test_fewer_samples_than_promised_are_said(save):
 
 
 def test_a_log_becomes_a_recording(save):
-    stream = importing.import_log(save(GOOD)).streams["log"]
+    stream = import_log(save(GOOD)).streams["log"]
     assert stream.time_s == pytest.approx([0, 0.01, 0.02])
     assert list(stream.channels) == ["force_N", "acc_m_s2"]
 

@@ -92,7 +92,7 @@ def test_the_papers_are_there(name):
     assert (ROOT / name).stat().st_size > 200
 
 
-READERS = ("h5py", "rosbags", "nptdms", "soundfile", "pooch", "pymatreader")
+READERS = ("h5py", "rosbags", "nptdms", "soundfile", "pooch")
 
 
 @pytest.mark.parametrize("module", READERS)

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from simcompare.errors import InputError
-from simcompare.hardware import importing, mapping
+from simcompare.hardware import mapping
 from simcompare.hardware.logs import importers
+from simcompare.verbs.import_log import import_log
 
 HEAD = '"Time (s)","Acceleration x (m/s^2)","Acceleration y (m/s^2)","Acceleration z (m/s^2)"\n'
 ROWS = (
@@ -139,7 +140,7 @@ def test_a_stopwatch_becomes_start_and_stop(tmp_path):
 
 def test_an_export_becomes_a_recording(zipped):
     members = {"A.csv": (HEAD + ROWS).replace("NaN", "3.6"), "meta/device.csv": DEVICE}
-    found = importing.import_log(zipped(members))
+    found = import_log(zipped(members))
     channel = found.streams["A"].channels["acceleration_x_m_s2"]
     assert (channel.kind, channel.sensor) == ("specific_force", "LSM6DSR")
 

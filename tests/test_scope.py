@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from simcompare.errors import InputError
-from simcompare.hardware import importing, mapping
+from simcompare.hardware import mapping
 from simcompare.hardware.logs import importers
+from simcompare.verbs.import_log import import_log
 
 DATA = os.environ.get("SIMCOMPARE_DATA", "")
 RIGOL = "X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-1.2e-04,2.0e-07,\n" + "".join(
@@ -68,7 +69,7 @@ def test_every_layout_gives_the_same_trace(save, name):
     found = read(save(text))
     (stream,) = found.streams
     assert (found.about["instrument"], stream.first_row, stream.truncated) == (maker, first, "")
-    recording = importing.import_log(save(text))
+    recording = import_log(save(text))
     made = recording.streams["log"]
     assert made.time_s == pytest.approx([0, 1e-6, 2e-6, 3e-6])
     assert made.clock.first_s == pytest.approx(-2e-6)

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from simcompare.errors import InputError
-from simcompare.hardware import importing, mapping
+from simcompare.hardware import mapping
 from simcompare.hardware.logs import importers
 from simcompare.hardware.logs.text import text as _text
+from simcompare.verbs.import_log import import_log
 
 DATA = os.environ.get("SIMCOMPARE_DATA", "")
 needs_data = pytest.mark.skipif(not DATA, reason="SIMCOMPARE_DATA names no folder of recordings")
@@ -372,7 +373,7 @@ def test_numbers_are_read_to_the_last_bit(read):
 
 
 def test_a_table_becomes_a_recording(log):
-    found = importing.import_log(log(VARIANTS["semicolon"]))
+    found = import_log(log(VARIANTS["semicolon"]))
     stream = found.streams["log"]
     assert stream.time_s.tolist() == [0.0, 0.1, 0.2]
     assert stream.channels["angle_rad"].values == pytest.approx(np.deg2rad([1.5, 2.5, 3.5]))

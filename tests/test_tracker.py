@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from simcompare.errors import InputError
-from simcompare.hardware import importing, mapping
+from simcompare.hardware import mapping
 from simcompare.hardware.logs import importers
+from simcompare.verbs.import_log import import_log
 
 SINGLE = (
     "mass A\nt\tx\ty\tv_{x}\n0.000000000E0\t1.245986911E1\t2.0E0\t\n"
@@ -74,7 +75,7 @@ def test_a_mapping_gives_the_units_that_tracker_does_not_write(write_log, tmp_pa
     (tmp_path / "map.yaml").write_text(
         "channels:\n  height: {column: y, unit: cm}\n  side: {column: x, unit: cm}\n"
     )
-    found = importing.import_log(write_log(SINGLE), mapping=tmp_path / "map.yaml")
+    found = import_log(write_log(SINGLE), mapping=tmp_path / "map.yaml")
     assert found.streams["log"].channels["height_m"].values == pytest.approx([0.02, 0.021, 0.022])
 
 

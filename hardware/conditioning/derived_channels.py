@@ -20,6 +20,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, TypeAdapter, ValidationError
 
+from simcompare import units
 from simcompare.errors import InputError
 from simcompare.model.recording import Channel, Conversion, Recording, Stream
 from simcompare.model.trajectory import Array
@@ -180,7 +181,7 @@ def _made(
         first = next(iter(channels))
         unit = channels[first].unit
         _expect(channels, [unit] * len(channels), where)
-        suffix = _suffix(unit)
+        suffix = units.suffix_for(unit)
         size = np.sqrt(sum(part**2 for part in values))
         u = max((_largest_u(c) for c in channels.values()), default=0.0) or None
         ends = [c.saturated for c in channels.values() if c.saturated is not None]
@@ -223,12 +224,6 @@ def _smoothed(channel: Channel, rate_Hz: float, cutoff_Hz: float) -> Channel:
     return replace(
         channel, values=low_pass(channel.values, rate_Hz, cutoff_Hz), u=u or None, saturated=clipped
     )
-
-
-def _suffix(unit: str) -> str:
-    from simcompare import units
-
-    return units.suffix_for(unit)
 
 
 def _expect(channels: Mapping[str, Channel], expected: list[str], where: str) -> None:

@@ -47,12 +47,13 @@ def import_(
     from simcompare.cli import console
     from simcompare.hardware import importing
     from simcompare.model import recording_store
+    from simcompare.verbs.import_log import import_log
 
     if template:
         typer.echo(importing.template(log, kind=kind), nl=False)
         return
     place = out or Path(f"{log.stem or log.name}.rec")
-    found = importing.import_log(
+    found = import_log(
         log, kind=kind, mapping=mapping, strict=strict, assume_units=assume_units, out=place
     )
     if as_json:
