@@ -9,10 +9,9 @@ import numpy as np
 
 from simcompare.errors import InputError
 from simcompare.inference.reference_model import Model
-from simcompare.inference.segments import Case
+from simcompare.inference.segments import Case, noise
 from simcompare.model.trajectory import Array
 from simcompare.statistics.noise import autocovariance
-from simcompare.validation.judging import noise
 
 #: samples of one stream that a fit looks at; more would not tell more
 MOST_SAMPLES = 1500

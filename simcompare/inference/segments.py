@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -12,8 +13,9 @@ from simcompare.errors import InputError, UnknownName
 from simcompare.inference.plan import Plan, ReadOff
 from simcompare.model.recording import Channel, Event, Recording, Stream
 from simcompare.model.signals import Signal, Table
-from simcompare.model.trajectory import Array
+from simcompare.model.trajectory import Array, Trajectory
 from simcompare.scenarios.scenario_file import ScenarioFile
+from simcompare.statistics.noise import measured_noise
 
 #: parameter of a scenario that says how long it lasts
 DURATION = "duration_s"
@@ -331,3 +333,30 @@ def _read_off(reader: _Reader, wanted: ReadOff) -> tuple[float, float]:
     u = np.sqrt(np.linalg.pinv(design.T @ design)[k, k] * spread) / scale**k
     common = own if k == 0 else 0.0
     return float(found[k]) / scale**k + wanted.offset, float(np.hypot(u, common))
+
+
+def noise(seen: Seen) -> tuple[float, str]:
+    """Standard uncertainty of one sample and where it comes from."""
+    if seen.u is not None:
+        return float(np.sqrt(np.mean(np.square(seen.u)))), "stated"
+    found = measured_noise(seen.values)
+    return found.value, found.text
+
+
+def shares(seen: Seen) -> tuple[float, float]:
+    """The part of the uncertainty that scatters from sample to sample, and the common part."""
+    whole = noise(seen)[0]
+    random = min(measured_noise(seen.values).value, whole)
+    return random, math.sqrt(max(0.0, whole**2 - random**2))
+
+
+def as_trajectory(case: Case) -> Trajectory:
+    """What was measured as a trajectory: the probes that have the clock of the leading one."""
+    seen = list(case.seen.values())
+    times = seen[0].time_s
+    same = {
+        probe: one.values
+        for probe, one in case.seen.items()
+        if len(one.time_s) == len(times) and np.array_equal(one.time_s, times)
+    }
+    return Trajectory("measured", times, same)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from simcompare.inference.plan import Plan
-from simcompare.inference.segments import Case, Seen
+from simcompare.inference.segments import Case, as_trajectory, noise, shares
 from simcompare.inference.simulated import (
     BEST,
     DOUBLE,
@@ -27,7 +27,7 @@ from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array, Trajectory
 from simcompare.statistics.agreement import birge_ratio, e_n, vv20, zeta
 from simcompare.statistics.grid_convergence import gci
-from simcompare.validation.gap import measured_noise, split
+from simcompare.validation.gap import split
 from simcompare.validation.waveform import waveform
 
 #: draws of noise from which the uncertainty of a measured value is told
@@ -64,14 +64,6 @@ class Judged:
         best = self.truth.signals[probe]
         parts = [run.signals[probe] - best for _, run in self.shifted]
         return np.sqrt(np.sum(np.square(parts), axis=0)) if parts else np.zeros_like(best)
-
-
-def noise(seen: Seen) -> tuple[float, str]:
-    """Standard uncertainty of one sample and where it comes from."""
-    if seen.u is not None:
-        return float(np.sqrt(np.mean(np.square(seen.u)))), "stated"
-    found = measured_noise(seen.values)
-    return found.value, found.text
 
 
 def waveforms(
@@ -209,18 +201,6 @@ def _resampled(run: Trajectory, measured: Trajectory) -> Trajectory:
     return Trajectory(run.source, measured.time_s, signals, run.version, run.contact)
 
 
-def as_trajectory(case: Case) -> Trajectory:
-    """What was measured as a trajectory: the probes that have the clock of the leading one."""
-    seen = list(case.seen.values())
-    times = seen[0].time_s
-    same = {
-        probe: one.values
-        for probe, one in case.seen.items()
-        if len(one.time_s) == len(times) and np.array_equal(one.time_s, times)
-    }
-    return Trajectory("measured", times, same)
-
-
 def _u_data(
     judged: Judged, best: Trajectory, measured: Trajectory, found: Mapping[str, Both]
 ) -> dict[str, float]:
@@ -252,13 +232,6 @@ def _spread(drawn: Sequence[float], value: float) -> float:
     if len(drawn) < 2:
         return 0.0
     return float(np.sqrt(np.mean(np.square(np.array(drawn) - value))))
-
-
-def shares(seen: Seen) -> tuple[float, float]:
-    """The part of the uncertainty that scatters from sample to sample, and the common part."""
-    whole = noise(seen)[0]
-    random = min(measured_noise(seen.values).value, whole)
-    return random, math.sqrt(max(0.0, whole**2 - random**2))
 
 
 def _of_reference(judged: Judged, measured: Trajectory) -> dict[str, float]:

@@ -10,11 +10,11 @@ from simcompare import units
 from simcompare.alignment.alignment import Alignment
 from simcompare.inference.estimate import Estimate
 from simcompare.inference.plan import Plan
-from simcompare.inference.segments import DURATION
+from simcompare.inference.segments import DURATION, noise
 from simcompare.inference.sources import Source
 from simcompare.model.recording import Provenance
 from simcompare.reports.validation import answer
-from simcompare.validation.judging import Judged, noise
+from simcompare.validation.judging import Judged
 
 #: ranges of rows of one repair that run.json keeps; the recording itself has all
 _MOST_RANGES = 20

@@ -16,6 +16,7 @@ from simcompare.fitting.waveforms.engines import EngineWaves, fit_engines
 from simcompare.fitting.waveforms.reference import Fitted, fit_reference
 from simcompare.fitting.waveforms.setup import Setup, prepare
 from simcompare.inference.reference_model import Model, model_of
+from simcompare.inference.segments import as_trajectory
 from simcompare.inference.simulated import BEST, of_probes
 from simcompare.model.trajectory import TRUTH
 from simcompare.results import run_record
@@ -24,7 +25,6 @@ from simcompare.results.records.fit import FitRecord
 from simcompare.results.run import Run, Stored
 from simcompare.running.runner import TIME_LIMIT_S, Progress
 from simcompare.scenarios.scenario_file import ScenarioFile
-from simcompare.validation.judging import as_trajectory
 
 #: mode under which fitted engines are recorded, and what measured signals are stored under
 MEASURED = "measured"

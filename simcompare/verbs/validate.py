@@ -18,8 +18,9 @@ from simcompare.inference import plan as plans
 from simcompare.inference import sources
 from simcompare.inference.estimate import Estimate, estimate
 from simcompare.inference.plan import Plan
+from simcompare.inference.propagation import moves
 from simcompare.inference.reference_model import Model, model_of
-from simcompare.inference.segments import Case, cases_of
+from simcompare.inference.segments import Case, as_trajectory, cases_of
 from simcompare.inference.simulated import BEST, NOMINAL, Engine, of_probes, simulate
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS
@@ -192,48 +193,6 @@ def _judged(
     return found, alignments
 
 
-def moves(file: ScenarioFile, case: Case, fit: Estimate | None) -> dict[str, dict[str, float]]:
-    """Parameters moved by one standard uncertainty, one by one; fitted ones along their axes.
-
-    The axes are the principal ones of the covariance, so that correlations are kept; each is
-    named after the parameter that moves most in it. With a parameter that was known the fitted
-    ones move as the fit would have moved. What would leave a bound moves the other way.
-    """
-    best = {} if fit is None else fit.as_dict()
-    steps = {name: {name: u} for name, u in case.u.items() if u > 0 and name not in best}
-    if fit is not None:
-        for name in steps:  # the fit would have made up for some of it
-            if name in fit.follows:
-                steps[name].update(zip(fit.names, fit.follows[name].tolist(), strict=True))
-        sizes, axes = np.linalg.eigh(fit.covariance)
-        for size, axis in zip(np.maximum(sizes, 0.0), axes.T, strict=True):
-            step = dict(zip(fit.names, (np.sqrt(size) * axis).tolist(), strict=True))
-            shares = np.abs(list(step.values())) / np.where(fit.u > 0, fit.u, 1.0)
-            lead = f"{fit.names[int(np.argmax(shares))]} (fitted)"
-            while lead in steps:
-                lead += "'"
-            if size > 0:
-                steps[lead] = step
-    return {
-        lead: {**best, **_within(file, {**case.values, **best}, step)}
-        for lead, step in steps.items()
-    }
-
-
-def _within(
-    file: ScenarioFile, values: Mapping[str, float], step: Mapping[str, float]
-) -> dict[str, float]:
-    """Values after a step, or after its opposite where the step would leave a bound."""
-    for sign in (1, -1):
-        moved = {name: values[name] + sign * change for name, change in step.items()}
-        if all(file.parameters[n].min <= v <= file.parameters[n].max for n, v in moved.items()):
-            return moved
-    return {
-        name: min(max(value, file.parameters[name].min), file.parameters[name].max)
-        for name, value in moved.items()
-    }
-
-
 def _aligned(plan: Plan, case: Case, scene: Scenario, truth: Trajectory) -> Alignment | None:
     if plan.align.by == "events" and plan.events is not None:
         return _trusted(case, eventful.aligned(case, scene, truth, plan.events.series))
@@ -330,7 +289,7 @@ def _stored(judged: Sequence[Judged], found: Sequence[Engine]) -> list[Stored]:
     stored = []
     for number, one in enumerate(judged):
         if one.case.seen:
-            stored.append(Stored(MEASURED, "", number, judging.as_trajectory(one.case)))
+            stored.append(Stored(MEASURED, "", number, as_trajectory(one.case)))
         if one.truth is not None:
             bands = {f"u({probe})": one.u_input(probe) for probe in one.case.seen}
             signals = {**one.truth.signals, **{k: v for k, v in bands.items() if v is not None}}

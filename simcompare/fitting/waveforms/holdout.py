@@ -11,6 +11,7 @@ import numpy as np
 from simcompare.fitting.waveforms.engines import EngineWaves
 from simcompare.fitting.waveforms.reference import Fitted
 from simcompare.fitting.waveforms.setup import Setup
+from simcompare.inference.propagation import moves
 from simcompare.inference.reference_model import Model
 from simcompare.inference.segments import Case
 from simcompare.inference.simulated import BEST, Engine, of_probes
@@ -18,7 +19,6 @@ from simcompare.model.resampling import interpolated
 from simcompare.model.trajectory import TRUTH, Trajectory
 from simcompare.validation import judging
 from simcompare.validation.judging import Judged
-from simcompare.verbs import validate
 
 #: what of a row of a validation is told here
 _TOLD = ("measure", "probe", "unit", "simulated", "measured", "u_num", "u_input", "u_data", "u_val",
@@ -63,7 +63,7 @@ def _judged(model: Model, fitted: Fitted, case: Case, step_s: float | None) -> J
         moved = model.scenario(case, values, step_s)
         return of_probes(moved, model.truth(moved), case.watched)
 
-    moved = validate.moves(model.file, case, fitted.estimate)
+    moved = moves(model.file, case, fitted.estimate)
     shifted = tuple((what, at(values)) for what, values in moved.items())
     return Judged(case, None, scene, at(best), None, shifted)
 

@@ -15,12 +15,11 @@ from simcompare.fitting.waveforms.holdout import rms_of
 from simcompare.fitting.waveforms.reference import Fitted
 from simcompare.fitting.waveforms.setup import Setup
 from simcompare.inference.reference_model import Model
-from simcompare.inference.segments import DURATION, Case
+from simcompare.inference.segments import DURATION, Case, as_trajectory, noise
 from simcompare.inference.simulated import BEST, HALF, measured_values
 from simcompare.model.settings import ASSISTED
 from simcompare.model.trajectory import Array, Trajectory
 from simcompare.notation import sentence
-from simcompare.validation.judging import as_trajectory, noise
 
 #: version of what fit.json holds
 FORMAT = 1
