@@ -8,9 +8,19 @@ from typing import Any
 from simcompare.reports.validation import answer_basis, answer_gap, answer_values, phrases
 from simcompare.reports.validation.phrases import HELD_OUT, KNOWN, SAME
 
-__all__ = ["HELD_OUT", "KNOWN", "SAME", "sentences", "verdict"]
+__all__ = ["HELD_OUT", "KNOWN", "SAME", "sentences", "verdict", "with_words"]
 
 Record = Mapping[str, Any]
+
+
+def with_words(found: Record) -> dict[str, Any]:
+    """The record with a verdict on every value and the answer in sentences.
+
+    Args:
+        found: the record of the validation.
+    """
+    values = [{**row, "words": verdict(row, found["basis"])} for row in found["values"]]
+    return {**found, "values": values, "sentences": sentences(found)}
 
 
 def verdict(row: Record, basis: str) -> str:

@@ -13,7 +13,6 @@ from simcompare.inference.plan import Plan
 from simcompare.inference.segments import DURATION, noise
 from simcompare.inference.sources import Source
 from simcompare.model.recording import Provenance
-from simcompare.reports.validation import answer
 from simcompare.validation.judging import Judged
 
 #: ranges of rows of one repair that run.json keeps; the recording itself has all
@@ -41,9 +40,7 @@ def of_validation(
         alignments: of the clock of each case.
     """
     basis = basis_of(plan, source, judged, fit)
-    for row in rows["values"]:
-        row["words"] = answer.verdict(row, basis)
-    found: dict[str, Any] = {
+    return {
         "recording": source.name,
         "about": dict(source.about) or dict(source.recording.provenance.about),
         "provenance": _provenance(source.recording.provenance),
@@ -72,8 +69,6 @@ def of_validation(
         "agreement": agreement,
         "alignments": [None if one is None else one.to_dict() for one in alignments],
     }
-    found["sentences"] = answer.sentences(found)
-    return found
 
 
 def basis_of(plan: Plan, source: Source, judged: Sequence[Judged], fit: Estimate | None) -> str:

@@ -25,6 +25,7 @@ from simcompare.inference.simulated import BEST, NOMINAL, Engine, of_probes, sim
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS
 from simcompare.model.trajectory import TRUTH, Trajectory
+from simcompare.reports.validation import answer
 from simcompare.results import run_record, store
 from simcompare.results.records.validation import ValidationRecord
 from simcompare.results.run import Run, Stored
@@ -266,13 +267,14 @@ def _gather(
     scores = [_score(row, asked.contact) for row in rows["values"]]
     scenes = [one.scene for one in judged]
     truth = TRUTH if judged[0].truth is not None else None
-    found_out = records.of_validation(
+    validated = records.of_validation(
         asked.source, asked.plan, judged, asked.fit, rows, judging.agreement(rows["values"]),
         alignments,
     )  # fmt: skip
     record = run_record.of_run(
-        ValidationRecord, asked.file, scenes[:1], truth, sources_, scores, validation=found_out
-    )
+        ValidationRecord, asked.file, scenes[:1], truth, sources_, scores,
+        validation=answer.with_words(validated),
+    )  # fmt: skip
     return Run(record, tuple(_stored(judged, found)))
 
 
