@@ -6,13 +6,13 @@ import functools
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING
 
 from simcompare.errors import UnknownName
 from simcompare.reports.render import output
 from simcompare.reports.render.figures import Figure, style_of
 from simcompare.reports.sections import of_run
-from simcompare.reports.sections.base import Section
+from simcompare.reports.sections.base import Block, Filled
 from simcompare.results.run import Run
 
 if TYPE_CHECKING:
@@ -21,37 +21,6 @@ if TYPE_CHECKING:
 _TEMPLATES = Path(__file__).parent / "templates"
 #: formats of figures; kept here so that a wrong one is found without importing matplotlib
 FIGURE_FORMATS = ("pdf", "png", "svg")
-
-
-class Filled(NamedTuple):
-    """A section with what it shows of one run."""
-
-    section: Section
-    context: dict[str, Any]
-
-
-class Block(NamedTuple):
-    """One run in a report.
-
-    Attributes:
-        anchor: prefix of everything that is linked to in this block.
-        record: the run's record.
-        sections: what there is to show, in order.
-    """
-
-    anchor: str
-    record: Any
-    sections: list[Filled]
-
-    @property
-    def figures(self) -> list[Figure]:
-        """Every figure of the run."""
-        return [figure for filled in self.sections for figure in filled.context.get("figures", ())]
-
-    @property
-    def contexts(self) -> dict[str, dict[str, Any]]:
-        """Contexts of the sections by their names."""
-        return {filled.section.name: filled.context for filled in self.sections}
 
 
 def write_html(runs: Sequence[Run], path: Path) -> Path:
@@ -123,7 +92,8 @@ def write_pdf(runs: Sequence[Run], path: Path) -> Path:
     Raises:
         OutputError: it cannot be written.
     """
-    from simcompare.reports.render import matplotlib_, pages
+    from simcompare.reports import pages
+    from simcompare.reports.render import matplotlib_
 
     found = [page for block in blocks_of(runs) for page in pages.of(block)]
     return output.write(Path(path), matplotlib_.document(found))

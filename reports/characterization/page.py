@@ -10,12 +10,11 @@ from typing import Any
 from simcompare.characterization.result import Characterization
 from simcompare.model.settings import CONTACT_LEVELS
 from simcompare.reports import builder
-from simcompare.reports.builder import Block, Filled
 from simcompare.reports.characterization import figures as characterized_figures
 from simcompare.reports.characterization import tables
 from simcompare.reports.render import output
 from simcompare.reports.render.figures import Figure
-from simcompare.reports.sections.base import Section
+from simcompare.reports.sections.base import Block, Filled, Section
 from simcompare.reports.sections.parts import parts_of
 from simcompare.results.run import Run
 

@@ -11,9 +11,8 @@ from simcompare.cli import complete
 
 if TYPE_CHECKING:
     from simcompare.compare.against import Match
-from simcompare.results.records import stored
-from simcompare.results.records.run import Measurement, Record
-from simcompare.results.run import Run
+    from simcompare.results.records.run import Measurement, Record
+    from simcompare.results.run import Run
 
 
 def run(
@@ -81,6 +80,8 @@ def run(
         )
     written = _write_report(result) if report else None
     if as_json:
+        from simcompare.results.records import stored
+
         more = {"headline": _headline(result), "exit_code": result.exit_code}
         console.print_json({**stored.plain(result.record), **more})
     else:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from simcompare.reports.render import matplotlib_
 from simcompare.reports.render.tables import Table, printable
+from simcompare.reports.sections.base import Block
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
 
-    from simcompare.reports.builder import Block
     from simcompare.reports.render.figures import Figure
 
 #: A4 across [inch], and the line height of its text as part of the page

@@ -1,0 +1,187 @@
+"""The plan of the house: imports run one way, also those inside functions and for types alone."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections import defaultdict
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+OUTER = ("backends", "hardware", "reports", "scenarios")
+#: rooms from the lowest to the highest; those on one line do not know each other
+FLOORS = (
+    ("errors",),
+    ("units", "notation"),
+    ("model",),
+    ("statistics",),
+    ("alignment",),
+    ("engine",),
+    ("kit", "running"),
+    ("backends", "hardware"),
+    ("measures",),
+    ("scenarios",),
+    ("compare",),
+    ("inference",),
+    ("tuning", "characterization"),
+    ("results",),
+    ("exporters", "reports"),
+    ("fitting", "validation"),
+    ("verbs",),
+    ("cli",),
+)
+FLOOR = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}
+#: the front doors: they reach any room
+DOORS = ("simcompare", "simcompare.__main__")
+#: where a module of ours may be imported late, and what is saved by it
+LATE = {
+    "simcompare.cli": "help and completion answer at once, without numpy and pydantic",
+    "simcompare.scenarios.catalogue": "names are listed without reading a file",
+    "simcompare.reports.builder": "matplotlib and plotly are read for a report alone",
+}
+
+
+@cache
+def modules() -> dict[str, Path]:
+    """Every module of the product by its name."""
+    found = {}
+    for top in ("simcompare", *OUTER):
+        for path in sorted((ROOT / top).rglob("*.py")):
+            parts = path.relative_to(ROOT).with_suffix("").parts
+            if top == "simcompare" and parts[1] in OUTER:
+                continue
+            parts = parts if top == "simcompare" else ("simcompare", *parts)
+            found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return found
+
+
+def targets(node: ast.AST) -> list[str]:
+    """The modules of ours that one statement imports."""
+    if isinstance(node, ast.Import):
+        names = [alias.name for alias in node.names]
+    elif isinstance(node, ast.ImportFrom) and node.module:
+        assert node.level == 0, "imports name the whole path"
+        names = [
+            whole if (whole := f"{node.module}.{alias.name}") in modules() else node.module
+            for alias in node.names
+        ]
+    else:
+        return []
+    return [name for name in names if name in modules()]
+
+
+@cache
+def arrows() -> dict[str, dict[str, bool]]:
+    """Module -> the modules it imports, and whether only inside of functions."""
+    found: dict[str, dict[str, bool]] = defaultdict(dict)
+
+    def visit(name: str, node: ast.AST, *, late: bool) -> None:
+        for child in ast.iter_child_nodes(node):
+            for target in targets(child):
+                if target != name:
+                    found[name][target] = found[name].get(target, True) and late
+            inside = late or isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef)
+            visit(name, child, late=inside)
+
+    for name, path in modules().items():
+        visit(name, ast.parse(path.read_text(encoding="utf-8")), late=False)
+    return found
+
+
+def circles(graph: dict[str, set[str]]) -> list[list[str]]:
+    """Groups that can reach each other (Tarjan)."""
+    index: dict[str, int] = {}
+    low: dict[str, int] = {}
+    stack: list[str] = []
+    found: list[list[str]] = []
+
+    def walk(node: str) -> None:
+        index[node] = low[node] = len(index)
+        stack.append(node)
+        for other in graph.get(node, ()):
+            if other not in index:
+                walk(other)
+            if other in stack:
+                low[node] = min(low[node], low[other])
+        if low[node] == index[node]:
+            group = stack[stack.index(node) :]
+            del stack[stack.index(node) :]
+            if len(group) > 1:
+                found.append(sorted(group))
+
+    for node in graph:
+        if node not in index:
+            walk(node)
+    return found
+
+
+def room_of(module: str) -> str:
+    return module.split(".")[1]
+
+
+def test_every_room_has_its_floor():
+    rooms = {room_of(name) for name in modules() if name not in DOORS}
+    assert rooms == set(FLOOR)
+
+
+def test_imports_run_one_way():
+    against = [
+        f"{name} imports {target}"
+        for name, found in arrows().items()
+        for target in found
+        if name not in DOORS
+        and (
+            target in DOORS
+            or (room_of(name) != room_of(target) and FLOOR[room_of(target)] >= FLOOR[room_of(name)])
+        )
+    ]
+    assert not against
+
+
+def test_no_modules_import_each_other_in_a_circle():
+    assert circles({name: set(found) for name, found in arrows().items()}) == []
+
+
+def test_no_folders_within_a_room_import_each_other_in_a_circle():
+    folders: dict[str, set[str]] = defaultdict(set)
+    for name, found in arrows().items():
+        for target in found:
+            here, there = name.split("."), target.split(".")
+            if name not in DOORS and target not in DOORS and here[1] == there[1]:
+                inner = [
+                    parts[2] if len(parts) > 3 or ".".join(parts[:3]) in folders_of() else ""
+                    for parts in (here, there)
+                ]
+                if inner[0] != inner[1] and all(inner):
+                    folders[f"{here[1]}.{inner[0]}"].add(f"{there[1]}.{inner[1]}")
+    assert circles(folders) == []
+
+
+@cache
+def folders_of() -> frozenset[str]:
+    return frozenset(name for name, path in modules().items() if path.name == "__init__.py")
+
+
+def test_late_imports_save_start_up_time_and_nothing_else():
+    late = [
+        f"{name} imports {target} late"
+        for name, found in arrows().items()
+        for target, is_late in found.items()
+        if is_late and name not in DOORS and not any(name.startswith(place) for place in LATE)
+    ]
+    assert not late
+
+
+@pytest.mark.parametrize("place", LATE)
+def test_places_of_late_imports_exist(place):
+    assert any(name.startswith(place) and any(found.values()) for name, found in arrows().items())
+
+
+def test_the_written_plan_is_the_plan():
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    table = re.findall(r"^\| ((?:`\w+`(?:, )?)+) \|", text, flags=re.MULTILINE)
+    written = tuple(tuple(re.findall(r"`(\w+)`", row)) for row in table)
+    assert written == tuple(reversed(FLOORS))
