@@ -74,21 +74,29 @@ def targets(node: ast.AST) -> list[str]:
 
 
 @cache
-def arrows() -> dict[str, dict[str, bool]]:
-    """Module -> the modules it imports, and whether only inside of functions."""
-    found: dict[str, dict[str, bool]] = defaultdict(dict)
+def arrows() -> dict[str, dict[str, set[str]]]:
+    """Module -> the modules it imports -> where: at the top, "late" or for a "type" alone."""
+    found: dict[str, dict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
 
-    def visit(name: str, node: ast.AST, *, late: bool) -> None:
+    def visit(name: str, node: ast.AST, where: str) -> None:
         for child in ast.iter_child_nodes(node):
             for target in targets(child):
                 if target != name:
-                    found[name][target] = found[name].get(target, True) and late
-            inside = late or isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef)
-            visit(name, child, late=inside)
+                    found[name][target].add(where)
+            if isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef):
+                visit(name, child, "late")
+            elif isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING":
+                visit(name, child, "type")
+            else:
+                visit(name, child, where)
 
     for name, path in modules().items():
-        visit(name, ast.parse(path.read_text(encoding="utf-8")), late=False)
+        visit(name, ast.parse(path.read_text(encoding="utf-8")), "top")
     return found
+
+
+def is_late(places: set[str]) -> bool:
+    return "late" in places and "top" not in places
 
 
 def circles(graph: dict[str, set[str]]) -> list[list[str]]:
@@ -119,7 +127,7 @@ def circles(graph: dict[str, set[str]]) -> list[list[str]]:
 
 
 def room_of(module: str) -> str:
-    return module.split(".")[1]
+    return module.split(".")[1] if "." in module else module
 
 
 def test_every_room_has_its_floor():
@@ -149,35 +157,37 @@ def test_no_folders_within_a_room_import_each_other_in_a_circle():
     folders: dict[str, set[str]] = defaultdict(set)
     for name, found in arrows().items():
         for target in found:
-            here, there = name.split("."), target.split(".")
-            if name not in DOORS and target not in DOORS and here[1] == there[1]:
-                inner = [
-                    parts[2] if len(parts) > 3 or ".".join(parts[:3]) in folders_of() else ""
-                    for parts in (here, there)
-                ]
-                if inner[0] != inner[1] and all(inner):
-                    folders[f"{here[1]}.{inner[0]}"].add(f"{there[1]}.{inner[1]}")
+            here, there = folder_of(name), folder_of(target)
+            # what stands in a folder may use the folders in it, and may be used by them
+            nested = f"{here}.".startswith(f"{there}.") or f"{there}.".startswith(f"{here}.")
+            if room_of(here) == room_of(there) and not nested:
+                folders[here].add(there)
     assert circles(folders) == []
 
 
-@cache
-def folders_of() -> frozenset[str]:
-    return frozenset(name for name, path in modules().items() if path.name == "__init__.py")
+def folder_of(module: str) -> str:
+    is_folder = modules()[module].name == "__init__.py"
+    return module if is_folder or module in DOORS else module.rpartition(".")[0]
 
 
 def test_late_imports_save_start_up_time_and_nothing_else():
     late = [
         f"{name} imports {target} late"
         for name, found in arrows().items()
-        for target, is_late in found.items()
-        if is_late and name not in DOORS and not any(name.startswith(place) for place in LATE)
+        for target, places in found.items()
+        if is_late(places)
+        and name not in DOORS
+        and not any(name.startswith(place) for place in LATE)
     ]
     assert not late
 
 
 @pytest.mark.parametrize("place", LATE)
 def test_places_of_late_imports_exist(place):
-    assert any(name.startswith(place) and any(found.values()) for name, found in arrows().items())
+    assert any(
+        name.startswith(place) and any(map(is_late, found.values()))
+        for name, found in arrows().items()
+    )
 
 
 def test_the_written_plan_is_the_plan():
