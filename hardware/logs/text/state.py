@@ -80,7 +80,6 @@ class State:
     skipped: dict[str, Lines] = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)
     count: int = 0
-    last_line: int = 0
     truncated: str = ""
     no_end: int = 0
     examples: dict[int, str] = field(default_factory=dict)

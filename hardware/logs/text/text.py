@@ -43,6 +43,8 @@ _TIME = re.compile(
     r"|(?:milli|micro|nano)?sec(?:ond)?s?|time of day|unix ?time|epoch|clock",
     re.IGNORECASE,
 )
+#: characters of numbers that Python reads as logs mean them
+_PLAIN = b"0123456789.eE+- \t\n"
 _INFINITE = re.compile(r"([+-]?)(?:inf|infinity|1\.#inf)", re.IGNORECASE)
 _BRACKETS = re.compile(r"(.*?)\s*[(\[{<]\s*([^()\[\]{}<>]*?)\s*[)\]}>]")
 _SLASH = re.compile(r"(.*?)\s+(?:/|in)\s+(\S+)")
@@ -212,7 +214,7 @@ def blocks(source: Source, first_line: int = 1) -> Iterator[Block]:
                 )
             data = data[:cut]
             ended = data.endswith(b"\n")
-            count = count_of(b"\n", data) + (bool(data) and not ended)
+            count = data.count(b"\n") + (bool(data) and not ended)
             at = line
             line += count
             if line > first_line and count:
@@ -267,11 +269,6 @@ def wanted_names(mapping: Mapping) -> set[str]:
     return found | ({*mapping.time.columns} if mapping.time else set())
 
 
-def count_of(byte: bytes, data: bytes) -> int:
-    """How often a byte stands in others; faster than ``bytes.count`` where it is frequent."""
-    return int(np.count_nonzero(np.frombuffer(data, dtype=np.uint8) == byte[0]))
-
-
 def number(text: str, decimal: str = ".", thousands: str = "") -> float | None:
     """A number as a log writes it, NaN for an empty cell, ``None`` for what is no number."""
     text = text.strip()
@@ -291,10 +288,25 @@ def number(text: str, decimal: str = ".", thousands: str = "") -> float | None:
     return None
 
 
-def flags(cells: Iterable[object]) -> Array | None:
+def numbers(cells: Sequence[str], decimal: str = ".", thousands: str = "") -> Array | None:
+    """Many numbers as a log writes them; ``None`` where one is no number."""
+    text = "\n".join(cells)
+    if decimal == ",":  # a point, which is none of its decimals, must not become one
+        text = text.replace(".", "x").replace(",", ".")
+    if not text.encode().translate(None, _PLAIN):
+        try:
+            return np.fromiter(map(float, text.split("\n")), np.float64, len(cells))
+        except ValueError:  # an empty cell, a date
+            pass
+    values = [number(cell, decimal, thousands) for cell in cells]
+    return None if None in values else np.array(values, dtype=np.float64)
+
+
+def flags(cells: Iterable[str]) -> Array | None:
     """Cells true and false as 1 and 0; ``None`` where one is neither and not empty."""
-    words = [str(cell).strip().lower() for cell in cells]
-    values = {"true": 1.0, "false": 0.0, "": math.nan, "nan": math.nan, "none": math.nan}
+    words = [cell.strip() for cell in cells]
+    words = ["" if word in MISSING else word.lower() for word in words]
+    values = {"true": 1.0, "false": 0.0, "": math.nan}
     if not all(word in values for word in words):
         return None
     return np.array([values[word] for word in words])
