@@ -15,7 +15,7 @@ _PUBLIC = {
     "control": "simcompare.verbs.control",
     "Run": "simcompare.results.run",
     "load_run": "simcompare.results.store",
-    "export": "simcompare.exporters",
+    "export": "simcompare.exporters.export",
     "import_log": "simcompare.verbs.import_log",
     "fit": "simcompare.verbs.fit",
     "tune": "simcompare.verbs.tune",

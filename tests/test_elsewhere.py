@@ -10,7 +10,7 @@ import pytest
 
 from simcompare.engine import elsewhere, engines
 from simcompare.errors import EngineElsewhere, UnknownName
-from simcompare.exporters import FORMATS
+from simcompare.exporters.twins import FORMATS
 
 NAMED = ["agx", "chrono", "coppeliasim", "gazebo", "newton", "raisim", "vortex"]
 ACCELERATION_M_S2 = 1.9536

@@ -10,8 +10,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import simcompare
-from simcompare.exporters import FORMATS
 from simcompare.exporters.parts import roll_pitch_yaw, turned_from_z
+from simcompare.exporters.twins import FORMATS
 from simcompare.model.rotations import matrix_of
 from simcompare.scenarios import catalogue
 from tests.export_scenes import arm, cart, moving, scene, sensed, two_free

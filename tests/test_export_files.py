@@ -13,7 +13,7 @@ import pytest
 
 import simcompare
 from simcompare.errors import InputError, UnknownName
-from simcompare.exporters import FORMATS, twin
+from simcompare.exporters.twins import FORMATS, twin
 from simcompare.scenarios import catalogue
 from tests.export_scenes import SCENES, arm, cart, moving, scene, sensed, two_free
 from tests.test_cli import loaded_by

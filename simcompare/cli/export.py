@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import functools
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import typer
 
 from simcompare.cli import complete
+from simcompare.errors import InputError, OutputError
 
-#: the format that is no digital twin, but a program of one engine
-SCRIPT = "script"
+if TYPE_CHECKING:
+    from simcompare.exporters.scripts.write import Script
+    from simcompare.model.trajectory import Array
 
 
 def _formats(incomplete: str) -> list[str]:
-    from simcompare.exporters import FORMATS
+    from simcompare.exporters.twins import FORMATS, SCRIPT
 
     return [name for name in (*FORMATS, SCRIPT) if name.startswith(incomplete)]
 
@@ -51,8 +54,9 @@ def export(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
     """Write a scenario as a digital twin for another simulator, or as a script of one engine."""
-    from simcompare import exporters
     from simcompare.cli import console
+    from simcompare.exporters.scripts.write import script
+    from simcompare.exporters.twins import FORMATS, SCRIPT, twin
 
     options = {"--engine": engine, "--step": step, "--contact": contact}
     if contact_values:
@@ -60,57 +64,51 @@ def export(
         _print_contact_values(scenario, fit, given, out)
         return
     if format == SCRIPT:
-        _script(
-            {"scenario": scenario, "engine": engine, "step": step, "contact": contact,
-             "set": console.pairs(settings), "preset": preset, "fit": fit},
-            out, as_json=as_json,
+        write = functools.partial(
+            script, scenario, engine=engine, set=console.pairs(settings), preset=preset, fit=fit,
+            step=step, contact=contact,
         )  # fmt: skip
+        _script(write, out, as_json=as_json)
         return
     _refuse_options(format, options)
-    twin = exporters.twin(
-        scenario, format=format, set=console.pairs(settings), preset=preset, fit=fit
-    )
+    made = twin(scenario, format=format, set=console.pairs(settings), preset=preset, fit=fit)
     written = None
     if out is not None:
-        written = _write(out, f"{twin.scenario}{exporters.FORMATS[format]}", twin.text)
+        written = _write(out, f"{made.scenario}{FORMATS[format]}", made.text)
     if as_json:
         console.print_json(
             {
-                "format": twin.format,
+                "format": made.format,
                 "file": None if written is None else str(written),
-                "bodies": twin.bodies,
-                "joints": twin.joints,
-                "left_out": twin.left_out,
+                "bodies": made.bodies,
+                "joints": made.joints,
+                "left_out": made.left_out,
             }
         )
         return
     if written is None:  # UTF-8 whatever the terminal's encoding is: the text may go into a file
-        typer.echo(twin.text.encode("utf-8"), nl=False)
+        typer.echo(made.text.encode("utf-8"), nl=False)
     else:
         typer.echo(str(written))
-    for sentence in twin.left_out:
+    for sentence in made.left_out:
         typer.echo(f"left out: {sentence}", err=True)
 
 
 def _refuse_options(format: str, options: Mapping[str, str | None]) -> None:
-    from simcompare.errors import InputError
-
     given = [name for name, value in options.items() if value is not None]
     if given:
         faults = [f"{name} is for --format script, not for {format}" for name in given]
         raise InputError("export", faults)
 
 
-def _script(asked: dict[str, Any], out: Path | None, *, as_json: bool) -> None:
+def _script(write: Callable[..., Script], out: Path | None, *, as_json: bool) -> None:
     """Writes a script, and beside it the file of inputs that it may need."""
     from simcompare.cli import console
-    from simcompare.errors import InputError
-    from simcompare.exporters.scripts import write
 
     if out is not None and not out.is_dir() and out.suffix != ".py":
         raise InputError(f"--out {out}", ["a script is a file that ends with .py"])
     name = None if out is None or out.is_dir() else out.stem
-    made = write.script(**asked, name=name)
+    made = write(name=name)
     files: list[Path] = []
     if out is None and made.inputs:
         raise InputError(
@@ -124,7 +122,7 @@ def _script(asked: dict[str, Any], out: Path | None, *, as_json: bool) -> None:
     if as_json:
         console.print_json(
             {
-                "format": SCRIPT,
+                "format": "script",
                 "file": str(files[0]) if files else None,
                 "inputs": str(files[1]) if len(files) > 1 else None,
                 "bodies": list(made.bodies),
@@ -138,13 +136,11 @@ def _script(asked: dict[str, Any], out: Path | None, *, as_json: bool) -> None:
         typer.echo(str(file))
 
 
-def _write_inputs(path: Path, inputs: Mapping[str, Any]) -> Path:
+def _write_inputs(path: Path, inputs: Mapping[str, Array]) -> Path:
     import numpy as np
 
-    from simcompare.errors import OutputError
-
     try:
-        np.savez(path, **inputs)
+        np.savez(path, allow_pickle=False, **inputs)
     except OSError as error:
         raise OutputError(f"--out {path}: cannot be written ({error.strerror or error})") from None
     return path
@@ -154,7 +150,6 @@ def _print_contact_values(
     scenario: str, fit: str | None, options: Mapping[str, object], out: Path | None
 ) -> None:
     """Prints, or writes, the contact values of a fit, which has all else in it."""
-    from simcompare.errors import InputError
     from simcompare.results import fit_file
     from simcompare.scenarios import catalogue
 
@@ -174,8 +169,6 @@ def _print_contact_values(
 
 
 def _write(out: Path, name: str, text: str) -> Path:
-    from simcompare.errors import OutputError
-
     path = out / name if out.is_dir() else out
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -6,7 +6,7 @@ import importlib.metadata
 import textwrap
 from collections.abc import Mapping, Sequence
 
-from simcompare import units
+from simcompare import notation, units
 from simcompare.engine.backend import Backend
 from simcompare.engine.scripting.contract import RESERVED, Parts, Plan, joint_parts
 from simcompare.engine.scripting.text import WIDTH, filled, number, unused
@@ -208,8 +208,6 @@ def _table(
     measuring: Measuring, expected: Sequence[Expected], lacking: frozenset[str]
 ) -> list[str]:
     """Lines that print what was measured, beside what is expected."""
-    from simcompare.notation import number as told
-
     done: dict[int, Mapping[str, str]] = {}
     rows = []
     for one in expected:
@@ -221,7 +219,11 @@ def _table(
             snippet = None if lacks else SNIPPETS.get(one.measure.function)
             done[key] = {} if snippet is None else snippet(measuring, one.measure, one.truth)
         value, score = done[key].get(one.own, "np.nan"), one.score
-        row = (f"{one.name} [{score.unit}]", told(score.truth), told(score.value, score.u))
+        row = (
+            f"{one.name} [{score.unit}]",
+            notation.number(score.truth),
+            notation.number(score.value, score.u),
+        )
         rows.append((one.name, value, row))
     wide, narrow = (max((len(row[i]) for *_, row in rows), default=0) for i in (0, 1))
     lines = []

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from simcompare import measures
 from simcompare.compare.comparison import Repeat, Score, scores_of
 from simcompare.compare.repeats import truths_of
+from simcompare.engine import engines
 from simcompare.errors import BackendError, InputError
 from simcompare.exporters.scripts.measuring import Truth
 from simcompare.model.scenario import Measure, Scenario
@@ -81,8 +82,6 @@ def _run(job: Job) -> Trajectory:
     if done.status == OK and done.trajectory is not None:
         return done.trajectory
     if done.status == MISSING:
-        from simcompare.engine import engines
-
         engines.get(job.engine).version()
     if done.status in (UNSUPPORTED, MISSING):
         raise InputError(f"--engine {job.engine}", [str(done.reason)])

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from simcompare.compare.repeats import repeats_of, sample_step_s
@@ -16,12 +15,12 @@ from simcompare.engine.calibration.tuned import tuned
 from simcompare.engine.scripting.contract import Plan, script_of
 from simcompare.engine.scripting.efforts import efforts_of
 from simcompare.errors import InputError, SimcompareError, Unsupported
+from simcompare.exporters import fit_values
 from simcompare.exporters.scripts.assemble import assembled
 from simcompare.exporters.scripts.expected import expected_of
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import CONTACT_LEVELS, DEFAULT, TUNED, Settings
 from simcompare.model.trajectory import Array
-from simcompare.results import fit_file
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
 
@@ -84,7 +83,7 @@ def script(
     level = level_of(contact, fit)
     file = catalogue.load(scenario)
     values = _values(file, engine, set or {}, fit)
-    step_s = None if fit is None else _read(fit).usual_step_s
+    step_s = None if fit is None else fit_values.read(fit).usual_step_s
     if step is not None:
         step_s = sample_step_s(file, values, preset, step)
     repeats = repeats_of(file, values, preset, step_s, None)
@@ -101,10 +100,6 @@ def script(
     return Script(named, text, stored, tuple(nominal.moving_bodies()), tuple(nominal.joints))
 
 
-def _read(fit: str) -> fit_file.FitFile:
-    return fit_file.read(fit_file.find(fit) or Path(fit))
-
-
 def _settings(
     engine: EngineBackend, level: str, nominal: Scenario, fit: str | None
 ) -> tuple[Settings, Sequence[Mapping[str, Any]]]:
@@ -117,7 +112,7 @@ def _settings(
         return Settings(level), ()
     asked = Settings(level, drops=drop_plans(nominal))
     if fit is not None:
-        asked = _read(fit).settings(engine.name, nominal)
+        asked = fit_values.read(fit).settings(engine.name, nominal)
         if asked.contact != TUNED:
             raise InputError(
                 f"--fit {fit}", ["was made with our helps; fit again without --assist for a script"]
@@ -168,11 +163,9 @@ def _values(
     own = file.read_settings(settings)
     if fit is None:
         return own
-    from simcompare import exporters
-
     # the drop that was measured, unless another one is asked for
-    measured = _read(fit).drop(file)
-    return {**exporters.fitted(file, fit, engine), **measured, **own}
+    measured = fit_values.read(fit).drop(file)
+    return {**fit_values.fitted(file, fit, engine), **measured, **own}
 
 
 def _shifted(file: ScenarioFile, nominal: Scenario) -> Scenario | None:
