@@ -122,7 +122,7 @@ def _line(engine: str, own: list[At]) -> Series:
         for column in (
             [1e3 * step_s for step_s, _ in own],
             [row.value for _, row in own],
-            [row.u or 0.0 for _, row in own],
+            [row.scatter or 0.0 for _, row in own],
         )
     )
     return Series(engine, x, y, style_of(engine), u if u.any() else None, points=True)

@@ -100,7 +100,7 @@ class Lead:
         known = [row for row in rows if row.value is not None]
         text = "–"
         for more in range(_MORE + 1 if known else 0):
-            text = self._of([(row.value or 0.0, row.u) for row in known], more)
+            text = self._of([(row.value or 0.0, row.scatter) for row in known], more)
             if all(self._seen(row, more) for row in known):
                 break
         return text
@@ -154,7 +154,7 @@ class Row:
     Attributes:
         name: of the source.
         value: mean over the repeats; ``None`` where it could not be measured.
-        u: their standard deviation, ``None`` for a single one.
+        scatter: their standard deviation, ``None`` for a single one.
         kind: within the tolerance, outside, nothing at all, nothing in some repeats, not measured
             in any, or not judged.
         width: its own tolerance, ``None`` where it is not judged.
@@ -165,7 +165,7 @@ class Row:
 
     name: str
     value: float | None
-    u: float | None
+    scatter: float | None
     kind: str
     width: float | None = None
     ends: tuple[float, float] | None = None
@@ -246,9 +246,11 @@ def groups_of(lead: Lead, rows: Sequence[Row]) -> list[Group]:
     known = [row for row in rows if row.value is not None]
     alike = lead.width or _ALIKE * max((abs(row.value or 0) for row in known), default=0.0)
     groups: list[list[Row]] = []
-    for row in sorted(known, key=lambda r: ((r.u or 0.0) > alike, r.value)):
+    for row in sorted(known, key=lambda r: ((r.scatter or 0.0) > alike, r.value)):
         last = groups[-1] if groups else None
-        same = last is not None and ((last[0].u or 0.0) > alike) == ((row.u or 0.0) > alike)
+        same = last is not None and ((last[0].scatter or 0.0) > alike) == (
+            (row.scatter or 0.0) > alike
+        )
         if last is not None and same and (row.value or 0.0) - (last[0].value or 0.0) <= alike:
             last.append(row)
         else:

@@ -150,7 +150,7 @@ def _drawn(
             notes.append(Note(scale.low + scale.free, y, lead.ends(row), colour=style.colour))
             continue
         if scale.holds(row.value):
-            inside.append((row.value, y, row.u or 0.0))
+            inside.append((row.value, y, row.scatter or 0.0))
             continue
         left = row.value < scale.low
         edge = scale.low + scale.free if left else scale.high - scale.free
