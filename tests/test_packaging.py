@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.present import need
+
 ROOT = Path(__file__).parent.parent
 OUTER = ("backends", "hardware", "reports", "scenarios")
 
@@ -59,23 +61,52 @@ def test_files_are_short_and_say_what_they_are():
         assert text.count("\n") <= 420, f"{path} is too long to read in one go"
 
 
-def test_a_wheel_holds_every_file(tmp_path):
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
     # from a copy: setuptools builds inside the source and takes up what an earlier build left there
-    source = tmp_path / "source"
+    folder = tmp_path_factory.mktemp("wheel")
+    source = folder / "source"
     left_out = shutil.ignore_patterns(".*", "build", "runs", "*.egg-info", "__pycache__")
     shutil.copytree(ROOT, source, symlinks=True, ignore=left_out)
     subprocess.run(
-        [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "-w", tmp_path, source],
+        [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "-w", folder, source],
         check=True,
         capture_output=True,
     )
-    (wheel,) = tmp_path.glob("*.whl")
+    (made,) = folder.glob("*.whl")
+    return made
+
+
+def test_a_wheel_holds_every_file(wheel):
     inside = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info" not in name}
     expected = set()
     for path in folders_with_code():
         parts = path.relative_to(ROOT).parts
         expected.add("/".join(parts if parts[0] == "simcompare" else ("simcompare", *parts)))
     assert inside == expected
+
+
+def test_the_wheel_works_without_the_checkout(tmp_path, wheel):
+    """In an environment of its own, which knows the libraries, but not this folder."""
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", tmp_path / "env"], check=True)
+    python = tmp_path / "env" / "bin" / "python"
+    (place,) = (tmp_path / "env" / "lib").glob("python*/site-packages")
+    zipfile.ZipFile(wheel).extractall(place)
+    # files that end in .pth within these folders, such as ours of this checkout, are not read
+    libraries = [path for path in sys.path if Path(path).name in ("site-packages", "dist-packages")]
+    (place / "libraries.pth").write_text("\n".join(libraries), encoding="utf-8")
+
+    def simcompare(*words):
+        command = [python, "-P", "-m", "simcompare", *words]
+        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+
+    where = [python, "-P", "-c", "import simcompare; print(simcompare.__file__)"]
+    found = subprocess.run(where, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == str(place / "simcompare" / "__init__.py")
+    assert "ball" in simcompare("list").stdout
+    need("pymunk")
+    simcompare("run", "ball", "--engine", "pymunk", "--seeds", "1")
+    assert len(list(tmp_path.glob("runs/*/report.html"))) == 1
 
 
 def test_every_engine_has_an_extra_of_its_name():

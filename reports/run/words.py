@@ -152,7 +152,7 @@ def _other(run: Run, measure: str, mode: str, group: Group) -> str:
     """What the same engines have of another measure, which is not judged here."""
     lead = lead_as(run, measure)
     rows = [row for row in rows_of(run, lead, mode) if row.name in group.names]
-    return lead.told([replace(row, u=None, kind=UNJUDGED) for row in rows])
+    return lead.told([replace(row, scatter=None, kind=UNJUDGED) for row in rows])
 
 
 def _nearness(lead: Lead, rows: Sequence[Row]) -> str:
