@@ -231,9 +231,8 @@ def _layout(
     names += [""] * (len(kinds) - len(names))
     full = tuple((name, "") for name in names)
     given = (general.get("Decimal_Separator") or [""])[0].strip()
-    marks = (given, "", True) if given in (".", ",") else sniff.marks(label, [
-        (line, [*cells, *[""] * len(kinds)][: len(kinds)]) for line, cells in rows
-    ], kinds, full)  # fmt: skip
+    is_given = given in (".", ",")
+    marks = (given, "", True) if is_given else sniff.marks(label, rows, kinds, full)
     return Layout(separator, segment.first, tuple(kinds), full, *marks, header_line=1,
                   stop_line=segment.last, short_rows=True)  # fmt: skip
 

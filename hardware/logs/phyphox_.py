@@ -14,6 +14,7 @@ import re
 import zipfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -24,7 +25,6 @@ from simcompare.hardware.logs.binary import zip_guard
 from simcompare.hardware.logs.text import sniff
 from simcompare.hardware.logs.text import table as _table
 from simcompare.hardware.logs.text import text as _text
-from simcompare.hardware.logs.text.sniff import Layout
 from simcompare.hardware.logs.text.state import Table
 from simcompare.hardware.mapping import Mapping
 from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream
@@ -139,12 +139,9 @@ def _add(log: RawLog, name: str, source: _text.Source, device: dict[str, str]) -
         return
     separator = _separator(source)
     names = _text.headings(sniff.split(source.head[0], separator))
-    kinds = ["number"] * len(names)
     cells = [(line, sniff.split(text, separator)) for line, text in rows]
-    whole = [(line, row) for line, row in cells if len(row) == len(names)]
-    decimal, thousands, decided = sniff.marks(source.label, whole, kinds, names)
-    layout = Layout(separator, 2, tuple(kinds), tuple(names), decimal, thousands, decided,
-                    header=source.head[0], header_line=1)  # fmt: skip
+    layout = sniff.below_header(source.label, cells, names, separator)
+    layout = replace(layout, first_line=2, header=source.head[0], header_line=1)
     table = _table.read(source, layout)
     log.repairs += [_of_stream(repair, name) for repair in table.repairs]
     if _INSTANT.fullmatch(names[0][0]):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -125,20 +125,14 @@ def _layout(label: str, lines: Sequence[str], first: int, names: Sequence[tuple[
             separator: str = ",") -> Layout:  # fmt: skip
     """Rows of numbers from a line on (counted from 0)."""
     rows = [
-        (i + 1, _padded(sniff.split(lines[i], separator), len(names)))
-        for i in range(first, min(len(lines), first + 300))
-        if lines[i].strip()
+        (i + 1, sniff.split(line, separator))
+        for i, line in enumerate(lines[: first + 300])
+        if i >= first and line.strip()
     ]
     if not rows:
         raise InputError(label, [f"line {first + 1}: no samples follow the header"])
-    kinds = ["number"] * len(names)
-    kinds += ["empty"] * (len(sniff.split(lines[rows[0][0] - 1], separator)) - len(names))
-    full = [*names, *(("", "") for _ in range(len(kinds) - len(names)))]
-    decimal, thousands, decided = sniff.marks(label, rows, kinds, full)
-    return Layout(
-        separator, rows[0][0], tuple(kinds), tuple(full), decimal, thousands, decided,
-        header_line=first, swaps=_INFINITE,
-    )  # fmt: skip
+    layout = sniff.below_header(label, rows, names, separator, len(rows[0][1]))
+    return replace(layout, header_line=first, swaps=_INFINITE)
 
 
 def _padded(cells: Sequence[str], width: int) -> list[str]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -124,12 +125,9 @@ def _layout(label: str, lines: Sequence[str], at: int, separator: str) -> tuple[
              " decimal mark too; export again with a semicolon or tab as delimiter"],
         )  # fmt: skip
     width = max(width, len(cells)) if all(not row[-1].strip() for _, row in rows) else len(cells)
-    kinds = ["number"] * len(cells) + ["empty"] * (width - len(cells))
-    full = [*names, *(("", "") for _ in range(width - len(cells)))]
-    padded = [(line, [*row, *[""] * width][:width]) for line, row in rows]
-    decimal, thousands, decided = sniff.marks(label, padded, kinds, full)
-    return Layout(separator, first + 1, tuple(kinds), tuple(full), decimal, thousands, decided,
-                  header=lines[at + 1], header_line=at + 2), tracks  # fmt: skip
+    layout = sniff.below_header(label, rows, names, separator, width)
+    header = lines[at + 1]
+    return replace(layout, first_line=first + 1, header=header, header_line=at + 2), tracks
 
 
 def _named(above: Sequence[str], cells: Sequence[str], *, several: bool) -> list[tuple[str, str]]:

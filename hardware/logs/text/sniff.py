@@ -285,6 +285,24 @@ def _final(
     return kinds[k]
 
 
+def below_header(
+    label: str,
+    rows: Sequence[tuple[int, Sequence[str]]],
+    names: Sequence[tuple[str, str]],
+    separator: str,
+    width: int = 0,
+) -> Layout:
+    """The layout of rows of numbers, with their lines, whose header has been read already.
+
+    Columns beyond the names, up to ``width``, are empty.
+    """
+    empty = max(width - len(names), 0)
+    kinds, full = ["number"] * len(names) + ["empty"] * empty, [*names, *[("", "")] * empty]
+    return Layout(
+        separator, rows[0][0], tuple(kinds), tuple(full), *marks(label, rows, kinds, full)
+    )
+
+
 def marks(
     label: str,
     body: Sequence[tuple[int, Sequence[str]]],
