@@ -10,6 +10,7 @@ import sys
 import textwrap
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,9 @@ from simcompare.errors import InputError, OutputError
 from simcompare.model.trajectory import Trajectory
 from simcompare.results import store
 from simcompare.results.records import stored as records
-from simcompare.results.records.run import FORMAT
+from simcompare.results.records.fit import FitRecord
+from simcompare.results.records.run import FORMAT, RunRecord
+from simcompare.results.records.validation import ValidationRecord
 from simcompare.results.run import Run, Stored
 
 
@@ -43,37 +46,11 @@ def synthetic():
     )
     truth = Trajectory("closed form", t, {"ball.position_m": rng.normal(size=(50, 3)) * 1e-300})
     scores = (
-        Score(
-            "toy",
-            "assisted",
-            "restitution",
-            "h",
-            None,
-            0.1 + 0.2,
-            1e-17,
-            1e-17 / 3,
-            "1",
-            9,
-            0.8,
-            0.002,
-            "fail",
-        ),
-        Score(
-            "toy",
-            "assisted",
-            "rebound, height",
-            "h",
-            3,
-            None,
-            None,
-            None,
-            "m",
-            9,
-            None,
-            None,
-            "info",
-        ),
-    )
+        Score("toy", "assisted", "restitution", "h", None, 0.1 + 0.2, 1e-17, 1e-17 / 3, "1", 9,
+              0.8, 0.002, "fail"),
+        Score("toy", "assisted", "rebound, height", "h", 3, None, None, None, "m", 9,
+              None, None, "info"),
+    )  # fmt: skip
     record = {
         "kind": "run",
         "format": FORMAT,
@@ -106,9 +83,6 @@ def synthetic():
 def assert_same(back, run):
     assert back.scores == run.scores
     assert back.record == replace(run.record, run=back.record.run)
-    assert {k: v for k, v in back.record.items() if k != "run"} == {
-        k: v for k, v in run.record.items() if k != "run"
-    }
     assert len(back.trajectories) == len(run.trajectories)
     for ours, theirs in zip(back.trajectories, run.trajectories, strict=True):
         assert (ours.source, ours.contact, ours.repeat) == (
@@ -205,12 +179,15 @@ def test_a_place_that_cannot_be_written_is_told_before_and_after(tmp_path, fall)
     assert (tmp_path / "file").read_text() == "x"
 
 
-@pytest.mark.parametrize("part", ["stored.text", "_write_scores", "_write_trajectories"])
-def test_a_full_disk_leaves_nothing(tmp_path, monkeypatch, part):
+@pytest.mark.parametrize(
+    ("module", "part"),
+    [(records, "text"), (store, "_write_scores"), (store, "_write_trajectories")],
+)
+def test_a_full_disk_leaves_nothing(tmp_path, monkeypatch, module, part):
     def full(*_, **__):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(store, part, full)
+    monkeypatch.setattr(module, part, full)
     with pytest.raises(OutputError, match="No space left on device"):
         store.save(synthetic(), tmp_path)
     assert list(tmp_path.iterdir()) == []
@@ -223,7 +200,7 @@ def test_a_write_that_fails_halfway_leaves_nothing(tmp_path, limit):
     code = f"""
     import resource, sys
     from pathlib import Path
-    from simcompare import store
+    from simcompare.results import store
     from simcompare.errors import OutputError
     from tests.test_store import synthetic
     run = synthetic()
@@ -245,23 +222,134 @@ def test_a_write_that_fails_halfway_leaves_nothing(tmp_path, limit):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize(
-    "text",
-    ["", "{", "[]", "3", "null", "{}", '{"scores": 3}', '{"scores": [{"source": "x"}]}', "\0\0\0"],
-)
-def test_a_damaged_record_is_told(tmp_path, text):
+def as_json():
+    """A record as JSON holds it."""
+    return records.plain(synthetic().record)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "3", "null", "{}", '{"scores": 3}', "\0\0\0"])
+def test_a_file_that_holds_no_record_is_told(tmp_path, text):
     (tmp_path / "run.json").write_text(text)
     with pytest.raises(InputError, match=r"run\.json"):
         store.load(tmp_path)
 
 
-def test_a_record_of_another_format_is_told(tmp_path):
-    saved = store.save(synthetic(), tmp_path)
-    assert saved.folder is not None
-    path = saved.folder / "run.json"
-    path.write_text(json.dumps({**json.loads(path.read_text()), "format": 99}))
-    with pytest.raises(InputError, match="format 99 is not known"):
-        store.load(saved.folder)
+@pytest.mark.parametrize("form", [1, FORMAT])
+@pytest.mark.parametrize(
+    ("path", "value", "fault"),
+    [
+        ("created", ..., "created: field required"),
+        ("step_s", "soon", "step_s: input should be a valid number"),
+        ("scores", 3, "scores: input should be a valid tuple"),
+        ("scores.1", 3, "scores.1: input should be a dictionary or an instance of Score"),
+        ("scores.1.measure", ..., "scores.1.measure: field required"),
+        ("scores.0.u", "wide", "scores.0.u: input should be a valid number"),
+        ("scores.0.repeats", "few", "scores.0.repeats: input should be a valid integer"),
+        ("sources", None, "sources: input should be a valid tuple"),
+        ("sources.0.contact", [], "sources.0.contact: input should be a valid string"),
+        ("software.python", ..., "software.python: field required"),
+        ("against", 3, "against: input should be a dictionary or an instance of Measurement"),
+        ("against", {"matches": [3]}, "against.file: field required"),
+    ],
+)
+def test_a_damaged_record_is_told_with_its_place(tmp_path, form, path, value, fault):
+    record = json.loads(json.dumps(as_json() | {"format": form}))
+    *way, last = (int(step) if step.isdecimal() else step for step in path.split("."))
+    part = record
+    for step in way:
+        part = part[step]
+    if value is ...:
+        del part[last]
+    else:
+        part[last] = value
+    (tmp_path / "run.json").write_text(json.dumps(record))
+    with pytest.raises(InputError) as told:
+        store.load(tmp_path)
+    assert told.value.where == str(tmp_path / "run.json")
+    assert any(one.lower().startswith(f"cannot be read: {fault.lower()}")
+               for one in told.value.faults)  # fmt: skip
+
+
+def test_of_many_faults_the_first_are_told(tmp_path):
+    (tmp_path / "run.json").write_text(json.dumps({"format": FORMAT, "kind": "run"}))
+    with pytest.raises(InputError) as told:
+        store.load(tmp_path)
+    *first, last = told.value.faults
+    assert len(first) == 5
+    assert last == "7 more such faults"
+
+
+@pytest.mark.parametrize("form", [99, 0, "1", None, [1]])
+def test_a_record_of_another_format_is_told(tmp_path, form):
+    (tmp_path / "run.json").write_text(json.dumps(as_json() | {"format": form}))
+    with pytest.raises(InputError) as told:
+        store.load(tmp_path)
+    assert told.value.faults == (f"format {form!r} is not known; expected 1 or {FORMAT}",)
+
+
+@pytest.mark.parametrize("kind", ["walk", None, []])
+def test_a_record_of_another_kind_is_told(tmp_path, kind):
+    (tmp_path / "run.json").write_text(json.dumps(as_json() | {"kind": kind}))
+    with pytest.raises(InputError) as told:
+        store.load(tmp_path)
+    assert told.value.faults == (f"kind {kind!r} is not known; expected run or fit or validation",)
+
+
+def of_the_first_format(**more):
+    """A record as version 0.1 wrote it: of no kind, with fewer fields, u being the scatter."""
+    row = {"source": "toy", "contact": "mapped", "measure": "restitution", "probe": "h",
+           "index": None, "value": 0.8, "u": 0.003, "unit": "1", "repeats": 9, "truth": 0.8,
+           "tolerance": 0.008, "verdict": "pass", "low": 0.79, "high": 0.81}  # fmt: skip
+    keys = ("created", "scenario", "title", "question", "parameters", "step_s", "duration_s",
+            "repeats", "software", "machine", "engines_asked")  # fmt: skip
+    source = {"name": "toy", "contact": "mapped", "status": "ok", "repeats": 9,
+              "known_limits": [{"text": "No joints.", "reference": "its manual"}]}  # fmt: skip
+    today = as_json()
+    return {"format": 1, **{key: today[key] for key in keys}, "sources": [source], "scores": [row],
+            "interrupted": False, **more}  # fmt: skip
+
+
+def read(folder, record):
+    (folder / "run.json").write_text(json.dumps(record))
+    return store.load(folder).record
+
+
+def test_a_run_of_the_first_format_is_read(tmp_path):
+    match = {"source": "toy", "contact": "mapped", "quantity": "rebound_height", "bounce": 1,
+             "value": 0.65, "u": 0.003, "measured": 0.64, "u_measured": 0.004, "low": None,
+             "high": None, "unit": "m", "e_n": 1.0, "inside": True}  # fmt: skip
+    against = {"file": "ball.csv", "sha256": "0", "head": {"title": "A ball"}, "parameters": {},
+               "caution": None, "matches": [match]}  # fmt: skip
+    record = read(tmp_path, of_the_first_format(against=against, against_asked="ball.csv"))
+    assert isinstance(record, RunRecord)
+    assert (record.kind, record.format) == ("run", FORMAT)
+    (score,), (source,) = record.scores, record.sources
+    assert (score.scatter, score.u) == (0.003, pytest.approx(0.001))
+    assert (score.contact, source.contact) == ("assisted", "assisted")
+    assert (source.engine, source.engine_step_s) == (None, None)
+    (found,) = record.against.matches
+    assert (found.contact, found.scatter) == ("assisted", 0.003)
+
+
+@pytest.mark.parametrize(
+    ("kind", "record_type"), [("fit", FitRecord), ("validation", ValidationRecord)]
+)
+def test_a_fit_and_a_validation_of_the_first_format_are_read(tmp_path, kind, record_type):
+    more = {kind: {"sentences": ["It fell."]}, "recording_asked": ["drop.csv"]}
+    record = read(tmp_path, of_the_first_format(**more))
+    assert isinstance(record, record_type)
+    assert record.kind == kind
+    assert record.recording_asked == ("drop.csv",)
+    (score,) = record.scores
+    assert (score.scatter, score.u) == (None, 0.003), "it was that of the value, not of repeats"
+
+
+def test_what_is_read_of_the_first_format_is_stored_in_that_of_today(tmp_path):
+    (tmp_path / "run.json").write_text(json.dumps(of_the_first_format()))
+    old = store.load(tmp_path)
+    saved = store.save(old, tmp_path / "runs")
+    assert json.loads((saved.folder / "run.json").read_text())["format"] == FORMAT
+    assert_same(store.load(saved.folder), old)
 
 
 @pytest.mark.parametrize("damage", ["cut", "empty", "other", "noise"])

@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, cast
+from typing import Any, cast
 
-from pydantic import Field, TypeAdapter, ValidationError
+from pydantic import TypeAdapter, ValidationError
 
 from simcompare.errors import InputError
-from simcompare.model.settings import OLD_LEVELS
+from simcompare.results.records.first_format import FIRST_FORMAT, of_today
 from simcompare.results.records.fit import FitRecord
 from simcompare.results.records.run import FORMAT, Record, RunRecord
 from simcompare.results.records.validation import ValidationRecord
 
-#: the first format, of version 0.1, named no kind
-_FIRST_FORMAT = 1
-_MOST_FAULTS = 5
-
-AnyRecord = Annotated[RunRecord | FitRecord | ValidationRecord, Field(discriminator="kind")]
+_KINDS: Mapping[str, type[Record]] = {
+    kind.kind: kind for kind in (RunRecord, FitRecord, ValidationRecord)
+}
+_MAX_FAULTS = 5
 
 
 def plain(record: Any) -> dict[str, Any]:  # noqa: ANN401
@@ -60,44 +58,33 @@ def of_plain(data: object) -> Record:
     """
     if not isinstance(data, dict):
         raise InputError("record", [f"holds a {type(data).__name__}, not an object"])
-    known = (_FIRST_FORMAT, FORMAT)
-    if data.get("format") not in known:
-        expected = " or ".join(map(str, known))
-        fault = f"format {data.get('format')!r} is not known; expected {expected}"
-        raise InputError("record", [fault])
+    _expect("format", data.get("format"), (FIRST_FORMAT, FORMAT))
+    if data["format"] == FIRST_FORMAT:
+        data = of_today(data, FORMAT)
+    _expect("kind", data.get("kind"), tuple(_KINDS))
     try:
-        found: Record = _adapter(AnyRecord).validate_python(_of_today(data))
+        found: Record = _adapter(cast("Any", _KINDS[data["kind"]])).validate_python(data)
     except ValidationError as error:
-        raise InputError("record", [f"cannot be read: {one}" for one in faults(error)]) from None
+        raise InputError("record", faults(error)) from None
     return found
 
 
 def faults(error: ValidationError) -> list[str]:
     """What is wrong in JSON, with its place, the first few of it."""
     found = [
-        f"{'.'.join(str(part) for part in fault['loc'][1:])}: {fault['msg'].lower()}"
-        for fault in error.errors()[:_MOST_FAULTS]
+        f"cannot be read: {'.'.join(map(str, fault['loc']))}: {fault['msg'].lower()}"
+        for fault in error.errors()[:_MAX_FAULTS]
     ]
     more = error.error_count() - len(found)
-    return [*found, f"and {more} more"] if more else found
+    return [*found, f"{more} more such faults"] if more else found
+
+
+def _expect(name: str, value: object, known: tuple[object, ...]) -> None:
+    if value not in known:
+        expected = " or ".join(map(str, known))
+        raise InputError("record", [f"{name} {value!r} is not known; expected {expected}"])
 
 
 @cache
 def _adapter(kind: Any) -> TypeAdapter[Any]:  # noqa: ANN401
     return TypeAdapter(kind)
-
-
-def _of_today(data: Mapping[str, Any]) -> dict[str, Any]:
-    """What an older version stored, under the names of today."""
-    if data["format"] == FORMAT:
-        return dict(data)
-    kind = next((name for name in ("fit", "validation") if data.get(name)), "run")
-    rows = [dict(row) for row in data.get("scores", ()) if isinstance(row, Mapping)]
-    for row in rows:  # what was called u is the scatter of single repeats
-        row.setdefault("scatter", row.get("u") if kind == "run" else None)
-        if kind == "run" and row["scatter"] is not None:
-            row["u"] = row["scatter"] / math.sqrt(max(row.get("repeats") or 1, 1))
-    sources = [dict(row) for row in data.get("sources", ()) if isinstance(row, Mapping)]
-    for row in (*rows, *sources):
-        row["contact"] = OLD_LEVELS.get(row.get("contact", ""), row.get("contact"))
-    return {**data, "format": FORMAT, "kind": kind, "scores": rows, "sources": sources}
