@@ -4,7 +4,8 @@ import numpy as np
 
 from simcompare.fitting.bounces import arcs
 from simcompare.fitting.bounces.bounce_models import MODELS, bounces, height_at
-from simcompare.fitting.bounces.impacts import Impacts, from_times
+from simcompare.fitting.bounces.impacts import Impacts
+from simcompare.fitting.bounces.reading import from_times
 from simcompare.model.recording import Channel, Clock, Event, Provenance, Recording, Stream
 
 TRUTH = {"restitution": 0.85, "drop_height_m": 1.0, "release_time_s": 0.3}

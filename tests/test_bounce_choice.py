@@ -8,8 +8,8 @@ import pytest
 
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import bootstrap, model_selection
-from simcompare.fitting.bounces.impacts import from_times
-from simcompare.fitting.bounces.likelihood import fit
+from simcompare.fitting.bounces.fit import fit
+from simcompare.fitting.bounces.reading import from_times
 from tests.bounces import IN_AIR, TRUTH, filmed, heard, times_of
 
 E = 0.85

@@ -8,10 +8,11 @@ import pytest
 
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import profile
-from simcompare.fitting.bounces.impacts import Impacts, from_rebounds, from_times
-from simcompare.fitting.bounces.likelihood import fit
-from simcompare.fitting.bounces.problem import Prior
+from simcompare.fitting.bounces.fit import fit
+from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.ratios import ratios
+from simcompare.fitting.bounces.reading import from_rebounds, from_times
+from simcompare.fitting.bounces.unknowns import Prior
 from tests.bounces import IN_AIR, TERMINAL, TRUTH, filmed, heard, times_of
 
 E = 0.85

@@ -5,10 +5,10 @@ import json
 import numpy as np
 import pytest
 
+from simcompare.fitting.bounces.fit import fit
 from simcompare.fitting.bounces.identifiability import identifiability
-from simcompare.fitting.bounces.impacts import from_times
-from simcompare.fitting.bounces.likelihood import fit
-from simcompare.fitting.bounces.problem import Prior
+from simcompare.fitting.bounces.reading import from_times
+from simcompare.fitting.bounces.unknowns import Prior
 from tests.bounces import IN_AIR, TERMINAL, filmed, heard, times_of
 
 KNOWN = {"terminal_speed_m_s": TERMINAL}

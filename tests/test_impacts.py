@@ -7,13 +7,13 @@ import pytest
 
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import arcs
-from simcompare.fitting.bounces.impacts import (
+from simcompare.fitting.bounces.impacts import sentences
+from simcompare.fitting.bounces.reading import (
     from_intervals,
     from_rebounds,
     from_recording,
     from_table,
     from_times,
-    sentences,
 )
 from simcompare.hardware.recordings import bounce_table
 from simcompare.verbs.import_log import import_log

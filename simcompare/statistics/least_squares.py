@@ -137,3 +137,17 @@ def _damped(
     goal = np.where(free, -slope, 0.0) / root
     full = np.linalg.solve(whole + 1e-13 * eye, goal[..., None])[..., 0]
     return step, np.einsum("bp,bp->b", goal, full)
+
+
+def covariance_of(jacobian: Array, held: Array | None = None) -> Array:
+    """(JᵀJ)⁻¹ of whitened residuals; zero for unknowns that a bound holds (p, p)."""
+    free = np.ones(jacobian.shape[1], dtype=bool) if held is None else ~np.asarray(held, dtype=bool)
+    part = jacobian[:, free]
+    size = np.linalg.norm(part, axis=0)
+    size = np.where(size > 0, size, 1e-150)
+    _, s, v = np.linalg.svd(part / size, full_matrices=False)
+    # a direction that nothing determines has an uncertainty without bound, not none
+    inverse = (v.T / np.maximum(s, 1e-10) ** 2) @ v / np.outer(size, size)
+    whole = np.zeros((jacobian.shape[1], jacobian.shape[1]))
+    whole[np.ix_(free, free)] = inverse
+    return whole

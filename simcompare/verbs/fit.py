@@ -21,8 +21,7 @@ from simcompare.fitting.bounces.engine_fit import EngineFit
 from simcompare.fitting.bounces.identifiability import BLIND, identifiability
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import Fit
-from simcompare.fitting.bounces.measured import drops_of
-from simcompare.fitting.bounces.problem import SPEED, Prior
+from simcompare.fitting.bounces.reading import drops_of
 from simcompare.fitting.bounces.request import (
     Asked,
     candidates,
@@ -32,6 +31,7 @@ from simcompare.fitting.bounces.request import (
 )
 from simcompare.fitting.bounces.roles import Roles, roles_of
 from simcompare.fitting.bounces.tune_engines import tune_engines
+from simcompare.fitting.bounces.unknowns import SPEED, Prior
 from simcompare.fitting.bounces.wanted import Wanted, wanted_of
 from simcompare.model.fittable import WAVEFORM
 from simcompare.model.scenario import Scenario

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from simcompare.fitting.bounces import bounce_models
-from simcompare.fitting.bounces.likelihood import fit
+from simcompare.fitting.bounces.fit import fit
 from simcompare.model.signals import Chirp
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.pendulum import reference as pendulum

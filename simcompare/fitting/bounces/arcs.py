@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,9 +19,6 @@ from simcompare.fitting.bounces import bounce_models
 from simcompare.fitting.bounces.impacts import TRACK, Dropped, Impacts, Track
 from simcompare.model.trajectory import Array
 from simcompare.statistics.agreement import MAD_TO_SD
-
-if TYPE_CHECKING:
-    from simcompare.model.recording import Recording
 
 #: samples that a flight must have
 LEAST = 4
@@ -36,8 +32,6 @@ _SLOW, _LONG_S = 0.6, 0.1
 _OUTLIER = 5.0
 #: samples of the first flight that propose parabolas
 _PROPOSERS = 40
-#: names that a height may have, best first
-_NAMES = ("height", "y", "z", "position_y", "position_z")
 
 
 @dataclass(frozen=True)
@@ -59,28 +53,6 @@ class _Arcs:
         """Velocity upwards [m/s]."""
         both = self.at(np.array([time_s - 1e-5, time_s + 1e-5]), flight)
         return float(both[1] - both[0]) / 2e-5
-
-
-def height_channel(recording: Recording) -> str | None:
-    """Full name of the channel that is a height, ``None`` where there is none."""
-    from simcompare import units
-
-    found = [
-        (f"{stream}/{name}", name.removesuffix(units.suffix_of(name)).split(".")[-1])
-        for stream, content in recording.streams.items()
-        for name, channel in content.channels.items()
-        if channel.unit == "m" and len(content.time_s) >= 2 * LEAST
-    ]
-    for wanted in _NAMES:
-        fitting = [full for full, short in found if short == wanted or short.endswith(f"_{wanted}")]
-        if len(fitting) == 1:
-            return fitting[0]
-        if fitting:
-            raise InputError(
-                recording.provenance.file,
-                [f"more than one channel may be the ball's height: {', '.join(fitting)}; name one"],
-            )
-    return found[0][0] if len(found) == 1 else None
 
 
 def from_heights(

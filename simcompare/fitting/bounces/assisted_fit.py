@@ -30,8 +30,9 @@ from simcompare.fitting.bounces.beside import (
 )
 from simcompare.fitting.bounces.engine_fit import EngineFit, contact_rows
 from simcompare.fitting.bounces.likelihood import Fit
-from simcompare.fitting.bounces.problem import Problem, seen_in, shown
+from simcompare.fitting.bounces.problem import Problem, seen_in
 from simcompare.fitting.bounces.roles import Roles
+from simcompare.fitting.bounces.unknowns import shown
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, Settings
 from simcompare.model.trajectory import Array, Trajectory

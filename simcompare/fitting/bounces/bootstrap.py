@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from simcompare.errors import InputError
 from simcompare.fitting.bounces.likelihood import Fit, minimise
-from simcompare.fitting.bounces.problem import own_drop, shown
+from simcompare.fitting.bounces.unknowns import own_drop, shown
 from simcompare.model.trajectory import Array
 from simcompare.statistics import least_squares
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from simcompare.fitting.bounces.problem import BOUNDS, SPEED, Problem, base, shown
-
-if TYPE_CHECKING:
-    from simcompare.fitting.bounces.likelihood import Fit
-    from simcompare.fitting.bounces.profile import Profile
+from simcompare.fitting.bounces import likelihood
+from simcompare.fitting.bounces.likelihood import Fit
+from simcompare.fitting.bounces.problem import Problem
+from simcompare.fitting.bounces.profile import Profile
+from simcompare.fitting.bounces.unknowns import BOUNDS, SPEED, base, shown
+from simcompare.statistics import least_squares
 
 #: a prior this many standard uncertainties from what the data say contradicts them
 CONTRADICTION = 3.0
@@ -91,12 +91,10 @@ def _bounds(fit: Fit) -> list[str]:
 
 
 def _without_bound(fit: Fit, name: str) -> str:
-    from simcompare.fitting.bounces import likelihood
-
     problem = replace(fit.problem, bounds={**fit.problem.bounds, name: BOUNDS[base(name)]})
     best = likelihood.minimise(problem, fit.x[None, :])
     k = fit.names.index(name)
-    u = math.sqrt(likelihood.covariance_of(best.jacobian[0])[k, k])
+    u = math.sqrt(least_squares.covariance_of(best.jacobian[0])[k, k])
     value = float(shown(name, best.x[0, k]))
     if base(name) == SPEED:
         u *= value**3 / 2 if math.isfinite(value) else math.nan

@@ -12,10 +12,12 @@ import numpy as np
 from simcompare.fitting.bounces import bounce_models
 from simcompare.fitting.bounces.assisted_fit import AssistedFit
 from simcompare.fitting.bounces.engine_fit import EngineFit
+from simcompare.fitting.bounces.fit import fit
 from simcompare.fitting.bounces.impacts import Impacts
-from simcompare.fitting.bounces.likelihood import Fit, fit
-from simcompare.fitting.bounces.problem import SPEED, base, usual
+from simcompare.fitting.bounces.likelihood import Fit
+from simcompare.fitting.bounces.problem import usual
 from simcompare.fitting.bounces.tuned_fit import TunedFit
+from simcompare.fitting.bounces.unknowns import SPEED, base
 from simcompare.model.trajectory import Array
 from simcompare.statistics.agreement import e_n
 

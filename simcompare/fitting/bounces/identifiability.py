@@ -13,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from simcompare.fitting.bounces.likelihood import Fit, covariance_of
-from simcompare.fitting.bounces.problem import SPEED, base, shown
+from simcompare.fitting.bounces.likelihood import Fit
+from simcompare.fitting.bounces.unknowns import SPEED, base, shown, slope
 from simcompare.model.trajectory import Array
 from simcompare.statistics import least_squares
+from simcompare.statistics.least_squares import covariance_of
 
 #: condition above which a combination of unknowns is practically unidentifiable
 WEAK = 500.0
@@ -165,8 +166,6 @@ def of_jacobian(
 
 def _slopes(fit: Fit) -> Array:
     """Derivatives of the unknowns to the sought numbers; at no drag those of 1/v_t² itself."""
-    from simcompare.fitting.bounces.problem import slope
-
     return np.array([
         1 / slope(name, float(value)) if np.isfinite(value) else -1.0
         for name, value in zip(fit.names, shown_values(fit), strict=True)

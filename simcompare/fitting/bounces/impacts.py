@@ -1,25 +1,16 @@
-"""The instants and heights of a bouncing ball, drawn from whatever was recorded.
-
-Sound gives impact times; a stopwatch or phyphox's collision experiment gives them too; a video
-gives height against time, whose arcs meet at the impacts; a table gives rebound heights.
-"""
+"""The instants and heights of one drop of a bouncing ball."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from simcompare.errors import InputError
 from simcompare.model.trajectory import Array
-
-if TYPE_CHECKING:
-    from simcompare.hardware.recordings.bounce_table import BounceTable
-    from simcompare.model.recording import Recording
 
 SOUND, CLOCKED, TRACK, TABLE = "sound", "stopwatch", "video track", "rebound heights"
 _NOTHING = np.empty(0)
@@ -153,227 +144,10 @@ class Impacts:
         return [*said, *self.notes]
 
 
-def from_recording(
-    recording: Recording,
-    *,
-    channel: str | None = None,
-    u_s: float | None = None,
-    u_m: float | None = None,
-    gravity_m_s2: float = 9.80665,
-    terminal_speed_m_s: float = np.inf,
-) -> tuple[Impacts, ...]:
-    """Every drop that a recording holds.
-
-    Impacts that were heard come first, then instants of a stopwatch, then height against time.
-
-    Args:
-        recording: what was measured.
-        channel: the height, where there is more than one.
-        u_s: standard uncertainty of the instants, in place of the recording's own [s].
-        u_m: standard uncertainty of the heights, in place of the recording's own [m].
-        gravity_m_s2: free fall, for the arcs of a video.
-        terminal_speed_m_s: for the arcs of a video.
-
-    Raises:
-        InputError: there is nothing that bounces in it, or too little of it.
-    """
-    from simcompare.fitting.bounces import arcs
-
-    source = recording.provenance.file
-    name = channel or arcs.height_channel(recording)
-    times, u = _instants(recording)
-    if channel is None and len(times):
-        kind = SOUND if any(e.name == "impact" for e in recording.events) else CLOCKED
-        given = np.full(len(times), u_s) if u_s is not None else u
-        return from_times(times, given, kind=kind, source=source)
-    if name is None:
-        raise InputError(source, [_what_is_there(recording)])
-    stream, full = recording.find(name)
-    seen = recording.streams[stream].channels[full]
-    each = u_m if u_m is not None else seen.u
-    found = arcs.from_heights(
-        recording.streams[stream].time_s, seen.values, each, gravity_m_s2=gravity_m_s2,
-        terminal_speed_m_s=terminal_speed_m_s, source=source,
-    )  # fmt: skip
-    return (found,)
-
-
-def from_times(
-    times_s: ArrayLike, u_s: ArrayLike | None = None, *, kind: str = SOUND, source: str = ""
-) -> tuple[Impacts, ...]:
-    """Drops from impact times; missed and spurious impacts are found and told.
-
-    Args:
-        times_s: in order, one or more drops after each other (n,) [s].
-        u_s: standard uncertainty, one or one each; ``None`` where unknown [s].
-        kind: where they come from.
-        source: name of the file.
-
-    Raises:
-        InputError: times out of order, too few, or no two flights of them belong together.
-    """
-    from simcompare.fitting.bounces import ordering
-
-    times = np.asarray(times_s, dtype=float)
-    u = np.full(len(times), np.nan)
-    if u_s is not None:
-        u[:] = u_s
-    _check(times, u, source)
-    found = []
-    for part in ordering.split(times):
-        ordered = ordering.order(times[part], u[part], source, first=part.start)
-        kept = np.array(ordered.kept) + part.start
-        found.append(
-            Impacts(times[kept], u[kept], ordered.numbers, kind, source,
-                    dropped=ordered.dropped, missed=ordered.missed)
-        )  # fmt: skip
-    return tuple(found)
-
-
-def from_intervals(
-    intervals_s: ArrayLike, u_s: ArrayLike | None = None, *, source: str = ""
-) -> tuple[Impacts, ...]:
-    """Drops from the times between neighbouring impacts, the first impact being at 0.
-
-    Args:
-        intervals_s: in order (n,) [s].
-        u_s: standard uncertainty of one instant, from which an interval has √2 times as much.
-        source: name of the file.
-    """
-    steps = np.asarray(intervals_s, dtype=float)
-    return from_times(np.concatenate(([0.0], np.cumsum(steps))), u_s, kind=CLOCKED, source=source)
-
-
-def from_rebounds(
-    heights_m: ArrayLike,
-    u_m: ArrayLike | None = None,
-    *,
-    numbers: Sequence[int] | None = None,
-    drop_height: tuple[float, float] | None = None,
-    source: str = "",
-) -> Impacts:
-    """One drop from rebound heights.
-
-    Args:
-        heights_m: of the apexes above the floor (n,) [m].
-        u_m: standard uncertainty, one or one each; ``None`` where unknown [m].
-        numbers: after which impact each comes; 1, 2, 3, … where not given.
-        drop_height: the drop's own height and its standard uncertainty, where it was measured [m].
-        source: name of the file.
-
-    Raises:
-        InputError: a height is not positive, or a rebound is higher than what came before.
-    """
-    heights = np.asarray(heights_m, dtype=float)
-    u = np.full(len(heights), np.nan)
-    if u_m is not None:
-        u[:] = u_m
-    which = list(range(1, len(heights) + 1)) if numbers is None else [int(n) for n in numbers]
-    if drop_height is not None:
-        heights = np.concatenate(([drop_height[0]], heights))
-        u, which = np.concatenate(([drop_height[1]], u)), [0, *which]
-    order = np.argsort(which, kind="stable")
-    heights, u, which = heights[order], u[order], [which[k] for k in order]
-    faults = [f"rebound {n}: {h:g} m is not a height above the floor"
-              for n, h in zip(which, heights, strict=True) if not h > 0]  # fmt: skip
-    spread = np.where(np.isfinite(u), u, 0.0)
-    for k in np.flatnonzero(np.diff(heights) > 4 * np.hypot(spread[1:], spread[:-1])).tolist():
-        faults.append(
-            f"rebound {which[k + 1]}: {heights[k + 1]:g} m is higher than the {heights[k]:g} m"
-            " before it; a ball that is not struck cannot rise so high"
-        )
-    if len(heights) < 2:
-        faults.append(f"{len(heights)} height; two at least tell a restitution: give the drop"
-                      " height with its uncertainty, or more rebounds")  # fmt: skip
-    if faults:
-        raise InputError(source or "rebound heights", faults)
-    missed = tuple(sorted(set(range(which[0], which[-1])) - set(which)))
-    return Impacts(kind=TABLE, source=source, heights_m=heights, u_heights_m=u,
-                   height_numbers=tuple(which), missed=missed)  # fmt: skip
-
-
-def from_table(table: BounceTable, drop_height_m: float | None = None, u_m: float = 0.0) -> Impacts:
-    """One drop from a table of rebound heights.
-
-    Args:
-        table: as it was read.
-        drop_height_m: height of the drop, where the table's head does not give it [m].
-        u_m: its standard uncertainty; half a millimetre where it is 0 [m].
-
-    Raises:
-        InputError: the table holds no rebound heights, or they contradict each other.
-    """
-    from simcompare import units
-
-    rows = [q for q in table.quantities if q.name == "rebound_height"]
-    name = table.path.name
-    if not rows:
-        held = ", ".join(sorted({q.name for q in table.quantities}))
-        raise InputError(name, [f"holds {held}, but no rebound_height; a fit needs heights"])
-    if drop_height_m is None and "drop_height" in table.parameters:
-        drop_height_m = units.to_si(table.parameters["drop_height"], "m", f"{name}, drop_height")
-    drop = None if drop_height_m is None else (drop_height_m, u_m or 5e-4)
-    u = [np.nan if q.u is None else q.u for q in rows]
-    found = from_rebounds(
-        [q.value for q in rows], u, numbers=[q.bounce for q in rows], drop_height=drop, source=name
-    )
-    if drop is not None and not u_m:
-        note = "the drop height has no stated uncertainty; half a millimetre was taken"
-        found = replace(found, notes=(*found.notes, note))
-    return found
-
-
-def _instants(recording: Recording) -> tuple[Array, Array]:
-    """Times and uncertainties of the events that are impacts."""
-    heard = [e for e in recording.events if e.name == "impact"]
-    if not heard:
-        words = ("bounce", "start", "stop")
-        heard = [e for e in recording.events if e.name.split(" ")[0] in words]
-    streams = list(dict.fromkeys(e.stream for e in heard))
-    # the longest series, should several streams of one log hold instants
-    if streams:
-        best = max(streams, key=lambda s: sum(e.stream == s for e in heard))
-        heard = sorted((e for e in heard if e.stream == best), key=lambda e: e.time_s)
-    u = [np.nan if e.u_s is None or e.u_s <= 0 else e.u_s for e in heard]
-    return np.array([e.time_s for e in heard]), np.array(u)
-
-
-def _what_is_there(recording: Recording) -> str:
-    names = [f"{s}/{c}" for s, content in recording.streams.items() for c in content.channels]
-    shown = ", ".join(names[:8]) + (", …" if len(names) > 8 else "")
-    return (
-        f"holds no impacts and no height; found the channels {shown or 'none'}. A fit of a ball"
-        " needs a sound recording, instants of a stopwatch, or the ball's height (a channel in"
-        " metres; name it if it is not called height, y or z)"
-    )
-
-
-def _check(times: Array, u: Array, source: str) -> None:
-    faults = []
-    if not np.all(np.isfinite(times)):
-        faults.append("an impact time is missing or infinite")
-    for k in np.flatnonzero(np.diff(times) <= 0)[:5].tolist():
-        faults.append(f"impact {k + 2} at {times[k + 1]:g} s is not after impact {k + 1}"
-                      f" at {times[k]:g} s")  # fmt: skip
-    if np.any(u <= 0):
-        faults.append("a standard uncertainty of an impact time is not above 0")
-    if len(times) < 2:
-        faults.append(
-            f"{_count(len(times))} found; two at least are needed with a known drop height, three"
-            " without: record closer to the ball, or lower the other noise"
-        )
-    if faults:
-        raise InputError(source or "impacts", faults)
-
-
 def _grouped(dropped: Sequence[Dropped]) -> list[tuple[tuple[str, str], list[Dropped]]]:
     """Neighbours that were left out for the same reason, together."""
     groups = itertools.groupby(dropped, lambda one: (one.what, one.reason))
     return [(key, list(own)) for key, own in groups]
-
-
-def _count(number: int) -> str:
-    return "1 impact was" if number == 1 else f"{number} impacts were"
 
 
 def sentences(drops: Iterable[Impacts]) -> list[str]:

@@ -6,7 +6,8 @@ import numpy as np
 
 from simcompare.fitting.bounces.bounce_models import DEFAULTS
 from simcompare.fitting.bounces.impacts import Impacts
-from simcompare.fitting.bounces.problem import SPEED, Problem, base, own_drop, sought
+from simcompare.fitting.bounces.problem import Problem
+from simcompare.fitting.bounces.unknowns import SPEED, base, own_drop, sought
 from simcompare.model.trajectory import Array
 
 _RESTITUTION = 0.8

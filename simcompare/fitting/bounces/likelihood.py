@@ -10,7 +10,7 @@ from the data alone where they suffice.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,7 +18,8 @@ import numpy as np
 
 from simcompare.fitting.bounces import bounce_models, initial_guess
 from simcompare.fitting.bounces.impacts import Impacts
-from simcompare.fitting.bounces.problem import SPEED, Prior, Problem, base, build, shown, slope
+from simcompare.fitting.bounces.problem import Problem, build
+from simcompare.fitting.bounces.unknowns import SPEED, base, shown, slope
 from simcompare.model.trajectory import Array
 from simcompare.statistics import least_squares
 
@@ -139,56 +140,12 @@ class Fit:
         }  # fmt: skip
 
 
-def fit(
-    drops: Impacts | Sequence[Impacts],
-    model: str = "constant",
-    *,
-    unknowns: Sequence[str] | None = None,
-    fixed: Mapping[str, float] | None = None,
-    priors: Mapping[str, Prior] | None = None,
-    bounds: Mapping[str, tuple[float, float]] | None = None,
-    intervals: bool = False,
-    profiles: bool = True,
-) -> Fit:
-    """Fits a closed form to one drop or to several together.
-
-    Args:
-        drops: what was measured.
-        model: name of the model.
-        unknowns: what is sought; by default all of the model, and the height and release time of
-            each drop.
-        fixed: values of what is not sought, such as gravity_m_s2 or terminal_speed_m_s.
-        priors: what is known of unknowns.
-        bounds: limits of unknowns.
-        intervals: judge the times between impacts in place of the impact times.
-        profiles: whether intervals are profiled where the normal ones may be wrong.
-
-    Raises:
-        InputError: every fault of the request, or too few numbers for the unknowns.
-    """
-    from simcompare.fitting.bounces import diagnostics, profile
-
-    whole = build(
-        [drops] if isinstance(drops, Impacts) else list(drops),
-        bounce_models.model_of(model), unknowns=unknowns, fixed=fixed, priors=priors,
-        bounds=bounds, intervals=intervals,
-    )  # fmt: skip
-    first = initial_guess.of(whole)
-    alone = _minimum(whole, first, priors=False) if whole.priors else None
-    s2, dof = _scatter(whole, first, alone)
-    scaled = whole.widened(math.sqrt(s2))
-    best = _minimum(scaled, first)
-    found = summary(whole, scaled, best, s2, dof)
-    ends = profile.intervals(found, scaled) if profiles else None
-    return diagnostics.completed(found, scaled, ends)
-
-
 def summary(
     whole: Problem, scaled: Problem, best: least_squares.Solution, s2: float, dof: int
 ) -> Fit:
     """The fit with normal intervals and no warnings yet."""
     x, held = best.x[0], best.at_bound[0] != 0
-    covariance = covariance_of(best.jacobian[0], held)
+    covariance = least_squares.covariance_of(best.jacobian[0], held)
     rows = len(whole.data)
     own = best.jacobian[0][:rows]
     values = np.array([float(shown(n, v)) for n, v in zip(whole.names, x, strict=True)])
@@ -211,20 +168,6 @@ def summary(
     )  # fmt: skip
 
 
-def covariance_of(jacobian: Array, held: Array | None = None) -> Array:
-    """(JᵀJ)⁻¹ of whitened residuals; zero for unknowns that a bound holds (p, p)."""
-    free = np.ones(jacobian.shape[1], dtype=bool) if held is None else ~np.asarray(held, dtype=bool)
-    part = jacobian[:, free]
-    size = np.linalg.norm(part, axis=0)
-    size = np.where(size > 0, size, 1e-150)
-    _, s, v = np.linalg.svd(part / size, full_matrices=False)
-    # a direction that nothing determines has an uncertainty without bound, not none
-    inverse = (v.T / np.maximum(s, 1e-10) ** 2) @ v / np.outer(size, size)
-    whole = np.zeros((jacobian.shape[1], jacobian.shape[1]))
-    whole[np.ix_(free, free)] = inverse
-    return whole
-
-
 def as_interval(name: str, low: float, high: float) -> tuple[float, float]:
     """Ends of an interval of the sought number as values of the unknown, the lower first."""
     ends = float(shown(name, low)), float(shown(name, high))
@@ -234,7 +177,7 @@ def as_interval(name: str, low: float, high: float) -> tuple[float, float]:
 def shape(impacts: Impacts, model: str, count: int) -> tuple[Array, Array]:
     """Impact times 1 … count of the closed form that fits best, and the residuals' Jacobian."""
     problem = build([impacts], bounce_models.model_of(model))
-    best = _minimum(problem, initial_guess.of(problem))
+    best = minimum(problem, initial_guess.of(problem))
     values = problem.values(best.x[0], 0)
     return bounce_models.bounces(problem.model, values, count).impact_s, best.jacobian[0]
 
@@ -254,24 +197,9 @@ def minimise(
     )  # fmt: skip
 
 
-def _minimum(problem: Problem, start: Array, *, priors: bool = True) -> least_squares.Solution:
+def minimum(problem: Problem, start: Array, *, priors: bool = True) -> least_squares.Solution:
+    """One fit from one start (p,)."""
     return minimise(problem, start[None, :], priors=priors)
-
-
-def _scatter(
-    problem: Problem, start: Array, alone: least_squares.Solution | None
-) -> tuple[float, int]:
-    """s² and its degrees of freedom, from the data alone where they determine the unknowns."""
-    dof = len(problem.data) - len(problem.names)
-    if alone is not None and dof > 0:
-        chi2 = float(alone.chi2[0])
-    else:
-        dof += len(problem.priors)
-        chi2 = float(_minimum(problem, start).chi2[0])
-    if dof == 0:
-        return 1.0, 0
-    ratio = chi2 / dof
-    return (max(1.0, ratio) if problem.u_known else max(ratio, 1e-12)), dof
 
 
 def scale_of(name: str, value: float) -> float:

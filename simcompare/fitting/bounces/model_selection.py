@@ -17,11 +17,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from simcompare.errors import InputError
-from simcompare.fitting.bounces import likelihood
 from simcompare.fitting.bounces.bounce_models import MODELS, Model, model_of
+from simcompare.fitting.bounces.fit import fit
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import Fit
-from simcompare.fitting.bounces.problem import Prior
+from simcompare.fitting.bounces.problem import usual
+from simcompare.fitting.bounces.unknowns import Prior
 
 #: above the least criterion by less than this: the data cannot tell; by more than that: excluded
 RIVAL, EXCLUDED = 4.0, 10.0
@@ -142,7 +143,7 @@ def compare(
         wanted = {k: v for k, v in (priors or {}).items()}
         asked = [n for n in _usual(every, model_of(name), extra) if n not in held]
         try:
-            fits[name] = likelihood.fit(
+            fits[name] = fit(
                 every, name, unknowns=asked, fixed=held, priors=wanted, bounds=bounds,
                 intervals=intervals, profiles=False,
             )  # fmt: skip
@@ -155,7 +156,7 @@ def compare(
     candidates = _weighed(fits, scatter, stated)
     best = candidates[0]
     asked = list(best.fit.names) if len(every) == 1 else _usual(every, model_of(best.model), extra)
-    profiled = likelihood.fit(
+    profiled = fit(
         every, best.model, unknowns=[n for n in asked if n not in held], fixed=held,
         priors=dict(priors or {}), bounds=bounds, intervals=intervals,
     )  # fmt: skip
@@ -167,9 +168,7 @@ def compare(
 
 
 def _usual(drops: Sequence[Impacts], model: Model, extra: Sequence[str]) -> list[str]:
-    from simcompare.fitting.bounces import problem
-
-    return [*problem.usual(drops, model), *extra]
+    return [*usual(drops, model), *extra]
 
 
 def _scatter(fits: Sequence[Fit]) -> float:
@@ -179,22 +178,22 @@ def _scatter(fits: Sequence[Fit]) -> float:
     """
     from scipy import stats
 
-    able = [fit for fit in fits if fit.dof > 0]
+    able = [one for one in fits if one.dof > 0]
     if not able:
         return 1.0
-    richest = max(able, key=lambda fit: (len(fit.names), -fit.chi2))
+    richest = max(able, key=lambda one: (len(one.names), -one.chi2))
     by_chance = stats.chi2.sf(richest.s2 * richest.dof, richest.dof) > _BY_CHANCE
     return 1.0 if richest.problem.u_known and by_chance else richest.s2
 
 
 def _weighed(fits: Mapping[str, Fit], scatter: float, stated: bool) -> list[Candidate]:
     rows = []
-    for name, fit in fits.items():
-        k, n, chi2 = fit.effective, fit.count, fit.chi2 / scatter
+    for name, one in fits.items():
+        k, n, chi2 = one.effective, one.count, one.chi2 / scatter
         left = n - k - 1
         aic = chi2 + 2 * k
         aicc = aic + 2 * k * (k + 1) / left if left > 1e-6 else math.inf
-        rows.append(Candidate(name, fit, k, chi2, aic, aicc, chi2 + k * math.log(n), 0.0, 0.0))
+        rows.append(Candidate(name, one, k, chi2, aic, aicc, chi2 + k * math.log(n), 0.0, 0.0))
     # too few data for AICc of any model: AIC has to do
     plain = stated or all(math.isinf(row.aicc) for row in rows)
     scores = [row.aic if plain else row.aicc for row in rows]

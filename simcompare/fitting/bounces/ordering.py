@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.errors import InputError
+from simcompare.fitting.bounces import likelihood
 from simcompare.fitting.bounces.impacts import Dropped, Impacts
 from simcompare.model.trajectory import Array
 
@@ -140,8 +141,6 @@ def _shrinks(times: Array, numbers: NDArray[np.int64]) -> bool:
 def _fit(times: Array, u: Array, numbers: NDArray[np.int64]) -> _Fit:
     """Restitution as a power of the speed, which drag resembles; constant for few impacts."""
     from scipy import stats
-
-    from simcompare.fitting.bounces import likelihood
 
     model = "power" if len(times) > 4 else "constant"
     steps = numbers - int(numbers.min()) + 1

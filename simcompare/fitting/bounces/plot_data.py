@@ -13,7 +13,8 @@ from simcompare.fitting.bounces import bounce_models, profile, ratios
 from simcompare.fitting.bounces.beside import Bouncing, engine_bounces
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import NUISANCE, Fit
-from simcompare.fitting.bounces.problem import U_UNKNOWN_S, base, own_drop
+from simcompare.fitting.bounces.problem import U_UNKNOWN_S
+from simcompare.fitting.bounces.unknowns import base, own_drop
 from simcompare.model.trajectory import Array
 
 #: samples of a video whose residuals are kept, speeds of the law, and most profiles

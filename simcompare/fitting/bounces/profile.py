@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from simcompare.fitting.bounces.problem import Problem, base, shown
+from simcompare.fitting.bounces.likelihood import LEVEL, NUISANCE, Fit
+from simcompare.fitting.bounces.problem import Problem
+from simcompare.fitting.bounces.unknowns import base, shown
 from simcompare.model.trajectory import Array
 from simcompare.statistics import least_squares
-
-if TYPE_CHECKING:
-    from simcompare.fitting.bounces.likelihood import Fit
 
 #: correlation above which a normal interval is not trusted
 CORRELATED = 0.95
@@ -49,8 +47,6 @@ class Profile:
 
 def intervals(fit: Fit, problem: Problem) -> dict[str, Profile]:
     """Profiles of the unknowns whose normal interval may be wrong."""
-    from simcompare.fitting.bounces.likelihood import NUISANCE
-
     u = np.sqrt(np.diag(fit.sought_covariance))
     rho = np.abs(fit.correlation - np.eye(len(u)))
     found = {}
@@ -63,7 +59,7 @@ def intervals(fit: Fit, problem: Problem) -> dict[str, Profile]:
     return found
 
 
-def profile(fit: Fit, name: str, level: float = 3.841458820694124) -> Profile:
+def profile(fit: Fit, name: str, level: float = LEVEL) -> Profile:
     """The profile of one unknown.
 
     Args:
@@ -93,14 +89,12 @@ def profile(fit: Fit, name: str, level: float = 3.841458820694124) -> Profile:
 
 def _step_of(fit: Fit, k: int) -> float:
     """Standard uncertainty of the sought number; for one held by a bound, from its own column."""
-    from simcompare.fitting.bounces.likelihood import covariance_of
-
     u = float(np.sqrt(fit.sought_covariance[k, k]))
     if u > 0:
         return u
     problem = fit.problem
     jacobian = least_squares.jacobian_of(problem.residuals, fit.x[None, :], problem.size)[0]
-    return float(np.sqrt(covariance_of(jacobian / problem.size)[k, k]))
+    return float(np.sqrt(least_squares.covariance_of(jacobian / problem.size)[k, k]))
 
 
 def _least_chi2(

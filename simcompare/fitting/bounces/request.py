@@ -9,8 +9,8 @@ from pathlib import Path
 from simcompare import units
 from simcompare.errors import InputError, UnknownName
 from simcompare.fitting.bounces import bounce_models
-from simcompare.fitting.bounces.problem import SPEED, Prior
 from simcompare.fitting.bounces.roles import Roles
+from simcompare.fitting.bounces.unknowns import SPEED, Prior
 from simcompare.scenarios.scenario_file import ScenarioFile
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import bounce_models
-from simcompare.fitting.bounces.problem import SPEED
+from simcompare.fitting.bounces.unknowns import SPEED
 from simcompare.model.fittable import Fittable
 from simcompare.model.trajectory import Array
 from simcompare.scenarios.scenario_file import ScenarioFile
