@@ -49,7 +49,7 @@ from simcompare.model.rotations import matrix_of, xyzw
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import COEFFICIENTS, SPRING, TUNED
 from simcompare.model.shapes import Shape, Vector, sizes_m
-from simcompare.model.trajectory import Array
+from simcompare.model.trajectory import Array, Trajectory
 from simcompare.model.vectors import (
     Numbers,
     dot,
@@ -62,15 +62,16 @@ from simcompare.model.vectors import (
 )
 
 __all__ = [
-    "CENTRED_EFFORTS", "COEFFICIENTS", "HALF_STEP_START", "HELPS", "JOINTS_AND_FORCES", "LANDING",
-    "REACTIONS", "RECOIL", "RIMS", "SOFT_STEP_S", "SPATIAL_RIGID_BODIES", "SPRING", "TUNED",
-    "Array", "Audit", "BodyState", "EngineBackend", "EngineBroken", "Feature", "FreeCoordinates",
-    "Held", "Keeper", "KnownLimit", "Numbers", "OtherPython", "Pair", "PipPackage", "PlanarHinge",
-    "PlanarJoint", "PlanarMotion", "PlanarSimulation", "PlanarSlider", "PlanarWeld", "Point",
-    "Program", "ReducedSimulation", "Rims", "Row", "Rule", "Scenario", "Scene", "SceneJoint",
-    "Shape", "SharedLibrary", "SimulationDiverged", "SpatialSimulation", "Table", "Traits", "Turns",
-    "Unsupported", "Variant", "Vector", "angle_of", "combined", "direction", "dot",
-    "fastest_turn_rad_s", "matrix_of", "minus", "mobility", "multiplied", "planar", "plus",
-    "row_of", "sizes_m", "sweeps_for", "times", "trees", "turned_back", "turned_by", "unreadable",
-    "untouching_pairs", "x_turned_to", "xyzw",
+    "CENTRED_EFFORTS", "COEFFICIENTS", "HALF_STEP_START", "HELPS", "JOINTS_AND_FORCES",
+    "LANDING", "REACTIONS", "RECOIL", "RIMS", "SOFT_STEP_S", "SPATIAL_RIGID_BODIES", "SPRING",
+    "TUNED", "Array", "Audit", "BodyState", "EngineBackend", "EngineBroken", "Feature",
+    "FreeCoordinates", "Held", "Keeper", "KnownLimit", "Numbers", "OtherPython", "Pair",
+    "PipPackage", "PlanarHinge", "PlanarJoint", "PlanarMotion", "PlanarSimulation",
+    "PlanarSlider", "PlanarWeld", "Point", "Program", "ReducedSimulation", "Rims", "Row",
+    "Rule", "Scenario", "Scene", "SceneJoint", "Shape", "SharedLibrary", "SimulationDiverged",
+    "SpatialSimulation", "Table", "Traits", "Trajectory", "Turns", "Unsupported", "Variant",
+    "Vector", "angle_of", "combined", "direction", "dot", "fastest_turn_rad_s", "matrix_of",
+    "minus", "mobility", "multiplied", "planar", "plus", "row_of", "sizes_m", "sweeps_for",
+    "times", "trees", "turned_back", "turned_by", "unreadable", "untouching_pairs",
+    "x_turned_to", "xyzw",
 ]  # fmt: skip

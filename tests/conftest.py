@@ -40,8 +40,7 @@ def pytest_runtest_call(item):
 ENGINE = """
 import os, sys, time
 import numpy as np
-from simcompare.kit import Feature, KnownLimit
-from simcompare.trajectory import Trajectory
+from simcompare.kit import Feature, KnownLimit, Trajectory
 {on_import}
 
 class Toy:

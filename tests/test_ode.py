@@ -252,8 +252,9 @@ def test_a_token_brings_everything_back_bit_for_bit(name):
 
 CODE = """
 import hashlib
-from simcompare import catalogue, engines
-from simcompare.settings import Settings
+from simcompare.engine import engines
+from simcompare.model.settings import Settings
+from simcompare.scenarios import catalogue
 found = engines.get("ode").simulate(catalogue.load("robot_turn").resolve(), Settings("tuned"))
 print(hashlib.sha256(found.signals["chassis.position_m"].tobytes()).hexdigest())
 """
