@@ -10,6 +10,7 @@ import pytest
 from simcompare.compare.against import matches
 from simcompare.compare.comparison import Score
 from simcompare.hardware.recordings.bounce_table import BounceTable, Quantity
+from simcompare.results.records import stored
 
 UNITS = {"rebound_height": "m", "restitution": "1"}
 
@@ -18,8 +19,11 @@ def table(*quantities):
     return BounceTable(Path("t.csv"), "", {}, {}, quantities)
 
 
-def score(value, u, *, measure="rebound_height", index=1, source="toy", contact="assisted"):
-    return Score(source, contact, measure, "h", index, value, u, None, "m", 9, None, None, "info")
+def score(value, scatter, *, measure="rebound_height", index=1, source="toy", contact="assisted"):
+    u = None if scatter is None else scatter / 3
+    return Score(
+        source, contact, measure, "h", index, value, scatter, u, "m", 9, None, None, "info"
+    )
 
 
 def one(quantity, *scores):
@@ -83,4 +87,4 @@ def test_every_source_and_mode_is_held_against_every_value():
         ("default", "rebound_height", 2, None),
         ("default", "restitution", 1, None),
     ]
-    json.dumps([m.to_dict() for m in found], allow_nan=False)
+    json.dumps([stored.plain(m) for m in found], allow_nan=False)

@@ -9,7 +9,8 @@ from simcompare.reports.run.by_step import figure
 from simcompare.reports.run.lead import lead_of
 from simcompare.reports.run.overview import overview
 from simcompare.reports.sections.headline import Headline
-from simcompare.results.run import Run
+from tests import records
+from tests.records import with_sources
 from tests.test_headline import ANSWER, changed, level, tuning
 from tests.test_reports import TOLERANCES, make_run
 
@@ -22,16 +23,16 @@ def stepped(mode, tolerances=WIDE, **engines):
         f"{e}@{at}ms": v for e, pair in engines.items() for at, v in zip((1, 2), pair, strict=True)
     }
     steps = [
-        {"at": f"@{at}ms", "engine_step_s": 1e-3 * at, "tolerances": own}
+        {"at": f"@{at}ms", "engine_step_s": 1e-3 * at, "step_s": 0.01, "dither": None,
+         "tolerances": own}
         for at, own in ((2, tolerances), (1, TOLERANCES))
-    ]
+    ]  # fmt: skip
     run = make_run(level(mode, **values), answer=ANSWER, steps=steps)
-    for one in run.record.sources:
-        one["engine"], _, at = one["name"].partition("@")
-        one["engine_step_s"] = 1e-3 * float(at.removesuffix("ms"))
+    run = with_sources(
+        run, engine=[e for e in engines for _ in (1, 2)], engine_step_s=[1e-3, 2e-3] * len(engines)
+    )
     # then the tolerance of a score is that of its step
-    scores = [replace(score, tolerance=None) for score in run.scores]
-    return Run(run.record, tuple(scores), run.trajectories)
+    return records.changed(run, scores=tuple(replace(s, tolerance=None) for s in run.scores))
 
 
 def test_each_engine_is_a_line_of_its_values_in_the_order_of_the_steps():
@@ -86,8 +87,8 @@ def test_a_run_with_one_step_has_no_such_picture():
 
 def test_what_is_typed_in_is_told_engine_by_engine():
     run = stepped("tuned", north=(0.8, 0.8), south=(0.8, 0.8))
-    for source, number in zip(run.record.sources, (0.81, 0.82, 0.71, 0.72), strict=True):
-        source["tuning"] = tuning([number], None, None)
+    numbers = (0.81, 0.82, 0.71, 0.72)
+    run = with_sources(run, tuning=[tuning([number], None, None) for number in numbers])
     assert (
         "Typed in for a restitution of 0.8 at 1ms and 2ms: 0.81, 0.82 in north;"
         " 0.71, 0.72 in south." in remarks.remarks(run)

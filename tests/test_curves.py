@@ -11,7 +11,7 @@ from simcompare.reports.render.figures import style_of
 from simcompare.reports.run import curves, scored
 from simcompare.reports.sections.curves import Curves
 from simcompare.reports.sections.headline import Headline
-from simcompare.results.run import Run
+from tests.records import changed
 from tests.test_reports import make_run
 
 FREQUENCIES = (1.0, 10.0, 100.0)
@@ -32,11 +32,11 @@ def swept(modes=("default", "assisted"), unit="Hz", **truths):
                 value = true * factor + shift
                 known = truths.get(name, true)
                 scores.append(
-                    Score("north", mode, name, "probe", k + 1, value, None, None, its_unit, 1, known,
-                          None, "info")
+                    Score("north", mode, name, "probe", k + 1, value, None, None, its_unit, 1,
+                          known, None, "info")
                 )  # fmt: skip
-    record = {**run.record, "axes": {"amplitude": "frequency", "phase": "frequency"}}
-    return Run(record, (*run.scores, *scores), run.trajectories)
+    axes = {"amplitude": "frequency", "phase": "frequency"}
+    return changed(run, axes=axes, scores=(*run.scores, *scores))
 
 
 def series_of(panel, label="north"):
@@ -65,7 +65,7 @@ def test_an_axis_of_time_is_called_time_whatever_its_name():
 def test_no_figure_has_more_panels_than_can_be_read():
     run = swept()
     axes = dict.fromkeys(("amplitude", "phase", "more", "and more", "the last"), "frequency")
-    run = Run({**run.record, "axes": axes}, run.scores, run.trajectories)
+    run = changed(run, axes=axes)
     found = curves.curves_figures(run, "frequency")
     assert [len(figure.panels) for figure in found] == [3, 2]
     assert [figure.name for figure in found] == ["curves-frequency", "curves-frequency-2"]
@@ -127,7 +127,7 @@ def test_an_engine_that_is_far_off_by_default_does_not_press_all_others_flat():
         replace(s, value=100.0) if (s.contact, s.measure) == ("default", "amplitude") else s
         for s in run.scores
     )
-    figure = curves.curves_figures(Run(run.record, far, run.trajectories), "frequency")[0]
+    figure = curves.curves_figures(changed(run, scores=far), "frequency")[0]
     assert figure.panels[0].y_range[1] < 50
     assert "lie outside" in figure.caption
     calm = curves.curves_figures(run, "frequency")[0]
@@ -140,8 +140,8 @@ def test_curves_are_no_events():
 
 
 def test_a_run_stored_before_there_were_axes_still_reads():
-    run = make_run()
-    assert "axes" not in run.record
+    run = make_run()  # its JSON has none
+    assert not run.record.axes
     assert Curves().context(run) is None
 
 
@@ -162,9 +162,9 @@ def test_a_logarithmic_axis_is_drawn_as_one(library):
 def test_a_truth_of_zero_is_an_error_to_keep_small():
     from simcompare.reports.run import words
 
-    run = make_run([("north", "default", 0.002), ("south", "default", 0.02)], truth=0.0)
     tolerances = {"restitution": {"relative": None, "absolute": 0.01, "reason": "Because of it."}}
-    run = Run({**run.record, "tolerances": tolerances}, run.scores, run.trajectories)
+    sources = [("north", "default", 0.002), ("south", "default", 0.02)]
+    run = make_run(sources, truth=0.0, tolerances=tolerances)
     assert words.answer(run)[0] == (
         "By default the restitution is 0.00 in north; outside the tolerance: 0.02 in south,"
         " where the closed form gives 0."

@@ -9,8 +9,10 @@ from simcompare.reports import builder
 from simcompare.reports.render import matplotlib_, plotly_
 from simcompare.reports.run import listing, remarks, runs, words
 from simcompare.reports.run.leading import leading_figure
-from simcompare.results.run import Run
-from tests.test_reports import TOLERANCES, audit_row, make_run, source
+from simcompare.results.records.run import SourceRecord
+from tests import records
+from tests.records import with_source, with_sources
+from tests.test_reports import TOLERANCES, audit_row, make_run
 
 ANSWER = {
     "measure": "restitution",
@@ -31,7 +33,7 @@ def changed(run, name, **fields):
         replace(s, **fields) if s.source == name and s.measure == "restitution" else s
         for s in run.scores
     )
-    return Run(run.record, found, run.trajectories, None, run.record.interrupted)
+    return records.changed(run, scores=found)
 
 
 def level(mode, **values):
@@ -57,7 +59,7 @@ def test_engines_that_agree_are_grouped_and_the_odd_ones_named():
 
 
 def test_one_that_scatters_stands_apart_from_those_that_do_not():
-    run = changed(answered(level("tuned", north=0.9, south=0.9)), "south", u=0.05)
+    run = changed(answered(level("tuned", north=0.9, south=0.9)), "south", scatter=0.05)
     assert "0.900 ± 0.001 in north, 0.900 ± 0.050 in south" in words.answer(run)[0]
 
 
@@ -83,9 +85,9 @@ def test_what_most_engines_do_wrong_comes_first():
 
 def test_a_cause_is_told_only_of_engines_that_hold_a_value_of_their_own():
     run = answered(level("default", north=0.0, south=0.0))
-    run.record.sources[1]["audit"] = [{**audit_row("default"), "read_value": 0.8}]
+    run = with_source(run, 1, audit=(replace(audit_row("default"), read_value=0.8),))
     assert words.answer(run)[0].endswith(": in north no restitution is set.")
-    run.record.sources[0]["audit"] = []
+    run = with_source(run, 0, audit=())
     assert words.answer(run)[0].endswith("north and south.")
 
 
@@ -96,7 +98,7 @@ def test_of_engines_that_agree_no_value_is_told_that_none_of_them_has():
     timed = [
         replace(s, value=times[s.source]) if s.measure == "settling_time" else s for s in run.scores
     ]
-    run = changed(Run(run.record, tuple(timed), run.trajectories), "south", u=0.003)
+    run = changed(records.changed(run, scores=tuple(timed)), "south", scatter=0.003)
     (sentence,) = words.answer(run)
     assert "with 0.797 to 0.803 (± 0.003 at most) for 3.9 to 4.1 s in north" in sentence
 
@@ -137,11 +139,10 @@ def test_the_same_at_two_levels_is_said_once():
 
 def test_the_step_is_told_where_all_took_the_same():
     run = answered(level("tuned", north=0.8, south=0.8))
-    row = {**audit_row("tuned"), "quantity": "engine step_s", "set_value": 0.002}
-    for one in run.record.sources:
-        one["audit"] = [row]
+    row = replace(audit_row("tuned"), quantity="engine step_s", set_value=0.002)
+    run = with_sources(run, audit=[(row,), (row,)])
     assert words.answer(run)[0].startswith("Tuned at a step of 2 ms, the ball")
-    run.record.sources[0]["audit"] = [{**row, "set_value": 0.001}]
+    run = with_source(run, 0, audit=(replace(row, set_value=0.001),))
     assert words.answer(run)[0].startswith("Tuned, the ball")
 
 
@@ -154,7 +155,7 @@ def test_another_measure_in_a_template_is_filled_in():
     answer = {**ANSWER, "within": "the ball bounces with {value} for {settling_time}"}
     run = answered(level("tuned", north=0.8), answer=answer)
     timed = [replace(s, value=3.96) if s.measure == "settling_time" else s for s in run.scores]
-    (sentence,) = words.answer(Run(run.record, tuple(timed), run.trajectories))
+    (sentence,) = words.answer(records.changed(run, scores=tuple(timed)))
     assert "bounces with 0.800 ± 0.001 for 4.0 s in north" in sentence
 
 
@@ -211,7 +212,7 @@ def test_what_was_not_measured_is_not_called_met():
     why = "south does not give ball.position_m: it has none"
     met = [replace(s, value=4.0, verdict="pass") if s.measure == "settling_time" else s
            for s in run.scores]  # fmt: skip
-    run = changed(Run(run.record, tuple(met), run.trajectories), "south", value=None,
+    run = changed(records.changed(run, scores=tuple(met)), "south", value=None,
                   verdict="info", lacking=why)  # fmt: skip
     assert remarks.remarks(run)[-1] == (
         "With our helps, both tolerances are met in north;"
@@ -223,7 +224,7 @@ def test_what_the_scatter_is_and_what_the_first_event_gives_is_said():
     run = answered(level("tuned", north=0.8, south=0.8))
     first = [replace(s, value=0.78) if (s.source, s.index) == ("south", 1) else s
              for s in run.scores]  # fmt: skip
-    assert remarks.remarks(Run(run.record, tuple(first), run.trajectories))[:2] == [
+    assert remarks.remarks(records.changed(run, scores=tuple(first)))[:2] == [
         "± is the standard deviation over 3 repeats. Phases.",
         "Tuned, the first restitution alone is 0.800 ± 0.001 in north, 0.780 ± 0.001 in south.",
     ]
@@ -231,13 +232,14 @@ def test_what_the_scatter_is_and_what_the_first_event_gives_is_said():
 
 def test_variants_say_what_they_are():
     run = answered(level("tuned", **{"north:fine": 0.8, "north": 0.8}))
-    run.record.sources[0]["notes"] = ["variant fine: ten sweeps [its manual, §2]"]
+    run = with_source(run, 0, notes=("variant fine: ten sweeps [its manual, §2]",))
     assert "north:fine: ten sweeps." in remarks.remarks(run)
 
 
 def test_engines_that_did_not_run_are_told_once_by_what_became_of_them():
     run = answered([*level("tuned", north=0.8, south=None), *level("assisted", south=None)])
-    run.record.sources += [source("east", "tuned", "missing", "pip install it")]
+    east = SourceRecord(name="east", contact="tuned", status="missing", reason="pip install it")
+    run = records.changed(run, sources=(*run.record.sources, east))
     found = remarks.remarks(run)
     assert "Did not run: south (failed); east (missing). The reasons are below." in found
 
@@ -254,19 +256,25 @@ def test_an_interrupted_run_says_so():
 
 def tuning(numbers, depth_m, contact_s):
     at = {"penetration_m": depth_m, "contact_s": contact_s}
-    return [{"numbers": numbers, "restitution": 0.8, "size_m": 0.04, "at": [at], "pairs": []}]
+    return ({"numbers": numbers, "restitution": 0.8, "size_m": 0.04, "at": [at], "pairs": []},)
 
 
 def test_what_is_typed_in_and_what_contacts_cost():
     run = answered(level("tuned", north=0.8, south=0.8, west=0.8))
-    north, south, west = run.record.sources
-    north["tuning"] = tuning([0.80132], 1e-7, 0.0019)
-    south["tuning"] = tuning([-119338.1, -50.87462], 0.01172, 0.0086)
-    south["audit"] = [
-        {**audit_row("tuned"), "engine_parameter": f"spring[{i}]", "set_value": value}
-        for i, value in enumerate(south["tuning"][0]["numbers"])
-    ]
-    west["tuning"] = tuning([0.79853], 0.0043, 0.001)
+    spring = (-119338.1, -50.87462)
+    run = with_sources(
+        run,
+        tuning=[
+            tuning([0.80132], 1e-7, 0.0019),
+            tuning(spring, 0.01172, 0.0086),
+            tuning([0.79853], 0.0043, 0.001),
+        ],
+    )
+    rows = tuple(
+        replace(audit_row("tuned"), engine_parameter=f"spring[{i}]", set_value=value)
+        for i, value in enumerate(spring)
+    )
+    run = with_source(run, 1, audit=rows)
     assert remarks.remarks(run)[2:4] == [
         "Typed in for a restitution of 0.8: 0.8013 in north, spring = (−119338, −50.8746) in"
         " south, 0.7985 in west.",

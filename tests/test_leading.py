@@ -98,7 +98,7 @@ def test_repeats_that_differ_are_told_by_their_ends():
 
 
 def test_no_scatter_is_no_bar_and_no_end_of_one():
-    run = changed(answered(level("tuned", north=0.8, south=0.8)), "north", u=0.0)
+    run = changed(answered(level("tuned", north=0.8, south=0.8)), "north", scatter=0.0)
     (panel,) = leading_figure(run).panels
     assert [(list(s.y), s.u is None) for s in panel.series] == [([1.0], False), ([0.0], True)]
     # two parts of one level are one entry of the legend
@@ -197,11 +197,11 @@ def test_any_measure_has_such_a_table():
 
 
 @pytest.mark.parametrize(
-    ("u", "cell"),
+    ("scatter", "cell"),
     [(None, "0.81234"), (0.0, "0.81234"), (0.00004, "0.81234(4)"), (0.0012, "0.8123(12)"),
      (0.25, "0.81(25)"), (1e-9, "0.81234")],
 )  # fmt: skip
-def test_digits_of_a_value_end_with_its_scatter_or_far_below_the_tolerance(u, cell):
-    run = changed(answered(level("default", north=0.81234)), "north", u=u)
+def test_digits_of_a_value_end_with_its_scatter_or_far_below_the_tolerance(scatter, cell):
+    run = changed(answered(level("default", north=0.81234)), "north", scatter=scatter)
     (row,) = [line for line in shown(run) if line.startswith("north")]
     assert row.split()[1] == cell

@@ -3,6 +3,7 @@
 import errno
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 from simcompare.compare.comparison import Score
 from simcompare.errors import OutputError, UnknownName
+from simcompare.model.audit import AuditRow
 from simcompare.model.trajectory import TRUTH, Trajectory
 from simcompare.reports import builder
 from simcompare.reports.render import numbers, output, plotly_
@@ -19,6 +21,7 @@ from simcompare.reports.sections import SECTIONS
 from simcompare.results.records import stored as records
 from simcompare.results.records.run import FORMAT
 from simcompare.results.run import Run, Stored
+from tests.records import with_source
 
 EVIL = "<script>alert('x')</script> it broke | badly"
 TOLERANCES = {
@@ -42,12 +45,9 @@ def source(name, contact, status="ok", reason=None, **more):
 
 
 def audit_row(contact):
-    default = contact == "default"
-    return {
-        "quantity": "ball restitution", "scenario_value": 0.8, "engine_parameter": "bounciness",
-        "set_value": None if default else 0.8, "read_value": 0.0 if default else 0.8,
-        "unit": "1", "note": "",
-    }  # fmt: skip
+    """What an engine that has no restitution of its own was given."""
+    value = None if contact == "default" else 0.8
+    return AuditRow("ball restitution", 0.8, "bounciness", value, value or 0.0, "1")
 
 
 def trajectory(name, contact, height=1.0):
@@ -68,40 +68,14 @@ def scores(name, contact, value, truth=0.8):
         verdict = ("pass" if good else "fail") if judged else "info"
         unit = "1" if measure == "restitution" else "s"
         found.append(
-            Score(
-                name,
-                contact,
-                measure,
-                "height_m",
-                None,
-                v,
-                0.001,
-                0.0006,
-                unit,
-                3,
-                true,
-                width,
-                verdict,
-            )
-        )
+            Score(name, contact, measure, "height_m", None, v, 0.001, 0.0006, unit, 3, true, width,
+                  verdict)
+        )  # fmt: skip
     found += [
-        Score(
-            name,
-            contact,
-            "restitution",
-            "height_m",
-            k,
-            value,
-            0.001,
-            0.0006,
-            "1",
-            3,
-            truth,
-            None,
-            "info",
-        )
+        Score(name, contact, "restitution", "height_m", k, value, 0.001, 0.0006, "1", 3, truth,
+              None, "info")
         for k in (1, 2)
-    ]
+    ]  # fmt: skip
     return found
 
 
@@ -114,7 +88,8 @@ def make_run(sources=None, *, truth=0.8, against=None, interrupted=False, **more
     if truth is not None:
         stored += [Stored(TRUTH, "", i, trajectory(TRUTH, "")) for i in range(3)]
     record = {
-        "kind": "run", "format": FORMAT, "run": None, "created": "2026-01-01T00:00:00+00:00", "scenario": "toy",
+        "kind": "run", "format": FORMAT, "run": None, "created": "2026-01-01T00:00:00+00:00",
+        "scenario": "toy",
         "title": "A toy <scene>", "question": "Does it bounce & rest?",
         "parameters": {"drop_height_m": 1.0, "gravity_m_s2": 9.81},
         "parameter_texts": {"drop_height_m": "Height of the drop."},
@@ -139,9 +114,9 @@ def make_run(sources=None, *, truth=0.8, against=None, interrupted=False, **more
 def match(name, mode, value, inside, bounce=1, **more):
     return {
         "source": name, "contact": mode, "quantity": "rebound_height", "bounce": bounce,
-        "value": value, "scatter": None if value is None else 0.001, "measured": 0.6, "u_measured": 0.01,
-        "low": 0.58, "high": 0.62, "unit": "m", "inside": inside,
-        "e_n": None if value is None else (value - 0.6) / 0.02, **more,
+        "value": value, "scatter": None if value is None else 0.001,
+        "measured": 0.6, "u_measured": 0.01, "low": 0.58, "high": 0.62, "unit": "m",
+        "inside": inside, "e_n": None if value is None else (value - 0.6) / 0.02, **more,
     }  # fmt: skip
 
 
@@ -265,8 +240,9 @@ def test_a_number_is_rounded_before_its_power_is_taken():
 def test_dust_beside_the_tolerance_is_nothing():
     run = make_run([("north", "assisted", 0.8)], truth=0.0)
     score = Score(
-        "north", "assisted", "settling_time", "", None, 4.7e-14, None, "s", 1, 1e-14, 0.1, "pass"
-    )
+        "north", "assisted", "settling_time", "", None, 4.7e-14, None, None, "s", 1, 1e-14, 0.1,
+        "pass",
+    )  # fmt: skip
     assert runs.value_words(run, score) == "0"
     assert runs.share_of_tolerance(run, score) == 0
 
@@ -391,7 +367,7 @@ def test_sections_without_data_are_left_out():
 
 def test_further_probes_have_a_section_of_their_own():
     probes = make_run().record.probes
-    second = {**probes["height_m"], "label": "Sideways", "component": 0}
+    second = probes["height_m"].model_copy(update={"label": "Sideways", "component": 0})
     run = make_run(probes={**probes, "side_m": second})
     assert [f.name for f in builder.blocks_of([run])[0].contexts["signals"]["figures"]] == [
         "probe-height_m",
@@ -407,7 +383,7 @@ def test_further_probes_have_a_section_of_their_own():
 
 def test_most_of_many_signals_are_folded_away(html):
     probe = make_run().record.probes["height_m"]
-    probes = {f"p{i}_m": {**probe, "label": f"Signal {i}"} for i in range(6)}
+    probes = {f"p{i}_m": probe.model_copy(update={"label": f"Signal {i}"}) for i in range(6)}
     text = html(make_run(probes=probes))
     assert "<details><summary>The same for Signal 2; Signal 3; Signal 4; Signal 5</summary>" in text
     assert len(re.findall(r'id="run1-figure-probe-p\d_m"', text)) == 6
@@ -447,18 +423,17 @@ def test_every_section_has_its_template():
     ],
 )  # fmt: skip
 def test_audit_tells_own_values_from_translated_ones(wanted, given, held, state):
-    row = {"scenario_value": wanted, "set_value": given, "read_value": held}
+    row = AuditRow("ball restitution", wanted, "bounciness", given, held, "1")
     assert state_of(row) == state
 
 
 def test_what_was_left_without_a_getter_is_told_in_its_note_and_comes_first(html):
-    unread = {**audit_row("default"), "read_value": None, "note": "its motor was left on"}
-    rows = [
-        {**unread, "quantity": "contact", "scenario_value": None, "note": "left at 0.04"},
-        {**unread, "quantity": "wheel.friction"},
-    ]
-    run = make_run([("north", "default", 0.0)])
-    run.record.sources[0]["audit"] = rows
+    unread = replace(audit_row("default"), read_value=None, note="its motor was left on")
+    rows = (
+        replace(unread, quantity="contact", scenario_value=None, note="left at 0.04"),
+        replace(unread, quantity="wheel.friction"),
+    )
+    run = with_source(make_run([("north", "default", 0.0)]), 0, audit=rows)
     left = builder.blocks_of([run])[0].contexts["given"]["left"]
     assert [row["quantity"] for row in left] == ["wheel.friction", "contact"]
     assert html(run).count("its motor was left on") == 2
