@@ -1,0 +1,132 @@
+"""What a verb was asked, as one frozen value: its options, and the command that repeats it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, NamedTuple, get_type_hints
+
+from simcompare.engine.assist import ALL
+from simcompare.model.settings import ASSISTED, DEFAULT, TUNED
+
+Values = Mapping[str, str | float] | None
+Place = str | Path
+
+
+class Option(NamedTuple):
+    """How a field is asked for on the command line.
+
+    Attributes:
+        flag: name of the option.
+        commas: whether several values stand behind one flag.
+        always: whether the command names it, also where it is the default.
+        unit: of a plain number.
+    """
+
+    flag: str
+    commas: bool = False
+    always: bool = False
+    unit: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What every verb is asked.
+
+    Attributes:
+        verb: its name.
+        scenario: name, folder or file.
+        engine: "all" or names with commas.
+        set: parameters that differ from the file.
+        step: of the engine, "1ms" or in seconds.
+    """
+
+    verb: ClassVar[str]
+    scenario: str
+    engine: Annotated[str, Option("--engine", always=True)] = "all"
+    set: Annotated[Values, Option("--set")] = None
+    step: Annotated[Any, Option("--step", commas=True, unit="s")] = None
+
+    def command(self) -> tuple[str, ...]:
+        """The words of the command line that ask the same; what is the default is left out."""
+        words = ["simcompare", self.verb, self.scenario]
+        for one in fields(self):
+            option, value = options(type(self)).get(one.name), getattr(self, one.name)
+            if option is not None and (value != one.default or option.always):
+                words += _words(option, value)
+        return tuple(words)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunRequest(Request):
+    """What ``run`` is asked; the options are those of ``simcompare.run``."""
+
+    verb: ClassVar[str] = "run"
+    contact: Annotated[tuple[str, ...], Option("--contact", commas=True)] = (
+        DEFAULT,
+        TUNED,
+        ASSISTED,
+    )
+    assist: Annotated[str, Option("--assist")] = ALL
+    judge: Annotated[tuple[str, ...], Option("--judge", commas=True)] = (ASSISTED,)
+    preset: Annotated[str | None, Option("--preset")] = None
+    seeds: Annotated[int | None, Option("--seeds")] = None
+    against: Annotated[Place | None, Option("--against")] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitRequest(Request):
+    """What ``fit`` is asked; the options are those of ``simcompare.fit``."""
+
+    verb: ClassVar[str] = "fit"
+    recordings: Annotated[tuple[Place, ...], Option("--recording")] = ()
+    hold_out: Annotated[tuple[Place, ...], Option("--hold-out")] = ()
+    model: Annotated[str, Option("--model")] = "auto"
+    unknowns: Annotated[tuple[str, ...], Option("--unknown", commas=True)] = ()
+    fixed: Annotated[Values, Option("--fix")] = None
+    priors: Annotated[Mapping[str, tuple[float, float]] | None, Option("--prior")] = None
+    u_time_s: Annotated[float | None, Option("--u-time", unit="s")] = None
+    preset: Annotated[str | None, Option("--preset")] = None
+    mapping: Annotated[Place | None, Option("--map")] = None
+    assist: Annotated[str | None, Option("--assist")] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ValidateRequest(Request):
+    """What ``validate`` is asked; the options are those of ``simcompare.validate``."""
+
+    verb: ClassVar[str] = "validate"
+    recording: Annotated[Place, Option("--recording")]
+    contact: Annotated[str, Option("--contact")] = ASSISTED
+    mapping: Annotated[Place | None, Option("--map")] = None
+    streams: Annotated[tuple[str, ...], Option("--streams", commas=True)] = ()
+    strict: Annotated[bool, Option("--strict")] = False
+
+
+def options(kind: type[Request]) -> Mapping[str, Option]:
+    """Field -> its option."""
+    hints = get_type_hints(kind, include_extras=True)
+    known = {name: getattr(hint, "__metadata__", (None,))[0] for name, hint in hints.items()}
+    return {name: option for name, option in known.items() if isinstance(option, Option)}
+
+
+def _words(option: Option, value: Any) -> list[str]:  # noqa: ANN401
+    if value is True:
+        return [option.flag]
+    if isinstance(value, Mapping):
+        texts = [_assigned(*item) for item in value.items()]
+    else:
+        parts = value if isinstance(value, tuple | list) else [value]
+        texts = [_written(option, part) for part in parts]
+    texts = [",".join(texts)] if option.commas else texts
+    return [word for text in texts for word in (option.flag, text)]
+
+
+def _written(option: Option, value: Any) -> str:  # noqa: ANN401
+    return f"{value!r}{option.unit}" if isinstance(value, float | int) else str(value)
+
+
+def _assigned(name: str, value: Any) -> str:  # noqa: ANN401
+    """``name=value``; of a prior ``name=value:u``."""
+    return f"{name}={value[0]!r}:{value[1]!r}" if isinstance(value, tuple) else f"{name}={value}"
