@@ -28,7 +28,7 @@ from simcompare.hardware.conditioning.values import (
 )
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.mapping import ChannelMap, Mapping
-from simcompare.hardware.raw import RawColumn, RawLog, RawStream, blocks
+from simcompare.hardware.raw import RawColumn, RawLog, RawStream
 from simcompare.model.recording import (
     INFO,
     Channel,
@@ -167,8 +167,7 @@ def _stream(work: Work, conversions: list[Conversion]) -> Stream:
     clock = replace(work.stream.clock, u_s=work.u_time_s, resolution_s=work.resolution_s)
     clock = replace(clock, first_s=work.start_s + float(work.time_s[0]))
     first = float(work.time_s[0])
-    for part in blocks(len(work.time_s)):
-        work.time_s[part] -= first
+    work.time_s -= first
     return Stream(work.time_s, channels, clock, tuple(work.gaps))
 
 
@@ -177,8 +176,8 @@ def _channel(
 ) -> Channel:
     """The values in SI, in their own memory, with their uncertainty."""
     if (made.factor, made.offset) != (1.0, 0.0):
-        for part in blocks(len(values)):
-            values[part] = values[part] * made.factor + made.offset
+        values *= made.factor
+        values += made.offset
     return Channel(
         values, made.unit, (wish.frame if wish else "") or column.frame,
         _uncertainty(column, wish, made), (wish.sensor if wish else "") or column.sensor,
@@ -196,15 +195,10 @@ def _uncertainty(
         stated = None if column.u is None else column.u * abs(made.factor)
     if stated is None or column.added_u is None:
         return stated  # what is unknown does not become known by being interpolated
-    whole = intervals.room(len(column.values))
-    for part in blocks(len(whole)):
-        own = stated[part] if isinstance(stated, np.ndarray) else stated
-        whole[part] = np.hypot(column.added_u[part] * made.factor, own)
-    return whole
+    return np.hypot(column.added_u * made.factor, stated)
 
 
 def _copy(values: Array) -> Array:
     copied = intervals.room(len(values))
-    for part in blocks(len(values)):
-        copied[part] = values[part]
+    copied[:] = values
     return copied

@@ -6,6 +6,7 @@ import numpy as np
 
 from simcompare.hardware.conditioning.clock import intervals, time_quantised
 from simcompare.hardware.conditioning.clock.intervals import Indices, Mask
+from simcompare.hardware.conditioning.words import are
 from simcompare.hardware.conditioning.work import MOST_ROWS, Work
 from simcompare.hardware.raw import BLOCK, RawColumn
 from simcompare.model.trajectory import Array
@@ -69,11 +70,9 @@ def _sent_twice(work: Work, again: Indices, alike: Mask) -> bool:
 def _drop(work: Work, before: Indices) -> None:
     """Leaves out the rows after those given, which are equal to them."""
     copies = before + 1
-    one = len(copies) == 1
     work.repair(
         "duplicate_row",
-        f"{'one row is' if one else f'{len(copies)} rows are'} the same as the row before, with"
-        " the same stamp; left out",
+        f"{are(len(copies), 'row')} the same as the row before, with the same stamp; left out",
         samples=copies,
         before={"samples": float(len(work.time_s))},
         after={"samples": float(len(work.time_s) - len(copies))},

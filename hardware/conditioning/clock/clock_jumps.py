@@ -6,6 +6,7 @@ import numpy as np
 
 from simcompare.hardware.conditioning.clock import intervals, sample_counter
 from simcompare.hardware.conditioning.clock.intervals import Indices
+from simcompare.hardware.conditioning.words import times
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.raw import RawColumn, blocks
 from simcompare.model.trajectory import Array
@@ -61,7 +62,7 @@ def _joined(work: Work, counter: RawColumn, jumps: Indices, median: float) -> bo
     work.u_time_s = float(np.hypot(work.u_time_s, unsure))
     work.repair(
         "clock_jump",
-        f"the clock was changed {_times(len(jumps))} (by {_listed(were - went_on * median)}) while"
+        f"the clock was changed {times(len(jumps))} (by {_listed(were - went_on * median)}) while"
         f" the samples went on; later stamps were shifted by the counter {counter.name!r}",
         samples=jumps + 1,
         channel=work.stream.time or "",
@@ -178,10 +179,6 @@ def _meeting(column: RawColumn, i: Indices, j: Indices) -> tuple[Array, Array]:
     half = _WIDTH / 2
     ends = before.mean(axis=1) + slopes[0] * half, after.mean(axis=1) - slopes[1] * half
     return np.abs(ends[1] - ends[0]), np.abs(slopes[1] - slopes[0])
-
-
-def _times(count: int) -> str:
-    return "once" if count == 1 else f"{count} times"
 
 
 def _listed(steps: Array) -> str:

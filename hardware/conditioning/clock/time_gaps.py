@@ -6,6 +6,7 @@ import numpy as np
 
 from simcompare.hardware.conditioning.clock import intervals, sample_counter
 from simcompare.hardware.conditioning.clock.intervals import Indices
+from simcompare.hardware.conditioning.words import amount
 from simcompare.hardware.conditioning.work import Work
 from simcompare.model.trajectory import Array
 
@@ -135,7 +136,7 @@ def _mark(work: Work, gaps: Indices, lost: Array, what: str, rule: str, channel:
     share = float(lost[short].sum() / (len(time) + lost[short].sum()))
     missing = int(lost.sum())
     text = (
-        f"{what}: {_count(len(gaps), 'gap')}, about {_count(missing, 'sample')} not there (lost, or"
+        f"{what}: {amount(len(gaps), 'gap')}, about {amount(missing, 'sample')} not there (lost, or"
         f" never taken), the longest gap lasts {lasts.max():.6g} s"
     )
     if share > _MOST_MISSING:
@@ -167,7 +168,7 @@ def _irregular(work: Work, found: Indices, length: Array) -> None:
     if len(gaps):
         work.gaps = sorted({*work.gaps, *gaps.tolist()})
         work.warn(
-            "time_gap", f"{_count(len(gaps), 'step')} of the time longer than twice what 98 % of"
+            "time_gap", f"{amount(len(gaps), 'step')} of the time longer than twice what 98 % of"
             f" all steps keep to ({usual:.6g} s); nothing was put there", samples=gaps + 1,
         )  # fmt: skip
 
@@ -175,11 +176,7 @@ def _irregular(work: Work, found: Indices, length: Array) -> None:
 def _say_late(work: Work, late: Indices, median: float, why: str) -> None:
     steps = work.time_s[late + 1] - work.time_s[late]
     work.info(
-        "late_sample", f"{_count(len(late), 'sample')} late, up to {steps.max():.6g} s after the"
+        "late_sample", f"{amount(len(late), 'sample')} late, up to {steps.max():.6g} s after the"
         f" one before where {median:.6g} s is usual; {why}, and the stamps are taken as they are",
         samples=late + 1, after={"longest_s": float(steps.max())},
     )  # fmt: skip
-
-
-def _count(number: int, word: str) -> str:
-    return f"{number} {word}{'' if number == 1 else 's'}"

@@ -6,8 +6,8 @@ import numpy as np
 
 from simcompare.hardware.conditioning.clock import bursts, clock_jumps, intervals
 from simcompare.hardware.conditioning.clock.intervals import Indices
+from simcompare.hardware.conditioning.words import are
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.raw import blocks
 
 #: neighbours of a regular stamp are as far apart as this, in medians
 _REGULAR = (0.6, 1.5)
@@ -64,14 +64,14 @@ def _missing(work: Work) -> None:
         filled += range(start, after)
     if filled:
         work.repair(
-            "time_missing", f"{_count(filled, 'stamp')} missing; put evenly between the"
+            "time_missing", f"{are(len(filled), 'stamp')} missing; put evenly between the"
             " neighbours, where the clock is regular", samples=filled,
             channel=work.stream.time or "",
         )  # fmt: skip
     left = np.flatnonzero(np.isnan(work.time_s))
     if len(left):
         work.fault(
-            f"{_count(left, 'sample')} without a time ({intervals.shorten(left, work)}), and it"
+            f"{are(len(left), 'sample')} without a time ({intervals.shorten(left, work)}), and it"
             " cannot be told from the neighbours; correct or remove these rows",
             channel=work.stream.time or "",
         )
@@ -94,7 +94,7 @@ def _outliers(work: Work, median: float) -> None:
                 break
     if found:
         work.repair(
-            "time_outlier", f"{_count(found, 'stamp')} not between the neighbours, which are"
+            "time_outlier", f"{are(len(found), 'stamp')} not between the neighbours, which are"
             " regular; put in the middle", samples=found, channel=work.stream.time or "",
         )  # fmt: skip
 
@@ -123,7 +123,7 @@ def _late_rows(work: Work, median: float) -> None:
         _reorder(work, window, order)
     if moved:
         work.repair(
-            "time_order", f"{_count(moved, 'row')} later in the log than the stamp says; put in"
+            "time_order", f"{are(len(moved), 'row')} later in the log than the stamp says; put in"
             " place, after which the stamps are regular", samples=moved,
         )  # fmt: skip
 
@@ -159,8 +159,7 @@ def _from_zero(work: Work) -> None:
     first = float(work.time_s[0])
     if first != 0.0:
         work.start_s += first
-        for part in blocks(len(work.time_s)):
-            work.time_s[part] -= first
+        work.time_s -= first
 
 
 def _in_order(work: Work) -> None:
@@ -173,8 +172,3 @@ def _in_order(work: Work) -> None:
             sample=int(wrong[0]) + 1,
             channel=work.stream.time or "",
         )
-
-
-def _count(items: object, word: str) -> str:
-    number = len(items)  # type: ignore[arg-type]
-    return f"one {word} is" if number == 1 else f"{number} {word}s are"

@@ -82,7 +82,7 @@ def _without_unit(work: Work, column: RawColumn, step: float, first: float) -> f
         )  # fmt: skip
         return _UNITS[name]
     # steps below one are fractions of a second: clocks that count in ms, µs or ns count whole ones
-    if step == 0.0 or (step < 1.0 and not _whole(column)):
+    if step == 0.0 or (step < 1.0 and not intervals.whole_numbers(column)):
         work.info(
             "time_unit", "the times have no unit; taken as seconds, as the samples lie"
             f" {_length(step)} apart then", channel=column.name, after={"median_dt_s": step},
@@ -140,8 +140,8 @@ def _make(work: Work, column: RawColumn, factor: float) -> None:
     """Turns the column into seconds from its first stamp, in its own memory."""
     values = column.values
     first = float(values[np.argmax(np.isfinite(values))])
-    for part in blocks(len(values)):
-        values[part] = (values[part] - first) * factor
+    values -= first
+    values *= factor
     work.time_s, work.start_s = values, first * factor
     date = _date(work.start_s)
     if date and not work.stream.clock.start:
@@ -164,10 +164,6 @@ def _date(seconds: float) -> str:
 
 def _possible(step_s: float) -> bool:
     return _POSSIBLE[0] <= step_s <= _POSSIBLE[1]
-
-
-def _whole(column: RawColumn) -> bool:
-    return intervals.whole_numbers(column)
 
 
 def _length(seconds: float) -> str:

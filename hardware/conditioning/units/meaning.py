@@ -13,7 +13,7 @@ from simcompare.errors import InputError
 from simcompare.hardware.conditioning.units import naming
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.mapping import ChannelMap
-from simcompare.hardware.raw import RawColumn, blocks
+from simcompare.hardware.raw import RawColumn
 from simcompare.model.trajectory import Array
 
 
@@ -96,8 +96,7 @@ def reread(work: Work, claim: Claim, unit: str, divisor: float = 1.0) -> None:
 
 
 def _divide(column: RawColumn, divisor: float) -> None:
-    for part in blocks(len(column.values)):
-        column.values[part] /= divisor
+    column.values /= divisor
     if column.limits is not None:
         column.limits = (column.limits[0] / divisor, column.limits[1] / divisor)
     if column.u is not None:

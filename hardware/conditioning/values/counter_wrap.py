@@ -12,6 +12,7 @@ import numpy as np
 
 from simcompare.hardware.conditioning.clock import intervals
 from simcompare.hardware.conditioning.clock.intervals import Indices
+from simcompare.hardware.conditioning.words import times
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.raw import RawColumn, blocks
 from simcompare.model.trajectory import Array
@@ -122,26 +123,18 @@ def _jumps(work: Work, column: RawColumn, wrap: float) -> tuple[Indices, int]:
 
 def _is_signed(column: RawColumn, wrap: float) -> bool:
     """Whether the middle half of the range is never used, and both ends are by several."""
-    below, above = set[float](), set[float]()
-    for part in blocks(len(column.values)):
-        block = column.values[part]
-        if ((block > wrap / 4) & (block < 3 * wrap / 4)).any():
-            return False
-        for found, side in ((below, block < wrap / 2), (above, block > wrap / 2)):
-            if len(found) < _LEVELS:
-                found.update(np.unique(block[side])[:_LEVELS].tolist())
-    levels = sorted((len(below), len(above)))
-    return levels[0] >= 2 and levels[1] >= _LEVELS
+    values = column.values
+    if ((values > wrap / 4) & (values < 3 * wrap / 4)).any():
+        return False
+    sides = values < wrap / 2, values > wrap / 2
+    few, more = sorted(len(np.unique(values[side])) for side in sides)
+    return few >= 2 and more >= _LEVELS
 
 
 def _make_signed(work: Work, column: RawColumn, wrap: float) -> None:
     low, high = intervals.extent(column.values)
-    found = []
-    for part in blocks(len(column.values)):
-        block = column.values[part]
-        found.append(part.start + np.flatnonzero(block > wrap / 2))
-        column.values[part] = np.where(block > wrap / 2, block - wrap, block)
-    samples = np.concatenate(found)
+    samples = np.flatnonzero(column.values > wrap / 2)
+    column.values[samples] -= wrap
     now_low, now_high = intervals.extent(column.values)
     work.repair(
         "signed_number", f"{len(samples)} values lie just below {wrap:g} and all others just above"
@@ -194,7 +187,7 @@ def unwrap(
         turns, last = float(turned[-1]), float(values[-1])
     now_low, now_high = intervals.extent(column.values)
     work.repair(
-        rule, f"begins again after {_amount(column, wrap)}, {_times(len(at))}; the turns were"
+        rule, f"begins again after {_amount(column, wrap)}, {times(len(at))}; the turns were"
         " added up", samples=at, channel=column.name, before={"min": low, "max": high},
         after={"min": now_low, "max": now_high},
     )  # fmt: skip
@@ -220,7 +213,3 @@ def _unsure(work: Work, column: RawColumn, wrap: float) -> None:
 def _amount(column: RawColumn, wrap: float) -> str:
     """A range in the unit of the column: ``360 deg``, ``4096 counts``."""
     return f"{wrap:.6g} {'counts' if column.unit in ('', '1') else column.unit}"
-
-
-def _times(count: int) -> str:
-    return "once" if count == 1 else f"{count} times"

@@ -6,6 +6,7 @@ import numpy as np
 
 from simcompare.hardware.conditioning.clock import intervals
 from simcompare.hardware.conditioning.clock.intervals import Indices, Mask
+from simcompare.hardware.conditioning.words import are
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.raw import RawColumn
 from simcompare.model.trajectory import Array
@@ -65,7 +66,7 @@ def _judge(work: Work, column: RawColumn, missing: Mask) -> None:
         outages = int((length[~filled] > _OUTAGE).sum())
         more = f" ({outages} times more than {_OUTAGE} in a row)" if outages else ""
         work.warn(
-            "missing_values", f"{_count(len(left), 'value')} missing{more}; they stay so",
+            "missing_values", f"{are(len(left), 'value')} missing{more}; they stay so",
             samples=left, channel=column.name, after={"missing": float(len(left))},
         )  # fmt: skip
 
@@ -87,7 +88,7 @@ def _say_edges(work: Work, column: RawColumn, inner: slice, count: int) -> None:
         return
     say = work.info if len(edges) <= max(2 * _LONGEST, 0.01 * count) else work.warn
     say(
-        "missing_at_ends", f"{_count(len(edges), 'value')} missing before the first or after the"
+        "missing_at_ends", f"{are(len(edges), 'value')} missing before the first or after the"
         " last one; they stay so", samples=edges, channel=column.name,
         after={"missing": float(len(edges))},
     )  # fmt: skip
@@ -115,7 +116,7 @@ def _fill(work: Work, column: RawColumn, missing: Mask, first: Indices, length: 
     if done:
         samples = np.concatenate(done)
         work.repair(
-            "interpolated", f"{_count(len(samples), 'missing value')} put between good neighbours,"
+            "interpolated", f"{are(len(samples), 'missing value')} put between good neighbours,"
             f" at most {_LONGEST} in a row; the same done where values are known is wrong by"
             f" {worst:.3g} (rms)", samples=samples, channel=column.name,
             before={"missing": float(length.sum())},
@@ -202,7 +203,3 @@ def _widen(column: RawColumn, samples: Indices, u: float) -> None:
         column.added_u = intervals.room(len(column.values))
         column.added_u[:] = 0.0
     column.added_u[samples] = np.hypot(column.added_u[samples], u)
-
-
-def _count(number: int, word: str) -> str:
-    return f"one {word} is" if number == 1 else f"{number} {word}s are"

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from simcompare.hardware.conditioning.clock import intervals
+from simcompare.hardware.conditioning.words import are
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.raw import RawColumn, blocks
+from simcompare.hardware.raw import RawColumn
 
 #: no sensor means these; a channel may hold them for as long as it likes
 _MARKS = (
@@ -42,11 +43,7 @@ def check(work: Work) -> None:
 
 def _quiet(column: RawColumn) -> None:
     """Damaged files may hold signalling NaN, with which NumPy finds wrong extremes."""
-    for part in blocks(len(column.values)):
-        block = column.values[part]
-        missing = np.isnan(block)
-        if missing.any():
-            block[missing] = np.nan
+    column.values[np.isnan(column.values)] = np.nan
 
 
 def _drop_empty(work: Work) -> None:
@@ -58,8 +55,7 @@ def _drop_empty(work: Work) -> None:
     if not empty.any() or empty.all():
         return
     for column in work.data:
-        for part in blocks(len(empty)):
-            empty[part] &= np.isnan(column.values[part])
+        empty &= np.isnan(column.values)
     rows = np.flatnonzero(empty)
     if len(rows):
         work.info("empty_row", "rows without time and values were left out", samples=rows)
@@ -67,20 +63,14 @@ def _drop_empty(work: Work) -> None:
 
 
 def _infinite(work: Work, column: RawColumn) -> None:
-    found = [
-        part.start + np.flatnonzero(np.isinf(column.values[part]))
-        for part in blocks(len(column.values))
-    ]
-    samples = np.concatenate(found) if found else np.empty(0, dtype=np.int64)
+    samples = np.flatnonzero(np.isinf(column.values))
     if len(samples):
         column.values[samples] = np.nan
         work.repair(
-            "infinite",
-            f"{_times(len(samples))} infinite; nothing was measured there, so it is missing now",
-            samples=samples,
-            channel=column.name,
+            "infinite", f"{are(len(samples), 'sample')} infinite; nothing was measured there,"
+            " so it is missing now", samples=samples, channel=column.name,
             after={"missing": float(len(samples))},
-        )
+        )  # fmt: skip
 
 
 def _guess(work: Work, column: RawColumn) -> None:
@@ -115,60 +105,36 @@ def _guess(work: Work, column: RawColumn) -> None:
 
 
 def _marks_in(column: RawColumn) -> list[float]:
-    # marks are rarely present: the extremes of a block tell quickly that there are none
-    present: set[float] = set()
-    candidates = np.array(sorted((*_MARKS, *_FULL)))
-    for part in blocks(len(column.values)):
-        block = column.values[part]
-        if np.isnan(block).all():
-            continue
-        low, high = np.nanmin(block), np.nanmax(block)
-        inside = candidates[(candidates >= low) & (candidates <= high)]
-        present.update(float(mark) for mark in inside if (block == mark).any())
-    return sorted(present)
+    # marks are rarely present: the extremes tell quickly that there are none
+    low, high = intervals.extent(column.values)
+    inside = [mark for mark in sorted((*_MARKS, *_FULL)) if low <= mark <= high]
+    return [mark for mark in inside if (column.values == mark).any()]
 
 
 def _rest(column: RawColumn, marks: list[float]) -> tuple[float, float, int]:
     """Smallest and largest value but for the marks, and how many levels there are (up to 3)."""
-    low, high, levels = np.inf, -np.inf, set[float]()
-    for part in blocks(len(column.values)):
-        block = column.values[part]
-        block = block[~np.isnan(block) & ~np.isin(block, marks)]
-        if not len(block):
-            continue
-        low, high = min(low, float(block.min())), max(high, float(block.max()))
-        if len(levels) < _LEVELS:
-            levels.update(np.unique(block)[:_LEVELS].tolist())
-    return low, high, len(levels)
+    rest = column.values[~np.isnan(column.values) & ~np.isin(column.values, marks)]
+    low, high = intervals.extent(rest)
+    return low, high, min(len(np.unique(rest)), _LEVELS)
 
 
 def _single(column: RawColumn, mark: float) -> bool:
     """Whether a value comes in short and rare stretches only."""
-    count = sum(int((column.values[part] == mark).sum()) for part in blocks(len(column.values)))
-    if count > max(_SHARE * len(column.values), 1):
-        return False
-    _, length = intervals.runs(np.asarray(column.values == mark))
-    return int(length.max()) <= _LONGEST
+    _, length = intervals.runs(column.values == mark)
+    is_rare = length.sum() <= max(_SHARE * len(column.values), 1)
+    return bool(is_rare) and int(length.max()) <= _LONGEST
 
 
 def _clear(work: Work, column: RawColumn, mark: float, why: str) -> None:
-    found = [
-        part.start + np.flatnonzero(column.values[part] == mark)
-        for part in blocks(len(column.values))
-    ]
-    samples = np.concatenate(found) if found else np.empty(0, dtype=np.int64)
+    samples = np.flatnonzero(column.values == mark)
     if not len(samples):
         return
     column.values[samples] = np.nan
     work.repair(
         "sentinel",
-        f"{_times(len(samples))} {mark:g}; {why}. It is missing now",
+        f"{are(len(samples), 'sample')} {mark:g}; {why}. It is missing now",
         samples=samples,
         channel=column.name,
         before={"value": mark},
         after={"missing": float(len(samples))},
     )
-
-
-def _times(count: int) -> str:
-    return "one sample is" if count == 1 else f"{count} samples are"

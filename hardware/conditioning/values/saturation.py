@@ -7,7 +7,7 @@ import numpy as np
 from simcompare.hardware.conditioning.clock import intervals
 from simcompare.hardware.conditioning.clock.intervals import Indices, Mask
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.raw import RawColumn, blocks
+from simcompare.hardware.raw import RawColumn
 
 #: so many samples in a row at one end; a single one may be the true peak
 _FEWEST = 3
@@ -41,23 +41,14 @@ def check(work: Work) -> None:
 def _at_limits(work: Work, column: RawColumn) -> None:
     lowest, highest = sorted(column.limits or (-np.inf, np.inf))
     margin = 1e-9 * max(abs(lowest), abs(highest))
-    mask = np.zeros(len(column.values), dtype=np.bool_)
-    for part in blocks(len(mask)):
-        block = column.values[part]
-        mask[part] = (block >= highest - margin) | (block <= lowest + margin)
-    if not mask.any():
-        return
-    first, length = intervals.runs(mask)
-    long = length >= _FEWEST
-    _mark(
-        work, column, first[long], length[long],
-        f"at the end of the sensor's range ({lowest:g} to {highest:g})",
-    )  # fmt: skip
+    at_end = (column.values >= highest - margin) | (column.values <= lowest + margin)
+    where = f"at the end of the sensor's range ({lowest:g} to {highest:g})"
+    _mark(work, column, *_long_runs(at_end), where)
 
 
 def _flat_ends(work: Work, column: RawColumn, low: float, high: float) -> None:
     """Flat stretches at the very extremes, cut off as no true peak is."""
-    ends = [_stretches(column, end) for end in (low, high)]
+    ends = [_long_runs(column.values == end) for end in (low, high)]
     if not any(len(first) for first, _ in ends):
         return
     smallest = intervals.resolution(column.values)
@@ -87,12 +78,9 @@ def _flat_ends(work: Work, column: RawColumn, low: float, high: float) -> None:
     )  # fmt: skip
 
 
-def _stretches(column: RawColumn, end: float) -> tuple[Indices, Indices]:
-    """Stretches of at least three samples at one value."""
-    mask = np.zeros(len(column.values), dtype=np.bool_)
-    for part in blocks(len(mask)):
-        mask[part] = column.values[part] == end
-    first, length = intervals.runs(mask)
+def _long_runs(at_end: Mask) -> tuple[Indices, Indices]:
+    """First sample and length of the runs of at least three samples at an end."""
+    first, length = intervals.runs(at_end)
     long = length >= _FEWEST
     return first[long], length[long]
 

@@ -62,7 +62,7 @@ def split(line: str, separator: str) -> list[str]:
     """Cells of one line."""
     if separator == " ":
         return line.split()
-    if '"' not in line:  # far faster, and the usual case
+    if '"' not in line and "\r" not in line:  # far faster, and the usual case
         return line.split(separator)
     try:
         return next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
