@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import re
-from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from simcompare.hardware.conditioning.units.meaning import Claim
+from simcompare.hardware.conditioning.units.meaning import Claim, of_one_thing
 from simcompare.hardware.conditioning.units.rest import excerpts
 from simcompare.hardware.conditioning.work import Work
 from simcompare.model.trajectory import Array
@@ -26,7 +24,6 @@ _RATE = frozenset(
         "dot", "dq", "qd", "qdot", "dtheta", "dphi", "thetadot", "phidot", "w", "v",
     )
 )  # fmt: skip
-_AXIS_RATE = {"vx": "x", "vy": "y", "vz": "z"}
 _MOST_WINDOWS = 4096
 #: correlations that are as good as the best
 _NEARLY = 0.03
@@ -48,31 +45,10 @@ class Slope:
     span_s: float
 
 
-def pairs(found: Sequence[Claim]) -> list[tuple[Claim, Claim]]:
+def pairs(claims: Sequence[Claim]) -> list[tuple[Claim, Claim]]:
     """Positions and rates of the same thing, by names and units."""
-    positions: dict[tuple[str, ...], list[Claim]] = defaultdict(list)
-    rates: dict[tuple[str, ...], list[Claim]] = defaultdict(list)
-    for claim in found:
-        if claim.si in _RATE_OF:
-            positions[(_RATE_OF[claim.si], *_of_what(claim))].append(claim)
-        elif claim.si in _RATE_OF.values():
-            rates[(claim.si, *_of_what(claim))].append(claim)
-    # two positions of the same name and thing: nobody can tell which one the rate belongs to
-    return [
-        (positions[what][0], rates[what][0])
-        for what in positions
-        if len(positions[what]) == len(rates.get(what, ())) == 1
-        and _same_frame(positions[what][0], rates[what][0])
-    ]
-
-
-def _of_what(claim: Claim) -> tuple[str, ...]:
-    """Words of a name that say whose position or rate it is."""
-    name = claim.name if claim.wish else claim.column.name
-    split = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Za-z])(?=\d)", " ", name)
-    words = [_AXIS_RATE.get(word, word) for word in re.split(r"[^A-Za-z0-9]+", split.lower())]
-    skip = _POSITION | _RATE | {"", "rad", "deg", "m", "s", "mm"}
-    return tuple(word for word in words if word not in skip)
+    skip = _POSITION | _RATE | {"rad", "deg", "m", "s", "mm"}
+    return [pair for pair in of_one_thing(claims, _RATE_OF, skip) if _same_frame(*pair)]
 
 
 def _same_frame(position: Claim, rate: Claim) -> bool:

@@ -16,7 +16,7 @@ from simcompare.hardware.conditioning.units.meaning import (
     Claim,
     claims,
     mapping_line,
-    reread,
+    take,
     title,
     triads,
 )
@@ -45,12 +45,6 @@ def check(work: Work) -> None:
     """Holds accelerometers against gravity, and gyroscopes against accelerometers."""
     if len(work.time_s) < 2:
         return
-    # absurd numbers overflow here and there; what comes of it fits nothing and is left alone
-    with np.errstate(over="ignore", invalid="ignore"):
-        _check(work)
-
-
-def _check(work: Work) -> None:
     found = triads(claims(work))
     forces = [triad for triad in found if triad[0].si == "m/s**2"]
     for triad in forces:
@@ -192,12 +186,9 @@ def _gyroscope_unit(work: Work, turn: Triad, found: turning.Turning, text: str) 
         )
         return
     for claim in turn:
-        reread(work, claim, found.unit)
-        work.repair(
-            "unit_mistake", f"{text}; {claim.column.name!r} was taken so",
-            channel=claim.column.name, before={"explained": found.as_it_is},
-            after={"explained": found.best},
-        )  # fmt: skip
+        full = f"{text}; {claim.column.name!r} was taken so"
+        before, after = {"explained": found.as_it_is}, {"explained": found.best}
+        take(work, claim, found.unit, full, before, after)
 
 
 def _fastest(work: Work, turn: Sequence[Claim]) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -73,11 +74,31 @@ def _claim(column: RawColumn, wish: ChannelMap | None, name: str) -> Claim:
     )  # fmt: skip
 
 
-def reread(work: Work, claim: Claim, unit: str, divisor: float = 1.0) -> None:
-    """Takes the numbers of a column as ``unit`` after division; the unit that it claimed was wrong.
+def near(value: float, expected: float, factor: float) -> bool:
+    """Whether a value is what is expected but for a factor."""
+    return 1 / factor <= value / expected <= factor
 
-    The caller records it.
+
+def take(
+    work: Work, claim: Claim, unit: str, text: str, before: dict[str, float],
+    after: dict[str, float], divisor: float = 1.0,
+) -> None:  # fmt: skip
+    """Takes the numbers of a column as ``unit`` after division, and records it.
+
+    Args:
+        work: the stream.
+        claim: the column; the unit that it claims is wrong.
+        unit: the one that fits.
+        text: why.
+        before: numbers that contradict physics.
+        after: what they become.
+        divisor: of the raw numbers.
     """
+    work.repair("unit_mistake", text, channel=claim.column.name, before=before, after=after)
+    _reread(work, claim, unit, divisor)
+
+
+def _reread(work: Work, claim: Claim, unit: str, divisor: float) -> None:
     column = claim.column
     if claim.wish is None:
         column.unit = unit
@@ -112,6 +133,40 @@ def mapping_line(claim: Claim, unit: str, divisor: float = 1.0, sign: int = 1) -
     more += f", sign: {turned}" if turned != 1 else ""
     name = claim.name.removesuffix(units.suffix_of(claim.name))
     return f"{name}: {{column: {claim.column.name!r}, unit: {unit}{more}}}"
+
+
+#: words for the rate along an axis that name the axis
+_AXIS_RATE = {"vx": "x", "vy": "y", "vz": "z"}
+
+
+def of_one_thing(
+    claims: Sequence[Claim], partner: Mapping[str, str], skip: Collection[str]
+) -> list[tuple[Claim, Claim]]:
+    """Two quantities of one thing, such as a position and its rate.
+
+    Args:
+        claims: all columns.
+        partner: SI unit of the one quantity -> that of the other.
+        skip: words of a name that say which quantity it is, and nothing of whose.
+    """
+    things: dict[tuple[str, ...], tuple[list[Claim], list[Claim]]] = {}
+    for claim in claims:
+        for units_of_both in partner.items():
+            if claim.si in units_of_both:
+                thing = things.setdefault((*units_of_both, *_thing(claim, skip)), ([], []))
+                thing[units_of_both.index(claim.si)].append(claim)
+    # two positions of the same name and thing: nobody can tell which one the rate belongs to
+    return [(one[0], other[0]) for one, other in things.values() if len(one) == len(other) == 1]
+
+
+def _thing(claim: Claim, skip: Collection[str]) -> Iterator[str]:
+    """Words of a name that say what it belongs to."""
+    name = claim.name if claim.wish else claim.column.name
+    split = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Za-z])(?=\d)", " ", name)
+    for word in re.findall(r"[a-z0-9]+", split.lower()):
+        word = _AXIS_RATE.get(word, word)
+        if word not in skip:
+            yield word
 
 
 #: how the three components of a vector are told apart, in names that are otherwise the same

@@ -16,7 +16,8 @@ from simcompare.hardware.conditioning.units.meaning import (
     Claim,
     claims,
     mapping_line,
-    reread,
+    near,
+    take,
     title,
     triads,
 )
@@ -62,12 +63,6 @@ def check(work: Work) -> None:
     """Holds every unit against physics."""
     if len(work.time_s) < 2:
         return
-    # absurd numbers overflow here and there; what comes of it fits nothing and is left alone
-    with np.errstate(over="ignore", invalid="ignore"):
-        _check(work)
-
-
-def _check(work: Work) -> None:
     for triad in triads(claims(work)):
         if _is_acceleration(triad):
             _acceleration(work, triad)
@@ -110,15 +105,10 @@ def _acceleration(work: Work, triad: Sequence[Claim]) -> None:
     text = f"at rest the columns {title(triad)} ({declared}) show {size:.4g}"
     if work.assume_units:
         for claim in triad:
-            before = claim.unit_si
-            reread(work, claim, unit, divisor)
-            work.repair(
-                "unit_mistake",
-                f"{text}, as gravity does in {meant}; that unit was taken",
-                channel=claim.column.name,
-                before={"rest": size, "unit_si": before},
-                after={"rest_m_s2": size / divisor * units.si_of(unit, "")[0]},
-            )
+            full = f"{text}, as gravity does in {meant}; that unit was taken"
+            before = {"rest": size, "unit_si": claim.unit_si}
+            after = {"rest_m_s2": size / divisor * units.si_of(unit, "")[0]}
+            take(work, claim, unit, full, before, after, divisor)
     elif first.unit:
         lines = "; ".join(mapping_line(claim, unit, divisor) for claim in triad)
         work.fault(
@@ -161,12 +151,9 @@ def _derivative(work: Work, position: Claim, rate: Claim) -> None:
     cures = _cures(position, rate, size)
     if len(cures) == 1 and work.assume_units and slope.value > 0:
         claim, unit = cures[0]
-        reread(work, claim, unit)
-        work.repair(
-            "unit_mistake", f"{text}; {claim.column.name!r} was taken as {unit}, which fits",
-            channel=claim.column.name, before={"slope": slope.value},
-            after={"slope": slope.value * _after(claim is position, claim, unit)},
-        )  # fmt: skip
+        fitted = slope.value * _after(claim is position, claim, unit)
+        text += f"; {claim.column.name!r} was taken as {unit}, which fits"
+        take(work, claim, unit, text, {"slope": slope.value}, {"slope": fitted})
     elif cures:
         lines = " or ".join(mapping_line(claim, unit) for claim, unit in cures)
         more = "; or add --assume-units" if len(cures) == 1 and slope.value > 0 else ""
@@ -192,7 +179,7 @@ def _cures(position: Claim, rate: Claim, size: float) -> list[tuple[Claim, str]]
         for claim in (position, rate)
         for unit in _MISTAKEN[claim.si]
         if not NEAR_ONE > units.si_of(unit, "")[0] / claim.unit_si > 1 / NEAR_ONE
-        if _near(size * _after(claim is position, claim, unit), 1.0)
+        if near(size * _after(claim is position, claim, unit), 1.0, NEAR_FACTOR)
     ]
 
 
@@ -202,13 +189,9 @@ def _after(is_position: bool, claim: Claim, unit: str) -> float:
     return change if is_position else 1 / change
 
 
-def _near(value: float, wanted: float) -> bool:
-    return 1 / NEAR_FACTOR <= value / wanted <= NEAR_FACTOR
-
-
 def _clock_factor(size: float) -> str:
     known = {"1000": 1e3, "1/1000": 1e-3, "60": 60.0, "1/60": 1 / 60, "10⁶": 1e6, "10⁻⁶": 1e-6}
-    return next((text for text, factor in known.items() if _near(size, factor)), "")
+    return next((text for text, factor in known.items() if near(size, factor, NEAR_FACTOR)), "")
 
 
 def _pressure(work: Work, claim: Claim) -> None:
@@ -233,12 +216,9 @@ def _pressure(work: Work, claim: Claim) -> None:
     unit = fitting[0]
     text = f"shows {number:.4g} {claim.unit}; as pressure of the air that is {unit}"
     if work.assume_units:
-        reread(work, claim, unit)
-        work.repair(
-            "unit_mistake", f"{claim.column.name!r} {text}, and was taken as such",
-            channel=claim.column.name, before={"median_Pa": middle},
-            after={"median_Pa": number * units.si_of(unit, "")[0]},
-        )  # fmt: skip
+        full = f"{claim.column.name!r} {text}, and was taken as such"
+        fitted = number * units.si_of(unit, "")[0]
+        take(work, claim, unit, full, {"median_Pa": middle}, {"median_Pa": fitted})
     else:
         work.fault(
             f"{text}: write in the mapping file {mapping_line(claim, unit)}, or add --assume-units;"

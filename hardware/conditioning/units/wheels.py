@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
-import re
-from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
 
 from simcompare import units
-from simcompare.hardware.conditioning.units.meaning import Claim, mapping_line, reread
+from simcompare.hardware.conditioning.units.meaning import (
+    Claim,
+    mapping_line,
+    near,
+    of_one_thing,
+    take,
+)
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.raw import blocks
 
@@ -37,28 +41,11 @@ def check(work: Work, found: Sequence[Claim]) -> None:
             _judge(work, speed, rate, ratio / (diameter / 2))
 
 
-def _pairs(found: Sequence[Claim]) -> list[tuple[Claim, Claim]]:
+def _pairs(claims: Sequence[Claim]) -> list[tuple[Claim, Claim]]:
     """Speeds [m/s] and rates [rad/s] of the same wheel, by names; or the only one of each."""
-    speeds: dict[tuple[str, ...], list[Claim]] = defaultdict(list)
-    rates: dict[tuple[str, ...], list[Claim]] = defaultdict(list)
-    for claim in found:
-        if claim.si == "m/s":
-            speeds[_wheel(claim)].append(claim)
-        elif claim.si == "rad/s":
-            rates[_wheel(claim)].append(claim)
-    same = [
-        (speeds[w][0], rates[w][0]) for w in speeds if len(speeds[w]) == len(rates.get(w, ())) == 1
-    ]
-    every = [c for cs in speeds.values() for c in cs], [c for cs in rates.values() for c in cs]
-    if not same and len(every[0]) == len(every[1]) == 1:
-        return [(every[0][0], every[1][0])]
-    return same
-
-
-def _wheel(claim: Claim) -> tuple[str, ...]:
-    name = claim.name if claim.wish else claim.column.name
-    split = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
-    return tuple(w for w in re.split(r"[^a-z0-9]+", split.lower()) if w and w not in _WORDS)
+    same = of_one_thing(claims, {"m/s": "rad/s"}, _WORDS)
+    speeds, rates = ([c for c in claims if c.si == si] for si in ("m/s", "rad/s"))
+    return [(speeds[0], rates[0])] if not same and len(speeds) == len(rates) == 1 else same
 
 
 def _ratio(work: Work, speed: Claim, rate: Claim) -> float | None:
@@ -83,25 +70,22 @@ def _judge(work: Work, speed: Claim, rate: Claim, ratio: float) -> None:
     pair = f"{speed.column.name!r} ({speed.unit}) and {rate.column.name!r} ({rate.unit})"
     text = f"columns {pair}: the speed is {ratio:.3g} times ω·D/2"
     size = abs(ratio)
-    if _near(size, 1.0):
+    if near(size, 1.0, _NEAR):
         if ratio < 0:
             work.warn("sign", f"{text}: one of them counts the other way", channel=rate.column.name)
         return
     unit = _other_unit(rate, size)
     if unit and work.assume_units:
         fitted = ratio * rate.unit_si / units.si_of(unit, "")[0]
-        reread(work, rate, unit)
-        work.repair(
-            "unit_mistake", f"{text}; the rate was taken as {unit}, which fits",
-            channel=rate.column.name, before={"ratio": ratio}, after={"ratio": fitted},
-        )  # fmt: skip
+        text += f"; the rate was taken as {unit}, which fits"
+        take(work, rate, unit, text, {"ratio": ratio}, {"ratio": fitted})
     elif unit:
         work.fault(
             f"{text}; expected 1. Either the rate is in {unit} (write in the mapping file"
             f" {mapping_line(rate, unit)}, or add --assume-units), or the speed was computed as"
             " π·D·ω with ω in rad/s; it is π·D·n with turns a second"
         )
-    elif _near(size, 2.0) or _near(size, 0.5):
+    elif near(size, 2.0, _NEAR) or near(size, 0.5, _NEAR):
         work.warn(
             "wheel_diameter",
             f"{text}; expected 1: a radius may have been taken for a diameter",
@@ -119,10 +103,5 @@ def _other_unit(rate: Claim, size: float) -> str:
     """The unit of the rate with which speed and rate agree."""
     turn = 2 * math.pi
     known = {"rad/s": 1.0, "turn/s": turn, "turn/min": turn / 60, "deg/s": turn / 360}
-    return next(
-        (u for u, f in known.items() if _near(f / rate.unit_si, size) and f != rate.unit_si), ""
-    )
-
-
-def _near(value: float, wanted: float) -> bool:
-    return 1 / _NEAR <= value / wanted <= _NEAR
+    others = {unit: factor for unit, factor in known.items() if factor != rate.unit_si}
+    return next((u for u, f in others.items() if near(f / rate.unit_si, size, _NEAR)), "")
