@@ -16,6 +16,8 @@ from simcompare.model.trajectory import Array
 
 #: samples that are looked at together, so that a long log needs no more memory than a short one
 BLOCK = 1 << 18
+#: rows of one defect that are named; their count is always whole
+MAX_ROWS = 100_000
 #: values of a stream that are kept in memory; what is more goes into a temporary file
 SPILL = 1 << 22
 

@@ -386,7 +386,7 @@ def test_a_bag_becomes_a_recording_in_si_units(bag):
 def test_long_lists_do_not_become_columns(tmp_path):
     bag = Bag(tmp_path, ROS1)
     layout = bag.make("std_msgs/msg/MultiArrayLayout", dim=[], data_offset=0)
-    count = bag_layout.MOST_COLUMNS + 1
+    count = bag_layout.MAX_COLUMNS + 1
     rows = [
         (ns, bag.make("std_msgs/msg/Float64MultiArray", layout=layout, data=np.zeros(count)))
         for ns in times(3)

@@ -327,7 +327,7 @@ def test_what_scipy_writes_is_taken_for_whole(plain):
 
 
 def test_a_variable_that_unpacks_to_a_flood_is_refused(plain, monkeypatch):
-    monkeypatch.setattr(mat_check, "LEAST_LIMIT", 1 << 20)
+    monkeypatch.setattr(mat_check, "MIN_LIMIT", 1 << 20)
     path = plain(packed=True, tree={"t": np.zeros(1 << 18)})
     assert "unpacks to more than 1 MB, which is not plausible" in faults(path)
 

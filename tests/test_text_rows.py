@@ -61,7 +61,7 @@ def test_a_line_of_a_megabyte_is_no_row(read):
 
 
 def test_a_text_is_given_in_pieces_of_not_too_many_lines(monkeypatch):
-    monkeypatch.setattr(_text, "MOST_LINES", 7)
+    monkeypatch.setattr(_text, "MAX_LINES", 7)
     data = b"".join(b"%d,1\n" % i for i in range(100)) + b"100,"
     source = _text.opened("log", lambda: io.BytesIO(data))
     for first in (1, 2, 8, 95, 101):

@@ -30,12 +30,20 @@ from simcompare.statistics.noise import measured_noise
 #: part of an interval in which a rate changes into the next, half of it on either side
 FLANK = 0.2
 #: fewest samples without a gap that are filtered, and the order of the filter, forwards
-FEWEST_FILTERED = 30
+MIN_FILTERED = 30
 ORDER = 2
 
 
 class _Wish(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class _OfChannels(_Wish):
+    of: tuple[str, ...]
+
+    def names(self) -> tuple[str, ...]:
+        """Channels that are needed."""
+        return self.of
 
 
 class WheelRates(_Wish):
@@ -59,7 +67,7 @@ class WheelRates(_Wish):
         return (self.way, self.turn)
 
 
-class LowPass(_Wish):
+class LowPass(_OfChannels):
     """The same channels without what is faster than a frequency, and not delayed.
 
     Attributes:
@@ -71,12 +79,8 @@ class LowPass(_Wish):
     of: Annotated[tuple[str, ...], Field(min_length=1)]
     cutoff_Hz: PositiveFloat
 
-    def names(self) -> tuple[str, ...]:
-        """Channels that are needed."""
-        return self.of
 
-
-class Magnitude(_Wish):
+class Magnitude(_OfChannels):
     """Length of a vector, ``magnitude``.
 
     Attributes:
@@ -86,12 +90,8 @@ class Magnitude(_Wish):
     function: Literal["magnitude"]
     of: Annotated[tuple[str, ...], Field(min_length=2, max_length=3)]
 
-    def names(self) -> tuple[str, ...]:
-        """Channels that are needed."""
-        return self.of
 
-
-class YawPitchRoll(_Wish):
+class YawPitchRoll(_OfChannels):
     """Angles about z, then the new y, then the new x: ``yaw``, ``pitch`` and ``roll``.
 
     Attributes:
@@ -103,13 +103,9 @@ class YawPitchRoll(_Wish):
     of: Annotated[tuple[str, ...], Field(min_length=4, max_length=4)]
     u_rad: PositiveFloat | None = None
 
-    def names(self) -> tuple[str, ...]:
-        """Channels that are needed."""
-        return self.of
 
-
-Wish = Annotated[WheelRates | LowPass | Magnitude | YawPitchRoll, Field(discriminator="function")]
-_WISH: TypeAdapter[WheelRates | LowPass | Magnitude | YawPitchRoll] = TypeAdapter(Wish)
+Wish = WheelRates | LowPass | Magnitude | YawPitchRoll
+_WISH: TypeAdapter[Wish] = TypeAdapter(Annotated[Wish, Field(discriminator="function")])
 
 
 def add(recording: Recording, tree: Mapping[str, Any], where: str) -> Recording:
@@ -147,15 +143,13 @@ def add(recording: Recording, tree: Mapping[str, Any], where: str) -> Recording:
     return recording
 
 
-def _reason(wish: WheelRates | LowPass | Magnitude | YawPitchRoll) -> str:
+def _reason(wish: Wish) -> str:
     options = {k: v for k, v in wish.model_dump().items() if isinstance(v, float)}
     told = ", ".join(f"{name} {value:g}" for name, value in options.items())
     return f"derived by {wish.function}{f' with {told}' if told else ''}"
 
 
-def _made(
-    recording: Recording, wish: WheelRates | LowPass | Magnitude | YawPitchRoll, where: str
-) -> Stream:
+def _made(recording: Recording, wish: Wish, where: str) -> Stream:
     found = [recording.find(name) for name in wish.names()]
     sources = sorted({stream for stream, _ in found})
     if len(sources) > 1:
@@ -324,7 +318,7 @@ def low_pass(values: Array, rate_Hz: float, cutoff_Hz: float) -> Array:
     known = np.isfinite(values)
     ends = np.flatnonzero(np.diff(np.concatenate(([False], known, [False]))))
     for start, stop in zip(ends[::2], ends[1::2], strict=True):
-        if stop - start >= FEWEST_FILTERED:
+        if stop - start >= MIN_FILTERED:
             found[start:stop] = sosfiltfilt(sections, values[start:stop])
     return found
 

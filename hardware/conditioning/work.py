@@ -10,12 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.hardware.mapping import ChannelMap, Mapping
-from simcompare.hardware.raw import RawColumn, RawStream, blocks
+from simcompare.hardware.raw import MAX_ROWS, RawColumn, RawStream, blocks
 from simcompare.model.recording import INFO, REPAIR, WARNING, Repair, ranges
 from simcompare.model.trajectory import Array
-
-#: rows of one defect that are named; the count is always whole
-MOST_ROWS = 100_000
 
 
 @dataclass
@@ -87,7 +84,7 @@ class Work:
         Args:
             rule: short name of the defect.
             text: what was found and what was done.
-            more: samples (indices; of many, the first ``MOST_ROWS`` are enough if ``count`` says
+            more: samples (indices; of many, the first ``MAX_ROWS`` are enough if ``count`` says
                 how many there are), channel (raw name), before and after (numbers by name).
         """
         self._record(rule, REPAIR, text, **more)
@@ -105,7 +102,7 @@ class Work:
         after: MappingOf[str, float] | None = None,
     ) -> None:
         indices = np.asarray([] if samples is None else samples, dtype=np.int64)
-        named = indices[:MOST_ROWS]
+        named = indices[:MAX_ROWS]
         if self.stream.rows is not None:
             rows = self.stream.rows[named]
         else:

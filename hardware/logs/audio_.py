@@ -22,7 +22,7 @@ _BLOCKS = (1 << 18, 1 << 12, 1 << 6)
 U_RATE = 50e-6
 #: bits that hold one sample, by libsndfile's name of the coding
 _BITS = {"PCM_S8": 8, "PCM_U8": 8, "PCM_16": 16, "PCM_24": 24, "PCM_32": 32}
-_SLOWEST_HZ, _FASTEST_HZ = 2000.0, 2e6
+_MIN_RATE_HZ, _MAX_RATE_HZ = 2000.0, 2e6
 
 
 def recognises(head: Head) -> int:
@@ -53,7 +53,7 @@ def read(path: Path, mapping: Mapping) -> RawLog:
         )
     true_Hz = float((mapping.time and mapping.time.rate_Hz) or rate_Hz)
     for rate in (rate_Hz, true_Hz):
-        if not _SLOWEST_HZ <= rate <= _FASTEST_HZ:
+        if not _MIN_RATE_HZ <= rate <= _MAX_RATE_HZ:
             raise InputError(
                 str(path),
                 [f"has {rate:g} samples in a second; expected a sound with 2000 Hz to 2 MHz"],

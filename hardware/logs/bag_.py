@@ -19,7 +19,7 @@ from simcompare.model.recording import WARNING, Repair
 
 TITLE = "a ROS bag (ROS 1, ROS 2 SQLite or MCAP)"
 
-_MOST_TEXTS = 100
+_MAX_TEXTS = 100
 _BILLION = 1_000_000_000
 
 Key = tuple[str, str, str, str]
@@ -105,7 +105,7 @@ def _missing(state: State, topic: Topic) -> str:
 
 def _damaged(state: State) -> list[Repair]:
     shown = [
-        Repair("damaged_record", WARNING, text, count=1) for text in state.damaged[:_MOST_TEXTS]
+        Repair("damaged_record", WARNING, text, count=1) for text in state.damaged[:_MAX_TEXTS]
     ]
     more = len(state.damaged) - len(shown)
     if more:
@@ -124,7 +124,7 @@ def _about(state: State, done: list[Finished]) -> dict[str, str]:
 
 def _reasons(state: State, log: RawLog) -> list[str]:
     """Why nothing of a bag can be used, topic by topic."""
-    found = [f"topic {name}: {why}" for name, why in list(log.ignored.items())[:_MOST_TEXTS]]
+    found = [f"topic {name}: {why}" for name, why in list(log.ignored.items())[:_MAX_TEXTS]]
     found += [repair.text for repair in log.repairs if repair.severity == WARNING]
     if state.truncated:
         found.append(state.truncated)

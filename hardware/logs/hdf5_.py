@@ -19,10 +19,10 @@ TITLE = "an HDF5 file"
 
 _MAGIC = b"\x89HDF\r\n\x1a\n"
 _UNITS = ("unit", "units", "unit_string")
-_DEEPEST = 16
+_MAX_DEPTH = 16
 #: values that are read together, at least one chunk of the file
 _TOGETHER = 1 << 18
-_SMALL = 64
+_MAX_SHOWN = 64
 
 
 def recognises(head: Head) -> int:
@@ -115,7 +115,7 @@ def _collect(found: _File, group: Any, path: str, inherited: dict[str, Any], dep
         if not isinstance(link, h5py.HardLink):
             continue  # a soft link shows what stands elsewhere in the file too
         item = group[key]
-        if isinstance(item, h5py.Group) and depth < _DEEPEST:
+        if isinstance(item, h5py.Group) and depth < _MAX_DEPTH:
             _collect(found, item, full, {**inherited, **dict(item.attrs)}, depth + 1)
         elif isinstance(item, h5py.Dataset):
             _sort(found, path, key, full, item)
@@ -161,20 +161,20 @@ def _sets(found: _File, group: str) -> list[tuple[str, list[_Part]]]:
                 continue
             turned = True
         part = _Part(key, item, turned, dict(item.attrs))
-        if part.width > arrays.MOST_COLUMNS:
+        if part.width > arrays.MAX_COLUMNS:
             full = f"{group}/{key}".strip("/")
-            found.log.ignored[full] = f"has {part.width} components; at most {arrays.MOST_COLUMNS}"
+            found.log.ignored[full] = f"has {part.width} components; at most {arrays.MAX_COLUMNS}"
             continue
         sets.setdefault(part.samples, []).append(part)
     longest = max(sets, default=0)
     kept = []
     for samples, parts in sets.items():
-        if samples < arrays.FEW_SAMPLES <= longest:
+        if samples < arrays.MIN_SAMPLES <= longest:
             for part in parts:
                 full = f"{group}/{part.name}".strip("/")
                 why = f"has only {samples} samples beside {longest}: kept as a parameter"
                 found.log.ignored[full] = why
-                if part.item.size <= _SMALL:
+                if part.item.size <= _MAX_SHOWN:
                     found.log.about[full] = arrays.shorten(np.asarray(part.item[()]))
         else:
             kept.append((group, parts))

@@ -20,7 +20,7 @@ from simcompare.model.recording import INFO, Repair
 TITLE = "a MATLAB file"
 
 _TIME_WORD = re.compile(r"^(time|t|zeit)_?(.*)$|^(.*?)_?(time|t|zeit)$", re.IGNORECASE)
-_SMALL = 16
+_MAX_SHOWN = 16
 
 
 def recognises(head: Head) -> int:
@@ -116,10 +116,10 @@ def _sort_array(name: str, array: np.ndarray, found: _Sorted) -> None:
     elif array.ndim == 2 and array.shape[0] == array.shape[1]:
         shape = f"{array.shape[0]}×{array.shape[1]}"
         found.ignored[name] = f"is {shape}: rows or columns may be samples; save it as vectors"
-        if array.size <= _SMALL:
+        if array.size <= _MAX_SHOWN:
             found.scalars[name] = array
-    elif min(array.shape) > arrays.MOST_COLUMNS:
-        found.ignored[name] = f"has {min(array.shape)} components; at most {arrays.MOST_COLUMNS}"
+    elif min(array.shape) > arrays.MAX_COLUMNS:
+        found.ignored[name] = f"has {min(array.shape)} components; at most {arrays.MAX_COLUMNS}"
     else:
         found.matrices[name] = array
 
@@ -150,7 +150,7 @@ def _matrix_blocks(found: _Sorted) -> list[tuple[Block, list[str]]]:
     longest = max((n for _, n in groups), default=0)
     made = []
     for (_, n), names in groups.items():
-        if n < arrays.FEW_SAMPLES <= longest:
+        if n < arrays.MIN_SAMPLES <= longest:
             for name in names:
                 found.scalars[name] = found.matrices[name]
                 found.ignored[name] = f"has only {n} samples beside {longest}: kept as a parameter"

@@ -30,7 +30,7 @@ _LENGTHS = re.compile(r"^(.*_)?(lengths?|counts?|sizes?|n_samples)$", re.IGNOREC
 _NO_HEADER = (ValueError, EOFError, SyntaxError, TypeError, KeyError, RecursionError,
               tokenize.TokenError, OverflowError)  # fmt: skip
 _TOGETHER = 1 << 20
-_SMALL = 64
+_MAX_SHOWN = 64
 
 
 def recognises(head: Head) -> int:
@@ -170,8 +170,8 @@ def _refusal(shape: tuple[int, ...], dtype: np.dtype[Any]) -> str:
     full = [n for n in shape if n > 1]
     if len(full) > 2:
         return f"has {len(full)} dimensions {shape}; store it as (samples, components)"
-    if len(full) == 2 and min(full) > arrays.MOST_COLUMNS:
-        return f"has {min(full)} components; at most {arrays.MOST_COLUMNS}"
+    if len(full) == 2 and min(full) > arrays.MAX_COLUMNS:
+        return f"has {min(full)} components; at most {arrays.MAX_COLUMNS}"
     return ""
 
 
@@ -204,7 +204,7 @@ def _fill(
         columns = [values[:, i] for i in range(width)]
         found[name] = _Array(name, full, columns, truncated=cut)
         return
-    if width > max(rows, arrays.MOST_COLUMNS):
+    if width > max(rows, arrays.MAX_COLUMNS):
         found[name] = _of_matrix(name, _all(file, rows * width, dtype, name).reshape(full))
         return
     columns, text = _spooled(file, rows, width, dtype)
@@ -329,12 +329,12 @@ def _streams(found: dict[str, _Array], log: RawLog) -> list[RawStream]:
     longest = max(groups, default=0)
     kept = []
     for samples, members in groups.items():
-        if samples < arrays.FEW_SAMPLES <= longest:
+        if samples < arrays.MIN_SAMPLES <= longest:
             for one in members:
                 log.ignored[one.name] = (
                     f"has only {samples} samples beside {longest}: kept as a parameter"
                 )
-                if samples * len(one.columns) <= _SMALL:
+                if samples * len(one.columns) <= _MAX_SHOWN:
                     log.about[one.name] = arrays.shorten(np.column_stack(one.columns))
         else:
             kept.append(members)

@@ -23,7 +23,7 @@ _MAGIC = b"PAR1"
 _NUMBERS = ("TINYINT", "SMALLINT", "INTEGER", "BIGINT", "HUGEINT", "UTINYINT", "USMALLINT",
             "UINTEGER", "UBIGINT", "UHUGEINT", "FLOAT", "DOUBLE", "DECIMAL")  # fmt: skip
 _WIDE = ("BIGINT", "HUGEINT", "UBIGINT", "UHUGEINT", "DECIMAL")
-_LONGEST_LIST = 64
+_MAX_LIST = 64
 #: rows that are fetched together, in units of DuckDB's vectors of 2048
 _VECTORS = 64
 _MEMORY = "512MB"
@@ -164,7 +164,7 @@ def _list(base: _Base, name: str, kind: str, log: RawLog) -> list[tuple[str, str
         log.ignored[name] = f"holds {kind}, no numbers"
         return []
     low, high = base.execute(f"SELECT min(len({column})), max(len({column})) FROM log").fetchone()
-    if low is None or low != high or not 0 < high <= _LONGEST_LIST:
+    if low is None or low != high or not 0 < high <= _MAX_LIST:
         log.ignored[name] = f"holds lists of {low} to {high} numbers; expected equally long ones"
         return []
     names = arrays.component_names(plain, int(high), letters=True)

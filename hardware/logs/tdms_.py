@@ -27,7 +27,7 @@ _UNITS = ("unit_string", "NI_UnitDescription", "unit", "Unit", "units")
 #: modules of npTDMS that say what they notice
 _SOURCES = ("base_segment", "channel_data", "daqmx", "reader", "scaling", "tdms", "tdms_segment",
             "types")  # fmt: skip
-_MOST_TEXTS = 20
+_MAX_TEXTS = 20
 #: properties that say when samples were taken
 _WAVEFORM = ("wf_start_time", "wf_start_offset", "wf_increment", "wf_samples")
 
@@ -109,7 +109,7 @@ class _Ear(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Keeps what is said once."""
-        if len(self.texts) < _MOST_TEXTS:
+        if len(self.texts) < _MAX_TEXTS:
             self.texts[record.getMessage()[:300]] = None
 
 

@@ -26,7 +26,7 @@ from pathlib import Path
 from simcompare import units
 from simcompare.errors import InputError, UnknownName
 
-_LONGEST_HEADING = 100
+_MAX_HEADING = 100
 FACTS_FOLDER = Path(__file__).parent
 
 #: head lines that describe the table rather than set a parameter
@@ -195,7 +195,7 @@ def _columns(
     columns = []
     for text in headings:
         try:
-            columns.append(_column(text.strip()[:_LONGEST_HEADING], known))
+            columns.append(_column(text.strip()[:_MAX_HEADING], known))
         except InputError as error:
             faults.extend(f"line {number}, {error.where}: {fault}" for fault in error.faults)
     if faults:

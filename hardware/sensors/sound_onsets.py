@@ -49,7 +49,7 @@ _U_SAMPLES = 0.12
 #: impacts that are correlated together
 _ROWS = 64
 #: so many impacts at least must sound alike before their mean is used
-_FEWEST = 3
+_MIN_ALIKE = 3
 #: samples that are analysed together
 _CHUNK = 1 << 18
 
@@ -260,14 +260,14 @@ def _aligned(found: list[_Coarse], rate_Hz: float) -> tuple[Array, Array, Array]
     own = np.array([c.first + c.begin for c in found])
     noise = np.array([c.noise for c in found])
     u_own = np.array([_u_of_edge(c, rate_Hz) for c in found])
-    if len(found) < _FEWEST:
+    if len(found) < _MIN_ALIKE:
         return own, u_own, np.zeros(len(found))
     mean, shift, alike, u = _mean_sound(rows, noise, reach)
     quiet = float(np.median(noise)) / math.sqrt(len(found))
     begin = begins(mean, quiet, lead + reach, max(8, round(ENERGY_S * rate_Hz)))
     fitted = np.array([c.first for c in found]) + starts + shift + begin
     good = alike > 0
-    good &= np.count_nonzero(good) >= _FEWEST
+    good &= np.count_nonzero(good) >= _MIN_ALIKE
     return np.where(good, fitted, own), np.where(good, u, u_own), np.where(good, alike, 0.0)
 
 

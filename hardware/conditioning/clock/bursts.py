@@ -7,16 +7,16 @@ import numpy as np
 from simcompare.hardware.conditioning.clock import intervals, time_quantised
 from simcompare.hardware.conditioning.clock.intervals import Indices, Mask
 from simcompare.hardware.conditioning.words import are
-from simcompare.hardware.conditioning.work import MOST_ROWS, Work
-from simcompare.hardware.raw import BLOCK, RawColumn
+from simcompare.hardware.conditioning.work import Work
+from simcompare.hardware.raw import BLOCK, MAX_ROWS, RawColumn
 from simcompare.model.trajectory import Array
 
 #: from this share of repeated stamps on, sharing a stamp is the way of the log, not an accident
 _PATTERN = 0.2
 #: bursts are of one clock when their steps differ by less than this factor, most of them
-_STEADY, _MOST = 2.0, 0.8
+_STEADY, _MIN_STEADY_SHARE = 2.0, 0.8
 #: rows of one moment that are looked at as one
-_WIDEST = 16
+_MAX_WIDTH = 16
 
 
 def check(work: Work) -> None:
@@ -93,7 +93,7 @@ def _join(work: Work, again: Indices) -> bool:
     """Joins rows of one moment that each hold other columns; nothing is lost by it."""
     holes = any(np.isnan(column.values[again[:1000]]).any() for column in work.data)
     first, count = _groups(work.time_s)
-    if not holes or count.max() > _WIDEST:
+    if not holes or count.max() > _MAX_WIDTH:
         return False
     if any(not _complete_each_other(column, first, count) for column in work.data):
         return False
@@ -174,7 +174,7 @@ def _spread(work: Work) -> None:
         return
     usual = _weighted_median(step, count[1:])
     steady = np.abs(np.log(step / usual)) < np.log(_STEADY)
-    if count[1:][steady].sum() < _MOST * count[1:].sum():
+    if count[1:][steady].sum() < _MIN_STEADY_SHARE * count[1:].sum():
         _no_pattern(work, first, count)
         return
     # after a pause, a burst is as long as any other
@@ -198,7 +198,7 @@ def _spread(work: Work) -> None:
 
 def _sharing(first: Indices, count: Indices) -> Indices:
     """The samples whose stamp is that of a later one, as many as are named."""
-    enough = int(np.searchsorted(np.cumsum(count - 1), MOST_ROWS)) + 1
+    enough = int(np.searchsorted(np.cumsum(count - 1), MAX_ROWS)) + 1
     return intervals.spread(first[:enough], count[:enough] - 1)
 
 

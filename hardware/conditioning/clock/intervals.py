@@ -19,7 +19,7 @@ Mask = NDArray[np.bool_]
 SAMPLED = 1 << 20
 _PLACES = 64
 #: fewer steps are multiples of something by chance
-_FEWEST = 20
+_MIN_STEPS = 20
 
 
 def room(count: int) -> Array:
@@ -108,7 +108,7 @@ def quantum(work: Work) -> float:
     apart = np.diff(step)
     apart = apart[apart > 2 * noise]
     forward = step[step > noise]
-    if not len(apart) or len(forward) < _FEWEST:
+    if not len(apart) or len(forward) < _MIN_STEPS:
         return 0.0
     found = float(min(apart.min(), forward[0]))
     middle = float(np.median(forward))

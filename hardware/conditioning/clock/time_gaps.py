@@ -21,14 +21,14 @@ _MANY = 0.02
 #: a longer step, in medians, is a pause between two parts of a log, no loss of samples
 _PAUSE = 50.0
 #: a log that loses more than this is no sound record of what happened
-_MOST_MISSING = 0.05
+_MAX_MISSING = 0.05
 #: fewer stamps say nothing about what is usual
-_FEWEST = 10
+_MIN_SAMPLES = 10
 
 
 def check(work: Work) -> None:
     """Marks gaps, by the counter of the samples where there is one, else by the clock."""
-    if len(work.time_s) < _FEWEST or (
+    if len(work.time_s) < _MIN_SAMPLES or (
         work.stream.time is None and work.stream.increment_s is not None
         and sample_counter.column_of(work) is None
     ):  # fmt: skip
@@ -139,10 +139,10 @@ def _mark(work: Work, gaps: Indices, lost: Array, what: str, rule: str, channel:
         f"{what}: {amount(len(gaps), 'gap')}, about {amount(missing, 'sample')} not there (lost, or"
         f" never taken), the longest gap lasts {lasts.max():.6g} s"
     )
-    if share > _MOST_MISSING:
+    if share > _MAX_MISSING:
         work.fault(
             f"{text}. That is {100 * share:.1f} % of the samples, more than"
-            f" {100 * _MOST_MISSING:g} %: the record is not sound. First after"
+            f" {100 * _MAX_MISSING:g} %: the record is not sound. First after"
             f" {work.place(int(gaps[0]))}; record again, or keep a part without losses ({rule})",
             sample=int(gaps[0]) + 1,
         )

@@ -14,7 +14,7 @@ _REGULAR = (0.6, 1.5)
 #: a row that came late is looked for among so many before it
 _LATE = 32
 #: so many rows are put in order; a log with more is in none
-_MOST = 10_000
+_MAX_MOVED = 10_000
 
 
 def check(work: Work) -> None:
@@ -82,7 +82,7 @@ def _outliers(work: Work, median: float) -> None:
     time = work.time_s
     back = intervals.where(time, lambda step: step < 0)
     found: list[int] = []
-    for i in back[:_MOST].tolist():
+    for i in back[:_MAX_MOVED].tolist():
         for wrong in (i, i + 1):
             if not 0 < wrong < len(time) - 1 or (found and found[-1] >= wrong - 1):
                 continue
@@ -103,7 +103,7 @@ def _late_rows(work: Work, median: float) -> None:
     """Rows that came late go to their place, where the stamps are regular then."""
     time = work.time_s
     back = intervals.where(time, lambda step: step < 0)
-    if not len(back) or len(back) > _MOST:
+    if not len(back) or len(back) > _MAX_MOVED:
         return  # the search for jumps of the clock says the rest
     moved: list[int] = []
     for i in back.tolist():

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from simcompare.hardware.conditioning.clock import intervals
-from simcompare.hardware.conditioning.work import MOST_ROWS, Work
-from simcompare.hardware.raw import blocks
+from simcompare.hardware.conditioning.work import Work
+from simcompare.hardware.raw import MAX_ROWS, blocks
 from simcompare.model.trajectory import Array
 
 #: steps of the clock that are coarse against the time between samples
@@ -148,7 +148,7 @@ def _write(work: Work, step: float, fit: tuple[float, float, float]) -> None:
         "time_quantised",
         f"the stamps are whole multiples of {step:.6g} s, and even but for that; put on the even"
         f" grid of {slope:.9g} s that fits them best ({changed} of {len(time)} changed)",
-        samples=np.arange(min(len(time), MOST_ROWS)),
+        samples=np.arange(min(len(time), MAX_ROWS)),
         count=len(time),
         channel=work.stream.time or "",
         before={"resolution_s": step, "u_time_s": float(rounding)},

@@ -24,10 +24,10 @@ _RATE = frozenset(
         "dot", "dq", "qd", "qdot", "dtheta", "dphi", "thetadot", "phidot", "w", "v",
     )
 )  # fmt: skip
-_MOST_WINDOWS = 4096
+_MAX_WINDOWS = 4096
 #: correlations that are as good as the best
 _NEARLY = 0.03
-_FEWEST_WINDOWS = 12
+_MIN_WINDOWS = 12
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ def _windows(step: tuple[Array, Array, Array, Array], length: int) -> tuple[Arra
     """Sums over windows of ``length`` steps that overlap by half and hold nothing unusable."""
     sums = [np.concatenate(([0.0], np.cumsum(values))) for values in step[:3]]
     count = len(sums[0])
-    stride = max(1, length // 2, count // _MOST_WINDOWS)
+    stride = max(1, length // 2, count // _MAX_WINDOWS)
     first = np.arange(0, count - length, stride)
     moved, promised, bad = (total[first + length] - total[first] for total in sums)
     return moved[bad < 0.5], promised[bad < 0.5]
@@ -113,7 +113,7 @@ def _windows(step: tuple[Array, Array, Array, Array], length: int) -> tuple[Arra
 def _fitted(moved: Array, promised: Array) -> tuple[float, float] | None:
     """Slope through zero with errors on both sides, and correlation; stray windows left out."""
     for _ in range(3):
-        if len(moved) < _FEWEST_WINDOWS:
+        if len(moved) < _MIN_WINDOWS:
             return None
         xx, yy, xy = promised @ promised, moved @ moved, promised @ moved
         if not (xx > 0 and yy > 0):

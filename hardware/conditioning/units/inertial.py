@@ -33,7 +33,7 @@ GRAVITY = 8.3
 #: how far the specific force may point away from the axis that is called up [deg]
 TILT_DEG = 30.0
 #: fastest turn that a common gyroscope can show (2000 °/s) [rad/s]
-FASTEST = 35.0
+MAX_RATE = 35.0
 #: another reading of a gyroscope is believed where it explains so much of gravity's turns, and
 #: leaves so many times less unexplained than the reading that is there
 FITS, TIMES_LESS = 0.8, 4.0
@@ -203,11 +203,11 @@ def _fastest(work: Work, turn: Sequence[Claim]) -> None:
         ),
         default=0.0,
     )
-    if fastest > FASTEST:
+    if fastest > MAX_RATE:
         work.warn(
             "gyroscope_range",
             f"gyroscope {title(turn)} shows up to {fastest:.4g} rad/s; common ones end at"
-            f" {FASTEST:g} rad/s (2000 °/s): are the numbers in deg/s?",
+            f" {MAX_RATE:g} rad/s (2000 °/s): are the numbers in deg/s?",
             channel=turn[0].column.name,
             before={"max_rad_s": fastest},
         )

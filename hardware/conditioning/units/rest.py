@@ -14,7 +14,7 @@ from simcompare.model.trajectory import Array
 
 #: length of the pieces that are called quiet or not [s]
 PIECE_S = 0.5
-_FEWEST_SAMPLES, _FEWEST_PIECES = 4, 4
+_MIN_SAMPLES, _MIN_PIECES = 4, 4
 #: parts of a long log that are looked at where a part is enough, and samples in each
 _PARTS, _PART = 16, 1 << 16
 #: a piece is quiet when its scatter is at most so many times that of the quietest tenth
@@ -71,8 +71,8 @@ def samples_in(work: Work, length_s: float) -> int:
     """Samples in a time; fewer in a short stream."""
     count = len(work.time_s)
     step = float(work.time_s[-1] - work.time_s[0]) / max(1, count - 1)
-    wanted = round(length_s / step) if step > 0 else _FEWEST_SAMPLES
-    return max(_FEWEST_SAMPLES, min(wanted, count // (2 * _FEWEST_PIECES)))
+    wanted = round(length_s / step) if step > 0 else _MIN_SAMPLES
+    return max(_MIN_SAMPLES, min(wanted, count // (2 * _MIN_PIECES)))
 
 
 def rest(work: Work, triad: Sequence[Claim]) -> Rest | None:
@@ -81,7 +81,7 @@ def rest(work: Work, triad: Sequence[Claim]) -> Rest | None:
     mean, variance = pieces([claim.values for claim in triad], blocks(len(work.time_s)), size)
     whole = np.isfinite(mean).all(axis=1) & np.isfinite(variance).all(axis=1)
     mean, variance = mean[whole], variance[whole]
-    if len(mean) < _FEWEST_PIECES:
+    if len(mean) < _MIN_PIECES:
         return None
     scatter = np.sqrt(variance.sum(axis=1))
     quiet = scatter <= _QUIET * np.quantile(scatter, 0.1)

@@ -27,12 +27,12 @@ if TYPE_CHECKING:
 
 Indices = NDArray[np.int64]
 #: length of the pieces of which the mean is taken, and of the spans that are compared [s]
-_PIECE_S, _SHORTEST_S, _LONGEST_S = 0.02, 0.25, 3.0
+_PIECE_S, _MIN_SPAN_S, _MAX_SPAN_S = 0.02, 0.25, 3.0
 #: a specific force is gravity where its size is so near to the median
 _NEAR_GRAVITY = 0.1
 #: a span counts where gravity moved by so much of itself: 6°
 _MOVED = 0.1
-_FEWEST = 50
+_MIN_PIECES = 50
 #: readings of a gyroscope that explain equally well within so much
 _EQUAL = 0.05
 _UNITS = ("rad/s", "deg/s", "turn/s", "turn/min")
@@ -111,7 +111,7 @@ def _motion(work: Work, force: Sequence[Claim], turn: Sequence[Claim]) -> _Motio
     columns = [claim.values for claim in (*force, *turn)]
     parts = excerpts(len(work.time_s))
     mean, _ = pieces([*columns, lambda part: np.asarray(work.time_s[part])], parts, size)
-    if len(mean) < _FEWEST:
+    if len(mean) < _MIN_PIECES:
         return None
     step = np.diff(mean[:, 6])
     usual = float(np.median(step))
@@ -142,7 +142,7 @@ def _explained(motion: _Motion, factor: float, axes: Sequence[Array]) -> list[fl
             rotation = turned if hand > 0 else mirrored
             told = rotation.apply(before @ (hand * matrix), inverse=True) @ (hand * matrix).T
             left[i] += float(np.sum((after - told) ** 2))
-    if count < _FEWEST:
+    if count < _MIN_PIECES:
         return None
     return [float(1 - rest / moved) for rest in left]
 
@@ -156,8 +156,8 @@ def _spans(motion: _Motion, factor: float) -> Iterator[tuple[Indices, Indices, R
     bad = np.concatenate(([0], np.cumsum(motion.broken)))
     size = np.linalg.norm(motion.force, axis=1)
     calm = np.abs(size - motion.gravity) < _NEAR_GRAVITY * motion.gravity
-    while steps * motion.step_s <= _LONGEST_S and len(turned) > steps:
-        if steps * motion.step_s >= _SHORTEST_S:
+    while steps * motion.step_s <= _MAX_SPAN_S and len(turned) > steps:
+        if steps * motion.step_s >= _MIN_SPAN_S:
             first = np.arange(len(motion.force) - steps)
             shift = np.linalg.norm(motion.force[first + steps] - motion.force[first], axis=1)
             good = calm[first] & calm[first + steps] & (bad[first + steps] == bad[first])

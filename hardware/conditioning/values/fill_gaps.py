@@ -12,13 +12,13 @@ from simcompare.hardware.raw import RawColumn
 from simcompare.model.trajectory import Array
 
 #: longest stretch that is interpolated
-_LONGEST = 3
+_MAX_FILLED = 3
 #: good samples on either side by which it is
 _SIDE = 2
 #: error of such an interpolation, in standard deviations of the channel, from which on it is none
 _ERROR = 0.1
 #: share of single missing values that makes a channel unsound
-_MOST_MISSING = 0.05
+_MAX_MISSING = 0.05
 #: longer stretches are outages (a covered marker, a sensor that was off), no scattered losses
 _OUTAGE = 10
 
@@ -50,11 +50,11 @@ def _judge(work: Work, column: RawColumn, missing: Mask) -> None:
         )  # fmt: skip
         return
     scattered = int(length[length <= _OUTAGE].sum())
-    if scattered > _MOST_MISSING * (inner.stop - inner.start):
+    if scattered > _MAX_MISSING * (inner.stop - inner.start):
         share = 100 * scattered / (inner.stop - inner.start)
         work.fault(
             f"{scattered} values are missing here and there ({share:.1f} % of the samples, more"
-            f" than {100 * _MOST_MISSING:g} %; first at {work.place(int(first[0]))}): the channel"
+            f" than {100 * _MAX_MISSING:g} %; first at {work.place(int(first[0]))}): the channel"
             " is not sound. Record again, or remove the column (missing_values)",
             sample=int(first[0]),
             channel=column.name,
@@ -86,7 +86,7 @@ def _say_edges(work: Work, column: RawColumn, inner: slice, count: int) -> None:
     edges = np.concatenate((np.arange(inner.start), np.arange(inner.stop, count)))
     if not len(edges):
         return
-    say = work.info if len(edges) <= max(2 * _LONGEST, 0.01 * count) else work.warn
+    say = work.info if len(edges) <= max(2 * _MAX_FILLED, 0.01 * count) else work.warn
     say(
         "missing_at_ends", f"{are(len(edges), 'value')} missing before the first or after the"
         " last one; they stay so", samples=edges, channel=column.name,
@@ -100,7 +100,7 @@ def _fill(work: Work, column: RawColumn, missing: Mask, first: Indices, length: 
     possible = np.flatnonzero(_between_good(work, column, missing, first, length))
     if not len(possible):
         return filled
-    errors = {gap: _error(column, gap) for gap in range(1, _LONGEST + 1)}
+    errors = {gap: _error(column, gap) for gap in range(1, _MAX_FILLED + 1)}
     worst, done = 0.0, []
     for at in possible.tolist():
         start, gap = int(first[at]), int(length[at])
@@ -117,7 +117,7 @@ def _fill(work: Work, column: RawColumn, missing: Mask, first: Indices, length: 
         samples = np.concatenate(done)
         work.repair(
             "interpolated", f"{are(len(samples), 'missing value')} put between good neighbours,"
-            f" at most {_LONGEST} in a row; the same done where values are known is wrong by"
+            f" at most {_MAX_FILLED} in a row; the same done where values are known is wrong by"
             f" {worst:.3g} (rms)", samples=samples, channel=column.name,
             before={"missing": float(length.sum())},
             after={"missing": float(length[~filled].sum()), "u": worst},
@@ -129,7 +129,7 @@ def _between_good(
     work: Work, column: RawColumn, missing: Mask, first: Indices, length: Indices
 ) -> Mask:
     """Which stretches are short, with two good samples on either side and no gap of the clock."""
-    good: Mask = (length <= _LONGEST) & (first >= _SIDE)
+    good: Mask = (length <= _MAX_FILLED) & (first >= _SIDE)
     good &= first + length + _SIDE <= len(missing)
     bad = missing
     marked = work.saturated.get(column.name)

@@ -21,7 +21,7 @@ _FULL = (255.0, 8191.0, -8192.0, 16383.0, 32767.0, -32768.0, 65535.0)
 #: how far away from all other values, in ranges of these
 _FAR = 2.0
 #: a full number is no value only in stretches as short as this, and as rare as this
-_LONGEST, _SHARE = 3, 0.05
+_MAX_RUN, _MAX_SHARE = 3, 0.05
 #: all that is left must take at least so many values, or an upper level is mistaken for a mark
 _LEVELS = 3
 
@@ -121,8 +121,8 @@ def _rest(column: RawColumn, marks: list[float]) -> tuple[float, float, int]:
 def _single(column: RawColumn, mark: float) -> bool:
     """Whether a value comes in short and rare stretches only."""
     _, length = intervals.runs(column.values == mark)
-    is_rare = length.sum() <= max(_SHARE * len(column.values), 1)
-    return bool(is_rare) and int(length.max()) <= _LONGEST
+    is_rare = length.sum() <= max(_MAX_SHARE * len(column.values), 1)
+    return bool(is_rare) and int(length.max()) <= _MAX_RUN
 
 
 def _clear(work: Work, column: RawColumn, mark: float, why: str) -> None:

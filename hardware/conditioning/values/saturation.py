@@ -10,7 +10,7 @@ from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.raw import RawColumn
 
 #: so many samples in a row at one end; a single one may be the true peak
-_FEWEST = 3
+_MIN_RUN = 3
 #: largest numbers of converters from 10 bits on (fewer bits are also the ends of commands)
 _FULL = frozenset(
     [2.0**bits - 1 for bits in (10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 23, 24, 31)]
@@ -81,7 +81,7 @@ def _flat_ends(work: Work, column: RawColumn, low: float, high: float) -> None:
 def _long_runs(at_end: Mask) -> tuple[Indices, Indices]:
     """First sample and length of the runs of at least three samples at an end."""
     first, length = intervals.runs(at_end)
-    long = length >= _FEWEST
+    long = length >= _MIN_RUN
     return first[long], length[long]
 
 
@@ -102,7 +102,7 @@ def _flat_elsewhere(column: RawColumn, low: float, high: float) -> int:
         values = np.asarray(column.values[part])
         flat: Mask = (values[1:] == values[:-1]) & (values[1:] != low) & (values[1:] != high)
         _, length = intervals.runs(flat)
-        total += int((length >= _FEWEST - 1).sum())
+        total += int((length >= _MIN_RUN - 1).sum())
     return total
 
 

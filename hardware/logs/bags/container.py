@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any, BinaryIO
 
 #: a chunk may become so much larger, or at least this large, when it is unpacked
-MOST_TIMES, LEAST_LIMIT = 256, 1 << 25
+MAX_RATIO, MIN_LIMIT = 256, 1 << 25
 
 #: a message: its connection, when it was received [ns], its bytes
 Message = tuple["Connection", int, bytes]
@@ -108,7 +108,7 @@ def unpack(kind: str, data: bytes, size: int) -> bytes:
     Raises:
         Cut: it is damaged, of another length, or of an unknown kind.
     """
-    if size > max(LEAST_LIMIT, MOST_TIMES * len(data)):
+    if size > max(MIN_LIMIT, MAX_RATIO * len(data)):
         raise Cut(f"says that it unpacks from {len(data)} to {size} bytes, which is not plausible")
     try:
         if kind in ("", "none"):

@@ -14,8 +14,8 @@ import yaml
 from simcompare.errors import InputError
 from simcompare.hardware.logs.bags import reader
 from simcompare.hardware.logs.bags.container import (
-    LEAST_LIMIT,
-    MOST_TIMES,
+    MAX_RATIO,
+    MIN_LIMIT,
     Message,
     State,
     zstandard,
@@ -23,7 +23,7 @@ from simcompare.hardware.logs.bags.container import (
 
 _BLOCK = 1 << 20
 #: bytes of a description: parsing YAML is slow
-_LONGEST = 1 << 22
+_MAX_BYTES = 1 << 22
 
 
 def messages(path: Path, state: State) -> Iterator[Message]:
@@ -57,8 +57,8 @@ def _metadata(path: Path) -> Mapping[str, Any]:
     file = path / "metadata.yaml"
     if not file.is_file():
         return {}
-    if file.stat().st_size > _LONGEST:
-        raise InputError(str(file), [f"has more than {_LONGEST} bytes: no description of a bag"])
+    if file.stat().st_size > _MAX_BYTES:
+        raise InputError(str(file), [f"has more than {_MAX_BYTES} bytes: no description of a bag"])
     try:
         tree = yaml.safe_load(file.read_text("utf-8"))
         head = tree["rosbag2_bagfile_information"]
@@ -114,7 +114,7 @@ def _compare(head: Mapping[str, Any], counted: Mapping[str, int], state: State) 
 def _unpacked(file: Path) -> Path:
     """A storage file that was compressed as a whole, unpacked next to nothing else."""
     zstd = zstandard()
-    most = max(LEAST_LIMIT, MOST_TIMES * file.stat().st_size)
+    most = max(MIN_LIMIT, MAX_RATIO * file.stat().st_size)
     with tempfile.NamedTemporaryFile(delete=False, suffix=file.stem[-5:]) as out:
         target = Path(out.name)
         try:
@@ -135,7 +135,7 @@ def _unpacked(file: Path) -> Path:
 
 def _message(data: bytes, file: Path) -> bytes:
     zstd = zstandard()
-    most = max(LEAST_LIMIT, MOST_TIMES * len(data))
+    most = max(MIN_LIMIT, MAX_RATIO * len(data))
     try:
         return bytes(zstd.ZstdDecompressor().decompress(data, max_length=most))
     except zstd.ZstdError as error:

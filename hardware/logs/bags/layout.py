@@ -27,8 +27,8 @@ from simcompare.hardware.logs.bags.types import (
 from simcompare.model.trajectory import Array
 
 #: longest array that becomes columns, and most points of a cloud
-MOST_COLUMNS = 256
-_DEEPEST = 12
+MAX_COLUMNS = 256
+_MAX_DEPTH = 12
 _TIME, _DURATION = "builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"
 _DTYPES = {
     "bool": "u1", "byte": "u1", "char": "u1", "octet": "u1", "int8": "i1", "uint8": "u1",
@@ -160,7 +160,7 @@ class _Walk:
         if kind in (_TIME, _DURATION):
             self._time(kind, path)
             return
-        if kind not in self.types or depth > _DEEPEST:
+        if kind not in self.types or depth > _MAX_DEPTH:
             raise Misfit(f"is of the type {kind}, which is not defined or too deep")
         for name, description in self.types[kind]:
             if name == "structure_needs_at_least_one_member":
@@ -212,8 +212,8 @@ class _Walk:
             )
             return
         self.arrays[path] = (at, dtype, count)
-        if count > MOST_COLUMNS:
-            self.layout.skipped[path] = f"has {count} elements; at most {MOST_COLUMNS} are read"
+        if count > MAX_COLUMNS:
+            self.layout.skipped[path] = f"has {count} elements; at most {MAX_COLUMNS} are read"
             return
         infinite = (kind, name) in OUT_OF_RANGE
         for i in range(count):
@@ -255,7 +255,7 @@ class _Walk:
         self.layout.numbers.append(Number(path, at, seconds, "s", split=split))
 
     def _limited(self, count: int) -> int:
-        if count > 4 * MOST_COLUMNS:
+        if count > 4 * MAX_COLUMNS:
             raise TooMuch(f"has a list of {count} elements")
         return count
 
@@ -296,8 +296,8 @@ def _cloud(walk: _Walk) -> None:
     height, width = (int(_value(walk, values[name])) for name in ("height", "width"))
     step, row_step = (int(_value(walk, values[name])) for name in ("point_step", "row_step"))
     start, _, size = walk.arrays["data"]
-    if height * width > MOST_COLUMNS:
-        raise TooMuch(f"is a cloud of {height}×{width} points; at most {MOST_COLUMNS} are read")
+    if height * width > MAX_COLUMNS:
+        raise TooMuch(f"is a cloud of {height}×{width} points; at most {MAX_COLUMNS} are read")
     kept = [number for number in layout.numbers if number.name.startswith("header.")]
     for number in layout.numbers:
         if not number.name.startswith(("data.", "header.")):

@@ -16,7 +16,7 @@ _MESSAGE, _BAG, _INDEX, _CHUNK, _CHUNK_INFO, _CONNECTION = 2, 3, 4, 5, 6, 7
 _U32 = struct.Struct("<I")
 _TIME = struct.Struct("<II")
 #: no header of a record is longer; only a connection's holds text
-_LONGEST_HEADER = 1 << 20
+_MAX_HEADER = 1 << 20
 
 Known = dict[int, Connection]
 
@@ -200,7 +200,7 @@ def _fields(source: Source, body: bool = False) -> tuple[dict[str, bytes], int]:
     """Header of the next record and the length of its body (taken where not ``body``)."""
     place = source.place
     size = _U32.unpack(source.take(4, "the record"))[0]
-    if size > _LONGEST_HEADER:
+    if size > _MAX_HEADER:
         raise Cut(f"the record at {place} says that its header has {size} bytes")
     fields = _pairs(source.take(size, "the header of the record"), place)
     length = _U32.unpack(source.take(4, "the record"))[0]

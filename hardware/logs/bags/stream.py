@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
 
 import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.hardware.logs.bags.layout import Number
 from simcompare.hardware.logs.bags.topic import EPOCH_NS, Table, Topic
-from simcompare.hardware.raw import RawColumn, RawStream, blocks
+from simcompare.hardware.logs.binary.arrays import iso_ns
+from simcompare.hardware.raw import MAX_ROWS, RawColumn, RawStream, blocks
 from simcompare.model.recording import INFO, WARNING, Clock, Repair, ranges
 from simcompare.model.trajectory import Array
 
 STAMP, RECEIVED, COUNTER = "header.stamp", "bag receive time", "header.seq"
-_MOST_ROWS = 100_000
 
 
 @dataclass
@@ -64,7 +63,7 @@ def finish(topic: Topic, name: str, truncated: str) -> Finished:
                 "undecodable_message", WARNING,
                 f"{len(rows)} messages do not fit their definition and were left out;"
                 f" message {rows[0]} {topic.broken[0][1]}",
-                name, rows=ranges(rows[:_MOST_ROWS]), count=len(rows),
+                name, rows=ranges(rows[:MAX_ROWS]), count=len(rows),
             )
         )  # fmt: skip
     if topic.source:
@@ -121,7 +120,7 @@ class _Stream:
 
     def _note(self, rule: str, text: str, severity: str, channel: str = "", rows=None) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001
         indices = np.asarray([] if rows is None else rows, dtype=np.int64)
-        shown = indices[:_MOST_ROWS]
+        shown = indices[:MAX_ROWS]
         numbers = shown + self.first_row if self.rows is None else self.rows[shown]
         self.done.repairs.append(
             Repair(rule, severity, text, self.name, channel, ranges(numbers), len(indices))
@@ -238,14 +237,8 @@ class _Stream:
 
 
 def iso(ns: int) -> str:
-    """An instant as ISO 8601 with nanoseconds, empty where the clock does not count from 1970."""
-    if ns < EPOCH_NS:
-        return ""
-    seconds, rest = divmod(ns, 1_000_000_000)
-    try:
-        return f"{datetime.fromtimestamp(seconds, UTC):%Y-%m-%dT%H:%M:%S}.{rest:09d}Z"
-    except (OverflowError, ValueError, OSError):
-        return ""
+    """An instant as ISO 8601, empty where the clock does not count from 1970."""
+    return iso_ns(ns) if ns >= EPOCH_NS else ""
 
 
 def _belongs(name: str, of: str) -> bool:

@@ -16,7 +16,7 @@ from simcompare.model.trajectory import Array
 #: messages, and bytes, that are decoded together
 _BATCH, _BATCH_BYTES = 1024, 1 << 20
 #: layouts of one topic that are remembered; beyond it something in it is no measurement
-_MOST_LAYOUTS = 4096
+_MAX_LAYOUTS = 4096
 #: columns that stand before those of the message: its number, when received, its stamp
 _OWN = 3
 #: a stamp further from the beginning of the bag is on another clock [ns]
@@ -180,7 +180,7 @@ class Topic:
     def _new(self, data: bytes, number: int) -> Layout | None:
         """A layout for a message that has none; ``None`` where it does not fit its definition."""
         self._known += 1
-        if self._known > _MOST_LAYOUTS:
+        if self._known > _MAX_LAYOUTS:
             raise TooMuch("changes its texts or the lengths of its lists in every message")
         wanted = self._candidates if self._types is None else [(self.source, self._types)]
         faults = []

@@ -15,9 +15,9 @@ from simcompare.model.recording import INFO, WARNING, Clock, Repair
 from simcompare.model.trajectory import Array
 
 #: more components than this are no channels
-MOST_COLUMNS = 256
+MAX_COLUMNS = 256
 #: groups with fewer samples are parameters, where a longer group is there
-FEW_SAMPLES = 8
+MIN_SAMPLES = 8
 #: whole numbers beyond it may have no float64
 _EXACT = 1 << 53
 #: nanoseconds since 1970 of the years 1973 to 2116

@@ -22,10 +22,10 @@ _SIZES, _NAMES = {5: 4, 6: 4}, {1: 1, 16: 1}
 _CELL, _STRUCT, _OBJECT, _CHAR, _SPARSE, _FUNCTION, _OPAQUE = 1, 2, 3, 4, 5, 16, 17
 _COMPLEX = 0x0800
 _TAG = 8
-_MOST_DIMENSIONS, _DEEPEST, _LONGEST_NAME = 32, 32, 256
+_MAX_DIMENSIONS, _MAX_DEPTH, _MAX_NAME = 32, 32, 256
 _PIECE = 1 << 18
 #: a variable may become so much larger, or at least this large, when it is unpacked
-MOST_TIMES, LEAST_LIMIT = 64, 1 << 28
+MAX_RATIO, MIN_LIMIT = 64, 1 << 28
 
 
 class Damaged(Exception):
@@ -39,7 +39,7 @@ def check(path: Path) -> None:
         Damaged: with the byte at which the variable begins.
     """
     size = path.stat().st_size
-    most = max(LEAST_LIMIT, MOST_TIMES * size)
+    most = max(MIN_LIMIT, MAX_RATIO * size)
     names: set[bytes] = set()
     with path.open("rb") as file:
         order = {b"IM": "<", b"MI": ">"}.get(file.read(128)[126:128])
@@ -143,7 +143,7 @@ class _Walk:
 
     def matrix(self, size: int, depth: int) -> None:
         """A variable, or a cell or field within one."""
-        if depth > _DEEPEST:
+        if depth > _MAX_DEPTH:
             raise Damaged("is nested too deeply")
         if size == 0:
             return  # an empty cell
@@ -157,10 +157,10 @@ class _Walk:
             inner._opaque(depth)
             end.skip()
             return
-        dimensions = inner._numbers(inner._data(_SIZES, 4 * _MOST_DIMENSIONS, "its size"))
+        dimensions = inner._numbers(inner._data(_SIZES, 4 * _MAX_DIMENSIONS, "its size"))
         if len(dimensions) < 2 or min(dimensions) < 0:
             raise Damaged(f"has the size {dimensions}")
-        name = inner._data(_NAMES, _LONGEST_NAME, "its name")
+        name = inner._data(_NAMES, _MAX_NAME, "its name")
         if not depth:
             self.name = name
         inner._content(kind, complex_, math.prod(dimensions), end, depth)
@@ -184,12 +184,12 @@ class _Walk:
 
     def _parts(self, kind: int, count: int, end: _Bounded, depth: int) -> None:
         if kind == _OBJECT:
-            self._data(_NAMES, _LONGEST_NAME, "the name of its class")
+            self._data(_NAMES, _MAX_NAME, "the name of its class")
         fields = 1
         if kind != _CELL:
             length = sum(self._numbers(self._data(_SIZES, 4, "the length of its names")))
             names = self._data(_NAMES, 1 << 20, "the names of its fields")
-            if not 0 < length <= _LONGEST_NAME or len(names) % length:
+            if not 0 < length <= _MAX_NAME or len(names) % length:
                 raise Damaged(f"has names of {length} of {len(names)} bytes")
             fields = len(names) // length
         # each part has a tag at least; structs without fields must not be without bounds either
@@ -205,7 +205,7 @@ class _Walk:
             if kind == _MATRIX:
                 self.matrix(size, depth + 1)
                 return
-            if kind not in _NAMES or size > _LONGEST_NAME:
+            if kind not in _NAMES or size > _MAX_NAME:
                 break
             if not data:
                 self._take(size + -size % 8)

@@ -12,8 +12,8 @@ import numpy as np
 from simcompare.errors import InputError
 from simcompare.hardware.logs.binary import mat_check
 
-_DEEPEST = 16
-_MOST_CELLS = 100_000
+_MAX_DEPTH = 16
+_MAX_CELLS = 100_000
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
@@ -59,7 +59,7 @@ def _load_5(path: Path) -> dict[str, Any]:
 
 def _plain(value: Any, depth: int = 0) -> Any:  # noqa: ANN401  (whatever a file may hold)
     """What scipy returns, without its own types."""
-    if depth > _DEEPEST:
+    if depth > _MAX_DEPTH:
         return Refused("is nested too deeply")
     if hasattr(value, "tocsc"):
         return Refused("is a sparse matrix; save it as full(…)")
@@ -75,7 +75,7 @@ def _plain(value: Any, depth: int = 0) -> Any:  # noqa: ANN401  (whatever a file
         return " / ".join(str(line) for line in value.reshape(-1))
     if value.dtype == object:
         cells = value.reshape(-1, order="F")
-        if len(cells) > _MOST_CELLS:
+        if len(cells) > _MAX_CELLS:
             return Refused(f"has {len(cells)} cells")
         return [_plain(cell, depth + 1) for cell in cells]
     return value
@@ -84,9 +84,7 @@ def _plain(value: Any, depth: int = 0) -> Any:  # noqa: ANN401  (whatever a file
 def _struct(value: np.ndarray, depth: int) -> Any:  # noqa: ANN401
     items = value.reshape(-1, order="F")
     names = value.dtype.names or ()
-    trees = [
-        {name: _plain(item[name], depth + 1) for name in names} for item in items[:_MOST_CELLS]
-    ]
+    trees = [{name: _plain(item[name], depth + 1) for name in names} for item in items[:_MAX_CELLS]]
     if len(trees) == 1:
         return trees[0]
     return {str(i): tree for i, tree in enumerate(trees)}
@@ -114,7 +112,7 @@ def _of_hdf5(file: Any, item: Any, depth: int) -> Any:  # noqa: ANN401  (h5py ha
     """One variable of a version 7.3 file; its dimensions are in reverse order there."""
     import h5py
 
-    if depth > _DEEPEST:
+    if depth > _MAX_DEPTH:
         return Refused("is nested too deeply")
     kind = item.attrs.get("MATLAB_class", b"")
     kind = kind.decode("ascii", "replace") if isinstance(kind, bytes) else str(kind)
@@ -139,7 +137,7 @@ def _of_hdf5(file: Any, item: Any, depth: int) -> Any:  # noqa: ANN401  (h5py ha
 
 
 def _references(file: Any, item: Any, kind: str, depth: int) -> Any:  # noqa: ANN401
-    if item.size > _MOST_CELLS:
+    if item.size > _MAX_CELLS:
         return Refused(f"has {item.size} cells")
     cells = [
         _of_hdf5(file, file[reference], depth + 1) if reference else Refused("is empty")

@@ -26,8 +26,8 @@ _STORAGES = {
     "IntStorage": "<i4", "ShortStorage": "<i2", "CharStorage": "<i1", "ByteStorage": "<u1",
     "BoolStorage": "<u1",
 }  # fmt: skip
-_MOST_STEPS = 1_000_000
-_MOST_DIMENSIONS = 8
+_MAX_STEPS = 1_000_000
+_MAX_DIMENSIONS = 8
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ def _zipped(path: Path) -> tuple[object, dict[str, bytes]]:
 def _storages(tree: object, found: dict[str, _Storage], depth: int) -> None:
     if isinstance(tree, _Tensor):
         found[tree.storage.key] = tree.storage
-    elif isinstance(tree, (list, tuple, dict)) and depth < _MOST_DIMENSIONS:
+    elif isinstance(tree, (list, tuple, dict)) and depth < _MAX_DIMENSIONS:
         for item in tree.values() if isinstance(tree, dict) else tree:
             _storages(item, found, depth + 1)
 
@@ -143,10 +143,10 @@ def _collect(
 ) -> None:  # fmt: skip
     if isinstance(tree, _Tensor):
         found[name] = _array(tree, storages)
-    elif isinstance(tree, dict) and depth < _MOST_DIMENSIONS:
+    elif isinstance(tree, dict) and depth < _MAX_DIMENSIONS:
         for key, item in tree.items():
             _collect(item, f"{name}.{key}".strip("."), storages, found, depth + 1)
-    elif isinstance(tree, (list, tuple)) and depth < _MOST_DIMENSIONS:
+    elif isinstance(tree, (list, tuple)) and depth < _MAX_DIMENSIONS:
         for i, item in enumerate(tree):
             _collect(item, f"{name}.{i}".strip("."), storages, found, depth + 1)
 
@@ -156,7 +156,7 @@ def _array(tensor: _Tensor, storages: dict[str, bytes]) -> np.ndarray:
     data = np.frombuffer(storages[tensor.storage.key], tensor.storage.dtype)
     ends = [(n - 1) * step for n, step in zip(tensor.shape, tensor.strides, strict=True)]
     numbers = (*tensor.shape, *tensor.strides, tensor.offset)
-    if len(tensor.shape) > _MOST_DIMENSIONS or any(n < 0 for n in numbers):
+    if len(tensor.shape) > _MAX_DIMENSIONS or any(n < 0 for n in numbers):
         raise _Refused(f"a tensor has the shape {tensor.shape} and the strides {tensor.strides}")
     empty = 0 in tensor.shape
     size = 1
@@ -200,7 +200,7 @@ def _follow(file: BinaryIO) -> object:
     machine = _Machine()
     try:
         for steps, (opcode, argument, position) in enumerate(pickletools.genops(file)):
-            if steps > _MOST_STEPS:
+            if steps > _MAX_STEPS:
                 raise _Refused("has more than a million steps")
             if opcode.name == "STOP":
                 return machine.pop(1)[0]

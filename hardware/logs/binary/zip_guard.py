@@ -18,7 +18,7 @@ ERRORS = (
 )  # fmt: skip
 
 #: a member may become so much larger, or at least this large, where it is unpacked as a whole
-MOST_TIMES, LEAST_LIMIT = 10, 1 << 24
+MAX_RATIO, MIN_LIMIT = 10, 1 << 24
 
 
 def whole(archive: zipfile.ZipFile, name: str, size: int) -> bytes:
@@ -34,6 +34,6 @@ def whole(archive: zipfile.ZipFile, name: str, size: int) -> bytes:
         KeyError: there is none.
     """
     length = archive.getinfo(name).file_size
-    if length > max(LEAST_LIMIT, MOST_TIMES * size):
+    if length > max(MIN_LIMIT, MAX_RATIO * size):
         raise ValueError(f"{name} unpacks to {length} bytes, which is not plausible")
     return archive.read(name)

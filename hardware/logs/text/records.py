@@ -47,7 +47,7 @@ class Faults:
     def add(self, text: str) -> None:
         """Adds one."""
         self.count += 1
-        if self.count <= state.MOST_FAULTS:
+        if self.count <= state.MAX_FAULTS:
             self.texts.append(text)
 
     def finish(self) -> None:

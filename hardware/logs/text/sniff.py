@@ -17,7 +17,7 @@ SEPARATORS = "\t;|, "
 COMMENTS = ("#", "%", "//", "!")
 _LIST = re.compile(r"[\[(]\s*[-+.\deE,;\s]*[\])]")
 _FLAGS = {"true": 1.0, "false": 0.0}
-_MOST_LINES = 1000
+_MAX_LINES = 1000
 _GROUPS = re.compile(r"\d{1,3}(?:,\d{3})+")
 
 
@@ -101,7 +101,7 @@ def sniff(source: _text.Source, keep: Collection[str] = ()) -> Layout:
     Raises:
         InputError: there is no table, or it can be read in two ways.
     """
-    lines = list(source.head[:_MOST_LINES])
+    lines = list(source.head[:_MAX_LINES])
     rows = [i for i, line in enumerate(lines) if line.strip() and not is_comment(line)]
     if len(rows) > 2 and source.whole and _is_cut(lines, rows):
         rows = rows[:-1]

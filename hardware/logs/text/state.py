@@ -9,13 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.hardware.logs.text.sniff import Layout
-from simcompare.hardware.raw import RawColumn
+from simcompare.hardware.raw import MAX_ROWS, RawColumn
 from simcompare.model.recording import INFO, REPAIR, Repair, ranges
 
 #: faults that are named one by one
-MOST_FAULTS = 20
-#: rows of one kind that are named; their count is always whole
-MOST_ROWS = 100_000
+MAX_FAULTS = 20
 
 
 @dataclass
@@ -87,7 +85,7 @@ class State:
     def fault(self, text: str) -> None:
         """Counts a fault; the first ones are named."""
         self.count += 1
-        if len(self.faults) < MOST_FAULTS:
+        if len(self.faults) < MAX_FAULTS:
             self.faults.append(text)
 
     def skip(self, reason: str, line: int) -> None:
@@ -126,7 +124,7 @@ class State:
         for rule, lines in self.skipped.items():
             if rule in words:
                 severity, text = words[rule]
-                named = tuple((a, b) for a, b in lines.runs()[:MOST_ROWS].tolist())
+                named = tuple((a, b) for a, b in lines.runs()[:MAX_ROWS].tolist())
                 found.append(Repair(rule, severity, text, rows=named, count=len(lines)))
         if self.no_end:
             text = (
@@ -138,6 +136,6 @@ class State:
             )
         if self.midnights:
             text = "the time of day passes midnight; a day was added from there on"
-            rows = ranges(self.midnights[:MOST_ROWS])
+            rows = ranges(self.midnights[:MAX_ROWS])
             found.append(Repair("midnight", REPAIR, text, rows=rows, count=len(self.midnights)))
         return found

@@ -22,7 +22,7 @@ from simcompare.hardware.raw import RawColumn, Spool
 from simcompare.model.trajectory import Array
 
 #: faults after which nothing more is read
-_ENOUGH = 100_000
+_MAX_FAULTS = 100_000
 #: characters of a line that may be a row
 _MAX_ROW = 1 << 20
 _WHOLE = re.compile(r"\s*[+-]?\d{1,19}\s*", re.ASCII)
@@ -63,11 +63,11 @@ class _Reader:
             if layout.stop_line and block.line > layout.stop_line:
                 break
             self._take(block.until(layout.stop_line))
-            if state.count > _ENOUGH:
+            if state.count > _MAX_FAULTS:
                 break
         self._check_dates()
         if state.count > len(state.faults):
-            more = "at least " if state.count > _ENOUGH else ""
+            more = "at least " if state.count > _MAX_FAULTS else ""
             state.faults.append(f"and {more}{state.count - len(state.faults)} more such faults")
         if state.faults:
             raise InputError(self.source.label, state.faults)

@@ -25,9 +25,9 @@ HEAD_BYTES = 1 << 16
 #: bytes that are parsed together
 BLOCK_BYTES = 4 << 20
 #: lines that are parsed together
-MOST_LINES = 1 << 17
+MAX_LINES = 1 << 17
 #: a line longer than this belongs to no table
-LONGEST_LINE = 16 << 20
+MAX_LINE = 16 << 20
 
 _MARKS = ((b"\xef\xbb\xbf", "utf-8"), (b"\xff\xfe", "utf-16-le"), (b"\xfe\xff", "utf-16-be"))
 
@@ -208,9 +208,10 @@ def blocks(source: Source, first_line: int = 1) -> Iterator[Block]:
             data = carried + data
             cut = len(data) if last else data.rfind(b"\n") + 1
             carried = data[cut:]
-            if len(carried) > LONGEST_LINE:
+            if len(carried) > MAX_LINE:
                 raise InputError(
-                    source.label, [f"line {line} is longer than {LONGEST_LINE >> 20} MB; no table"]
+                    source.label,
+                    [f"line {line} is longer than {MAX_LINE >> 20} MB; no table"],
                 )
             data = data[:cut]
             ended = data.endswith(b"\n")
@@ -226,12 +227,12 @@ def blocks(source: Source, first_line: int = 1) -> Iterator[Block]:
 def _pieces(block: Block, first_line: int) -> Iterator[Block]:
     """A block from a line on, in pieces of not too many lines: some of them may be empty."""
     start = max(first_line - block.line, 0)
-    if not start and block.count <= MOST_LINES:
+    if not start and block.count <= MAX_LINES:
         yield block
         return
     ends = np.flatnonzero(np.frombuffer(block.data, np.uint8) == ord("\n")) + 1
-    for first in range(start, block.count, MOST_LINES):
-        stop = min(first + MOST_LINES, block.count)
+    for first in range(start, block.count, MAX_LINES):
+        stop = min(first + MAX_LINES, block.count)
         begin = int(ends[first - 1]) if first else 0
         is_last = stop == block.count
         end = len(block.data) if is_last else int(ends[stop - 1])
