@@ -13,7 +13,7 @@ from simcompare.fitting.bounces import bounce_models, profile, ratios
 from simcompare.fitting.bounces.beside import Bouncing, engine_bounces
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import NUISANCE, Fit
-from simcompare.fitting.bounces.problem import U_UNKNOWN_S
+from simcompare.fitting.bounces.problem import U_ASSUMED_M, U_ASSUMED_S
 from simcompare.fitting.bounces.unknowns import base, own_drop
 from simcompare.model.trajectory import Array
 
@@ -59,7 +59,8 @@ def left_of(fit: Fit, shown: Sequence[Bouncing] | None = None) -> list[dict[str,
 def _row(
     fit: Fit, number: int, kind: str, at: Sequence[float], left: Array, u: Array
 ) -> dict[str, Any]:
-    assumed = U_UNKNOWN_S * math.sqrt(fit.s2)
+    assumed = U_ASSUMED_M if kind in ("heights", "track") else U_ASSUMED_S
+    assumed *= math.sqrt(fit.s2)
     return {
         "drop": number + 1, "kind": kind, "at": list(at), "left": np.ravel(left).tolist(),
         "u": np.where(np.isfinite(u), u, assumed).tolist(),

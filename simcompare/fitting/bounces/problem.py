@@ -25,8 +25,8 @@ from simcompare.fitting.bounces.unknowns import (
 )
 from simcompare.model.trajectory import Array
 
-#: timing uncertainty that is assumed until the scatter tells, where none is stated [s]
-U_UNKNOWN_S = 1e-3
+#: uncertainties of times [s] and of heights [m], where none is stated, until the scatter tells
+U_ASSUMED_S, U_ASSUMED_M = 1e-3, 1e-3
 
 
 @dataclass(frozen=True)
@@ -241,10 +241,10 @@ def _blocks(drop: Impacts, number: int, intervals: bool) -> list[Block]:
     """Measured numbers of one drop; a track stands for the times and heights drawn from it."""
     blocks = []
     if drop.track is not None:
-        u = np.where(np.isfinite(drop.track.u_m), drop.track.u_m, U_UNKNOWN_S)
+        u = np.where(np.isfinite(drop.track.u_m), drop.track.u_m, U_ASSUMED_M)
         return [Block("track", number, drop.track.height_m, 1 / u)]
     if len(drop.times_s):
-        covariance = drop.covariance(U_UNKNOWN_S)
+        covariance = drop.covariance(U_ASSUMED_S)
         if intervals:
             step = np.diff(np.eye(len(drop.times_s)), axis=0)
             whole = step @ covariance @ step.T
@@ -254,7 +254,7 @@ def _blocks(drop: Impacts, number: int, intervals: bool) -> list[Block]:
         else:
             blocks.append(Block("times", number, drop.times_s, 1 / np.sqrt(np.diag(covariance))))
     if len(drop.heights_m):
-        u = np.where(np.isfinite(drop.u_heights_m), drop.u_heights_m, 1e-3)
+        u = np.where(np.isfinite(drop.u_heights_m), drop.u_heights_m, U_ASSUMED_M)
         blocks.append(Block("heights", number, drop.heights_m, 1 / u))
     return blocks
 
