@@ -1,5 +1,6 @@
 """How the leading measure changes with the step: lines of the answer, and the picture."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -88,7 +89,7 @@ def test_a_run_with_one_step_has_no_such_picture():
 def test_what_is_typed_in_is_told_engine_by_engine():
     run = stepped("tuned", north=(0.8, 0.8), south=(0.8, 0.8))
     numbers = (0.81, 0.82, 0.71, 0.72)
-    run = with_sources(run, tuning=[tuning([number], None, None) for number in numbers])
+    run = with_sources(run, tuning=[tuning([number], math.nan, math.nan) for number in numbers])
     assert (
         "Typed in for a restitution of 0.8 at 1ms and 2ms: 0.81, 0.82 in north;"
         " 0.71, 0.72 in south." in remarks.remarks(run)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from simcompare.cli import console
+from simcompare.model.tuning import AtSpeed, TuningRow
 from simcompare.reports import builder
 from simcompare.reports.render import matplotlib_, plotly_
 from simcompare.reports.run import listing, remarks, runs, words
@@ -255,8 +256,8 @@ def test_an_interrupted_run_says_so():
 
 
 def tuning(numbers, depth_m, contact_s):
-    at = {"penetration_m": depth_m, "contact_s": contact_s}
-    return ({"numbers": numbers, "restitution": 0.8, "size_m": 0.04, "at": [at], "pairs": []},)
+    at = AtSpeed(2.0, 0.8, 0.0, depth_m, contact_s, 0.0)
+    return (TuningRow((), 0.8, tuple(numbers), 2.0, 1e-3, size_m=0.04, at=(at,)),)
 
 
 def test_what_is_typed_in_and_what_contacts_cost():

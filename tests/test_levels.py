@@ -130,7 +130,7 @@ def test_numbers_are_the_same_in_every_repeat_and_stand_in_the_record():
         }  # fmt: skip
         assert set(record["numbers"]) <= held, "what was sought is what the engine holds"
     numbers = {
-        tuple(stored.trajectory.tuning[0]["numbers"])
+        tuple(stored.trajectory.tuning[0].numbers)
         for stored in run.trajectories
         if stored.source == "mujoco"
     }
@@ -284,7 +284,7 @@ def test_a_damaged_cache_is_found_again(monkeypatch, tmp_path):
 
     def number():
         found = simulate("pymunk", scene("ball"), Settings(TUNED))
-        return found.tuning[0]["numbers"]
+        return found.tuning[0].numbers
 
     sought = number()
     (path,) = (tmp_path / "calibrations").glob("*.json")

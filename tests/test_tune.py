@@ -180,7 +180,7 @@ def test_a_scenario_is_tuned_as_its_run_is():
     (row,) = tune("ball", engine="pymunk")
     run = engines.get("pymunk").simulate(catalogue.load("ball").resolve(), Settings(TUNED))
     # what is handed out has seven digits
-    assert row.statement.numbers == pytest.approx(run.tuning[0]["numbers"], rel=1e-6)
+    assert row.statement.numbers == pytest.approx(run.tuning[0].numbers, rel=1e-6)
     assert row.about == "ball-floor"
 
 

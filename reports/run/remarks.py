@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+import math
+from collections.abc import Sequence
 
 from simcompare.compare.comparison import FAIL, PASS, Score
 from simcompare.engine.engines import VARIANT
 from simcompare.model.settings import SHOWN_LEVELS, TUNED
 from simcompare.model.trajectory import AT
+from simcompare.model.tuning import TuningRow
 from simcompare.reports.render import numbers
 from simcompare.reports.run import listing, runs
 from simcompare.reports.run.lead import Lead, first_events, groups_of, lead_of
@@ -17,7 +18,6 @@ from simcompare.results.records.run import SourceRecord
 from simcompare.results.run import Run
 from simcompare.running.jobs import OK
 
-Tuning = Mapping[str, Any]
 #: contacts whose depths differ by less than this factor are told as one
 _ALIKE_DEPTHS = 2.0
 #: a depth below this part of the body's size is called small
@@ -72,7 +72,7 @@ def _variants(run: Run) -> list[str]:
     return [f"{name}: {text}." for name, text in found.items()]
 
 
-def typed(source: SourceRecord, record: Tuning, digits: int = 6) -> str:
+def typed(source: SourceRecord, record: TuningRow, digits: int = 6) -> str:
     """The numbers of a tuning under the names of the engine's own parameters."""
     names = {
         row.set_value: row.engine_parameter
@@ -83,7 +83,7 @@ def typed(source: SourceRecord, record: Tuning, digits: int = 6) -> str:
         f"{names[value]} = {numbers.plain(value, digits)}"
         if value in names
         else numbers.plain(value, digits)
-        for value in record["numbers"]
+        for value in record.numbers
     )
 
 
@@ -91,7 +91,7 @@ def typed(source: SourceRecord, record: Tuning, digits: int = 6) -> str:
 _ALL = {1: "the one tolerance is", 2: "both tolerances are"}
 
 
-def _tuned(run: Run) -> list[tuple[SourceRecord, Tuning]]:
+def _tuned(run: Run) -> list[tuple[SourceRecord, TuningRow]]:
     """Sources of the level tuned, each with the first record of its tuning."""
     sources = [source for source in run.record.sources if source.contact == TUNED]
     return [(source, source.tuning[0]) for source in sources if source.tuning]
@@ -100,10 +100,10 @@ def _tuned(run: Run) -> list[tuple[SourceRecord, Tuning]]:
 def _contacts(run: Run) -> str:
     """How deep the first contact sinks and how long it lasts, engines alike together."""
     known = [
-        (at["penetration_m"], at["contact_s"], source.name, record.get("size_m") or 0.0)
+        (at.penetration_m, at.contact_s, source.name, record.size_m)
         for source, record in _tuned(run)
-        for at in record["at"][:1]
-        if at["penetration_m"] is not None and at["contact_s"] is not None
+        for at in record.at[:1]
+        if math.isfinite(at.penetration_m) and math.isfinite(at.contact_s)
     ]
     if not known:
         return ""
@@ -158,12 +158,12 @@ def _typed_in(run: Run) -> list[str]:
     sources.sort(key=lambda source: float(source.engine_step_s or 0.0))
     rows = [(source, record) for source in sources for record in source.tuning]
     return [
-        _typed_for(run, restitution, [row for row in rows if row[1]["restitution"] == restitution])
-        for restitution in dict.fromkeys(record["restitution"] for _, record in rows)
+        _typed_for(run, restitution, [row for row in rows if row[1].restitution == restitution])
+        for restitution in dict.fromkeys(record.restitution for _, record in rows)
     ]
 
 
-def _typed_for(run: Run, restitution: float, rows: Sequence[tuple[SourceRecord, Tuning]]) -> str:
+def _typed_for(run: Run, restitution: float, rows: Sequence[tuple[SourceRecord, TuningRow]]) -> str:
     by_engine: dict[str, list[str]] = {}
     for source, record in rows:  # at several steps, one after the other
         engine = source.name.partition(AT)[0]
@@ -178,11 +178,11 @@ def _typed_for(run: Run, restitution: float, rows: Sequence[tuple[SourceRecord, 
     return f"Typed in{goal}{at}: {('; ' if steps else ', ').join(said)}."
 
 
-def _short(source: SourceRecord, record: Tuning) -> str:
+def _short(source: SourceRecord, record: TuningRow) -> str:
     """A coefficient alone; the numbers of a parameter with several under its name."""
-    values = [numbers.plain(value) for value in record["numbers"]]
+    values = [numbers.plain(value) for value in record.numbers]
     if len(values) == 1:
-        return numbers.plain(record["numbers"][0], 4)
+        return numbers.plain(record.numbers[0], 4)
     whole = typed(source, record).partition("[")[0]
     return f"{whole} = ({', '.join(values)})" if "=" not in whole else typed(source, record, 4)
 

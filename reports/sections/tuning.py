@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 from simcompare.model.settings import ASSISTED
+from simcompare.model.tuning import TuningRow
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, of_engines
 from simcompare.reports.run.remarks import typed
@@ -39,9 +39,9 @@ class Tuning(Section):
         if not sources:
             return None
         groups = [
-            Group(_title(source, record), _rows(source.name, record))
+            Group(_title(source, row), _rows(source.name, row))
             for source in sources
-            for record in source.tuning
+            for row in source.tuning
         ]
         note = (
             "Each row is the mean over 25 drops that fall at even phases of the step, and after ±"
@@ -53,38 +53,38 @@ class Tuning(Section):
         return parts_of([], [of_engines(_COLUMNS, groups, note)])
 
 
-def _title(source: SourceRecord, record: Mapping[str, Any]) -> str:
-    pairs = ", ".join("-".join(pair) for pair in record["pairs"])
+def _title(source: SourceRecord, row: TuningRow) -> str:
+    pairs = ", ".join("-".join(pair) for pair in row.pairs)
     said = (
-        f"{source.name}: {typed(source, record)} for {numbers.plain(record['restitution'])}"
-        f" between {pairs}, at a step of {numbers.plain(1e3 * record['step_s'])} ms"
+        f"{source.name}: {typed(source, row)} for {numbers.plain(row.restitution)}"
+        f" between {pairs}, at a step of {numbers.plain(1e3 * row.step_s)} ms"
     )
-    if record.get("stall_speed_m_s"):
-        said += f"; hops of {numbers.plain(record['stall_speed_m_s'], 2)} m/s never die out"
+    if row.stall_speed_m_s:
+        said += f"; hops of {numbers.plain(row.stall_speed_m_s, 2)} m/s never die out"
     return said
 
 
-def _rows(engine: str, record: Mapping[str, Any]) -> tuple[tuple[str, ...], ...]:
+def _rows(engine: str, row: TuningRow) -> tuple[tuple[str, ...], ...]:
     rows = []
-    marked = [(at, f"impact {i}") for i, at in enumerate(record["at"], start=1)]
+    marked = [(at, f"impact {i}") for i, at in enumerate(row.at, start=1)]
     marked[:1] = [(at, f"{words}: {CALIBRATED}") for at, words in marked[:1]]
-    marked += zip(record["checks"], ("half height", "double height"), strict=False)
+    marked += zip(row.checks, ("half height", "double height"), strict=False)
     for at, words in marked:
-        value, wanted = at["restitution"], record["restitution"]
+        value, wanted = at.restitution, row.restitution
         rows.append(
             (
                 engine,
-                numbers.plain(at["speed_m_s"], 3),
-                numbers.with_u(value, at["scatter"]),
-                "–" if value is None else numbers.plain(100 * (value / wanted - 1), 2),
-                _thousandfold(at["penetration_m"]),
-                _thousandfold(at["contact_s"]),
-                _thousandfold(at["delay_s"]),
+                numbers.plain(at.speed_m_s, 3),
+                numbers.with_u(value, at.scatter),
+                numbers.plain(100 * (value / wanted - 1), 2),
+                _thousandfold(at.penetration_m),
+                _thousandfold(at.contact_s),
+                _thousandfold(at.delay_s),
                 words,
             )
         )
     return tuple(rows)
 
 
-def _thousandfold(value: float | None) -> str:
-    return "–" if value is None else numbers.plain(1e3 * value, 3)
+def _thousandfold(value: float) -> str:
+    return numbers.plain(1e3 * value, 3)

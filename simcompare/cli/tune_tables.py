@@ -11,10 +11,10 @@ import typer
 
 from simcompare import notation
 from simcompare.cli import console
-from simcompare.engine.calibration.calibration import AtSpeed
 from simcompare.engine.calibration.drops import slowest_m_s
 from simcompare.engine.calibration.springs import SCATTER
 from simcompare.model.settings import TUNED
+from simcompare.model.tuning import AtSpeed
 from simcompare.running.jobs import OK
 from simcompare.tuning.bench import STATED
 from simcompare.tuning.request import Request

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from simcompare.engine.library import Library
     from simcompare.engine.simulation import Simulation
     from simcompare.model.trajectory import Trajectory
+    from simcompare.model.tuning import TuningRow
 
 
 @dataclass(frozen=True)
@@ -160,7 +161,7 @@ class EngineBackend(ABC):
         started = time.perf_counter()
         engine = self.load()
         loaded = time.perf_counter()
-        tuning: tuple[Mapping[str, Any], ...] = ()
+        tuning: tuple[TuningRow, ...] = ()
         if settings.gives(TUNED) and not settings.takes(LANDING):
             from simcompare.engine.calibration.tuned import tuned
 
@@ -174,7 +175,7 @@ class EngineBackend(ABC):
             raise
         simulation.tuning = tuning
         simulation.notes += self._variant_notes(settings)
-        simulation.notes += tuple(note for record in tuning for note in record["notes"])
+        simulation.notes += tuple(note for row in tuning for note in row.notes)
         simulation.wall_s = {
             "import": loaded - started,
             "tune": calibrated - loaded,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -30,6 +29,7 @@ from simcompare.model.audit import AuditRow
 from simcompare.model.scenario import SENSOR_SIGNALS, Sensor
 from simcompare.model.settings import SPRING
 from simcompare.model.trajectory import Array
+from simcompare.model.tuning import TuningRow
 
 #: slower bodies than this need not be landed on to within rounding [m/s]
 LANDING_SPEED_M_S = 5.0
@@ -55,7 +55,7 @@ class HelpedSimulation(EngineHooks):
     def __init__(self, scene: Scene) -> None:
         super().__init__(scene)
         self.audit: tuple[AuditRow, ...] = ()
-        self.tuning: tuple[Mapping[str, Any], ...] = ()
+        self.tuning: tuple[TuningRow, ...] = ()
         self.lacks: dict[str, str] = {}
         self.notes: tuple[str, ...] = ()
         self.wall_s = {}

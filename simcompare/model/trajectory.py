@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.errors import SimulationDiverged
 from simcompare.model.audit import AuditRow
+from simcompare.model.tuning import TuningRow
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -55,7 +56,7 @@ class Trajectory:
         notes: what the reader should know about this run.
         helps: our helps that acted in it.
         velocity_offset_s: velocities belong to the sample's time plus this [s].
-        tuning: how the numbers for restitution were found, one record for each restitution.
+        tuning: how the numbers for restitution were found, one row for each restitution.
         lacks: signals that this source does not give -> why.
     """
 
@@ -69,7 +70,7 @@ class Trajectory:
     notes: tuple[str, ...] = ()
     helps: tuple[str, ...] = ()
     velocity_offset_s: float = 0.0
-    tuning: tuple[Mapping[str, Any], ...] = ()
+    tuning: tuple[TuningRow, ...] = ()
     lacks: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

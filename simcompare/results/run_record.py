@@ -68,7 +68,7 @@ def of_source(name: str, mode: str, outcomes: Sequence[Outcome]) -> SourceRecord
         steps=len(nominal.time_s) - 1,
         helps=tuple(nominal.helps),
         velocity_offset_s=nominal.velocity_offset_s,
-        tuning=tuple(nominal.tuning),
+        tuning=nominal.tuning,
         lacks=dict(nominal.lacks),
         notes=tuple(nominal.notes),
         audit=tuple(nominal.audit),

@@ -7,10 +7,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from types import ModuleType
 
-from simcompare.engine.calibration.calibration import AtSpeed, CannotCalibrate
+from simcompare.engine.calibration.calibration import CannotCalibrate
 from simcompare.engine.calibration.engine_drops import Tunable
 from simcompare.model.audit import AuditRow
 from simcompare.model.settings import SPRING
+from simcompare.model.tuning import AtSpeed
 from simcompare.tuning.bench import STATED, Bench, Numbers
 from simcompare.tuning.nearest import nearest
 from simcompare.tuning.ranges import speed_range, step_range

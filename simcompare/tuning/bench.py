@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from types import ModuleType
 
-from simcompare.engine.calibration.calibration import PHASES, AtSpeed, Counted, measured
+from simcompare.engine.calibration.calibration import PHASES, Counted, measured
 from simcompare.engine.calibration.drops import Drops, slowest_m_s
 from simcompare.engine.calibration.engine_drops import CLEAR_M, EngineDrops, Tunable
 from simcompare.engine.calibration.springs import DEPTH, SCATTER
 from simcompare.errors import SimulationDiverged
 from simcompare.model.audit import AuditRow
 from simcompare.model.settings import TUNED
+from simcompare.model.tuning import AtSpeed
 from simcompare.tuning.request import Request
 
 #: phases at which a statement is measured; its range is looked for with fewer

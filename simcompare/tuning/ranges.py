@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from simcompare.engine.calibration.calibration import AtSpeed
+from simcompare.model.tuning import AtSpeed
 from simcompare.tuning.bench import Bench, Numbers
 from simcompare.tuning.statement import Range
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from simcompare.engine.calibration.calibration import AtSpeed
+from simcompare.model.tuning import AtSpeed
 
 
 @dataclass(frozen=True)

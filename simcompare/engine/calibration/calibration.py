@@ -17,6 +17,7 @@ import numpy as np
 from simcompare.engine.calibration.drops import Bounces, Drops, even_phases
 from simcompare.errors import Unsupported
 from simcompare.model.trajectory import Array
+from simcompare.model.tuning import AtSpeed
 
 #: phases of the step in the search, and as many others between them in the check
 PHASES = 25
@@ -40,27 +41,6 @@ class CannotCalibrate(Unsupported):
     def __init__(self, sentence: str, longest_step_s: float = math.nan) -> None:
         self.longest_step_s = longest_step_s
         super().__init__(sentence)
-
-
-@dataclass(frozen=True)
-class AtSpeed:
-    """What bounces at one speed do, over phases that the search did not use.
-
-    Attributes:
-        speed_m_s: speed of the impact [m/s].
-        restitution: mean over the phases [1]; NaN if some drops are not followed by a flight.
-        scatter: standard deviation over the phases [1].
-        penetration_m: largest depth in any phase [m].
-        contact_s: mean time in which a force acts [s].
-        delay_s: mean delay of the next impact against an instantaneous bounce [s].
-    """
-
-    speed_m_s: float
-    restitution: float
-    scatter: float
-    penetration_m: float
-    contact_s: float
-    delay_s: float
 
 
 @dataclass(frozen=True)

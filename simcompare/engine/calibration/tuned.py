@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import asdict, replace
 from types import ModuleType
-from typing import Any
 
-from simcompare import notation
 from simcompare.engine.calibration import cache, calibration
 from simcompare.engine.calibration.calibration import Calibration, CannotCalibrate
 from simcompare.engine.calibration.engine_drops import LEAST_GRAVITY_M_S2, EngineDrops, Tunable
@@ -17,6 +14,7 @@ from simcompare.engine.calibration.springs import DEPTH, calibrate_spring
 from simcompare.engine.contacts import touching_pairs
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import SPRING, DropPlan, PairNumbers, Settings
+from simcompare.model.tuning import TuningRow
 
 #: impacts of a body that bounces on, whose speeds are looked at; the first one is right
 IMPACTS = 4
@@ -26,7 +24,7 @@ _CURES = 12
 
 def tuned(
     backend: Tunable, engine: ModuleType, scenario: Scenario, settings: Settings
-) -> tuple[Settings, tuple[Mapping[str, Any], ...]]:
+) -> tuple[Settings, tuple[TuningRow, ...]]:
     """Settings with numbers for every pair that bounces, and how they were found.
 
     Raises:
@@ -36,7 +34,7 @@ def tuned(
     wanted = {frozenset(contact.pair): contact.restitution for contact in touching_pairs(scenario)}
     # a plan that was made for another restitution, as in a repeat that varies it, is not for this
     plans = [*(settings.drops or ()), *drop_plans(scenario)]
-    numbers, records = list(settings.numbers), []
+    numbers, rows = list(settings.numbers), []
     for plan in plans:
         open_pairs = [
             pair
@@ -53,25 +51,17 @@ def tuned(
             sentence = f"{backend.name}: {error}"
             raise CannotCalibrate(sentence, error.longest_step_s) from None
         numbers += [PairNumbers(pair, found.numbers) for pair in open_pairs]
-        records.append(record(plan, found))
-    return replace(settings, numbers=tuple(numbers)), tuple(records)
+        rows.append(_row(plan, found))
+    return replace(settings, numbers=tuple(numbers)), tuple(rows)
 
 
-def record(plan: DropPlan, found: Calibration) -> dict[str, Any]:
-    """How numbers were found, as plain values for run.json."""
-    plain: dict[str, Any] = asdict(found)
-    return {
-        "pairs": [list(pair) for pair in plan.pairs],
-        "speed_m_s": plan.speed_m_s,
-        "step_s": plan.step_s,
-        "size_m": plan.size_m,
-        "gravity_m_s2": plan.gravity_m_s2,
-        "notes": list(plan.notes),
-        **{name: value for name, value in plain.items() if not isinstance(value, tuple)},
-        "numbers": list(found.numbers),
-        "at": [notation.finite(asdict(one)) for one in found.at],
-        "checks": [notation.finite(asdict(one)) for one in found.checks],
-    }
+def _row(plan: DropPlan, found: Calibration) -> TuningRow:
+    return TuningRow(
+        pairs=plan.pairs, restitution=found.restitution, numbers=found.numbers,
+        speed_m_s=plan.speed_m_s, step_s=plan.step_s, size_m=plan.size_m,
+        gravity_m_s2=plan.gravity_m_s2, notes=plan.notes, stall_speed_m_s=found.stall_speed_m_s,
+        drops=found.drops, at=found.at, checks=found.checks,
+    )  # fmt: skip
 
 
 def calibrate(

@@ -27,6 +27,7 @@ from simcompare.engine.scripting.trace import (
 from simcompare.errors import Unsupported
 from simcompare.model.scenario import MOVABLE, Scenario
 from simcompare.model.settings import Settings
+from simcompare.model.tuning import TuningRow
 
 #: names that the script uses itself
 RESERVED = frozenset(
@@ -90,7 +91,7 @@ class Plan:
     settings: Settings
     efforts: Sequence[Effort]
     lacking: frozenset[str] = frozenset()
-    tuning: Sequence[Mapping[str, Any]] = ()
+    tuning: Sequence[TuningRow] = ()
 
     @property
     def sensed_joints(self) -> dict[str, str]:

@@ -161,20 +161,19 @@ def _head(name: str, engine: Backend, plan: Plan, stored: Mapping[str, Array]) -
             f" Its argument, 0 to 1, adds that part of {dither.span:.4g} {unit} to"
             f" {dither.parameter}."
         )
-    told = _told(plan)
-    while len(lines := textwrap.wrap(f'{" ".join([text, *told])}"""', WIDTH)) > 3 and told:
-        told.pop()
+    notes = _tuning_notes(plan)
+    while len(lines := textwrap.wrap(f'{" ".join([text, *notes])}"""', WIDTH)) > 3 and notes:
+        notes.pop()
     return [f'"""{title}.', *([] if len(lines) > 2 else [""]), *lines, ""]
 
 
-def _told(plan: Plan) -> list[str]:
+def _tuning_notes(plan: Plan) -> list[str]:
     """What numbers for a restitution were sought for, and how one drop scatters with them."""
     return [
-        f"Restitution {record['restitution']:.6g} is tuned for impacts at"
-        f" {record['at'][0]['speed_m_s']:.3g} m/s; one drop scatters by"
-        f" {record['at'][0]['scatter']:.2g}, with its place in a step."
-        for record in plan.tuning
-        if record["at"] and record["at"][0] is not None
+        f"Restitution {row.restitution:.6g} is tuned for impacts at {row.at[0].speed_m_s:.3g} m/s;"
+        f" one drop scatters by {row.at[0].scatter:.2g}, with its place in a step."
+        for row in plan.tuning
+        if row.at
     ]
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from simcompare.compare.repeats import repeats_of, sample_step_s
 from simcompare.engine import engines
@@ -21,6 +20,7 @@ from simcompare.exporters.scripts.expected import expected_of
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import CONTACT_LEVELS, DEFAULT, TUNED, Settings
 from simcompare.model.trajectory import Array
+from simcompare.model.tuning import TuningRow
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
 
@@ -102,8 +102,8 @@ def script(
 
 def _settings(
     engine: EngineBackend, level: str, nominal: Scenario, fit: str | None
-) -> tuple[Settings, Sequence[Mapping[str, Any]]]:
-    """How the engine is run; tuned, with the numbers for all restitutions, and their records.
+) -> tuple[Settings, Sequence[TuningRow]]:
+    """How the engine is run; tuned, with the numbers for all restitutions and how they were found.
 
     Raises:
         InputError: there are none at this step, or the fit is not one for a plain loop.

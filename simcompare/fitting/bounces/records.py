@@ -140,10 +140,9 @@ def _run_with(roles: Roles, start: Fit, engines: Sequence[EngineFit], made: Made
     }
     numbers = {
         one.engine: [
-            {"pairs": record["pairs"], "restitution": record["restitution"],
-             "values": list(record["numbers"]), "size_m": record["size_m"],
-             "gravity_m_s2": record["gravity_m_s2"]}
-            for record in one.tuning
+            {"pairs": [list(pair) for pair in row.pairs], "restitution": row.restitution,
+             "values": list(row.numbers), "size_m": row.size_m, "gravity_m_s2": row.gravity_m_s2}
+            for row in one.tuning
         ]
         for one in engines
         if isinstance(one, TunedFit) and one.fit is not None

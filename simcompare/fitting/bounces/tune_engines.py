@@ -8,7 +8,7 @@ such as the time that it lasts, is told and never made up for by another restitu
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -35,6 +35,7 @@ from simcompare.fitting.bounces.wanted import Wanted
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import TUNED, PairNumbers, Settings
 from simcompare.model.trajectory import Array, Trajectory
+from simcompare.model.tuning import TuningRow
 from simcompare.running.jobs import FAILED, OK, Job, Outcome
 from simcompare.running.runner import TIME_LIMIT_S, Progress, run_jobs
 
@@ -115,10 +116,7 @@ def _is_wanted(restitution: float, scene: Scenario, roles: Roles) -> bool:
 
 
 def _pair_numbers(run: Trajectory) -> tuple[PairNumbers, ...]:
-    return tuple(
-        PairNumbers((str(pair[0]), str(pair[1])), tuple(record["numbers"]))
-        for record in run.tuning for pair in record["pairs"]
-    )  # fmt: skip
+    return tuple(PairNumbers(pair, row.numbers) for row in run.tuning for pair in row.pairs)
 
 
 def _moved(numbers: PairNumbers) -> PairNumbers:
@@ -200,23 +198,23 @@ def _apexes(wanted: Wanted, seen: Sequence[Bouncing]) -> list[Array]:
     return found
 
 
-def _of_wanted(roles: Roles, first: Outcome) -> list[Mapping[str, Any]]:
+def _of_wanted(roles: Roles, first: Outcome) -> list[TuningRow]:
     """How the numbers were found, those of the fitted restitution before others."""
     assert first.trajectory is not None
     return sorted(
         first.trajectory.tuning,
-        key=lambda record: not _is_wanted(record["restitution"], first.job.scenario, roles),
+        key=lambda row: not _is_wanted(row.restitution, first.job.scenario, roles),
     )
 
 
 def _numbers(
-    tuning: Sequence[Mapping[str, Any]], run: Trajectory, u: float, slope: float
+    tuning: Sequence[TuningRow], run: Trajectory, u: float, slope: float
 ) -> tuple[Number, ...]:
     """An engine's numbers under its own names; the last one carries the uncertainty."""
     if not tuning:
         return ()
-    values = [float(value) for value in tuning[0]["numbers"]]
-    scatter = tuning[0]["at"][0]["scatter"] if tuning[0]["at"] else 0.0
+    values = tuning[0].numbers
+    scatter = tuning[0].at[0].scatter if tuning[0].at else 0.0
     found = []
     for place, value in enumerate(values):
         rows = [row for row in run.audit if row.set_value == value]

@@ -10,7 +10,9 @@ from typing import Any
 from simcompare.fitting.bounces.beside import Bouncing
 from simcompare.fitting.bounces.engine_fit import EngineFit
 from simcompare.fitting.bounces.likelihood import COVERAGE
+from simcompare.model.plain import plain
 from simcompare.model.trajectory import Array
+from simcompare.model.tuning import TuningRow
 
 
 @dataclass(frozen=True)
@@ -51,19 +53,19 @@ class TunedFit(EngineFit):
     restitution: tuple[float, float] = (0.0, 0.0)
     impacts: tuple[Mapping[str, Any], ...] = ()
     penetration_m: float = 0.0
-    tuning: tuple[Mapping[str, Any], ...] = field(default=(), repr=False)
+    tuning: tuple[TuningRow, ...] = field(default=(), repr=False)
     held: tuple[Bouncing, ...] = ()
     held_m: tuple[Array, ...] = ()
     phases: int = 0
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        plain = super().to_dict()
+        found = super().to_dict()
         if self.fit is None:
-            return plain
-        first = self.tuning[0]["at"][0] if self.tuning else {}
+            return found
+        first = plain(self.tuning[0].at[0]) if self.tuning and self.tuning[0].at else {}
         return {
-            **plain,
+            **found,
             "step_s": self.step_s,
             "numbers": [vars(number) for number in self.numbers],
             "impacts": [dict(row) for row in self.impacts],
@@ -73,7 +75,7 @@ class TunedFit(EngineFit):
                 "delay_s": first.get("delay_s"),
             },
             "phases": self.phases,
-            "tuning": [dict(record) for record in self.tuning],
+            "tuning": [plain(row) for row in self.tuning],
         }
 
     def parameters(self) -> dict[str, dict[str, Any]]:

@@ -14,6 +14,7 @@ from simcompare.compare.comparison import Score
 from simcompare.model.answer import Answer
 from simcompare.model.audit import AuditRow
 from simcompare.model.scenario import Dither, Probe, Tolerance
+from simcompare.model.tuning import TuningRow
 from simcompare.running.jobs import OK
 
 #: version of what is stored
@@ -85,7 +86,7 @@ class SourceRecord:
     wall_s: Wall = Wall()
     helps: tuple[str, ...] = ()
     velocity_offset_s: float | None = None
-    tuning: tuple[Mapping[str, Any], ...] = ()
+    tuning: tuple[TuningRow, ...] = ()
     lacks: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     noise: str = ""

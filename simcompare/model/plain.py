@@ -1,0 +1,50 @@
+"""Typed records as the plain values of JSON, and back.
+
+JSON has no number that is not finite: a field of the type :data:`Finite` is ``null`` there, and NaN
+in the record that is read back.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Annotated, Any, TypeVar, cast
+
+from pydantic import BeforeValidator, PlainSerializer, TypeAdapter
+
+Record = TypeVar("Record")
+
+
+def _or_nan(value: object) -> object:
+    return math.nan if value is None else value
+
+
+def _or_none(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+#: a number that may be none: NaN, or without a limit
+Finite = Annotated[float, BeforeValidator(_or_nan), PlainSerializer(_or_none)]
+
+
+def plain(record: object) -> dict[str, Any]:
+    """A record, or any part of one, as JSON holds it."""
+    found: dict[str, Any] = _adapter(cast("Any", type(record))).dump_python(
+        record, mode="json", by_alias=True
+    )
+    return found
+
+
+def of_plain(kind: type[Record], data: object) -> Record:
+    """A record out of plain values.
+
+    Raises:
+        ValueError: they are none of it.
+    """
+    found: Record = _adapter(cast("Any", kind)).validate_python(data)
+    return found
+
+
+@cache
+def _adapter(kind: Any) -> TypeAdapter[Any]:  # noqa: ANN401
+    return TypeAdapter(kind)
