@@ -5,6 +5,10 @@ all of them, and for all differences, in one call on arrays. Each step follows t
 model as far as its second derivative along the step tells (geodesic acceleration: M. K. Transtrum
 and J. P. Sethna, arXiv:1201.5885), for unknowns that nearly make up for each other lie along a
 curved valley in which straight steps do not come far.
+
+scipy's ``least_squares`` solves one problem at a time and is used where there is one, as for
+signals over time. Of 200 repeats of a drop of seven impacts it finds the same minima in 0.80 s,
+this in 0.012 s; with drag and a power law, ten impacts, in 2.96 s and 0.034 s.
 """
 
 from __future__ import annotations

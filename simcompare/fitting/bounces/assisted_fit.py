@@ -1,23 +1,14 @@
-"""Each engine's own parameters with our helps, by correcting its defect.
-
-An engine given the parameters x shows events that are a little off those of the closed form at x:
-its step, its contact, its drag. That defect hardly changes with x. So the closed form is fitted to
-the measured events less the defect, the engine is run with what comes out, and this is repeated:
-space mapping (J. W. Bandler et al., IEEE Trans. Microwave Theory Tech. 42 (1994) 2536). Two rounds
-of three drops that fall at different phases of the step are enough, and no difference quotient of
-an engine is ever taken, which would only show its scatter.
-"""
+"""Each engine's own parameters with our helps, from three drops at different phases of its step."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from simcompare.errors import SimcompareError
 from simcompare.fitting.bounces import bounce_models, likelihood
 from simcompare.fitting.bounces.beside import (
     Bouncing,
@@ -33,14 +24,15 @@ from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.fitting.bounces.problem import Problem, seen_in
 from simcompare.fitting.bounces.roles import Roles
 from simcompare.fitting.bounces.unknowns import shown
+from simcompare.inference.defect_correction import Corrected, correct
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, Settings
 from simcompare.model.trajectory import Array, Trajectory
-from simcompare.running.jobs import FAILED, OK, Job, Outcome
-from simcompare.running.runner import TIME_LIMIT_S, Progress, run_jobs
+from simcompare.running.jobs import OK, Job, Outcome
+from simcompare.running.runner import TIME_LIMIT_S, Progress
 
-#: drops at different phases of the step in each round, and rounds
-DITHERS, ROUNDS = 3, 2
+#: drops at different phases of the step in each round
+DITHERS = 3
 #: simulated time after the last measured impact [s]
 _AFTER_S = 0.05
 
@@ -83,37 +75,45 @@ def fit_engines(
         time_limit_s: longest time for one simulation [s].
         progress: called as jobs end.
     """
-    problem = start.problem
-    state = {name: _State(start.x) for name in engines}
-    settings = Settings(ASSISTED, helps=helps)
-    for _ in range(ROUNDS):
-        jobs: list[Job] = []
-        plan: list[tuple[int, Scenario]] = []
-        for name in engines:
-            if state[name].outcome_bad is None:
-                for drop, scene in _scenes(roles, problem, state[name].x, step_s):
-                    jobs.append(Job(name, scene, settings, len(plan)))
-                    plan.append((drop, scene))
-        outcomes = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
-        for name in engines:
-            own = [(*plan[o.job.repeat], o) for o in outcomes if o.job.engine == name]
-            if own:
-                _advance(roles, problem, state[name], own)
-    return [_result(name, problem, start, state[name]) for name in engines]
+    problem, settings = start.problem, Settings(ASSISTED, helps=helps)
+    states = {name: Corrected(start.x) for name in engines}
+    latest: dict[str, _Shown] = {}
+
+    def jobs_of(name: str, x: Array) -> list[Job]:
+        return [
+            Job(name, scene, settings, drop) for drop, scene in _scenes(roles, problem, x, step_s)
+        ]
+
+    def corrected(name: str, one: Corrected) -> Array:
+        found = _shown(roles, problem, one.x, one.last)
+        solved = _without_defects(problem, one.x, found)
+        latest[name] = replace(found, spread=solved[1:])
+        best: Array = solved[0]
+        return best
+
+    correct(states, jobs_of, corrected, time_limit_s=time_limit_s, progress=progress)
+    return [
+        _failed(name, one) if one.failure is not None
+        else _result(name, problem, start, one, latest[name])
+        for name, one in states.items()
+    ]  # fmt: skip
 
 
-@dataclass
-class _State:
-    """How far the fit of one engine has come."""
+@dataclass(frozen=True)
+class _Shown:
+    """What one engine showed in its last round.
 
-    x: Array
-    shown: tuple[Bouncing, ...] = ()
-    spread: tuple[Array, ...] = ()
-    outcome_bad: Outcome | None = None
-    last: Outcome | None = None
-    simulations: int = 0
-    wall_s: float = 0.0
-    runs: tuple[tuple[Scenario, Trajectory], ...] = ()
+    Attributes:
+        bouncing: of every drop, mean over the dithers.
+        parts: of every drop, dither by dither.
+        runs: the middle simulation of every drop.
+        spread: the sought numbers that each dither alone would give (DITHERS, p).
+    """
+
+    bouncing: tuple[Bouncing, ...]
+    parts: tuple[tuple[Part, ...], ...]
+    runs: tuple[tuple[Scenario, Trajectory], ...]
+    spread: Array = field(default_factory=lambda: np.zeros(0))
 
 
 def _scenes(
@@ -130,53 +130,33 @@ def _scenes(
     return found
 
 
-def _advance(
-    roles: Roles,
-    problem: Problem,
-    state: _State,
-    own: Sequence[tuple[int, Scenario, Outcome]],
-) -> None:
-    """One round: the defect of the engine at x, and the fit to the events less that."""
-    state.simulations += len(own)
-    state.last = own[0][2]
-    bad = [outcome for *_, outcome in own if outcome.status != OK]
-    if bad:
-        state.outcome_bad = bad[0]
-        return
-    walls = [o.trajectory.wall_s for *_, o in own if o.trajectory is not None]
-    state.wall_s += sum(wall.get("build", 0.0) + wall.get("step", 0.0) for wall in walls)
-    try:
-        seen, defects, middle = _seen(roles, problem, state.x, own)
-    except SimcompareError as error:
-        state.outcome_bad = replace(state.last, status=FAILED, reason=str(error))
-        return
-    state.shown, state.runs = tuple(seen), tuple(middle)
-    # what each dither alone would give: the scatter of the engine in the parameters
-    alone = [
+def _shown(roles: Roles, problem: Problem, x: Array, outcomes: Sequence[Outcome]) -> _Shown:
+    """What every drop showed, dither by dither as well, and its middle run."""
+    bouncing, every, middle = [], [], []
+    for drop, impacts in enumerate(problem.drops):
+        runs = [
+            (o.job.scenario, o.trajectory)
+            for o in outcomes if o.job.repeat == drop and o.trajectory is not None
+        ]  # fmt: skip
+        values = problem.values(x, drop)
+        parts = tuple(beside(roles, values, scene, run, impacts.count) for scene, run in runs)
+        middle.append(runs[DITHERS // 2])
+        bouncing.append(together(parts, impacts.count, whole=True))
+        every.append(parts)
+    return _Shown(tuple(bouncing), tuple(every), tuple(middle))
+
+
+def _without_defects(problem: Problem, x: Array, shown: _Shown) -> Array:
+    """The sought numbers for data less the mean defect, and less that of each dither alone."""
+    dithers = [
         [together([parts[i]], impacts.count, whole=True)
-         for parts, impacts in zip(defects, problem.drops, strict=True)]
+         for parts, impacts in zip(shown.parts, problem.drops, strict=True)]
         for i in range(DITHERS)
     ]  # fmt: skip
-    data = np.stack([problem.data - _in_data(problem, state.x, one) for one in (seen, *alone)])
-    starts = np.repeat(state.x[None, :], len(data), axis=0)
-    solved = likelihood.minimise(problem, starts, data)
-    state.x = solved.x[0]
-    state.spread = tuple(solved.x[1:])
-
-
-def _seen(
-    roles: Roles, problem: Problem, x: Array, own: Sequence[tuple[int, Scenario, Outcome]]
-) -> tuple[list[Bouncing], list[list[Part]], list[tuple[Scenario, Trajectory]]]:
-    """What every drop showed, dither by dither as well, and its middle run."""
-    seen, defects, middle = [], [], []
-    for drop, impacts in enumerate(problem.drops):
-        runs = [(s, o.trajectory) for d, s, o in own if d == drop and o.trajectory is not None]
-        values = problem.values(x, drop)
-        parts = [beside(roles, values, scene, run, impacts.count) for scene, run in runs]
-        middle.append(runs[DITHERS // 2])
-        seen.append(together(parts, impacts.count, whole=True))
-        defects.append(parts)
-    return seen, defects, middle
+    data = np.stack(
+        [problem.data - _in_data(problem, x, one) for one in (shown.bouncing, *dithers)]
+    )
+    return likelihood.minimise(problem, np.repeat(x[None, :], len(data), axis=0), data).x
 
 
 def _in_data(problem: Problem, x: Array, shown: Sequence[Bouncing]) -> Array:
@@ -193,16 +173,18 @@ def _in_data(problem: Problem, x: Array, shown: Sequence[Bouncing]) -> Array:
     return np.concatenate(parts)
 
 
-def _result(name: str, problem: Problem, start: Fit, state: _State) -> AssistedFit:
-    bad = state.outcome_bad
-    if bad is not None:
-        return AssistedFit(name, bad.facts.version, ASSISTED, bad.status, bad.reason,
-                           simulations=state.simulations, wall_s=state.wall_s,
-                           outcome=bad)  # fmt: skip
-    assert state.last is not None
-    assert state.last.trajectory is not None
-    values = np.array([float(shown(n, v)) for n, v in zip(problem.names, state.x, strict=True)])
-    spread = np.std(np.stack(state.spread), axis=0, ddof=1) / math.sqrt(DITHERS)
+def _failed(name: str, one: Corrected) -> AssistedFit:
+    bad = one.failure
+    assert bad is not None
+    return AssistedFit(name, bad.facts.version, ASSISTED, bad.status, bad.reason,
+                       simulations=one.simulations, wall_s=one.wall_s, outcome=bad)  # fmt: skip
+
+
+def _result(name: str, problem: Problem, start: Fit, one: Corrected, engine: _Shown) -> AssistedFit:
+    last = one.last[0]
+    assert last.trajectory is not None
+    values = np.array([float(shown(n, v)) for n, v in zip(problem.names, one.x, strict=True)])
+    spread = np.std(engine.spread, axis=0, ddof=1) / math.sqrt(DITHERS)
     u_num = {
         unknown: float(s * likelihood.scale_of(unknown, value))
         for unknown, s, value in zip(problem.names, spread, values, strict=True)
@@ -214,13 +196,13 @@ def _result(name: str, problem: Problem, start: Fit, state: _State) -> AssistedF
             start.intervals, start.values, values, problem.names, strict=True
         )
     )
-    fitted = replace(start, values=values, covariance=covariance, intervals=intervals, x=state.x)
-    effective = _effective(state)
+    fitted = replace(start, values=values, covariance=covariance, intervals=intervals, x=one.x)
+    effective = _effective(engine)
     return AssistedFit(
-        name, state.last.facts.version, ASSISTED, OK, None, fitted, u_num, effective,
-        _whole_u(fitted, effective[1]), state.shown, contact_rows(state.last.trajectory),
-        state.simulations, state.wall_s, state.last, state.runs,
-        tuple(_left(problem, state, drop) for drop in range(len(problem.drops))),
+        name, last.facts.version, ASSISTED, OK, None, fitted, u_num, effective,
+        _whole_u(fitted, effective[1]), engine.bouncing, contact_rows(last.trajectory),
+        one.simulations, one.wall_s, last, engine.runs,
+        tuple(_left(problem, one.x, engine, drop) for drop in range(len(problem.drops))),
     )  # fmt: skip
 
 
@@ -232,13 +214,13 @@ def _moved(ends: tuple[float, float], at: float, value: float, u_num: float) -> 
     return value - math.hypot(at - ends[0], extra), value + math.hypot(ends[1] - at, extra)
 
 
-def _effective(state: _State) -> tuple[float, float]:
+def _effective(engine: _Shown) -> tuple[float, float]:
     """Mean restitution that the engine showed over the measured bounces; u from its phase.
 
     Taken in the last round, at parameters that the last fit moved by no more than its own scatter.
     """
-    every = np.concatenate([seen.restitution for seen in state.shown])
-    each = np.concatenate([seen.u_restitution for seen in state.shown])
+    every = np.concatenate([seen.restitution for seen in engine.bouncing])
+    each = np.concatenate([seen.u_restitution for seen in engine.bouncing])
     return float(every.mean()), float(np.sqrt(np.mean(each**2) / (DITHERS * len(every))))
 
 
@@ -249,11 +231,11 @@ def _whole_u(fitted: Fit, u_phase: float) -> float:
     return math.hypot(u_phase, float(fitted.u[fitted.names.index("restitution")]))
 
 
-def _left(problem: Problem, state: _State, drop: int) -> tuple[float, ...]:
+def _left(problem: Problem, x: Array, engine: _Shown, drop: int) -> tuple[float, ...]:
     """Measured less simulated impact times of one drop, at the fitted parameters."""
     impacts = problem.drops[drop]
     if not len(impacts.times_s):
         return ()
-    closed = bounce_models.bounces(problem.model, problem.values(state.x, drop), impacts.count)
-    simulated = closed.impact_s + state.shown[drop].late_s
+    closed = bounce_models.bounces(problem.model, problem.values(x, drop), impacts.count)
+    simulated = closed.impact_s + engine.bouncing[drop].late_s
     return tuple((impacts.times_s - simulated[np.array(impacts.numbers) - 1]).tolist())

@@ -32,6 +32,7 @@ from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.fitting.bounces.roles import Roles
 from simcompare.fitting.bounces.tuned_fit import Number, TunedFit
 from simcompare.fitting.bounces.wanted import Wanted
+from simcompare.inference.defect_correction import wall_s
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import TUNED, PairNumbers, Settings
 from simcompare.model.trajectory import Array, Trajectory
@@ -135,8 +136,7 @@ def _result(
         return TunedFit(name, version, TUNED, bad.status, bad.reason, simulations=count,
                         outcome=bad)  # fmt: skip
     assert first.trajectory is not None
-    runs = [outcome.trajectory for outcome in (first, *own) if outcome.trajectory is not None]
-    wall_s = sum(run.wall_s.get("build", 0.0) + run.wall_s.get("step", 0.0) for run in runs)
+    cost_s = wall_s((first, *own))
     try:
         parts = [_parts(roles, wanted, own, drop) for drop in range(len(wanted.drops))]
         seen = [
@@ -146,7 +146,7 @@ def _result(
         slope = _slope(roles, wanted, own, parts[wanted.lead])
     except SimcompareError as error:
         return TunedFit(name, version, TUNED, FAILED, str(error), simulations=count,
-                        wall_s=wall_s, outcome=first)  # fmt: skip
+                        wall_s=cost_s, outcome=first)  # fmt: skip
     shown = tuple(seen[: wanted.fitted])
     effective = _effective(parts[: wanted.fitted], shown)
     tuning = tuple(_of_wanted(roles, first))
@@ -158,7 +158,7 @@ def _result(
     )
     return TunedFit(
         name, version, TUNED, OK, None, best, {}, effective, math.hypot(effective[1], wanted.u),
-        shown, contact_rows(middle[0][1]), count, wall_s, first, middle,
+        shown, contact_rows(middle[0][1]), count, cost_s, first, middle,
         _numbers(tuning, first.trajectory, wanted.u, slope),
         first.job.scenario.world.engine_step_s, (wanted.restitution, wanted.u),
         tuple(_impacts(best, wanted, shown)),

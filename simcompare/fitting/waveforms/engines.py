@@ -1,22 +1,20 @@
-"""Each engine's own parameters from measured signals, by correcting its defect.
+"""Each engine's own parameters from measured signals, with the reference as the exact model.
 
-As with bounces: an engine given the parameters x shows signals that are a little off those of the
-reference at x, and that defect hardly changes with x. So the reference is fitted to the measured
-signals less the defect, the engine is run with what comes out, and this is repeated once: space
-mapping (J. W. Bandler et al., IEEE Trans. Microwave Theory Tech. 42 (1994) 2536). Last, it is run
-with what was found, and with half the step.
+Last, every engine is run with what was found, and with half the step.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from simcompare.errors import SimcompareError
 from simcompare.fitting.waveforms.reference import Fitted
 from simcompare.fitting.waveforms.setup import Setup
+from simcompare.inference.defect_correction import Corrected, correct, simulate
 from simcompare.inference.estimate import Block, residuals_of, solve
 from simcompare.inference.reference_model import Model
 from simcompare.inference.segments import Case
@@ -26,10 +24,8 @@ from simcompare.model.settings import ASSISTED, Settings
 from simcompare.model.signals import Step
 from simcompare.model.trajectory import Array, Trajectory
 from simcompare.running.jobs import FAILED, OK, Job, Outcome
-from simcompare.running.runner import TIME_LIMIT_S, Progress, run_jobs
+from simcompare.running.runner import TIME_LIMIT_S, Progress
 
-#: how often an engine is run and the reference fitted again
-ROUNDS = 2
 #: Newton's steps at most, and the part of an unknown below which a step no longer counts
 MOST_STEPS, ENOUGH = 12, 1e-8
 #: (number of the case, variant) -> what its probes saw
@@ -69,25 +65,12 @@ class EngineWaves:
     outcomes: tuple[Outcome, ...] = field(default=(), repr=False)
 
 
-@dataclass
-class _State:
-    """How far the fit of one engine has come."""
-
-    x: Array
-    bad: Outcome | None = None
-    last: tuple[Outcome, ...] = ()
-    simulations: int = 0
-    wall_s: float = 0.0
-
-
 @dataclass(frozen=True)
 class _Work:
     model: Model
     setup: Setup
     fitted: Fitted
     step_s: float | None
-    time_limit_s: float
-    progress: Progress | None
 
     @property
     def cases(self) -> tuple[Case, ...]:
@@ -129,71 +112,48 @@ def fit_engines(
         time_limit_s: longest time for one simulation [s].
         progress: called as jobs end.
     """
-    work = _Work(model, setup, fitted, step_s, time_limit_s, progress)
-    states = {name: _State(fitted.solution.values) for name in engines}
-    for _ in range(ROUNDS):
-        runs = _simulate(work, states, range(len(setup.fitted)), (BEST,))
-        for name, state in states.items():
-            if state.bad is None:
-                _advance(work, state, runs[name])
-    runs = _simulate(work, states, range(len(work.cases)), (BEST, HALF))
-    return [_result(work, name, state, runs[name]) for name, state in states.items()]
+    work = _Work(model, setup, fitted, step_s)
+    states = {name: Corrected(fitted.solution.values) for name in engines}
+    limits: dict[str, Any] = {"time_limit_s": time_limit_s, "progress": progress}
+    count = len(setup.fitted)
+
+    def corrected(name: str, one: Corrected) -> Array:
+        return _corrected(work, one.x, _defects(work, one.x, _runs(work, one.last), BEST))
+
+    correct(
+        states, lambda name, x: _jobs(work, name, x, range(count), (BEST,)), corrected, **limits
+    )
+    every = range(len(work.cases))
+    simulate(
+        states, lambda name, x: _jobs(work, name, x, every, (BEST, HALF)),
+        essential=lambda job: job.label == BEST and job.repeat < count, **limits,
+    )  # fmt: skip
+    return [_result(work, name, one) for name, one in states.items()]
 
 
-def _simulate(
-    work: _Work, states: Mapping[str, _State], numbers: Sequence[int], variants: Sequence[str]
-) -> dict[str, dict[tuple[int, str], Trajectory]]:
-    """Runs some stretches on every engine that has not failed yet."""
-    jobs: list[Job] = []
-    plan: list[tuple[int, str]] = []
-    found: dict[str, dict[tuple[int, str], Trajectory]] = {name: {} for name in states}
-    for name, state in states.items():
-        for i in numbers if state.bad is None else ():
-            for variant in variants:
-                scene = work.model.scenario(work.cases[i], work.values(state.x, i), work.step_s)
-                if variant == HALF:
-                    scene = work.model.scenario(
-                        work.cases[i], work.values(state.x, i), scene.world.step_s / 2
-                    )
-                jobs.append(Job(name, scene, Settings(ASSISTED), len(plan)))
-                plan.append((i, variant))
-    outcomes = run_jobs(jobs, time_limit_s=work.time_limit_s, progress=work.progress)
-    for name, state in states.items():
-        own = [outcome for outcome in outcomes if outcome.job.engine == name]
-        if own:
-            _collect(work, state, own, plan, found[name])
-    return found
+def _jobs(
+    work: _Work, name: str, x: Array, numbers: Sequence[int], variants: Sequence[str]
+) -> list[Job]:
+    """One engine on some stretches, each with its own step or with half of it."""
+    jobs = []
+    for i in numbers:
+        case, values = work.cases[i], work.values(x, i)
+        scene = work.model.scenario(case, values, work.step_s)
+        for variant in variants:
+            if variant == HALF:
+                scene = work.model.scenario(case, values, scene.world.step_s / 2)
+            jobs.append(Job(name, scene, Settings(ASSISTED), i, label=variant))
+    return jobs
 
 
-def _collect(
-    work: _Work,
-    state: _State,
-    own: Sequence[Outcome],
-    plan: Sequence[tuple[int, str]],
-    found: dict[tuple[int, str], Trajectory],
-) -> None:
-    """What the probes saw; an engine that fails for a fitted stretch has failed."""
-    state.simulations += len(own)
-    state.last = tuple(o for o in own if plan[o.job.repeat][1] == BEST)
-    for outcome in own:
-        number, variant = plan[outcome.job.repeat]
-        run = outcome.trajectory
-        if outcome.status != OK or run is None:
-            if variant == BEST and number < len(work.setup.fitted):
-                state.bad = state.bad or outcome
-            continue
-        state.wall_s += run.wall_s.get("build", 0.0) + run.wall_s.get("step", 0.0)
-        case = work.cases[number]
-        try:
-            found[number, variant] = of_probes(outcome.job.scenario, run, case.watched)
-        except SimcompareError as error:
-            state.bad = state.bad or replace(outcome, status=FAILED, reason=str(error))
-
-
-def _advance(work: _Work, state: _State, runs: Runs) -> None:
-    """One round: the defect of the engine at x, and the reference fitted to what it leaves."""
-    assert state.last
-    state.x = _corrected(work, state.x, _defects(work, state.x, runs, BEST))
+def _runs(work: _Work, outcomes: Sequence[Outcome]) -> dict[tuple[int, str], Trajectory]:
+    """What the probes saw in the simulations that ended well."""
+    return {
+        (o.job.repeat, o.job.label): of_probes(
+            o.job.scenario, o.trajectory, work.cases[o.job.repeat].watched
+        )
+        for o in outcomes if o.status == OK and o.trajectory is not None
+    }  # fmt: skip
 
 
 def _defects(work: _Work, x: Array, runs: Runs, variant: str) -> list[Array]:
@@ -256,25 +216,32 @@ def _corrected(work: _Work, x: Array, defects: Sequence[Array]) -> Array:
     return solve(work.model, blocks, names, x, starts=work.setup.starts).values
 
 
-def _result(work: _Work, name: str, state: _State, runs: Runs) -> EngineWaves:
-    bad = state.bad
-    if bad is not None:
-        return EngineWaves(
-            name, bad.facts.version, bad.status, bad.reason, simulations=state.simulations,
-            wall_s=state.wall_s, outcomes=(bad,),
-        )  # fmt: skip
-    defects = _defects(work, state.x, runs, BEST)
-    again = _corrected(work, state.x, defects)
-    u_num = np.full(len(state.x), np.nan)
+def _result(work: _Work, name: str, one: Corrected) -> EngineWaves:
+    if one.failure is None:
+        try:
+            return _with_runs(work, name, one, _runs(work, one.last))
+        except SimcompareError as error:
+            one.failure = replace(one.last[0], status=FAILED, reason=str(error))
+    bad = one.failure
+    return EngineWaves(
+        name, bad.facts.version, bad.status, bad.reason, simulations=one.simulations,
+        wall_s=one.wall_s, outcomes=(bad,),
+    )  # fmt: skip
+
+
+def _with_runs(work: _Work, name: str, one: Corrected, runs: Runs) -> EngineWaves:
+    defects = _defects(work, one.x, runs, BEST)
+    again = _corrected(work, one.x, defects)
+    u_num = np.full(len(one.x), np.nan)
     if all((i, HALF) in runs for i in range(len(work.setup.fitted))):
-        finer = _corrected(work, state.x, _defects(work, state.x, runs, HALF))
+        finer = _corrected(work, one.x, _defects(work, one.x, runs, HALF))
         # an error of first order is twice this difference, which is then covered with k = 2
         u_num = np.abs(again - finer)
     weighted = np.concatenate(
         [d * block.weight for d, block in zip(defects, work.fitted.blocks, strict=True)]
     )
     return EngineWaves(
-        name, state.last[0].facts.version, OK, None, state.x, u_num,
-        state.x + work.fitted.gain @ weighted, again - state.x, dict(runs), state.simulations,
-        state.wall_s, state.last,
+        name, one.last[0].facts.version, OK, None, one.x, u_num,
+        one.x + work.fitted.gain @ weighted, again - one.x, dict(runs), one.simulations,
+        one.wall_s, tuple(o for o in one.last if o.job.label == BEST),
     )  # fmt: skip
