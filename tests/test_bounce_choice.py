@@ -6,7 +6,6 @@ import math
 import numpy as np
 import pytest
 
-from simcompare.errors import InputError
 from simcompare.fitting.bounces import bootstrap, model_selection
 from simcompare.fitting.bounces.fit import fit
 from simcompare.fitting.bounces.reading import from_times
@@ -112,18 +111,3 @@ def test_the_bootstrap_is_the_same_for_the_same_seed():
     assert one.draws.tolist() == two.draws.tolist()
     assert one.draws.tolist() != other.draws.tolist()
     json.dumps(one.to_dict(), allow_nan=False)
-
-
-def test_drops_that_differ_more_than_their_noise_show_in_the_case_bootstrap():
-    values = [{**TRUTH, "restitution": e} for e in (0.845, 0.848, 0.85, 0.852, 0.855)]
-    found = fit([heard(v, seed=k) for k, v in enumerate(values)])
-    again = bootstrap.over_drops(found, seed=2)
-    assert again.names == ("restitution",)
-    assert again.failed == 0
-    scatter = np.std([v["restitution"] for v in values], ddof=1) / math.sqrt(5)
-    assert again.u[0] == pytest.approx(scatter, rel=0.35)
-
-
-def test_resampling_two_drops_is_refused():
-    with pytest.raises(InputError, match="2 drops recorded; resampling needs three"):
-        bootstrap.over_drops(fit([heard(), heard(seed=1)]))

@@ -165,23 +165,6 @@ def test_vacuum_needs_no_drag_and_the_words_say_so():
 # ---- covariance, intervals, ratios --------------------------------------------------------------
 
 
-def test_intervals_between_impacts_tell_what_the_impacts_with_a_free_release_tell():
-    drop = heard(IN_AIR)
-    times, steps = (fit(drop, "constant+drag", intervals=i) for i in (False, True))
-    assert steps.problem.blocks[0].whiten.shape == (6, 6)
-    for name in ("restitution", "terminal_speed_m_s", "drop_height_m"):
-        assert steps.as_dict()[name] == pytest.approx(times.as_dict()[name], rel=1e-6)
-        assert u_of(steps, name) == pytest.approx(u_of(times, name), rel=1e-3)
-    assert "release_time_s" not in steps.names
-
-
-def test_intervals_share_their_ends():
-    block = fit(heard(), intervals=True).problem.blocks[0]
-    covariance = np.linalg.inv(block.whiten.T @ block.whiten) / 1e-8
-    expected = 2 * np.eye(6) - np.eye(6, k=1) - np.eye(6, k=-1)
-    assert covariance / covariance[0, 0] * 2 == pytest.approx(expected, abs=1e-9)
-
-
 def test_ratios_of_flights_do_not_change_with_offset_and_rate_of_the_clock():
     drop = heard()
     moved = from_times(7.0 + (1 + 80e-6) * drop.times_s, 1e-4)[0]
@@ -277,21 +260,12 @@ def test_scatter_widens_the_data_and_not_the_prior():
     assert u_of(found, "drop_height_m") <= 1e-3
 
 
-def test_bounds_that_exclude_the_optimum_are_told_with_the_optimum():
-    found = fit(heard(), bounds={"restitution": (0.5, 0.8)})
-    assert found.at_bound == ("restitution",)
-    (said,) = [text for text in found.warnings if "exclude the optimum" in text]
-    assert "ended at 0.8" in said
-    assert "without them it would be 0.85" in said or "without them it would be 0.849" in said
-
-
 @pytest.mark.parametrize(
     ("request_", "message"),
     [
         ({"unknowns": ["restitutoin"]}, "did you mean restitution"),
         ({"priors": {"restitution": Prior(0.8, 0.0)}}, "an uncertainty above 0"),
         ({"priors": {"terminal_speed_m_s": Prior(-1, 1)}}, "a speed is above 0"),
-        ({"bounds": {"restitution": (0.9, 0.8)}}, "the first must be lower"),
         ({"unknowns": ["restitution"], "fixed": {"restitution": 0.8}}, "both sought and fixed"),
         ({"fixed": {"colour": 1.0}}, "no parameter of a bounce is called 'colour'"),
     ],

@@ -9,7 +9,6 @@ from simcompare.errors import InputError
 from simcompare.fitting.bounces import arcs
 from simcompare.fitting.bounces.impacts import sentences
 from simcompare.fitting.bounces.reading import (
-    from_intervals,
     from_rebounds,
     from_recording,
     from_table,
@@ -59,11 +58,6 @@ def test_an_acoustic_stopwatch_gives_start_and_stops(tmp_path):
     (drop,) = from_recording(import_log(path), u_s=2e-4)
     assert np.diff(drop.times_s) == pytest.approx(np.diff(EVENTS[:5]), abs=2e-6)
     assert drop.u_s.tolist() == [2e-4] * 5
-
-
-def test_intervals_are_laid_end_to_end():
-    (drop,) = from_intervals(np.diff(EVENTS), 1e-4)
-    assert drop.times_s == pytest.approx(EVENTS - EVENTS[0])
 
 
 # ---- missed and spurious impacts ----------------------------------------------------------------
@@ -242,14 +236,12 @@ def test_a_fast_camera_gives_more_flights():
     assert len(filmed(fps=240, u_m=1e-3, seconds=4.5).times_s) > len(filmed(seconds=4.5).times_s)
 
 
-def test_height_is_found_by_its_name_and_may_be_named():
+def test_height_is_found_by_its_name():
     time, height = filmed_samples()
     log = recording({"a": (time, {"x_m": (height * 0, "m", None), "y_m": (height, "m", 3e-3)})})
     (drop,) = from_recording(log)
     assert drop.kind == "video track"
     assert drop.u_known
-    (named,) = from_recording(log, channel="y", u_m=1e-3)
-    assert set(named.track.u_m) == {1e-3}
 
 
 def test_a_tracker_export_becomes_flights(tmp_path):

@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from simcompare.errors import InputError
 from simcompare.fitting.bounces.likelihood import Fit, minimise
-from simcompare.fitting.bounces.unknowns import own_drop, shown
+from simcompare.fitting.bounces.unknowns import shown
 from simcompare.model.trajectory import Array
-from simcompare.statistics import least_squares
 
 DRAWS = 200
 #: fits that are solved side by side
@@ -78,33 +76,6 @@ def parametric(fit: Fit, draws: int = DRAWS, seed: int = 0) -> Bootstrap:
         found.append(best.x)
         fine.append(best.converged)
     return _summary("parametric", fit, np.concatenate(found), np.concatenate(fine), seed)
-
-
-def over_drops(fit: Fit, draws: int = DRAWS, seed: int = 0) -> Bootstrap:
-    """Fits to drops drawn with replacement; heights and releases of single drops are left out.
-
-    Raises:
-        InputError: fewer than three drops, whose scatter would say nothing.
-    """
-    count = len(fit.problem.drops)
-    if count < 3:
-        raise InputError(
-            "bootstrap", [f"{count} drop{'s' * (count != 1)} recorded; resampling needs three"]
-        )
-    generator = np.random.default_rng(seed)
-    drawn = generator.integers(0, count, (draws, count))
-    times = np.stack([np.count_nonzero(drawn == k, axis=1) for k in range(count)], axis=1)
-    problem = fit.problem
-    drop_of = np.concatenate([np.full(len(b.data), b.drop) for b in problem.blocks])
-    weight = np.sqrt(times[:, drop_of])
-    extra = np.ones((draws, len(problem.prior_rows[0])))
-    weight = np.concatenate((weight, extra), axis=1)
-    start = np.tile(fit.x, (draws, 1))
-    best = least_squares.solve(
-        lambda x: problem.residuals(x) * weight, start, problem.low, problem.high, problem.size
-    )
-    shared = [k for k, name in enumerate(fit.names) if own_drop(name) is None]
-    return _summary("drops", fit, best.x, best.converged, seed, shared)
 
 
 def _summary(

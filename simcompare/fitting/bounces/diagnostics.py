@@ -6,14 +6,10 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 
-import numpy as np
-
-from simcompare.fitting.bounces import likelihood
 from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.fitting.bounces.problem import Problem
 from simcompare.fitting.bounces.profile import Profile
-from simcompare.fitting.bounces.unknowns import BOUNDS, SPEED, base, shown
-from simcompare.statistics import least_squares
+from simcompare.fitting.bounces.unknowns import SPEED, base, shown
 
 #: a prior this many standard uncertainties from what the data say contradicts them
 CONTRADICTION = 3.0
@@ -71,34 +67,17 @@ def _bounds(fit: Fit) -> list[str]:
     said = []
     for name in fit.at_bound:
         k = fit.names.index(name)
-        at, usual = float(shown(name, fit.x[k])), BOUNDS[base(name)]
+        at = float(shown(name, fit.x[k]))
         if base(name) == SPEED and math.isinf(at):
             low = fit.intervals[k][0]
             said.append(
                 "no drag is seen: the data fit best without it"
                 + (f", and a terminal speed below {low:.3g} m/s is excluded" if low > 0 else "")
             )
-        elif at in usual and fit.problem.bounds[name] == usual:
+        else:
             said.append(f"{name} ended at {at:g}, the limit of what it can physically be: the model"
                         " does not describe these data")  # fmt: skip
-        else:
-            beyond = _without_bound(fit, name)
-            said.append(
-                f"the bounds of {name} exclude the optimum: it ended at {at:g}, and without them"
-                f" it would be {beyond}"
-            )
     return said
-
-
-def _without_bound(fit: Fit, name: str) -> str:
-    problem = replace(fit.problem, bounds={**fit.problem.bounds, name: BOUNDS[base(name)]})
-    best = likelihood.minimise(problem, fit.x[None, :])
-    k = fit.names.index(name)
-    u = math.sqrt(least_squares.covariance_of(best.jacobian[0])[k, k])
-    value = float(shown(name, best.x[0, k]))
-    if base(name) == SPEED:
-        u *= value**3 / 2 if math.isfinite(value) else math.nan
-    return f"{value:.5g} ± {u:.2g}" if math.isfinite(u) else f"{value:.5g}"
 
 
 def _scatter(fit: Fit) -> list[str]:
@@ -133,9 +112,3 @@ def _open(fit: Fit, profiles: Mapping[str, Profile]) -> list[str]:
             said.append(f"{name} has no limit {side}: the data fit there as well; a prior would"
                         " give one")  # fmt: skip
     return said
-
-
-def is_open(fit: Fit, name: str) -> bool:
-    """Whether the 95 % interval of an unknown has no end within its bounds."""
-    low, high = fit.intervals[fit.names.index(name)]
-    return not np.isfinite([low, high]).all()

@@ -21,8 +21,6 @@ def fit(
     unknowns: Sequence[str] | None = None,
     fixed: Mapping[str, float] | None = None,
     priors: Mapping[str, Prior] | None = None,
-    bounds: Mapping[str, tuple[float, float]] | None = None,
-    intervals: bool = False,
     profiles: bool = True,
 ) -> Fit:
     """Fits a closed form to one drop or to several together.
@@ -34,8 +32,6 @@ def fit(
             each drop.
         fixed: values of what is not sought, such as gravity_m_s2 or terminal_speed_m_s.
         priors: what is known of unknowns.
-        bounds: limits of unknowns.
-        intervals: judge the times between impacts in place of the impact times.
         profiles: whether intervals are profiled where the normal ones may be wrong.
 
     Raises:
@@ -44,7 +40,6 @@ def fit(
     whole = build(
         [drops] if isinstance(drops, Impacts) else list(drops),
         bounce_models.model_of(model), unknowns=unknowns, fixed=fixed, priors=priors,
-        bounds=bounds, intervals=intervals,
     )  # fmt: skip
     first = initial_guess.of(whole)
     alone = minimum(whole, first, priors=False) if whole.priors else None

@@ -46,7 +46,7 @@ class Fit:
         s2: max(1, χ²/ν), or χ²/ν where no uncertainty is stated.
         count: number of measured numbers.
         effective: how many unknowns the data, not the priors, determine.
-        rms: of the residuals, by kind: "times" and "intervals" [s], "heights" and "track" [m].
+        rms: of the residuals, by kind: "times" [s], "heights" and "track" [m].
         speeds_m_s: slowest and fastest impact in the data [m/s].
         pulls: how far each prior is from what the data say, in standard uncertainties.
         at_bound: unknowns that ended at a bound.

@@ -118,8 +118,6 @@ def compare(
     extra: Sequence[str] = (),
     fixed: Mapping[str, float] | None = None,
     priors: Mapping[str, Prior] | None = None,
-    bounds: Mapping[str, tuple[float, float]] | None = None,
-    intervals: bool = False,
 ) -> Choice:
     """Fits every model to the same data and weighs them.
 
@@ -129,8 +127,6 @@ def compare(
         extra: unknowns beside those that a fit has by default, such as clock_skew.
         fixed: values of what is not sought; what is fixed is no unknown of any model.
         priors: what is known of unknowns.
-        bounds: limits of unknowns.
-        intervals: judge the times between impacts in place of the impact times.
 
     Raises:
         InputError: no model can be fitted.
@@ -144,8 +140,8 @@ def compare(
         asked = [n for n in _usual(every, model_of(name), extra) if n not in held]
         try:
             fits[name] = fit(
-                every, name, unknowns=asked, fixed=held, priors=wanted, bounds=bounds,
-                intervals=intervals, profiles=False,
+                every, name, unknowns=asked, fixed=held, priors=wanted,
+                profiles=False,
             )  # fmt: skip
         except InputError as error:
             refused[name] = "; ".join(error.faults)
@@ -158,7 +154,7 @@ def compare(
     asked = list(best.fit.names) if len(every) == 1 else _usual(every, model_of(best.model), extra)
     profiled = fit(
         every, best.model, unknowns=[n for n in asked if n not in held], fixed=held,
-        priors=dict(priors or {}), bounds=bounds, intervals=intervals,
+        priors=dict(priors or {}),
     )  # fmt: skip
     rest = candidates[1:]
     chosen = replace(best, fit=profiled)

@@ -34,7 +34,7 @@ class Block:
     """Measured numbers of one kind of one drop.
 
     Attributes:
-        kind: "times", "intervals", "heights" or "track".
+        kind: "times", "heights" or "track".
         drop: number of the drop.
         data: (n,).
         whiten: multiplies residuals to unit variance: one number each (n,), or a matrix (n, n).
@@ -56,7 +56,6 @@ class Problem:
         names: unknowns; those of one of several drops end with its number, "drop_height_m[2]".
         fixed: what is not sought, by name.
         priors: by name of the unknown.
-        bounds: by name of the unknown.
         blocks: measured numbers.
         u_known: whether the measurements' uncertainties are stated; else the scatter tells.
     """
@@ -66,7 +65,6 @@ class Problem:
     names: tuple[str, ...]
     fixed: Mapping[str, float]
     priors: Mapping[str, Prior]
-    bounds: Mapping[str, tuple[float, float]]
     blocks: tuple[Block, ...] = field(repr=False)
     u_known: bool = True
 
@@ -78,12 +76,12 @@ class Problem:
     @property
     def low(self) -> Array:
         """Lower bounds of the sought numbers (p,)."""
-        return np.array([min(_both(name, self.bounds[name])) for name in self.names])
+        return np.array([min(_both(name, BOUNDS[base(name)])) for name in self.names])
 
     @property
     def high(self) -> Array:
         """Upper bounds of the sought numbers (p,)."""
-        return np.array([max(_both(name, self.bounds[name])) for name in self.names])
+        return np.array([max(_both(name, BOUNDS[base(name)])) for name in self.names])
 
     @property
     def size(self) -> Array:
@@ -166,8 +164,6 @@ def build(
     unknowns: Sequence[str] | None = None,
     fixed: Mapping[str, float] | None = None,
     priors: Mapping[str, Prior] | None = None,
-    bounds: Mapping[str, tuple[float, float]] | None = None,
-    intervals: bool = False,
 ) -> Problem:
     """Checks what was asked and puts it together.
 
@@ -177,22 +173,17 @@ def build(
         unknowns: what is sought; by default all of the model, and height and release of each drop.
         fixed: values of what is not sought.
         priors: what is known of unknowns; a name without a number holds for every drop.
-        bounds: limits of unknowns, in place of those that physics sets.
-        intervals: judge the times between impacts, with their tri-diagonal covariance, in place
-            of the impact times.
 
     Raises:
         InputError: every fault of the request.
     """
     asked = [SPEED if n == "terminal_speed" else n for n in unknowns or usual(drops, model)]
-    fixed, priors, bounds = dict(fixed or {}), dict(priors or {}), dict(bounds or {})
+    fixed, priors = dict(fixed or {}), dict(priors or {})
     if unknowns is None:
         asked = [name for name in asked if name not in fixed]
-    if intervals:
-        asked = [name for name in asked if name != "release_time_s"]
-    found = faults(asked, fixed, priors, bounds)
+    found = faults(asked, fixed, priors)
     names = [n for name in asked for n in _numbered(name, len(drops))]
-    blocks = [b for k, drop in enumerate(drops) for b in _blocks(drop, k, intervals)]
+    blocks = [b for k, drop in enumerate(drops) for b in _blocks(drop, k)]
     known = all(drop.u_known for drop in drops)
     rows = sum(len(block.data) for block in blocks)
     spread_priors = {n: p for name, p in priors.items() for n in _numbered(name, len(drops))}
@@ -209,10 +200,7 @@ def build(
         )
     if found:
         raise InputError("fit", found)
-    limits = {n: bounds.get(n, bounds.get(base(n), BOUNDS[base(n)])) for n in names}
-    return Problem(
-        model, tuple(drops), tuple(names), fixed, spread_priors, limits, tuple(blocks), known
-    )
+    return Problem(model, tuple(drops), tuple(names), fixed, spread_priors, tuple(blocks), known)
 
 
 def _both(name: str, bounds: tuple[float, float]) -> tuple[float, float]:
@@ -237,7 +225,7 @@ def _numbered(name: str, drops: int) -> list[str]:
     return [f"{name}[{k + 1}]" for k in range(drops)]
 
 
-def _blocks(drop: Impacts, number: int, intervals: bool) -> list[Block]:
+def _blocks(drop: Impacts, number: int) -> list[Block]:
     """Measured numbers of one drop; a track stands for the times and heights drawn from it."""
     blocks = []
     if drop.track is not None:
@@ -245,11 +233,7 @@ def _blocks(drop: Impacts, number: int, intervals: bool) -> list[Block]:
         return [Block("track", number, drop.track.height_m, 1 / u)]
     if len(drop.times_s):
         covariance = drop.covariance(U_ASSUMED_S)
-        if intervals:
-            step = np.diff(np.eye(len(drop.times_s)), axis=0)
-            whole = step @ covariance @ step.T
-            blocks.append(Block("intervals", number, np.diff(drop.times_s), _whitening(whole)))
-        elif drop.covariance_s2 is not None:
+        if drop.covariance_s2 is not None:
             blocks.append(Block("times", number, drop.times_s, _whitening(covariance)))
         else:
             blocks.append(Block("times", number, drop.times_s, 1 / np.sqrt(np.diag(covariance))))
@@ -280,6 +264,4 @@ def seen_in(
         part = found.apex_m[..., np.array(impacts.height_numbers)]
     else:
         part = found.impact_s[..., np.array(impacts.numbers) - 1]
-        if block.kind == "intervals":
-            part = np.diff(part, axis=-1)
     return np.broadcast_to(part, (*shape, len(block.data)))

@@ -68,11 +68,8 @@ def _of_table(table: bounce_table.BounceTable) -> list[Impacts]:
 def from_recording(
     recording: Recording,
     *,
-    channel: str | None = None,
     u_s: float | None = None,
-    u_m: float | None = None,
     gravity_m_s2: float = GRAVITY,
-    terminal_speed_m_s: float = np.inf,
 ) -> tuple[Impacts, ...]:
     """Every drop that a recording holds.
 
@@ -80,30 +77,26 @@ def from_recording(
 
     Args:
         recording: what was measured.
-        channel: the height, where there is more than one.
         u_s: standard uncertainty of the instants, in place of the recording's own [s].
-        u_m: standard uncertainty of the heights, in place of the recording's own [m].
         gravity_m_s2: free fall, for the arcs of a video.
-        terminal_speed_m_s: for the arcs of a video.
 
     Raises:
         InputError: there is nothing that bounces in it, or too little of it.
     """
     source = recording.provenance.file
-    name = channel or _height_channel(recording)
     times, u = _instants(recording)
-    if channel is None and len(times):
+    if len(times):
         kind = SOUND if any(e.name == "impact" for e in recording.events) else CLOCKED
         given = np.full(len(times), u_s) if u_s is not None else u
         return from_times(times, given, kind=kind, source=source)
+    name = _height_channel(recording)
     if name is None:
         raise InputError(source, [_what_is_there(recording)])
     stream, full = recording.find(name)
     seen = recording.streams[stream].channels[full]
-    each = u_m if u_m is not None else seen.u
     found = arcs.from_heights(
-        recording.streams[stream].time_s, seen.values, each, gravity_m_s2=gravity_m_s2,
-        terminal_speed_m_s=terminal_speed_m_s, source=source,
+        recording.streams[stream].time_s, seen.values, seen.u, gravity_m_s2=gravity_m_s2,
+        source=source,
     )  # fmt: skip
     return (found,)
 
@@ -136,20 +129,6 @@ def from_times(
                     dropped=ordered.dropped, missed=ordered.missed)
         )  # fmt: skip
     return tuple(found)
-
-
-def from_intervals(
-    intervals_s: ArrayLike, u_s: ArrayLike | None = None, *, source: str = ""
-) -> tuple[Impacts, ...]:
-    """Drops from the times between neighbouring impacts, the first impact being at 0.
-
-    Args:
-        intervals_s: in order (n,) [s].
-        u_s: standard uncertainty of one instant, from which an interval has √2 times as much.
-        source: name of the file.
-    """
-    steps = np.asarray(intervals_s, dtype=float)
-    return from_times(np.concatenate(([0.0], np.cumsum(steps))), u_s, kind=CLOCKED, source=source)
 
 
 def from_rebounds(

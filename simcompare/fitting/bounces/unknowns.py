@@ -73,10 +73,9 @@ def faults(
     asked: Sequence[str],
     fixed: Mapping[str, float],
     priors: Mapping[str, Prior],
-    bounds: Mapping[str, tuple[float, float]],
 ) -> list[str]:
     """Every fault of the names and numbers that were given."""
-    unknown = [n for n in dict.fromkeys((*asked, *priors, *bounds)) if base(n) not in BOUNDS]
+    unknown = [n for n in dict.fromkeys((*asked, *priors)) if base(n) not in BOUNDS]
     found = [str(UnknownName("unknown of a bounce", name, BOUNDS)) for name in unknown]
     for name in fixed:
         if base(name) not in DEFAULTS:
@@ -88,8 +87,6 @@ def faults(
             found.append(f"{name} is sought twice")
     for name, prior in priors.items():
         found += _prior_faults(name, prior)
-    for name, limits in bounds.items():
-        found += _bound_faults(name, *limits)
     if not asked:
         found.append("nothing is sought; name at least one unknown")
     return found
@@ -101,12 +98,4 @@ def _prior_faults(name: str, prior: Prior) -> list[str]:
                 " a finite value and an uncertainty above 0"]  # fmt: skip
     if base(name) == SPEED and not prior.value > 0:
         return [f"the prior of {name} is {prior.value:g}; a speed is above 0"]
-    return []
-
-
-def _bound_faults(name: str, low: float, high: float) -> list[str]:
-    if not low < high:
-        return [f"the bounds of {name} are {low:g} to {high:g}; the first must be lower"]
-    if base(name) == SPEED and low <= 0:
-        return [f"the lower bound of {name} is {low:g}; a speed is above 0"]
     return []
