@@ -80,7 +80,7 @@ def write_figures_of(blocks: Sequence[Block], folder: Path, format: str) -> list
         # with several of them their number keeps the names apart
         prefix = f"{block.anchor}-" if len(blocks) > 1 else ""
         for figure in block.figures:
-            stem = re.sub(r"[^\w.-]+", "_", f"{prefix}{block.record['scenario']}-{figure.name}")
+            stem = re.sub(r"[^\w.-]+", "_", f"{prefix}{block.name}-{figure.name}")
             content = matplotlib_.rendered(figure, format)
             written.append(output.write(Path(folder) / f"{stem}.{format}", content))
     return written
@@ -114,6 +114,7 @@ def blocks_of(runs: Sequence[Run]) -> list[Block]:
     return [
         Block(
             f"run{number}",
+            run.record.scenario,
             run.record,
             [
                 Filled(section, context)

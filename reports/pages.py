@@ -70,8 +70,8 @@ def of(block: Block) -> Iterator[Canvas]:
 def _first(block: Block, figure: Figure | None) -> Iterator[Canvas]:
     """The answer, and below it a figure; on a page of its own where the answer is long."""
     page = _blank()
-    y = _write(page, _TOP, str(block.record["title"]), size=20, weight="bold")
-    y = _write(page, y - 0.01, str(block.record["question"]), size=12, colour=_SOFT)
+    y = _write(page, _TOP, block.record.title, size=20, weight="bold")
+    y = _write(page, y - 0.01, block.record.question, size=12, colour=_SOFT)
     for sentence in block.contexts["answer"]["answer"]:
         y = _write(page, y - 0.008, sentence, size=12)
     if len(block.figures) < _TWO:  # else they have room beside the second

@@ -86,7 +86,8 @@ def _block(record: Mapping[str, Any]) -> Block:
     parts += [_experiment(record, name, drawn) for name, drawn in figures.items()]
     return Block(
         "c1",
-        {**record, "scenario": "characterization", "preset": None, "against": None},
+        "characterization",
+        {**record, "preset": None, "against": None},
         [*parts, _how(record)],
     )
 

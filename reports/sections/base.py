@@ -42,11 +42,13 @@ class Block(NamedTuple):
 
     Attributes:
         anchor: prefix of everything that is linked to in this block.
+        name: what the names of its files start with.
         record: the run's record.
         sections: what there is to show, in order.
     """
 
     anchor: str
+    name: str
     record: Any
     sections: list[Filled]
 
