@@ -110,23 +110,23 @@ def test_rims_are_ours_and_a_cylinder_is_the_engines():
     assert found[ASSISTED].verdict == "pass"
     assert found[TUNED].value < 0.9 * found[TUNED].truth
     assert found[TUNED].verdict == "fail"
-    rims = [item for item in run.record.without if item["help"] == "rims"]
-    (shown,) = [m for item in rims for m in item["measures"] if m["measure"] == "acceleration"]
-    assert shown["with"] == pytest.approx(found[ASSISTED].value)
-    assert abs(shown["without"] - shown["truth"]) > 0.1 * shown["truth"]
+    rims = [item for item in run.record.without if item.help == "rims"]
+    (shown,) = [m for item in rims for m in item.measures if m.measure == "acceleration"]
+    assert shown.with_ == pytest.approx(found[ASSISTED].value)
+    assert abs(shown.without - shown.truth) > 0.1 * shown.truth
 
 
 def test_numbers_are_the_same_in_every_repeat_and_stand_in_the_record():
     run = simcompare.run("ball", engine="mujoco,pymunk", contact="tuned", seeds=3)
     for source in run.record.sources:
-        (record,) = source["tuning"]
+        (record,) = source.tuning
         assert record["pairs"] == [["ball", "floor"]] or record["pairs"] == [["floor", "ball"]]
         assert record["step_s"] == 0.001
-        assert len(record["numbers"]) == (2 if source["name"] == "mujoco" else 1)
+        assert len(record["numbers"]) == (2 if source.name == "mujoco" else 1)
         assert record["at"][0]["restitution"] == pytest.approx(0.8, rel=5e-3)
         held = {
-            row["read_value"] for row in source["audit"]
-            if row["quantity"] in ("ball-floor restitution", "floor-ball restitution")
+            row.read_value for row in source.audit
+            if row.quantity in ("ball-floor restitution", "floor-ball restitution")
         }  # fmt: skip
         assert set(record["numbers"]) <= held, "what was sought is what the engine holds"
     numbers = {
@@ -150,28 +150,28 @@ def test_what_tuned_misses_fails_a_run_only_where_it_is_to_be_judged():
 def test_a_step_at_which_an_engine_cannot_is_a_row_with_what_is_possible():
     run = simcompare.run("ball", engine="mujoco", contact="tuned", step="4ms", seeds=1)
     (source,) = run.record.sources
-    assert source["status"] == "unsupported"
-    assert "longest step below it that has one is" in source["reason"]
-    assert source["reason"].startswith("mujoco")
-    assert 0.001 < source["longest_step_s"] < 0.004
+    assert source.status == "unsupported"
+    assert "longest step below it that has one is" in source.reason
+    assert source.reason.startswith("mujoco")
+    assert 0.001 < source.longest_step_s < 0.004
     assert run.exit_code == 2
     longest = simcompare.run(
-        "ball", engine="mujoco", contact="tuned", step=source["longest_step_s"], seeds=1
+        "ball", engine="mujoco", contact="tuned", step=source.longest_step_s, seeds=1
     )
-    assert longest.record.sources[0]["status"] == "ok"
+    assert longest.record.sources[0].status == "ok"
 
 
 def test_the_old_name_of_assisted_is_accepted_and_old_runs_are_read(tmp_path):
     run = simcompare.run("ball", engine="pymunk", contact="mapped", seeds=1, out=tmp_path)
-    assert {source["contact"] for source in run.record.sources} == {"assisted"}
+    assert {source.contact for source in run.record.sources} == {"assisted"}
     assert Settings("mapped") == Settings("assisted")
     path = run.folder / store.RECORD
     record = json.loads(path.read_text())
     for row in (*record["sources"], *record["scores"]):
         row["contact"] = "mapped"
-    path.write_text(json.dumps(record))
+    path.write_text(json.dumps(record | {"format": 1}))
     old = store.load(run.folder)
-    assert {source["contact"] for source in old.record.sources} == {"assisted"}
+    assert {source.contact for source in old.record.sources} == {"assisted"}
     assert {score.contact for score in old.scores} == {"assisted"}
 
 

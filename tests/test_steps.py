@@ -1,6 +1,7 @@
 """Several steps in one run: each is a source of its own, with all that depends on the step."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from simcompare.reports.run import reproduce, runs
 from simcompare.reports.run.looks import look, looks
 from simcompare.reports.sections import scores as scores_section
 from simcompare.results import store
+from simcompare.results.records.run import Wall
 from tests.present import need
 from tests.test_fitting import stopwatch
 
@@ -35,26 +37,24 @@ def each():
 
 def told(run, source, contact):
     """Everything that was measured of a source, without its name."""
-    rows = [s.to_dict() for s in run.scores if (s.source, s.contact) == (source, contact)]
-    return [{**row, "source": ""} for row in rows]
+    return [replace(s, source="") for s in run.scores if (s.source, s.contact) == (source, contact)]
 
 
-def without_times(value):
-    """A record without what no two runs share: when, where and how fast they were made."""
-    if isinstance(value, dict):
-        return {k: without_times(v) for k, v in value.items() if k not in ("created", "wall_s")}
-    return [without_times(one) for one in value] if isinstance(value, list) else value
+def without_times(record):
+    """A record without what no two runs share: when and how fast they were made."""
+    sources = tuple(replace(source, wall_s=Wall()) for source in record.sources)
+    return replace(record, created="", sources=sources)
 
 
 # --- sources -----------------------------------------------------------------------------------
 
 
 def test_every_step_is_a_row_of_its_own_level_by_level(several):
-    rows = [(source["contact"], source["name"]) for source in several.record.sources]
+    rows = [(source.contact, source.name) for source in several.record.sources]
     assert rows == [(level, name) for level in ("tuned", "assisted") for name in NAMES]
-    found = {source["name"]: source for source in several.record.sources}
-    assert [found[name]["engine"] for name in NAMES] == ["pymunk"] * 3
-    assert [found[name]["engine_step_s"] for name in NAMES] == [5e-4, 1e-3, 2e-3]
+    found = {source.name: source for source in several.record.sources}
+    assert [found[name].engine for name in NAMES] == ["pymunk"] * 3
+    assert [found[name].engine_step_s for name in NAMES] == [5e-4, 1e-3, 2e-3]
 
 
 @pytest.mark.parametrize("contact", ["tuned", "assisted"])
@@ -76,13 +76,13 @@ def test_a_step_gives_what_it_gives_alone_to_the_last_bit(several, each, step, c
 
 
 def test_numbers_of_tuned_are_sought_at_each_step(several):
-    tuning = [s["tuning"][0] for s in several.record.sources if s["contact"] == "tuned"]
+    tuning = [s.tuning[0] for s in several.record.sources if s.contact == "tuned"]
     assert [record["step_s"] for record in tuning] == [5e-4, 1e-3, 2e-3]
     assert len({tuple(record["numbers"]) for record in tuning}) == 3
 
 
 def test_repeats_are_spread_over_the_way_of_each_step(several):
-    spans = [step["dither"]["span"] for step in several.record.steps]
+    spans = [step.dither.span for step in several.record.steps]
     assert spans[1:] == pytest.approx([2 * spans[0], 4 * spans[0]]), "it grows as the step does"
 
 
@@ -94,10 +94,10 @@ def test_the_timing_of_bounces_gets_better_with_the_step(several):
 
 def test_helps_are_left_out_at_each_step(several, each):
     left_out = several.record.without
-    assert {row["source"] for row in left_out} == {*NAMES}
+    assert {row.source for row in left_out} == {*NAMES}
     for step in STEPS:
-        own = [row | {"source": ""} for row in left_out if row["source"] == f"pymunk@{step}"]
-        assert own == [row | {"source": ""} for row in each[step].record.without]
+        own = [replace(row, source="") for row in left_out if row.source == f"pymunk@{step}"]
+        assert own == [replace(row, source="") for row in each[step].record.without]
 
 
 def test_the_truth_that_is_drawn_is_that_of_the_finest_step(several):
@@ -114,12 +114,12 @@ def test_the_truth_that_is_drawn_is_that_of_the_finest_step(several):
 
 
 def test_with_one_step_nothing_is_another(each):
-    """Neither names nor a key of run.json; also where one step is asked for twice."""
+    """Neither names nor what is said of steps; also where one step is asked for twice."""
     again = ball(["1ms", 0.001], "tuned,assisted")
     one = each["1ms"]
-    assert [s["name"] for s in again.record.sources] == ["pymunk"] * 2
-    assert not {"steps"} & set(again.record)
-    assert not any({"engine", "engine_step_s"} & set(s) for s in again.record.sources)
+    assert [s.name for s in again.record.sources] == ["pymunk"] * 2
+    assert not again.record.steps
+    assert {(s.engine, s.engine_step_s) for s in again.record.sources} == {(None, None)}
     assert without_times(again.record) == without_times(one.record)
 
 
@@ -169,9 +169,9 @@ def test_a_wrong_step_among_right_ones_is_one_sentence(call, words, expected):
 def test_a_step_that_an_engine_cannot_do_is_a_row_with_its_reason():
     run = simcompare.run("ball", engine="mujoco", contact="tuned", step="1ms,4ms", seeds=1)
     good, bad = run.record.sources
-    assert (good["name"], good["status"]) == ("mujoco@1ms", "ok")
-    assert (bad["name"], bad["status"]) == ("mujoco@4ms", "unsupported")
-    assert "a step of 4 ms" in bad["reason"]
+    assert (good.name, good.status) == ("mujoco@1ms", "ok")
+    assert (bad.name, bad.status) == ("mujoco@4ms", "unsupported")
+    assert "a step of 4 ms" in bad.reason
 
 
 # --- against, fits, files and reports ----------------------------------------------------------
@@ -179,7 +179,7 @@ def test_a_step_that_an_engine_cannot_do_is_a_row_with_its_reason():
 
 def test_every_step_is_held_against_a_measurement():
     run = ball("1ms,2ms", against="ittf_table_tennis_rebound")
-    assert [m["source"] for m in run.record.against["matches"]] == ["pymunk@1ms", "pymunk@2ms"]
+    assert [m.source for m in run.record.against.matches] == ["pymunk@1ms", "pymunk@2ms"]
 
 
 def test_a_fit_is_tuned_anew_at_the_steps_that_it_is_not_of(tmp_path):
@@ -187,8 +187,8 @@ def test_a_fit_is_tuned_anew_at_the_steps_that_it_is_not_of(tmp_path):
     fit = simcompare.fit("ball", recordings=[drop], engine="pymunk", step="1ms", out=tmp_path)
     run = ball("1ms,2ms", str(fit.folder))
     own, other = run.record.sources
-    assert not own["tuning"], "the numbers of the fit are for this step"
-    assert other["tuning"][0]["step_s"] == 2e-3
+    assert not own.tuning, "the numbers of the fit are for this step"
+    assert other.tuning[0]["step_s"] == 2e-3
     (caution,) = run.record.cautions
     assert "The step is 2 ms" in caution
 
@@ -212,7 +212,7 @@ def test_a_report_judges_each_step_by_its_own_tolerance(several):
     group = scores_section.Scores().context(several)["groups"][0]
     assert group["tolerance"] == "0.0016 or 0.008", "above 1 ms the scenario asks for less"
     score = runs.score_of(several, "pymunk@2ms", "tuned", "restitution")
-    assert runs.tolerances(several, score.source)["restitution"]["absolute"] == 0.008
+    assert runs.tolerances(several, score.source)["restitution"].absolute == 0.008
     assert score.tolerance == 0.008
 
 
@@ -238,10 +238,10 @@ def test_variants_and_steps_make_sources_together():
         "ball", engine="mujoco,mujoco:rk4", contact="tuned", step="1ms,2ms", seeds=2
     )
     names = ["mujoco@1ms", "mujoco@2ms", "mujoco:rk4@1ms", "mujoco:rk4@2ms"]
-    assert [source["name"] for source in run.record.sources] == names
+    assert [source.name for source in run.record.sources] == names
     values = [s.value for s in run.scores if s.measure == "restitution" and s.index is None]
     assert len(set(values)) == 4
-    numbers = {tuple(s["tuning"][0]["numbers"]) for s in run.record.sources}
+    numbers = {tuple(s.tuning[0]["numbers"]) for s in run.record.sources}
     assert len(numbers) == 4, "each is tuned by itself"
     styles = looks(tuple(names))
     colours = [styles[name].colour for name in names]

@@ -260,7 +260,7 @@ def test_a_variant_without_a_help_of_its_engine_tells_of_it():
 def test_a_variant_that_takes_no_help_is_a_row_and_spoils_no_run():
     need("mujoco")
     run = simcompare.run("ball", engine="mujoco,mujoco:rk4", contact="assisted", seeds=1)
-    assert [(s["name"], s["status"]) for s in run.record.sources] == [
+    assert [(s.name, s.status) for s in run.record.sources] == [
         ("mujoco", "ok"), ("mujoco:rk4", "unsupported"),
     ]  # fmt: skip
     assert run.exit_code == 0
