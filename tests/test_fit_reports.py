@@ -4,7 +4,6 @@ import json
 import math
 import re
 import warnings
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,6 +16,7 @@ from simcompare.reports.render import matplotlib_, numbers, plotly_
 from simcompare.reports.render.figures import Figure, Matrix, Panel
 from simcompare.reports.sections import FIT, of_run
 from simcompare.verbs import fit as fitting
+from tests import records
 from tests.bounces import IN_AIR, TRUTH, filmed_samples, times_of
 from tests.validated import EVIL, cells
 
@@ -97,7 +97,7 @@ def any_run(request):
 
 def changed(run, **more):
     """The same run with another record of its fit."""
-    return replace(run, record={**run.record, "fit": {**plain(run.record.fit), **more}})
+    return records.changed(run, fit={**plain(run.record.fit), **more})
 
 
 def plain(value):

@@ -48,7 +48,7 @@ def test_a_ball_with_other_names_is_fitted_on_every_engine(tmp_path, assist):
         assert source["status"] == "ok", source["reason"]
         assert source["effective"]["restitution"]["value"] == pytest.approx(E, rel=0.01)
     again = simcompare.run(str(path), engine="pymunk", contact=str(run.folder), seeds=1)
-    assert again.record.sources[0]["status"] == "ok"
+    assert again.record.sources[0].status == "ok"
     high = simcompare.run(str(path), engine="pymunk", contact=str(run.folder), seeds=1,
                           set={"fall": 3})  # fmt: skip
     assert any("the fit saw" in text for text in high.record.cautions)

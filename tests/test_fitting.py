@@ -75,7 +75,7 @@ def test_a_fit_is_used_again_and_its_range_is_watched(found):
     assert score.contact == "fitted"
     assert score.value == pytest.approx(E, rel=1e-3)
     assert again.record.parameters["restitution"] == pytest.approx(fitted.closed["restitution"])
-    assert again.record.cautions == []
+    assert again.record.cautions == ()
     high = simcompare.run("ball", engine="pymunk", contact=place, seeds=1, set={"drop_height": 3})
     assert any("the fit saw" in text for text in high.record.cautions)
     with pytest.raises(InputError, match="is a fit of ball, not of robot"):

@@ -128,16 +128,16 @@ def test_a_table_of_rebounds_is_held_out(tmp_path):
 def test_a_run_takes_the_numbers_of_the_fit_and_tunes_anew_at_another_step(found):
     place = str(found.folder)
     run = simcompare.run("ball", engine="pymunk,mujoco", contact=place, seeds=3)
-    assert run.record.cautions == []
+    assert run.record.cautions == ()
     for source in run.record.sources:
-        known = {row["value"] for row in sources(found)[source["name"]]["numbers"]}
-        held = {row["set_value"] for row in source["audit"]}
+        known = {row["value"] for row in sources(found)[source.name]["numbers"]}
+        held = {row.set_value for row in source.audit}
         assert known <= held
-        assert not source["tuning"]
+        assert not source.tuning
     other = simcompare.run("ball", engine="pymunk", contact=place, seeds=1, step="2ms")
     (caution,) = other.record.cautions
     assert "tuned anew" in caution
-    assert other.record.sources[0]["tuning"][0]["step_s"] == 2e-3
+    assert other.record.sources[0].tuning[0]["step_s"] == 2e-3
     changed = simcompare.run("ball", engine="pymunk", contact=place, seeds=1,
                              set={"restitution": 0.7})  # fmt: skip
     assert any("tuned anew" in text for text in changed.record.cautions)
@@ -148,8 +148,8 @@ def test_a_run_has_the_step_of_the_fit_where_none_is_asked_for(tmp_path):
     fit = simcompare.fit("ball", recordings=[drop], engine="pymunk", step="2ms", out=tmp_path)
     run = simcompare.run("ball", engine="pymunk", contact=str(fit.folder), seeds=1)
     assert run.record.step_s == 2e-3
-    assert run.record.cautions == []
-    assert not run.record.sources[0]["tuning"]
+    assert run.record.cautions == ()
+    assert not run.record.sources[0].tuning
 
 
 def test_settings_of_a_fit_hold_for_its_step(found):
@@ -241,7 +241,7 @@ def test_an_old_fit_is_read_as_assisted(found, tmp_path):
     fit = fit_file.read(path)
     assert (fit.contact, fit.assist) == ("assisted", "all")
     run = simcompare.run("ball", engine="pymunk", contact=str(path), seeds=1)
-    assert "landing" in run.record.sources[0]["helps"]
+    assert "landing" in run.record.sources[0].helps
     assert "not for a plain loop" in fit_file.contact_values(path)
 
 

@@ -125,7 +125,7 @@ def test_every_engine_that_can_is_held_against_the_recording(logs, tmp_path):
     run = simcompare.validate(
         "pendulum", recording=str(logs / "s0.csv"), mapping=plan(logs, 0.9, **FIT), out=tmp_path
     )
-    ran = [source["name"] for source in run.record.sources if source["status"] == "ok"]
+    ran = [source.name for source in run.record.sources if source.status == "ok"]
     rows = run.record.validation["waveforms"]
     assert sorted({row["source"] for row in rows}) == sorted(ran)
     assert len(ran) >= 3

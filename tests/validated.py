@@ -10,6 +10,7 @@ import simcompare
 from simcompare.inference.reference_model import model_of
 from simcompare.results.run import Stored
 from simcompare.scenarios import catalogue
+from tests import records
 
 NOISE_RAD = 1e-3
 EVIL = "<script>alert(1)</script>|x$y_{ \x1b[31m*b*"
@@ -66,7 +67,7 @@ def run_of(made, mapping):
 def changed(run, **more):
     """The same run with another record of its validation."""
     found = json.loads(json.dumps(run.record.validation)) | more
-    return replace(run, record={**run.record, "validation": found})
+    return records.changed(run, validation=found)
 
 
 def renamed(value, old, new):
@@ -95,9 +96,7 @@ def streams(run, count):
 
 def hostile(run):
     """The same run with names from files that mean harm."""
-    record = json.loads(json.dumps(run.record))
-    record["validation"] = renamed(record["validation"], "log", EVIL)
-    found = record["validation"]
+    found = renamed(json.loads(json.dumps(run.record.validation)), "log", EVIL)
     found["provenance"]["repairs"] = [
         {"rule": "bad", "severity": "repair", "text": f"found {EVIL}", "stream": EVIL,
          "channel": EVIL, "rows": [[3, 5], [9, 9]], "count": 4, "before": {"max": 9.0},
@@ -114,7 +113,7 @@ def hostile(run):
     found["events"] = [
         {"name": EVIL, "time_s": 1.0, "stream": EVIL, "u_s": 0.1, "value": None}
     ]  # fmt: skip
-    return replace(run, record=record)
+    return records.changed(run, validation=found)
 
 
 def cells(table):
