@@ -10,7 +10,7 @@ import pytest
 from simcompare.compare.against import matches
 from simcompare.compare.comparison import Score
 from simcompare.hardware.recordings.bounce_table import BounceTable, Quantity
-from simcompare.results.records import stored
+from simcompare.model.plain import plain
 
 UNITS = {"rebound_height": "m", "restitution": "1"}
 
@@ -87,4 +87,4 @@ def test_every_source_and_mode_is_held_against_every_value():
         ("default", "rebound_height", 2, None),
         ("default", "restitution", 1, None),
     ]
-    json.dumps([stored.plain(m) for m in found], allow_nan=False)
+    json.dumps([plain(m) for m in found], allow_nan=False)

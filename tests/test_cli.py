@@ -17,7 +17,7 @@ from simcompare.cli import complete
 from simcompare.cli.console import pairs
 from simcompare.engine import engines
 from simcompare.errors import InputError
-from simcompare.results.records import stored
+from simcompare.model.plain import plain
 
 HEAVY = ("numpy", "pandas", "scipy", "matplotlib", "plotly", "duckdb", "pint", "jinja2",
          "mujoco", "pybullet", "pymunk", "dartpy")  # fmt: skip
@@ -238,7 +238,7 @@ def test_the_python_function_gives_what_the_command_prints(add_engine, fall):
     assert run.record.parameters == {"height_m": pytest.approx(1.2)}
     assert run.exit_code == 0
     assert run.folder is None
-    json.dumps(stored.plain(run.record), allow_nan=False)
+    json.dumps(plain(run.record), allow_nan=False)
 
 
 def test_list_and_show_print_one_object(call):

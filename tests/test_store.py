@@ -19,6 +19,7 @@ import pytest
 import simcompare
 from simcompare.compare.comparison import Score
 from simcompare.errors import InputError, OutputError
+from simcompare.model.plain import plain
 from simcompare.model.trajectory import Trajectory
 from simcompare.results import store
 from simcompare.results.records import stored as records
@@ -224,7 +225,7 @@ def test_a_write_that_fails_halfway_leaves_nothing(tmp_path, limit):
 
 def as_json():
     """A record as JSON holds it."""
-    return records.plain(synthetic().record)
+    return plain(synthetic().record)
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "3", "null", "{}", '{"scores": 3}', "\0\0\0"])

@@ -80,10 +80,10 @@ def run(
         )
     written = _write_report(result) if report else None
     if as_json:
-        from simcompare.results.records import stored
+        from simcompare.model.plain import plain
 
         more = {"headline": _headline(result), "exit_code": result.exit_code}
-        console.print_json({**stored.plain(result.record), **more})
+        console.print_json({**plain(result.record), **more})
     else:
         _print(result, written, details=details)
     raise typer.Exit(130 if result.record.interrupted else result.exit_code)

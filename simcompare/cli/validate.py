@@ -81,9 +81,9 @@ def validate(
 
         written = builder.write_html([result], result.folder / "report.html")
     if as_json:
-        from simcompare.results.records import stored
+        from simcompare.model.plain import plain
 
-        console.print_json({**stored.plain(result.record), "exit_code": result.exit_code})
+        console.print_json({**plain(result.record), "exit_code": result.exit_code})
     else:
         _print(result, written)
     raise typer.Exit(130 if result.record.interrupted else result.exit_code)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from functools import cache
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import ValidationError
 
 from simcompare.errors import InputError
+from simcompare.model import plain
 from simcompare.results.records.first_format import FIRST_FORMAT, of_today
 from simcompare.results.records.fit import FitRecord
 from simcompare.results.records.run import FORMAT, Record, RunRecord
@@ -22,16 +22,9 @@ _KINDS: Mapping[str, type[Record]] = {
 _MAX_FAULTS = 5
 
 
-def plain(record: Any) -> dict[str, Any]:  # noqa: ANN401
-    """A record, or any part of one, as JSON holds it."""
-    adapter = _adapter(cast("Any", type(record)))
-    found: dict[str, Any] = adapter.dump_python(record, mode="json", by_alias=True)
-    return found
-
-
 def text(record: Any, indent: int | None = None) -> str:  # noqa: ANN401
     """JSON of a record; a number that is not finite is an error, not ``NaN``."""
-    return json.dumps(plain(record), indent=indent, ensure_ascii=False, allow_nan=False)
+    return json.dumps(plain.plain(record), indent=indent, ensure_ascii=False, allow_nan=False)
 
 
 def read(path: Path) -> Record:
@@ -63,10 +56,9 @@ def of_plain(data: object) -> Record:
         data = of_today(data, FORMAT)
     _expect("kind", data.get("kind"), tuple(_KINDS))
     try:
-        found: Record = _adapter(cast("Any", _KINDS[data["kind"]])).validate_python(data)
+        return plain.of_plain(_KINDS[data["kind"]], data)
     except ValidationError as error:
         raise InputError("record", faults(error)) from None
-    return found
 
 
 def faults(error: ValidationError) -> list[str]:
@@ -83,8 +75,3 @@ def _expect(name: str, value: object, known: tuple[object, ...]) -> None:
     if value not in known:
         expected = " or ".join(map(str, known))
         raise InputError("record", [f"{name} {value!r} is not known; expected {expected}"])
-
-
-@cache
-def _adapter(kind: Any) -> TypeAdapter[Any]:  # noqa: ANN401
-    return TypeAdapter(kind)
