@@ -60,20 +60,17 @@ def test_a_line_of_a_megabyte_is_no_row(read):
     assert "line 1502: has 2097152 bytes, which is no row of a table" in faults(read, text)
 
 
-def test_a_text_is_given_in_pieces_of_not_too_many_lines(monkeypatch):
-    monkeypatch.setattr(_text, "MAX_LINES", 7)
-    data = b"".join(b"%d,1\n" % i for i in range(100)) + b"100,"
-    source = _text.opened("log", lambda: io.BytesIO(data))
-    for first in (1, 2, 8, 95, 101):
-        found = list(_text.blocks(source, first))
-        assert max(block.count for block in found) <= 7
-        assert [block.ended for block in found] == [True] * (len(found) - 1) + [False]
-        lines = [
-            (block.line + i, line)
-            for block in found
-            for i, line in enumerate(block.data.split(b"\n")[: block.count])
-        ]
-        assert lines == list(enumerate(data.split(b"\n"), start=1))[first - 1 :]
+@pytest.mark.parametrize("end", ["100,", ""])
+def test_a_text_is_given_in_blocks_of_whole_lines(monkeypatch, end):
+    monkeypatch.setattr(_text, "BLOCK_BYTES", 30)
+    text = "".join(f"{i},1\n" for i in range(100)) + end
+    source = _text.opened("log", lambda: io.BytesIO(text.encode()))
+    for first in (1, 2, 8, 95, 100):
+        blocks = list(_text.blocks(source, first))
+        assert len(blocks) == 1 or max(len(block.lines) for block in blocks) < 15
+        assert [block.ended for block in blocks] == [True] * (len(blocks) - 1) + [not end]
+        lines = [pair for block in blocks for pair in enumerate(block.lines, start=block.line)]
+        assert lines == list(enumerate(text.splitlines(), start=1))[first - 1 :]
 
 
 def test_lines_that_are_no_rows_leave_the_others_their_numbers(read):

@@ -88,14 +88,13 @@ class _Lines:
         """All records with their lines."""
         faults = Faults(self.source.label)
         for block in _text.blocks(self.source):
-            lines = block.data.split(b"\n")[: block.count]
-            for at, raw in enumerate(lines, start=block.line):
-                if not raw.strip():
+            for at, line in enumerate(block.lines, start=block.line):
+                if not line.strip():
                     continue
                 try:
-                    record = json.loads(raw)
+                    record = json.loads(line)
                 except (ValueError, RecursionError) as error:
-                    if not block.ended and at == block.line + block.count - 1:
+                    if not block.ended and at == block.line + len(block.lines) - 1:
                         self.truncated = f"line {at} ends in the middle; it was left out"
                     else:
                         faults.add(f"line {at}: is no JSON record ({error})")

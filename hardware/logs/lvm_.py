@@ -88,17 +88,15 @@ class _Parts:
         self._open = _Segment()
         self._take = self._in_general
         for block in _text.blocks(source):
-            lines = block.data.split(b"\n")[: block.count]
-            for at, raw in enumerate(lines, start=block.line):
-                self._one(at, raw)
+            for at, line in enumerate(block.lines, start=block.line):
+                self._one(at, line)
 
-    def _one(self, at: int, raw: bytes) -> None:
-        if self._take == self._in_rows and raw[:3] != b"***" and raw.strip():
+    def _one(self, at: int, line: str) -> None:
+        if self._take == self._in_rows and line[:3] != "***" and line.strip():
             self._open.last = at  # the great mass of the lines
             if len(self._open.sample) < _SAMPLE:
-                self._open.sample.append(_decoded(self.source, raw))
+                self._open.sample.append(line)
             return
-        line = _decoded(self.source, raw)
         word = line.split(self.separator)[0].strip()
         if word == "***Start_Special***":
             self._after_special, self._take = self._take, self._in_special
@@ -136,10 +134,6 @@ class _Parts:
         self._take = self._in_header
         if word:
             self._in_header(at, line, word)
-
-
-def _decoded(source: _text.Source, raw: bytes) -> str:
-    return raw.decode(source.body_encoding, errors="replace").rstrip("\r")
 
 
 def _separator(label: str, general: dict[str, list[str]]) -> str:

@@ -39,7 +39,6 @@ _KEYS = re.compile(
 )
 #: columns on the left that hold no samples; what they say goes into the record
 _SETTINGS = ("setting", "value of the setting", "unit of the setting")
-_INFINITE = (("∞".encode(), b"inf"),)
 
 
 @dataclass(frozen=True)
@@ -132,7 +131,7 @@ def _layout(label: str, lines: Sequence[str], first: int, names: Sequence[tuple[
     if not rows:
         raise InputError(label, [f"line {first + 1}: no samples follow the header"])
     layout = sniff.below_header(label, rows, names, separator, len(rows[0][1]))
-    return replace(layout, header_line=first, swaps=_INFINITE)
+    return replace(layout, header_line=first)
 
 
 def _padded(cells: Sequence[str], width: int) -> list[str]:

@@ -38,7 +38,6 @@ class Layout:
         preamble: lines above the header.
         styles: how columns of dates write them.
         stop_line: number of the last row, 0 for all.
-        swaps: bytes that are replaced before parsing.
         short_rows: whether rows may end early.
     """
 
@@ -54,7 +53,6 @@ class Layout:
     preamble: tuple[str, ...] = ()
     styles: dict[int, DateStyle] = field(default_factory=dict)
     stop_line: int = 0
-    swaps: tuple[tuple[bytes, bytes], ...] = ()
     short_rows: bool = False
 
 
@@ -76,8 +74,6 @@ def kind_of(cell: str) -> str:
     if text in _text.MISSING:
         return "empty"
     if any(_text.number(text, d, t) is not None for d, t in ((".", ","), (",", "."))):
-        return "number"
-    if text in ("∞", "-∞", "+∞"):
         return "number"
     if text.lower() in _FLAGS:
         return "flag"

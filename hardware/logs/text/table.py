@@ -1,14 +1,14 @@
 """Reads the rows of a text table in blocks of whole lines.
 
 Each line is split by itself, so that every fault has its line; the columns of a block are then
-converted at once. The parser of pandas needs a quarter of the time (1 s instead of 4 s for 100 MB),
+converted at once. The parser of pandas needs a third of the time (0.8 s instead of 2.5 s for 100 MB),
 but takes short rows and empty lines in silence: it could only stand beside this one.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -62,7 +62,7 @@ class _Reader:
         for block in _text.blocks(self.source, layout.first_line):
             if layout.stop_line and block.line > layout.stop_line:
                 break
-            self._take(block.until(layout.stop_line))
+            self._take(block)
             if state.count > _MAX_FAULTS:
                 break
         self._check_dates()
@@ -85,8 +85,10 @@ class _Reader:
         rows: list[list[str]] = []
         numbers: list[int] = []
         odd: list[_Odd] = []
-        last = block.line + block.count - 1
-        for at, line in enumerate(self._lines(block), start=block.line):
+        stop = self.layout.stop_line
+        lines = block.lines[: stop - block.line + 1] if stop else block.lines
+        last = block.line + len(block.lines) - 1
+        for at, line in enumerate(lines, start=block.line):
             reason = self._skipped(line)
             if reason:
                 self.state.skip(reason, at)
@@ -97,7 +99,7 @@ class _Reader:
             if at == last and not block.ended and self._is_cut_off(at, line, cells):
                 continue
             if len(line) > _MAX_ROW:
-                odd.append((at, -1, f"has {len(line)} bytes, which is no row of a table"))
+                odd.append((at, -1, f"has {len(line.encode())} bytes, which is no row of a table"))
             elif len(cells) != len(self.layout.kinds):
                 odd.append((at, -1, f"has {len(cells)} cells, expected {len(self.layout.kinds)}"))
             else:
@@ -107,13 +109,6 @@ class _Reader:
             self._add(rows, numbers, odd)
         for fault in sorted(odd):
             self.state.fault(self._fault(*fault))
-
-    def _lines(self, block: _text.Block) -> Iterator[str]:
-        data = block.data
-        for old, new in self.layout.swaps:
-            data = data.replace(old, new)
-        text = data.decode(self.source.body_encoding, errors="replace")
-        return (line.rstrip("\r") for line in text.split("\n")[: block.count])
 
     def _skipped(self, line: str) -> str:
         bare = line.strip()

@@ -23,9 +23,7 @@ from simcompare.model.trajectory import Array
 #: bytes by which encoding and layout are found
 HEAD_BYTES = 1 << 16
 #: bytes that are parsed together
-BLOCK_BYTES = 4 << 20
-#: lines that are parsed together
-MAX_LINES = 1 << 17
+BLOCK_BYTES = 1 << 20
 #: a line longer than this belongs to no table
 MAX_LINE = 16 << 20
 
@@ -45,7 +43,7 @@ _TIME = re.compile(
 )
 #: characters of numbers that Python reads as logs mean them
 _PLAIN = b"0123456789.eE+- \t\n"
-_INFINITE = re.compile(r"([+-]?)(?:inf|infinity|1\.#inf)", re.IGNORECASE)
+_INFINITE = re.compile(r"([+-]?)(?:inf|infinity|1\.#inf|∞)", re.IGNORECASE)
 _BRACKETS = re.compile(r"(.*?)\s*[(\[{<]\s*([^()\[\]{}<>]*?)\s*[)\]}>]")
 _SLASH = re.compile(r"(.*?)\s+(?:/|in)\s+(\S+)")
 #: units that stand at the end of names, beside those of SI
@@ -83,37 +81,20 @@ class Source:
     whole: bool
     repairs: tuple[Repair, ...]
 
-    @property
-    def body_encoding(self) -> str:
-        """Encoding of the blocks: those of UTF-16 become UTF-8."""
-        return "utf-8" if self.encoding.startswith("utf") else self.encoding
-
 
 @dataclass(frozen=True)
 class Block:
-    """Whole lines.
+    """Lines that follow each other.
 
     Attributes:
         line: number of the first, counted from 1.
-        data: their bytes.
-        count: number of lines.
+        lines: without their ends.
         ended: whether the last one has an end; false only at the end of a file.
     """
 
     line: int
-    data: bytes
-    count: int
-    ended: bool
-
-    def until(self, stop: int) -> Block:
-        """The part up to a line; all of it where ``stop`` is 0 or lies beyond."""
-        keep = stop - self.line + 1
-        if not stop or keep >= self.count:
-            return self
-        cut = -1
-        for _ in range(keep):
-            cut = self.data.index(b"\n", cut + 1)
-        return Block(self.line, self.data[: cut + 1], keep, True)
+    lines: list[str]
+    ended: bool = True
 
 
 def source_of(path: Path) -> Source:
@@ -189,55 +170,32 @@ def head_lines(start: bytes) -> list[str]:
 
 
 def blocks(source: Source, first_line: int = 1) -> Iterator[Block]:
-    """All lines of a text from one on, a few megabytes at a time.
+    """All lines of a text from one on, a megabyte at a time.
 
     Raises:
         InputError: a line without end.
     """
     decoder = codecs.getincrementaldecoder(source.encoding)(errors="replace")
-    line, carried = 1, b""
+    number, rest, is_last = 1, "", False
     with source.open() as file:
         file.read(source.skip)
-        while True:
+        while not is_last:
             data = file.read(BLOCK_BYTES)
-            last = len(data) == 0
-            if source.encoding.startswith("utf-16"):
-                data = decoder.decode(data, final=last).encode("utf-8", errors="replace")
-            if source.old_mac:
-                data = data.replace(b"\r", b"\n")
-            data = carried + data
-            cut = len(data) if last else data.rfind(b"\n") + 1
-            carried = data[cut:]
-            if len(carried) > MAX_LINE:
+            is_last = not data
+            text = rest + decoder.decode(data, final=is_last)
+            lines = (text.replace("\r", "\n") if source.old_mac else text).split("\n")
+            # what stands behind the last line end goes on in the next block
+            rest = lines.pop()
+            if len(rest) > MAX_LINE:
                 raise InputError(
-                    source.label,
-                    [f"line {line} is longer than {MAX_LINE >> 20} MB; no table"],
+                    source.label, [f"line {number} is longer than {MAX_LINE >> 20} MB; no table"]
                 )
-            data = data[:cut]
-            ended = data.endswith(b"\n")
-            count = data.count(b"\n") + (bool(data) and not ended)
-            at = line
-            line += count
-            if line > first_line and count:
-                yield from _pieces(Block(at, data, count, ended), first_line)
-            if last:
-                return
-
-
-def _pieces(block: Block, first_line: int) -> Iterator[Block]:
-    """A block from a line on, in pieces of not too many lines: some of them may be empty."""
-    start = max(first_line - block.line, 0)
-    if not start and block.count <= MAX_LINES:
-        yield block
-        return
-    ends = np.flatnonzero(np.frombuffer(block.data, np.uint8) == ord("\n")) + 1
-    for first in range(start, block.count, MAX_LINES):
-        stop = min(first + MAX_LINES, block.count)
-        begin = int(ends[first - 1]) if first else 0
-        is_last = stop == block.count
-        end = len(block.data) if is_last else int(ends[stop - 1])
-        ended = block.ended if is_last else True
-        yield Block(block.line + first, block.data[begin:end], stop - first, ended)
+            ended = not (is_last and rest)
+            lines = [line.rstrip("\r") for line in (lines if ended else [*lines, rest])]
+            start = max(number, first_line)
+            if lines[start - number :]:
+                yield Block(start, lines[start - number :], ended)
+            number += len(lines)
 
 
 def is_time(name: str) -> bool:
