@@ -28,6 +28,15 @@ def blocks(count: int) -> Iterator[slice]:
         yield slice(start, min(start + BLOCK, count))
 
 
+def room(count: int) -> Array:
+    """A writable array (n,); long ones lie in an unnamed file, not in memory."""
+    if count <= SPILL:
+        return np.empty(count)
+    file = tempfile.TemporaryFile()  # noqa: SIM115  (it vanishes with the array that looks into it)
+    file.truncate(8 * count)
+    return np.memmap(file, dtype=np.float64, mode="r+", shape=(count,))
+
+
 @dataclass
 class RawColumn:
     """One column of a log.

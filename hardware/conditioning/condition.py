@@ -11,7 +11,6 @@ import numpy as np
 from simcompare import units
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning.clock import (
-    intervals,
     time_gaps,
     time_order,
     time_quantised,
@@ -28,7 +27,7 @@ from simcompare.hardware.conditioning.values import (
 )
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.mapping import ChannelMap, Mapping
-from simcompare.hardware.raw import RawColumn, RawLog, RawStream
+from simcompare.hardware.raw import RawColumn, RawLog, RawStream, room
 from simcompare.model.recording import (
     INFO,
     Channel,
@@ -199,6 +198,6 @@ def _uncertainty(
 
 
 def _copy(values: Array) -> Array:
-    copied = intervals.room(len(values))
+    copied = room(len(values))
     copied[:] = values
     return copied

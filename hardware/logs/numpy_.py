@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import io
+import math
 import re
+import tempfile
 import tokenize
 import zipfile
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
@@ -17,7 +19,7 @@ from simcompare.hardware.logs.binary import arrays, torch_pickle, zip_guard
 from simcompare.hardware.logs.binary.arrays import Block
 from simcompare.hardware.logs.hdf5_ import ambiguous, field_columns
 from simcompare.hardware.mapping import Mapping
-from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream, Spool
+from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream
 from simcompare.model.recording import INFO, Repair
 
 TITLE = "NumPy arrays or PyTorch tensors"
@@ -47,17 +49,12 @@ def recognises(head: Head) -> int:
 
 @dataclass
 class _Array:
-    """An array as columns: (n,) each, or a table with fields."""
+    """A matrix (samples, components), or a table (samples,) with fields."""
 
     name: str
     shape: tuple[int, ...]
-    columns: list[np.ndarray] = field(default_factory=list)
-    table: np.ndarray | None = None
+    values: np.ndarray
     truncated: str = ""
-
-    @property
-    def samples(self) -> int:
-        return len(self.columns[0]) if self.table is None else len(self.table)
 
 
 def read(path: Path, mapping: Mapping) -> RawLog:
@@ -131,18 +128,8 @@ def _take(
             " save numbers with numpy.save"
         )
         return
-    why = _refusal(shape, dtype)
-    if why:
-        log.ignored[name] = why
-        return
-    try:
-        _fill(name, shape, fortran, dtype, file, found, log)
-    except _Short as short:
-        faults.append(f"array {name}: {short}")
-
-
-class _Short(Exception):
-    """An array of which nothing whole is there."""
+    count = 0 if _refusal(shape, dtype) else math.prod(shape)
+    _place(name, shape, fortran, _numbers(file, dtype, count), found, log, faults)
 
 
 class _Ambiguous(Exception):
@@ -175,112 +162,76 @@ def _refusal(shape: tuple[int, ...], dtype: np.dtype[Any]) -> str:
     return ""
 
 
-def _fill(
-    name: str, shape: tuple[int, ...], fortran: bool, dtype: np.dtype[Any],
-    file: BinaryIO, found: dict[str, _Array], log: RawLog,
+def _numbers(file: BinaryIO, dtype: np.dtype[Any], count: int) -> np.ndarray:
+    """As many numbers as there are; those of an archive are unpacked into an unnamed file."""
+    left = max(count, 0) * dtype.itemsize
+    if not isinstance(file, io.BufferedReader):
+        unpacked = tempfile.TemporaryFile()  # noqa: SIM115  (it vanishes with what looks into it)
+        while left and (piece := file.read(min(left, _TOGETHER))):
+            left -= unpacked.write(piece)
+        file = cast(BinaryIO, unpacked)
+        file.seek(0)
+    start = file.tell()
+    there = min(count, (file.seek(0, 2) - start) // max(dtype.itemsize, 1))
+    return np.memmap(file, dtype, "r", start, (there,)) if there > 0 else np.empty(0, dtype)
+
+
+def _place(
+    name: str, shape: tuple[int, ...], fortran: bool, numbers: np.ndarray,
+    found: dict[str, _Array], log: RawLog, faults: list[str],
 ) -> None:  # fmt: skip
-    """The values, in blocks of rows."""
-    full = tuple(n for n in shape if n > 1)
-    if not dtype.names and not full:
-        data = file.read(dtype.itemsize)
-        if len(data) == dtype.itemsize:
-            log.about[name] = arrays.shorten(np.frombuffer(data, dtype)[0])
+    """Gives the numbers of an array the form of a matrix or table, cut after its last whole row."""
+    why = _refusal(shape, numbers.dtype)
+    if why:
+        log.ignored[name] = why
+        return
+    is_table = numbers.dtype.names is not None
+    full = shape if is_table else tuple(n for n in shape if n > 1)
+    if not full:
+        if len(numbers):
+            log.about[name] = arrays.shorten(numbers[0])
             log.ignored[name] = "is a single number: kept as a parameter"
         return
-    width = 1 if dtype.names or len(full) == 1 else full[1]
-    if fortran and len(full) == 2:
-        values = _all(file, full[0] * full[1], dtype, name)
-        found[name] = _of_matrix(name, values.reshape(full, order="F"))
+    rows, width = (*full, 1)[:2]
+    if len(full) == 2 and (fortran or width > max(rows, arrays.MAX_COLUMNS)):
+        if len(numbers) < rows * width:
+            ends = f"the file ends after {len(numbers)} of {rows * width} numbers"
+            faults.append(f"array {name}: is stored column by column and {ends}")
+        else:
+            matrix = numbers.reshape(full, order="F" if fortran else "C")
+            found[name] = _Array(name, full, matrix)
         return
-    rows = shape[0] if dtype.names else full[0]
-    if dtype.names or dtype.kind in "mM" or (dtype.kind in "iu" and dtype.itemsize == 8):
-        # these are made to float64 with more care, and all at once
-        values, cut = _rows(file, rows, width, dtype)
-        if not len(values):
-            raise _Short(cut)
-        if dtype.names:
-            found[name] = _Array(name, full, table=values[:, 0], truncated=cut)
-            return
-        columns = [values[:, i] for i in range(width)]
-        found[name] = _Array(name, full, columns, truncated=cut)
-        return
-    if width > max(rows, arrays.MAX_COLUMNS):
-        found[name] = _of_matrix(name, _all(file, rows * width, dtype, name).reshape(full))
-        return
-    columns, text = _spooled(file, rows, width, dtype)
-    found[name] = _Array(name, full, columns, truncated=text)
-
-
-def _spooled(
-    file: BinaryIO, rows: int, width: int, dtype: np.dtype[Any]
-) -> tuple[list[np.ndarray], str]:
-    """Columns of a matrix, and what is missing at its end."""
-    spool = Spool(width)
-    step = max(1, _TOGETHER // (width * dtype.itemsize))
-    cut = ""
-    while len(spool) < rows and not cut:
-        values, cut = _rows(file, min(step, rows - len(spool)), width, dtype)
-        spool.append(values.astype(np.float64))
-    text = f"the file ends after {len(spool)} of {rows} samples" if cut else ""
-    if not len(spool):
-        raise _Short(text)
-    return list(spool.columns()), text
-
-
-def _rows(file: BinaryIO, rows: int, width: int, dtype: np.dtype[Any]) -> tuple[np.ndarray, str]:
-    """Whole rows (k, width), and what is missing of them."""
-    size = width * dtype.itemsize
-    pieces: list[bytes] = []
-    left = rows * size
-    while left:
-        piece = file.read(min(left, _TOGETHER))
-        if not piece:
-            break
-        pieces.append(piece)
-        left -= len(piece)
-    data = b"".join(pieces)
-    whole = len(data) // size
+    whole = len(numbers) // width
     cut = f"the file ends after {whole} of {rows} samples" if whole < rows else ""
-    return np.frombuffer(data, dtype, whole * width).reshape(whole, width), cut
-
-
-def _all(file: BinaryIO, count: int, dtype: np.dtype[Any], name: str) -> np.ndarray:
-    values, cut = _rows(file, count, 1, dtype)
-    if cut:
-        raise _Short(f"is stored column by column and {cut.replace('samples', 'numbers')}")
-    return values[:, 0]
-
-
-def _of_matrix(name: str, matrix: np.ndarray) -> _Array:
-    columns = [np.array(matrix[:, i]) for i in range(matrix.shape[1])]
-    return _Array(name, matrix.shape, columns)
+    if not whole:
+        faults.append(f"array {name}: {cut}")
+        return
+    matrix = numbers[: whole * width].reshape(whole, width)
+    found[name] = _Array(name, full, np.array(matrix[:, 0]) if is_table else matrix, cut)
 
 
 def _tensors(path: Path, found: dict[str, _Array], log: RawLog, faults: list[str]) -> None:
     for name, tensor in torch_pickle.read(path).items():
-        buffer = io.BytesIO()
-        np.lib.format.write_array(buffer, tensor, allow_pickle=False)
-        buffer.seek(0)
-        _take(name or _UNNAMED, buffer, found, log, faults)
+        _place(name or _UNNAMED, tensor.shape, False, tensor.ravel(), found, log, faults)
 
 
 def _ragged(found: dict[str, _Array]) -> tuple[str, list[str], str] | None:
     """Stacked items of different lengths: the vector of lengths, what is stacked, and the names."""
     for name, one in found.items():
-        if one.table is not None or len(one.shape) != 1 or not _LENGTHS.match(name):
+        if one.values.dtype.names or len(one.shape) != 1 or not _LENGTHS.match(name):
             continue
-        lengths = one.columns[0]
+        lengths = one.values[:, 0]
         whole = np.asarray(lengths, dtype=np.float64)
         if len(lengths) < 2 or (whole < 0).any() or (whole != np.floor(whole)).any():
             continue
         stacked = [
-            other for other, a in found.items() if other != name and a.samples == whole.sum()
+            other for other, a in found.items() if other != name and len(a.values) == whole.sum()
         ]
         beside = [
             other
             for other, a in found.items()
-            if other not in (name, *stacked) and a.table is None and len(a.shape) == 1
-            and a.samples == len(lengths) and len(np.unique(a.columns[0])) == len(lengths)
+            if other not in (name, *stacked) and not a.values.dtype.names and len(a.shape) == 1
+            and len(a.values) == len(lengths) == len(np.unique(a.values))
         ]  # fmt: skip
         if stacked:
             ids = [other for other in beside if re.search(r"id|number|index|name", other, re.I)]
@@ -294,8 +245,8 @@ def _items(
     """One stream for each stacked item."""
     whole = Block("")
     columns = [column for name in stacked for column in _columns(found[name], whole)]
-    counts = found[lengths].columns[0].astype(np.int64).tolist()
-    numbers = found[ids].columns[0].astype(np.int64).tolist() if ids else list(range(len(counts)))
+    counts = found[lengths].values[:, 0].astype(np.int64).tolist()
+    numbers = found[ids].values[:, 0].astype(np.int64).tolist() if ids else list(range(len(counts)))
     stem = re.sub(r"_?(id|ids|number|index)$", "", ids, flags=re.I) or "item"
     text = f"{', '.join(stacked)} was cut into {len(counts)} streams of the lengths in {lengths}"
     log.repairs += [Repair("stacked_items", INFO, text), *whole.repairs]
@@ -325,7 +276,7 @@ def _streams(found: dict[str, _Array], log: RawLog) -> list[RawStream]:
     """One stream for each number of samples."""
     groups: dict[int, list[_Array]] = {}
     for one in found.values():
-        groups.setdefault(_turned(one, found).samples, []).append(one)
+        groups.setdefault(len(_turned(one, found).values), []).append(one)
     longest = max(groups, default=0)
     kept = []
     for samples, members in groups.items():
@@ -334,8 +285,8 @@ def _streams(found: dict[str, _Array], log: RawLog) -> list[RawStream]:
                 log.ignored[one.name] = (
                     f"has only {samples} samples beside {longest}: kept as a parameter"
                 )
-                if samples * len(one.columns) <= _MAX_SHOWN:
-                    log.about[one.name] = arrays.shorten(np.column_stack(one.columns))
+                if one.values.size <= _MAX_SHOWN and not one.values.dtype.names:
+                    log.about[one.name] = arrays.shorten(np.array(one.values))
         else:
             kept.append(members)
     return [_stream(members, log, alone=len(kept) == 1) for members in kept]
@@ -347,16 +298,14 @@ def _turned(one: _Array, found: dict[str, _Array]) -> _Array:
     Raises:
         _Ambiguous: neither tells.
     """
-    if one.table is not None or len(one.shape) == 1 or one.shape[0] > one.shape[1]:
+    if len(one.shape) == 1 or one.shape[0] > one.shape[1]:
         return one
-    others = {a.samples for a in found.values() if a is not one and len(a.shape) == 1}
+    others = {len(a.values) for a in found.values() if a is not one and len(a.shape) == 1}
     if one.shape[0] in others:
         return one
     if one.shape[1] not in others:
         raise _Ambiguous(ambiguous(f"array {one.name}", one.shape))
-    matrix = np.column_stack(one.columns)
-    one.columns = [np.array(row) for row in matrix]
-    one.shape = (one.shape[1], one.shape[0])
+    one.values, one.shape = one.values.T, one.shape[::-1]
     return one
 
 
@@ -383,15 +332,16 @@ def _number(text: str) -> bool:
 
 
 def _columns(one: _Array, block: Block) -> list[RawColumn]:
-    if one.table is not None:
-        fields = one.table.dtype.names or ()
-        return [c for name in fields for c in field_columns(name, one.table[name], block)]
+    if one.values.dtype.names:
+        fields = one.values.dtype.names
+        return [c for name in fields for c in field_columns(name, one.values[name], block)]
     plain, unit = arrays.split_unit(one.name)
-    if len(one.columns) == 1:
-        return [RawColumn(plain, arrays.floats(one.columns[0], plain, block), unit)]
-    names = arrays.component_names(plain, len(one.columns), letters=plain != _UNNAMED)
-    block.repairs += arrays.quaternion_note(plain, len(one.columns), block.name)
+    width = one.values.shape[1]
+    names = [plain]
+    if width > 1:
+        names = arrays.component_names(plain, width, letters=plain != _UNNAMED)
+    block.repairs += arrays.quaternion_note(plain, width, block.name)
     return [
         RawColumn(name, arrays.floats(column, name, block), unit)
-        for name, column in zip(names, one.columns, strict=True)
+        for name, column in zip(names, one.values.T, strict=True)
     ]

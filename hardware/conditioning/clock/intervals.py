@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.raw import SPILL, RawColumn, blocks
+from simcompare.hardware.raw import RawColumn, blocks
 from simcompare.model.trajectory import Array
 
 Indices = NDArray[np.int64]
@@ -20,15 +19,6 @@ SAMPLED = 1 << 20
 _PLACES = 64
 #: fewer steps are multiples of something by chance
 _MIN_STEPS = 20
-
-
-def room(count: int) -> Array:
-    """A writable array (n,); long ones lie in an unnamed file, not in memory."""
-    if count <= SPILL:
-        return np.empty(count)
-    file = tempfile.TemporaryFile()  # noqa: SIM115  (it vanishes with the array that looks into it)
-    file.truncate(8 * count)
-    return np.memmap(file, dtype=np.float64, mode="r+", shape=(count,))
 
 
 def places(count: int) -> list[slice]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from simcompare.hardware.conditioning.clock import intervals
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.raw import MAX_ROWS, blocks
+from simcompare.hardware.raw import MAX_ROWS, blocks, room
 from simcompare.model.trajectory import Array
 
 #: steps of the clock that are coarse against the time between samples
@@ -136,7 +136,7 @@ def _write(work: Work, step: float, fit: tuple[float, float, float]) -> None:
     # what the scatter exceeds rounding by is jitter; less than chance makes cannot be seen
     jitter = np.sqrt(max(scatter**2 - rounding**2, 0.0))
     u = max(float(jitter), rounding * len(time) ** -0.25)
-    grid = intervals.room(len(time))
+    grid = room(len(time))
     changed = 0
     for part, index in _indices(time, period, step):
         grid[part] = start + slope * index

@@ -8,7 +8,7 @@ from simcompare.hardware.conditioning.clock import intervals
 from simcompare.hardware.conditioning.clock.intervals import Indices, Mask
 from simcompare.hardware.conditioning.words import are
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.raw import RawColumn
+from simcompare.hardware.raw import RawColumn, room
 from simcompare.model.trajectory import Array
 
 #: longest stretch that is interpolated
@@ -200,6 +200,6 @@ def _weights(known: Array, wanted: Array) -> Array:
 def _widen(column: RawColumn, samples: Indices, u: float) -> None:
     """What was interpolated is less sure than what was measured."""
     if column.added_u is None:
-        column.added_u = intervals.room(len(column.values))
+        column.added_u = room(len(column.values))
         column.added_u[:] = 0.0
     column.added_u[samples] = np.hypot(column.added_u[samples], u)

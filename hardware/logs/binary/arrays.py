@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from simcompare.hardware.raw import RawColumn, RawStream, blocks
+from simcompare.hardware.raw import RawColumn, RawStream, blocks, room
 from simcompare.model.recording import INFO, WARNING, Clock, Repair
 from simcompare.model.trajectory import Array
 
@@ -121,7 +121,9 @@ def floats(values: np.ndarray, name: str, block: Block) -> Array:
         low, high = int(values.min()), int(values.max())
         if max(-low, high) > _EXACT:
             return _large(values, name, block)
-    return np.array(values, dtype=np.float64)
+    copied = room(len(values))
+    copied[:] = values
+    return copied
 
 
 def _large(values: np.ndarray, name: str, block: Block) -> Array:

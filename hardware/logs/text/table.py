@@ -1,7 +1,7 @@
 """Reads the rows of a text table in blocks of whole lines.
 
 Each line is split by itself, so that every fault has its line; the columns of a block are then
-converted at once. The parser of pandas needs a third of the time (0.8 s instead of 2.5 s for 100 MB),
+converted at once. The parser of pandas needs a third of the time (0.8 s of 2.5 s for 100 MB),
 but takes short rows and empty lines in silence: it could only stand beside this one.
 """
 
