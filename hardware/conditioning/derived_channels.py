@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, TypeAdapter, ValidationError
@@ -108,7 +108,7 @@ Wish = WheelRates | LowPass | Magnitude | YawPitchRoll
 _WISH: TypeAdapter[Wish] = TypeAdapter(Annotated[Wish, Field(discriminator="function")])
 
 
-def add(recording: Recording, tree: Mapping[str, Any], where: str) -> Recording:
+def add(recording: Recording, tree: Mapping[str, object], where: str) -> Recording:
     """A recording with the streams that a ``derive:`` block asks for.
 
     Args:

@@ -40,7 +40,7 @@ class _Part:
     name: str
     item: Any
     turned: bool = False
-    attributes: dict[str, Any] = field(default_factory=dict)
+    attributes: dict[str, object] = field(default_factory=dict)
 
     @property
     def samples(self) -> int:
@@ -62,7 +62,7 @@ class _File:
     """What a file holds."""
 
     groups: dict[str, list[Any]] = field(default_factory=dict)
-    scalars: dict[str, dict[str, Any]] = field(default_factory=dict)
+    scalars: dict[str, dict[str, object]] = field(default_factory=dict)
     log: RawLog = field(default_factory=lambda: RawLog([]))
     faults: list[str] = field(default_factory=list)
 
@@ -99,7 +99,7 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     return found.log
 
 
-def _collect(found: _File, group: Any, path: str, inherited: dict[str, Any], depth: int) -> None:  # noqa: ANN401  (h5py has no types)
+def _collect(found: _File, group: Any, path: str, inherited: dict[str, object], depth: int) -> None:  # noqa: ANN401  (h5py has no types)
     """Data sets of a group and the groups in it; links to other files are not followed."""
     import h5py
 

@@ -15,7 +15,7 @@ from typing import Any
 from simcompare.errors import InputError
 from simcompare.hardware.logs.text import records as _records
 from simcompare.hardware.logs.text import text as _text
-from simcompare.hardware.logs.text.records import Faults
+from simcompare.hardware.logs.text.state import Faults
 from simcompare.hardware.mapping import Mapping
 from simcompare.hardware.raw import Head, RawLog
 
@@ -207,6 +207,6 @@ def _is_records(value: Any) -> bool:  # noqa: ANN401
     return isinstance(value, list) and bool(value) and isinstance(value[0], dict)
 
 
-def _rows(columns: dict[str, list[Any]]) -> Iterator[dict[str, Any]]:
+def _rows(columns: dict[str, list[Any]]) -> Iterator[dict[str, object]]:
     for values in zip(*columns.values(), strict=True):
         yield dict(zip(columns, values, strict=True))

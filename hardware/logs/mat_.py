@@ -37,7 +37,7 @@ class _Sorted:
 
     matrices: dict[str, np.ndarray] = field(default_factory=dict)
     cells: dict[str, list[np.ndarray]] = field(default_factory=dict)
-    scalars: dict[str, Any] = field(default_factory=dict)
+    scalars: dict[str, object] = field(default_factory=dict)
     ignored: dict[str, str] = field(default_factory=dict)
 
 

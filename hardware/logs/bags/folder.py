@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import tempfile
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -26,17 +28,33 @@ _BLOCK = 1 << 20
 _MAX_BYTES = 1 << 22
 
 
+@dataclass(frozen=True)
+class _Description:
+    """What ``metadata.yaml`` says.
+
+    Attributes:
+        files: names of the storage files; a description must not lead out of its folder.
+        compression: "file", "message", or empty where the files say it themselves.
+        distribution: of ROS 2 that recorded the bag.
+        counts: topic -> number of its messages.
+    """
+
+    files: tuple[str, ...]
+    compression: str
+    distribution: str
+    counts: Mapping[str, int]
+
+
 def messages(path: Path, state: State) -> Iterator[Message]:
     """All messages of all files of a folder.
 
     Raises:
         InputError: it is no bag, files are missing, or it is of a version that is not known.
     """
-    head = _metadata(path)
-    files = _files(path, head, state)
-    mode = str(head.get("compression_mode") or "").lower()
+    head = _described(path)
+    mode = head.compression if head else ""
     counted: Counter[str] = Counter()
-    for file in files:
+    for file in _files(path, head, state):
         source = _unpacked(file) if mode == "file" or file.suffix == ".zstd" else file
         inner = State()
         try:
@@ -50,18 +68,19 @@ def messages(path: Path, state: State) -> Iterator[Message]:
         state.damaged += [f"{file.name}: {text}" for text in inner.damaged]
         if inner.truncated:
             state.truncated = f"{file.name}: {inner.truncated}"
-    _compare(head, counted, state)
+    if head:
+        state.expected |= {t: n for t, n in head.counts.items() if counted.get(t, 0) < n}
 
 
-def _metadata(path: Path) -> Mapping[str, Any]:
+def _described(path: Path) -> _Description | None:
+    """The description of a bag, ``None`` where there is none."""
     file = path / "metadata.yaml"
     if not file.is_file():
-        return {}
+        return None
     if file.stat().st_size > _MAX_BYTES:
         raise InputError(str(file), [f"has more than {_MAX_BYTES} bytes: no description of a bag"])
     try:
-        tree = yaml.safe_load(file.read_text("utf-8"))
-        head = tree["rosbag2_bagfile_information"]
+        head = yaml.safe_load(file.read_text("utf-8"))["rosbag2_bagfile_information"]
         if not isinstance(head, dict) or not isinstance(head["relative_file_paths"], list):
             raise TypeError("relative_file_paths is no list")
         if not all(isinstance(name, str) for name in head["relative_file_paths"]):
@@ -71,44 +90,43 @@ def _metadata(path: Path) -> Mapping[str, Any]:
     except (OSError, yaml.YAMLError, KeyError, TypeError, ValueError) as error:
         text = f"is no description of a ROS 2 bag: {type(error).__name__}: {error}"
         raise InputError(str(file), [text[:400]]) from None
-    return head
+    distribution = head.get("ros_distro")
+    return _Description(
+        tuple(PurePosixPath(name).name for name in head["relative_file_paths"]),
+        str(head.get("compression_mode") or "").lower(),
+        distribution if isinstance(distribution, str) else "",
+        dict(_counts(head.get("topics_with_message_count") or ())),
+    )
 
 
-def _files(path: Path, head: Mapping[str, Any], state: State) -> list[Path]:
-    if not head:
+def _counts(entries: Iterable[Any]) -> Iterator[tuple[str, int]]:
+    for entry in entries:
+        with contextlib.suppress(KeyError, TypeError, ValueError):
+            yield str(entry["topic_metadata"]["name"]), int(entry["message_count"])
+
+
+def _files(path: Path, head: _Description | None, state: State) -> list[Path]:
+    if head is None:
         found = [p for p in path.iterdir() if re.search(r"\.(db3|mcap)(\.zstd)?$", p.name)]
         if not found:
             raise InputError(str(path), ["holds neither metadata.yaml nor .db3 or .mcap files"])
         state.truncated = "there is no metadata.yaml: the bag was not closed"
         return sorted(found, key=_natural)
-    distribution = head.get("ros_distro")
-    state.about["ros_distro"] = distribution if isinstance(distribution, str) else ""
-    # only names: a description must not lead out of its folder
-    wanted = [path / PurePosixPath(str(name)).name for name in head["relative_file_paths"]]
-    missing = [file.name for file in wanted if not file.is_file()]
-    if missing and len(missing) == len(wanted):
+    state.about["ros_distro"] = head.distribution
+    files = [path / name for name in head.files]
+    missing = [file.name for file in files if not file.is_file()]
+    if missing and len(missing) == len(files):
         raise InputError(
             str(path), [f"{name} is missing; copy the whole folder" for name in missing]
         )
     for name in missing:
         state.damaged.append(f"{name} is named in metadata.yaml and is missing")
-    return [file for file in wanted if file.is_file()]
+    return [file for file in files if file.is_file()]
 
 
 def _natural(path: Path) -> list[tuple[int, str]]:
     parts = re.split(r"(\d+)", path.name)
     return [(int(part), "") if part.isdigit() else (0, part) for part in parts]
-
-
-def _compare(head: Mapping[str, Any], counted: Mapping[str, int], state: State) -> None:
-    """Topics of which fewer messages were found than the description says."""
-    for entry in head.get("topics_with_message_count") or ():
-        try:
-            topic, count = str(entry["topic_metadata"]["name"]), int(entry["message_count"])
-        except (KeyError, TypeError, ValueError):
-            continue
-        if counted.get(topic, 0) < count:
-            state.expected[topic] = count
 
 
 def _unpacked(file: Path) -> Path:

@@ -83,7 +83,7 @@ def time_of(names: Iterable[str]) -> tuple[str | None, str]:
     return found[0][0], {"sec": "s", "seconds": "s"}.get(unit, unit)
 
 
-def increment_of(values: Mapping[str, Any]) -> tuple[float | None, str]:
+def increment_of(values: Mapping[str, object]) -> tuple[float | None, str]:
     """Time between samples that attributes or scalars tell, and the name that told it."""
     for name, value in values.items():
         key = name.rpartition("/")[2].rpartition(".")[2].lower().replace(" ", "_")
@@ -173,7 +173,9 @@ def iso_ns(ns: int) -> str:
         return ""
 
 
-def stream_of(block: Block, scalars: Mapping[str, Any], *, row_word: str = "sample") -> RawStream:
+def stream_of(
+    block: Block, scalars: Mapping[str, object], *, row_word: str = "sample"
+) -> RawStream:
     """A stream of the columns of a block, with the clock that it or its scalars tell.
 
     Args:

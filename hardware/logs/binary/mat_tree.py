@@ -28,7 +28,7 @@ class Refused:
     why: str
 
 
-def load(path: Path) -> dict[str, Any]:
+def load(path: Path) -> dict[str, object]:
     """All variables of a file.
 
     Raises:
@@ -40,7 +40,7 @@ def load(path: Path) -> dict[str, Any]:
     return _load_hdf5(path) if is_hdf5 else _load_5(path)
 
 
-def _load_5(path: Path) -> dict[str, Any]:
+def _load_5(path: Path) -> dict[str, object]:
     import scipy.io
 
     try:
@@ -90,7 +90,7 @@ def _struct(value: np.ndarray, depth: int) -> Any:  # noqa: ANN401
     return {str(i): tree for i, tree in enumerate(trees)}
 
 
-def _load_hdf5(path: Path) -> dict[str, Any]:
+def _load_hdf5(path: Path) -> dict[str, object]:
     import h5py
 
     try:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from simcompare.errors import InputError
 from simcompare.hardware.logs.text import dates as _dates
-from simcompare.hardware.logs.text import state
 from simcompare.hardware.logs.text import text as _text
+from simcompare.hardware.logs.text.state import Faults
 from simcompare.hardware.mapping import Mapping
 from simcompare.hardware.raw import RawColumn, RawLog, RawStream, Spool
 from simcompare.model.recording import INFO, Clock, Repair
@@ -34,28 +34,6 @@ class _Seen:
     texts: int = 0
     example: str = ""
     largest: int = 0
-
-
-@dataclass
-class Faults:
-    """Faults of one file; the first ones are named, the others counted."""
-
-    where: str
-    texts: list[str] = field(default_factory=list)
-    count: int = 0
-
-    def add(self, text: str) -> None:
-        """Adds one."""
-        self.count += 1
-        if self.count <= state.MAX_FAULTS:
-            self.texts.append(text)
-
-    def finish(self) -> None:
-        """Raises them, where there are any."""
-        if self.count > len(self.texts):
-            self.texts.append(f"and {self.count - len(self.texts)} more such faults")
-        if self.texts:
-            raise InputError(self.where, self.texts)
 
 
 def _flat(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:  # noqa: ANN401

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from simcompare.errors import InputError
 from simcompare.hardware.logs.text.sniff import Layout
 from simcompare.hardware.raw import MAX_ROWS, RawColumn
 from simcompare.model.recording import INFO, REPAIR, Repair, ranges
@@ -67,6 +68,28 @@ class Lines:
 
 
 @dataclass
+class Faults:
+    """Faults of one file; the first ones are named, the others counted."""
+
+    where: str
+    texts: list[str] = field(default_factory=list)
+    count: int = 0
+
+    def add(self, text: str) -> None:
+        """Adds one."""
+        self.count += 1
+        if self.count <= MAX_FAULTS:
+            self.texts.append(text)
+
+    def finish(self, more: str = "") -> None:
+        """Raises them, where there are any; ``more`` stands before the number of the others."""
+        if self.count > len(self.texts):
+            self.texts.append(f"and {more}{self.count - len(self.texts)} more such faults")
+        if self.texts:
+            raise InputError(self.where, self.texts)
+
+
+@dataclass
 class State:
     """What is known after the blocks that were read so far."""
 
@@ -76,17 +99,9 @@ class State:
     midnights: list[int] = field(default_factory=list)
     days: set[int] = field(default_factory=set)
     skipped: dict[str, Lines] = field(default_factory=dict)
-    faults: list[str] = field(default_factory=list)
-    count: int = 0
     truncated: str = ""
     no_end: int = 0
     examples: dict[int, str] = field(default_factory=dict)
-
-    def fault(self, text: str) -> None:
-        """Counts a fault; the first ones are named."""
-        self.count += 1
-        if len(self.faults) < MAX_FAULTS:
-            self.faults.append(text)
 
     def skip(self, reason: str, line: int) -> None:
         """Notes a line that is no row."""

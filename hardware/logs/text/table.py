@@ -17,7 +17,7 @@ from simcompare.errors import InputError
 from simcompare.hardware.logs.text import dates
 from simcompare.hardware.logs.text import text as _text
 from simcompare.hardware.logs.text.sniff import COMMENTS, Layout, doubt, mark_of, split
-from simcompare.hardware.logs.text.state import State, Table
+from simcompare.hardware.logs.text.state import Faults, State, Table
 from simcompare.hardware.raw import RawColumn, Spool
 from simcompare.model.trajectory import Array
 
@@ -53,7 +53,7 @@ class _Reader:
     def __init__(self, source: _text.Source, layout: Layout, joined: bool) -> None:
         self.source, self.layout, self.joined = source, layout, joined
         self.header = layout.header.strip()
-        self.state = State()
+        self.state, self.faults = State(), Faults(source.label)
         self.spool: Spool | None = None
         self.used = [k for k, kind in enumerate(layout.kinds) if kind not in ("text", "empty")]
 
@@ -63,14 +63,10 @@ class _Reader:
             if layout.stop_line and block.line > layout.stop_line:
                 break
             self._take(block)
-            if state.count > _MAX_FAULTS:
+            if self.faults.count > _MAX_FAULTS:
                 break
         self._check_dates()
-        if state.count > len(state.faults):
-            more = "at least " if state.count > _MAX_FAULTS else ""
-            state.faults.append(f"and {more}{state.count - len(state.faults)} more such faults")
-        if state.faults:
-            raise InputError(self.source.label, state.faults)
+        self.faults.finish("at least " if self.faults.count > _MAX_FAULTS else "")
         if self.spool is None or not len(self.spool):
             raise InputError(
                 self.source.label,
@@ -108,7 +104,7 @@ class _Reader:
         if rows:
             self._add(rows, numbers, odd)
         for fault in sorted(odd):
-            self.state.fault(self._fault(*fault))
+            self.faults.add(self._fault(*fault))
 
     def _skipped(self, line: str) -> str:
         bare = line.strip()
@@ -266,7 +262,7 @@ class _Reader:
         }.get(kind, "a number" + (" with a decimal comma" if layout.decimal == "," else ""))
         text = f"line {line}, column {name!r}: {cell.strip()[:60]!r} is not {expected}"
         is_word = kind == "number" and not re.search(r"\d", cell)
-        if is_word and not self.state.count:  # mostly it says just that; told once
+        if is_word and not self.faults.count:  # mostly it says just that; told once
             text += "; where nothing was measured, leave the cell empty, or delete the line"
         return text
 
@@ -277,7 +273,7 @@ class _Reader:
             for k, example in self.state.examples.items():
                 style, name = self.layout.styles[k], self.layout.names[k][0]
                 other = replace(style, order=style.other).words
-                self.state.fault(
+                self.faults.add(
                     f"column {name!r}: {example!r} may be {style.words} or {other}, and the date"
                     " changes in the log; write dates as 2024-12-31"
                 )
