@@ -238,12 +238,12 @@ def _unjudged_tolerances(scenario: Scenario) -> dict[str, str]:
     measured: set[str] = set()
     for i, measure in enumerate(scenario.measures):
         try:
-            module = measures.load(measure.function)
+            function = measures.load(measure.function)
         except UnknownName as error:
             found[f"measures.{i}.function"] = str(error)
             continue
-        found.update(_measure_faults(f"measures.{i}", measure, module))
-        names = [measure.names.get(name, name) for name in module.UNITS]
+        found.update(_measure_faults(f"measures.{i}", measure, function))
+        names = [measure.names.get(name, name) for name in function.units]
         for name in names:
             if name in measured:
                 found[f"measures.{i}"] = f"{name} is measured twice; give it another name in names"
@@ -255,20 +255,22 @@ def _unjudged_tolerances(scenario: Scenario) -> dict[str, str]:
     return found
 
 
-def _measure_faults(place: str, measure: Measure, module: measures.MeasureModule) -> dict[str, str]:
+def _measure_faults(place: str, measure: Measure, function: measures.Function) -> dict[str, str]:
     """Roles and options that are missing or unknown, and new names for what is not measured."""
     found = {}
     for key, needed, given in (
-        ("also", module.ROLES, measure.also),
-        ("options", module.OPTIONS, measure.options),
+        ("also", function.roles, measure.also),
+        ("options", function.options, measure.options),
     ):
         for name in sorted(set(needed) ^ set(given)):
             fault = "is missing" if name in needed else "is not known"
             have = ", ".join(needed) or "none"
             found[f"{place}.{key}.{name}"] = f"{fault}; {measure.function} needs: {have}"
     for name in measure.names:
-        if name not in module.UNITS:
-            found[f"{place}.names.{name}"] = str(UnknownName("measured value", name, module.UNITS))
+        if name not in function.units:
+            found[f"{place}.names.{name}"] = str(
+                UnknownName("measured value", name, function.units)
+            )
     return found
 
 
@@ -285,7 +287,7 @@ def _names_of(measure: Measure) -> list[str]:
     """What a measure finds, as the scenario calls it; nothing of one that does not exist."""
     if measure.function not in measures.FUNCTIONS:
         return []
-    return [measure.names.get(name, name) for name in measures.load(measure.function).UNITS]
+    return [measure.names.get(name, name) for name in measures.load(measure.function).units]
 
 
 def _held(scenario: Scenario) -> Iterator[str]:

@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from simcompare import measures
 from simcompare.measures import Measured, Request, _transfer, response, sweep_response, tilt
 from simcompare.model.scenario import Probe
 from simcompare.model.trajectory import Trajectory
@@ -47,14 +46,6 @@ def shaken(frequencies, ratios, *, phase=0.3, disturb=lambda t: 0.0, step_s=STEP
 
 def series_of(found):
     return [found.series[name] for name in ("frequency", "amplitude", "phase")]
-
-
-@pytest.mark.parametrize("module", [response, sweep_response, tilt])
-def test_they_offer_what_a_measure_must(module):
-    assert module.__name__.rpartition(".")[2] in measures.FUNCTIONS
-    assert set(module.SERIES) <= set(module.UNITS)
-    assert set(module.AXES) <= set(module.SERIES)
-    assert set(module.AXES.values()) <= set(module.SERIES)
 
 
 @settings(max_examples=30)

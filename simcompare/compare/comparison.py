@@ -84,13 +84,13 @@ def scores_of(repeats: Sequence[Repeat]) -> list[Score]:
     found: list[Score] = []
     nominal = repeats[len(repeats) // 2]
     for measure in nominal.scenario.measures:
-        judge = measures.judge_of(measure)
+        against = measures.load(measure.function).against
         ours = [measures.take(measure, r.scenario, r.trajectory) for r in repeats]
         theirs = [
             measures.take(measure, r.scenario, r.truth) for r in repeats if r.truth is not None
         ]
         if theirs:
-            pairs = [judge(a, b) for a, b in zip(ours, theirs, strict=True)]
+            pairs = [against(a, b) for a, b in zip(ours, theirs, strict=True)]
             found += _judged(nominal, measure, pairs, ours[0])
         else:
             found += _without_truth(nominal, measure, ours)

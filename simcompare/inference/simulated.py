@@ -185,13 +185,13 @@ def measured_values(
     for measure in scene.measures:
         if not {measure.probe, *measure.also.values()} <= set(probes):
             continue
-        judge = measures.judge_of(measure)
+        function = measures.load(measure.function)
         try:
             ours = measures.take(measure, view, simulated)
             theirs = measures.take(measure, view, measured)
         except SimcompareError:
             continue  # it needs what was not measured
-        for name, (value, true) in judge(ours, theirs).items():
+        for name, (value, true) in function.against(ours, theirs).items():
             # what only the comparison makes, such as a largest deviation, is no measured value
             if value is not None and name in theirs.values:
                 shown = measure.names.get(name, name)
@@ -209,7 +209,7 @@ def measure_of(scene: Scenario, series: str) -> Measure:
     known = {
         measure.names.get(name, name): measure
         for measure in scene.measures
-        for name in measures.load(measure.function).SERIES
+        for name in measures.load(measure.function).series
         if measures.units_of(measure, scene)[name] == "s"
     }
     if series not in known:
@@ -220,6 +220,6 @@ def measure_of(scene: Scenario, series: str) -> Measure:
 def times(scene: Scenario, run: Trajectory, series: str) -> Array:
     """When the events of a simulation are [s]."""
     measure = measure_of(scene, series)
-    name = next(n for n in measures.load(measure.function).SERIES
+    name = next(n for n in measures.load(measure.function).series
                 if measure.names.get(n, n) == series)  # fmt: skip
     return measures.take(measure, seeing(scene, tuple(run.signals)), run).series[name]

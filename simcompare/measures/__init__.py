@@ -1,17 +1,18 @@
 """HOW GOOD: pure functions from a trajectory to measured values.
 
 A measure is a module with ``measure(trajectory, request) -> Measured``; a scenario names it by
-the module's name. The same function measures engines and closed forms, so a systematic error of the
-measure itself cancels in their difference.
+the module's name. In capitals it declares what :class:`Function` lists; with ``against`` it says
+what is judged, else every value stands beside that of the truth. The same function measures engines
+and closed forms, so a systematic error of the measure itself cancels in their difference.
 """
 
 from __future__ import annotations
 
 import importlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import Path
-from typing import Protocol, cast
 
 import numpy as np
 
@@ -39,8 +40,8 @@ class Request:
     also: Mapping[str, Probe] = field(default_factory=dict)
     options: Mapping[str, float] = field(default_factory=dict)
 
-    def seen(self, trajectory: Trajectory, role: str | None = None) -> Array:
-        """What the leading probe sees in a trajectory (n,), or the one with a role.
+    def observed(self, trajectory: Trajectory, role: str | None = None) -> Array:
+        """What the leading probe, or the one with a role, observes in a trajectory (n,).
 
         Raises:
             UnknownName: the request has no probe for that role, or the source no such signal.
@@ -59,7 +60,7 @@ class Measured:
     Attributes:
         values: name -> one number; ``None`` where it could not be measured.
         series: name -> one number per event (n,), first event first.
-        units: unit of every name, and of every series.
+        units: unit of every name, and of every series; ``take`` adds them.
         notes: what the reader should know.
         u: standard uncertainty of values that are a mean, from the scatter of what they are a mean
             of; it counts where a real recording is measured.
@@ -67,81 +68,76 @@ class Measured:
     """
 
     values: Mapping[str, float | None]
-    series: Mapping[str, Array]
-    units: Mapping[str, str]
-    notes: tuple[str, ...] = field(default=())
+    series: Mapping[str, Array] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
     u: Mapping[str, float] = field(default_factory=dict)
     lacking: str = ""
 
 
-class MeasureModule(Protocol):
-    """What a module in this folder offers.
+Pairs = dict[str, tuple[float | None, float]]
+
+
+@dataclass(frozen=True)
+class Function:
+    """A measure: what it is called with, gives and needs.
 
     Attributes:
-        UNITS: unit of every name (``OF_PROBE``: that of the leading probe).
-        SERIES: the names that are measured once per event.
-        ROLES: roles of further probes that it needs.
-        OPTIONS: options that it needs.
-        AXES: series -> the series over which it is drawn, where that is not the event's number.
+        measure: measures one trajectory.
+        against: values to be judged: name -> (value of the source, value of the truth).
+        units: unit of every name (``OF_PROBE``: that of the leading probe).
+        series: the names that are measured once per event.
+        roles: roles of further probes that it needs.
+        options: options that it needs.
+        axes: series -> the series over which it is drawn, where that is not the event's number.
     """
 
-    UNITS: Mapping[str, str]
-    SERIES: tuple[str, ...]
-    ROLES: tuple[str, ...]
-    OPTIONS: tuple[str, ...]
-    AXES: Mapping[str, str]
-
-    def measure(self, trajectory: Trajectory, request: Request) -> Measured:
-        """Measures one trajectory."""
-
-
-class Judge(Protocol):
-    """What a module may offer besides, as ``against``; without it values stand side by side."""
-
-    def __call__(
-        self, measured: Measured, truth: Measured
-    ) -> dict[str, tuple[float | None, float]]:
-        """Values to be judged: name -> (value of the source, value of the truth)."""
+    measure: Callable[[Trajectory, Request], Measured]
+    against: Callable[[Measured, Measured], Pairs]
+    units: Mapping[str, str]
+    series: tuple[str, ...] = ()
+    roles: tuple[str, ...] = ()
+    options: tuple[str, ...] = ()
+    axes: Mapping[str, str] = field(default_factory=dict)
 
 
-def load(name: str) -> MeasureModule:
-    """The measure of that name.
+@cache
+def load(name: str) -> Function:
+    """The measure of that name, from what its module declares in capitals.
 
     Raises:
         UnknownName: there is none.
     """
     if name not in FUNCTIONS:
         raise UnknownName("measure", name, FUNCTIONS)
-    return cast(MeasureModule, importlib.import_module(f"simcompare.measures.{name}"))
+    module = importlib.import_module(f"simcompare.measures.{name}")
+    against = getattr(module, "against", side_by_side)
+    declared = ("units", "series", "roles", "options", "axes")
+    parts = {key: getattr(module, key.upper()) for key in declared if hasattr(module, key.upper())}
+    return Function(module.measure, against, **parts)
 
 
 def take(measure: Measure, scenario: Scenario, trajectory: Trajectory) -> Measured:
     """What a measure of a scenario finds in a trajectory, under the function's own names."""
     probe = scenario.probes[measure.probe]
     also = {role: scenario.probes[name] for role, name in measure.also.items()}
-    module, units = load(measure.function), units_of(measure, scenario)
+    function, units = load(measure.function), units_of(measure, scenario)
     try:
-        found = module.measure(trajectory, Request(probe, also, measure.options))
+        measured = function.measure(trajectory, Request(probe, also, measure.options))
     except SignalLacking as error:
-        nothing = {name: None for name in units if name not in module.SERIES}
-        empty = {name: np.array([]) for name in module.SERIES}
+        nothing = {name: None for name in units if name not in function.series}
+        empty = {name: np.array([]) for name in function.series}
         return Measured(nothing, empty, units, lacking=str(error))
-    return replace(found, units=units)
+    return replace(measured, units=units)
 
 
 def units_of(measure: Measure, scenario: Scenario) -> dict[str, str]:
     """Units of what a measure finds, under the function's own names."""
-    own = scenario.probes[measure.probe].unit
-    units = load(measure.function).UNITS
-    return {name: own if unit == OF_PROBE else unit for name, unit in units.items()}
+    of_probe, units = scenario.probes[measure.probe].unit, load(measure.function).units
+    return {name: of_probe if unit == OF_PROBE else unit for name, unit in units.items()}
 
 
-def judge_of(measure: Measure) -> Judge:
-    """How what a measure finds is set against the truth."""
-    return cast(Judge, getattr(load(measure.function), "against", side_by_side))
-
-
-def side_by_side(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
+def side_by_side(measured: Measured, truth: Measured) -> Pairs:
     """Every value that the truth has, beside it."""
     return {
         name: (measured.values[name], true)

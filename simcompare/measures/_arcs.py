@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,7 @@ from simcompare.errors import InputError
 from simcompare.model.trajectory import Array
 
 #: samples of a flight that are needed to speak of one
-LEAST_SAMPLES = 12
+MIN_SAMPLES = 12
 #: samples in the window of one fit
 WINDOW = 40
 _DEGREE = 3
@@ -69,32 +70,31 @@ class _Cubic:
     def root(self, near_s: float) -> tuple[float, float]:
         """Time near ``near_s`` at which the height is zero, and the velocity there."""
         a, b, c, d = self.coefficients
-        u = (near_s - self.centre_s) / self.half_s
-        slope = 1.0
-        for _ in range(20):
-            value = a + u * (b + u * (c + u * d))
-            slope = b + u * (2 * c + u * 3 * d)
-            if slope == 0:
-                break
-            change = value / slope
-            u -= change
-            if abs(change) < 1e-14:
-                break
+        u, slope = _newton(
+            (near_s - self.centre_s) / self.half_s,
+            lambda u: (a + u * (b + u * (c + u * d)), b + u * (2 * c + u * 3 * d)),
+        )
         return self.centre_s + u * self.half_s, slope / self.half_s
 
     def top(self) -> tuple[float, float]:
         """Time and height of the maximum."""
         a, b, c, d = self.coefficients
-        u = 0.0
-        for _ in range(20):
-            bend = 2 * c + 6 * d * u
-            if bend == 0:
-                break
-            change = (b + u * (2 * c + u * 3 * d)) / bend
-            u -= change
-            if abs(change) < 1e-14:
-                break
+        u, _ = _newton(0.0, lambda u: (b + u * (2 * c + u * 3 * d), 2 * c + 6 * d * u))
         return self.centre_s + u * self.half_s, a + u * (b + u * (c + u * d))
+
+
+def _newton(u: float, function: Callable[[float], tuple[float, float]]) -> tuple[float, float]:
+    """The root near ``u`` of a function that gives its value and slope, and its slope there."""
+    slope = 1.0
+    for _ in range(20):
+        value, slope = function(u)
+        if slope == 0:
+            break
+        change = value / slope
+        u -= change
+        if abs(change) < 1e-14:
+            break
+    return u, slope
 
 
 def find(time_s: Array, height_m: Array) -> list[Arc]:
@@ -118,15 +118,15 @@ def find(time_s: Array, height_m: Array) -> list[Arc]:
     arcs = []
     lows = _local_minima(height_m)
     # movement below a millionth of the drop is rest, also when it is rest above the floor
-    least_rise = 1e-6 * float(np.ptp(height_m))
+    min_rise = 1e-6 * float(np.ptp(height_m))
     # an impact just before the record ends leaves no minimum, but a sample of the next flight
     for begin, end in zip([-2, *lows], [*lows, len(height_m)], strict=True):
         first, last = max(begin + 2, 0), end - 2
         above = np.flatnonzero(height_m[first : last + 1] > 0)
-        if len(above) < LEAST_SAMPLES:
+        if len(above) < MIN_SAMPLES:
             break
         first, last = first + int(above[0]), first + int(above[-1])
-        if np.ptp(height_m[first : last + 1]) <= least_rise:
+        if np.ptp(height_m[first : last + 1]) <= min_rise:
             break
         landed = end < len(height_m)  # else it is still in the air when the record ends
         arcs.append(_arc(time_s, height_m, first, last, landed=landed))
@@ -136,8 +136,7 @@ def find(time_s: Array, height_m: Array) -> list[Arc]:
 def _local_minima(height_m: Array) -> list[int]:
     inner = height_m[1:-1]
     low = (inner < height_m[:-2]) & (inner <= height_m[2:])
-    found: list[int] = (np.flatnonzero(low) + 1).tolist()
-    return found
+    return [int(k) + 1 for k in np.flatnonzero(low)]
 
 
 def _arc(time_s: Array, height_m: Array, first: int, last: int, *, landed: bool) -> Arc:
@@ -145,7 +144,7 @@ def _arc(time_s: Array, height_m: Array, first: int, last: int, *, landed: bool)
     tail = _Cubic.through(time_s, height_m, max(last - WINDOW + 1, first), last)
     highest = first + int(np.argmax(height_m[first : last + 1]))
     low, high = max(highest - WINDOW // 2, first), min(highest + WINDOW // 2, last)
-    if high - low + 1 < LEAST_SAMPLES:
+    if high - low + 1 < MIN_SAMPLES:
         low, high = first, last
     start_s, start_speed = head.root(float(time_s[first]))
     end_s, end_speed = tail.root(float(time_s[last])) if landed else (math.inf, math.nan)

@@ -9,19 +9,21 @@ point is the vertex of an even curve fitted to the samples about the outermost o
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from simcompare.model.trajectory import Array
+from simcompare.measures import Request
+from simcompare.model.trajectory import Array, Trajectory
 
 #: part of the amplitude about the level whose samples tell a passage; there a sine is nearly cubic
 NEAR_PART = 0.35
 #: part of the amplitude above which samples tell a turning point
 TOP_PART = 0.95
 #: samples that a cubic needs, and from which on a quartic is fitted to a turning point
-LEAST_SAMPLES, MANY_SAMPLES = 4, 9
+MIN_SAMPLES, MANY_SAMPLES = 4, 9
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,12 @@ class Swings:
     def full(self) -> int:
         """Number of full swings, each from a passage to the next but one, overlapping by half."""
         return max(len(self.passage_s) - 2, 0)
+
+
+def of(trajectory: Trajectory, request: Request) -> Swings:
+    """Swings of the leading probe about the ``level`` of the options, beyond their ``band``."""
+    level, band = request.options["level"], request.options["band"]
+    return find(trajectory.time_s, request.observed(trajectory), level, band)
 
 
 def find(time_s: Array, values: Array, level: float, band: float) -> Swings:
@@ -84,24 +92,17 @@ def _about(amplitude: Array, k: int) -> float:
 
 def _passage(time_s: Array, away: Array, between: tuple[int, int], amplitude: float) -> float:
     """Time at which a probe passes 0 between two samples that are on either side of it."""
-    first, behind = between[0], between[1] + 1
     near = NEAR_PART * amplitude
-    # as far as the samples go on in one direction and are near; two on either side at least
-    while first > 0 and abs(away[first - 1]) < near:
-        first -= 1
-    while behind < len(away) and abs(away[behind]) < near:
-        behind += 1
-    while behind - first < LEAST_SAMPLES and (first > 0 or behind < len(away)):
-        first, behind = max(first - 1, 0), min(behind + 1, len(away))
+    first, behind = _widened(
+        lambda k: bool(abs(away[k]) < near), (between[0], between[1] + 1), len(away), MIN_SAMPLES
+    )
     start_s, end_s = float(time_s[between[0]]), float(time_s[between[1]])
     before, after = away[between[0]], away[between[1]]
     straight = start_s + (end_s - start_s) * float(before / (before - after))
-    if behind - first < LEAST_SAMPLES:
+    if behind - first < MIN_SAMPLES:
         return straight
     fitted = Polynomial.fit(time_s[first:behind], away[first:behind], 3)
-    roots = fitted.roots()
-    real = np.sort(roots[np.abs(roots.imag) < 1e-9 * max(abs(end_s), 1.0)].real)
-    inside = real[(real >= start_s) & (real <= end_s)]
+    inside = np.sort(_roots(fitted, (start_s, end_s), end_s))
     if len(inside) == 0:
         return straight
     return float(inside[np.argmin(np.abs(inside - straight))])
@@ -111,25 +112,39 @@ def _turn(time_s: Array, away: Array) -> tuple[float, float]:
     """Time and distance of the turning point in samples that are all on one side."""
     distance = np.abs(away)
     top = int(np.argmax(distance))
-    first, behind = top, top + 1
-    while first > 0 and distance[first - 1] >= TOP_PART * distance[top]:
-        first -= 1
-    while behind < len(distance) and distance[behind] >= TOP_PART * distance[top]:
-        behind += 1
-    while behind - first < 3 and (first > 0 or behind < len(distance)):
-        first, behind = max(first - 1, 0), min(behind + 1, len(distance))
+    near = TOP_PART * distance[top]
+    first, behind = _widened(lambda k: bool(distance[k] >= near), (top, top + 1), len(distance), 3)
     if behind - first < 3:
         return float(time_s[top]), float(distance[top])
     degree = 4 if behind - first >= MANY_SAMPLES else 2
     fitted = Polynomial.fit(time_s[first:behind], distance[first:behind], degree)
-    slope = fitted.deriv()
-    roots = slope.roots()
-    real = roots[np.abs(roots.imag) < 1e-9 * max(abs(float(time_s[top])), 1.0)].real
-    inside = real[(real >= time_s[first]) & (real <= time_s[behind - 1])]
+    ends_s = (float(time_s[first]), float(time_s[behind - 1]))
+    inside = _roots(fitted.deriv(), ends_s, float(time_s[top]))
     if len(inside) == 0:
         return float(time_s[top]), float(distance[top])
     best = float(inside[np.argmax(fitted(inside))])
     return best, float(fitted(best))
+
+
+def _widened(
+    near: Callable[[int], bool], window: tuple[int, int], count: int, least: int
+) -> tuple[int, int]:
+    """A window, up to before its end, with its near neighbours; at least so many samples."""
+    first, behind = window
+    while first > 0 and near(first - 1):
+        first -= 1
+    while behind < count and near(behind):
+        behind += 1
+    while behind - first < least and (first > 0 or behind < count):
+        first, behind = max(first - 1, 0), min(behind + 1, count)
+    return first, behind
+
+
+def _roots(polynomial: Polynomial, ends_s: tuple[float, float], about_s: float) -> Array:
+    """Real roots between two times; what rounding makes of them beside the real axis counts."""
+    roots = polynomial.roots()
+    real = roots[np.abs(roots.imag) < 1e-9 * max(abs(about_s), 1.0)].real
+    return np.asarray(real[(real >= ends_s[0]) & (real <= ends_s[1])], dtype=float)
 
 
 def lengthening(amplitude_rad: Array) -> Array:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from simcompare.measures import Measured
+from simcompare.measures import Measured, Pairs
 from simcompare.model.trajectory import Array
 
 Complex = NDArray[np.complex128]
@@ -57,19 +57,18 @@ def found(frequency_Hz: Array, response: Complex, judged_up_to_Hz: float) -> Mea
             "judged_frequencies": float(judged),
         },
         series={"frequency": frequency, "amplitude": amplitude, "phase": phase_of(response)},
-        units=UNITS,
         notes=() if len(frequency) else (NOTE,),
     )
 
 
-def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
+def against(measured: Measured, truth: Measured) -> Pairs:
     """What is judged: name -> (value of the source, value of the truth).
 
     ``amplitude_error`` is the largest relative deviation from the true amplitude and
     ``phase_error`` the largest deviation of the phase, over the judged frequencies; unknown
     (``None``) if the source has not all of these.
     """
-    pairs: dict[str, tuple[float | None, float]] = {}
+    pairs: Pairs = {}
     count = int(truth.values["judged_frequencies"] or 0)
     if count:
         errors = _errors(_head(measured.series, count), _head(truth.series, count))

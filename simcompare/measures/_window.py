@@ -1,4 +1,4 @@
-"""Which samples of a recording are taken: those of a window of time, or evenly spaced ones."""
+"""Samples: those of a window of time, evenly spaced ones, and what two sources have apart there."""
 
 from __future__ import annotations
 
@@ -20,6 +20,17 @@ def samples(time_s: Array, options: Mapping[str, float]) -> slice:
     first = np.searchsorted(time_s, start_s - slack_s, side="left")
     behind = np.searchsorted(time_s, end_s + slack_s, side="right")
     return slice(int(first), int(behind))
+
+
+def same(times_s: Array, others_s: Array) -> bool:
+    """Whether two sources were sampled at the same times."""
+    alike = len(times_s) == len(others_s)
+    return alike and bool(np.allclose(times_s, others_s, rtol=1e-9, atol=1e-12))
+
+
+def largest(errors: Array) -> float | None:
+    """Largest error to either side; ``None`` where there is none at all."""
+    return float(np.abs(errors).max()) if len(errors) else None
 
 
 def evenly(samples: int, count: float) -> NDArray[np.intp]:

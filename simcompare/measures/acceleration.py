@@ -8,12 +8,9 @@ from simcompare.measures import Measured, Request, _window
 from simcompare.model.trajectory import Array, Trajectory
 
 #: a parabola has three coefficients; fewer samples than twice that are not smoothed
-FEWEST_SAMPLES = 6
+MIN_SAMPLES = 6
 
-SERIES: tuple[str, ...] = ()
-ROLES: tuple[str, ...] = ()
 OPTIONS = ("start_s", "end_s")
-AXES: dict[str, str] = {}
 UNITS = {"acceleration": "m/s²"}
 
 
@@ -30,9 +27,9 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         ``acceleration``, ``None`` where the window holds fewer than six samples.
     """
     inside = _window.samples(trajectory.time_s, request.options)
-    time_s, position = trajectory.time_s[inside], request.seen(trajectory)[inside]
-    found = _fit(time_s, position) if len(time_s) >= FEWEST_SAMPLES else None
-    return Measured(values={"acceleration": found}, series={}, units=UNITS)
+    time_s, position = trajectory.time_s[inside], request.observed(trajectory)[inside]
+    acceleration = _fit(time_s, position) if len(time_s) >= MIN_SAMPLES else None
+    return Measured(values={"acceleration": acceleration})
 
 
 def _fit(time_s: Array, position_m: Array) -> float:

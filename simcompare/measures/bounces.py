@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from simcompare.measures import Measured, Request
+from simcompare.measures import Measured, Pairs, Request
 from simcompare.measures._arcs import Arc, find
 from simcompare.model.trajectory import Array, Trajectory
 
@@ -20,9 +20,6 @@ REST_PART = 1e-3
 
 #: measured once per event; the rest once per run
 SERIES = ("impact_time", "impact_speed", "restitution", "rebound_height")
-ROLES: tuple[str, ...] = ()
-OPTIONS: tuple[str, ...] = ()
-AXES: dict[str, str] = {}
 UNITS = {
     "restitution": "1",
     "impact_time": "s",
@@ -49,7 +46,7 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         trajectory: the source.
         request: its probe sees the height of the lowest point above the floor.
     """
-    height = request.seen(trajectory)
+    height = request.observed(trajectory)
     arcs = find(trajectory.time_s, height)
     downs = [arc for arc in arcs if math.isfinite(arc.end_s)]
     bounces = list(itertools.pairwise(arcs))
@@ -82,12 +79,11 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
                 [after.apex_m for _, after in bounces if math.isfinite(after.apex_m)]
             ),
         },
-        units=UNITS,
         notes=notes,
     )
 
 
-def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
+def against(measured: Measured, truth: Measured) -> Pairs:
     """What is judged: name -> (value of the source, value of the truth).
 
     ``restitution`` is the mean over the bounces that both resolve, ``impact_time_error`` the
@@ -96,21 +92,21 @@ def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None
     """
     ours, theirs = measured.series["restitution"], truth.series["restitution"]
     both = min(len(ours), len(theirs))
-    found: dict[str, tuple[float | None, float]] = {}
+    pairs: Pairs = {}
     if both:
-        found["restitution"] = (float(ours[:both].mean()), float(theirs[:both].mean()))
+        pairs["restitution"] = (float(ours[:both].mean()), float(theirs[:both].mean()))
     times, true_times = measured.series["impact_time"], truth.series["impact_time"]
     timed = min(len(times), len(true_times), TIMED_IMPACTS)
     speeds = truth.series["impact_speed"][:TIMED_IMPACTS]
     if len(speeds):
         needed = int(np.count_nonzero(speeds >= SLOW_PART * speeds[0]))
         error = float(np.abs(times[:timed] - true_times[:timed]).max()) if timed >= needed else None
-        found["impact_time_error"] = (error, 0.0)
+        pairs["impact_time_error"] = (error, 0.0)
     for name in ("settling_time", "energy_gain", "penetration", "resolved_bounces"):
         true_value = truth.values[name]
         if true_value is not None:
-            found[name] = (measured.values[name], true_value)
-    return found
+            pairs[name] = (measured.values[name], true_value)
+    return pairs
 
 
 def _stays_down(time_s: Array, height_m: Array, fall: Arc) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare.measures import Measured, Request, _window
+from simcompare.measures import Measured, Pairs, Request, _window
 from simcompare.model.trajectory import Trajectory
 
 #: series along the path; the values that judge come only from a comparison
@@ -34,16 +34,15 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     Returns:
         ``path_length``, the sum of the distances between samples, and the points.
     """
-    x, y = request.seen(trajectory), request.seen(trajectory, "side")
+    x, y = request.observed(trajectory), request.observed(trajectory, "side")
     taken = _window.evenly(len(x), request.options["count"])
     return Measured(
         values={"path_length": float(np.hypot(np.diff(x), np.diff(y)).sum())},
         series={"path_time": trajectory.time_s[taken], "path_x": x[taken], "path_y": y[taken]},
-        units=UNITS,
     )
 
 
-def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
+def against(measured: Measured, truth: Measured) -> Pairs:
     """What is judged, where both were sampled at the same times.
 
     That is ``path_length`` beside the true one, and against 0: ``largest_error``, the largest
@@ -52,17 +51,15 @@ def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None
     """
     length = truth.values["path_length"]
     assert length is not None
-    ours, theirs = measured.series["path_time"], truth.series["path_time"]
-    found: dict[str, tuple[float | None, float]] = {
-        "path_length": (measured.values["path_length"], length)
-    }
-    if len(ours) != len(theirs) or not np.allclose(ours, theirs, rtol=1e-9, atol=1e-12):
-        return {**found, "end_error": (None, 0.0), "largest_error": (None, 0.0)}
+    pairs: Pairs = {"path_length": (measured.values["path_length"], length)}
+    if not _window.same(measured.series["path_time"], truth.series["path_time"]):
+        return {**pairs, "end_error": (None, 0.0), "largest_error": (None, 0.0)}
     apart = np.hypot(
         measured.series["path_x"] - truth.series["path_x"],
         measured.series["path_y"] - truth.series["path_y"],
     )
-    found |= {"end_error": (float(apart[-1]), 0.0), "largest_error": (float(apart.max()), 0.0)}
+    end = float(apart[-1])
+    pairs |= {"end_error": (end, 0.0), "largest_error": (float(apart.max()), 0.0)}
     if length > 0:
-        found["end_drift"] = (float(apart[-1]) / length, 0.0)
-    return found
+        pairs["end_drift"] = (end / length, 0.0)
+    return pairs

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.hardware.sensors import encoder
-from simcompare.measures import Measured, Request
+from simcompare.measures import Measured, Request, _window
 from simcompare.model.trajectory import Array, Trajectory
 
 SERIES = ("gate_time", "counted_speed", "mean_speed", "period_time", "timed_speed")
@@ -55,10 +55,10 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     """
     marks, tick_s = round(request.options["marks"]), request.options["tick_s"]
     edges = _gates(trajectory.time_s, request.options["gate_s"])
-    time_s, angle = trajectory.time_s[edges], request.seen(trajectory, "angle")
+    time_s, angle = trajectory.time_s[edges], request.observed(trajectory, "angle")
     gate_s = float(time_s[1] - time_s[0]) if len(edges) > 1 else request.options["gate_s"]
     mean = np.diff(angle[edges]) / gate_s
-    counted = encoder.counted_speeds(request.seen(trajectory)[edges], marks, gate_s)
+    counted = encoder.counted_speeds(request.observed(trajectory)[edges], marks, gate_s)
     middle = (time_s[1:] + time_s[:-1]) / 2
     timed_at, timed, exact = _timed(angle, trajectory.time_s, middle, (marks, tick_s))
     error = counted - mean
@@ -67,8 +67,8 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
             "gate_resolution": encoder.gate_resolution(marks, gate_s),
             "gate_uncertainty": encoder.gate_uncertainty(marks, gate_s),
             "counting_error": math.sqrt(float(np.mean(error**2))) if len(error) else None,
-            "largest_counting_error": _largest(error),
-            "largest_timing_error": _largest(timed - exact),
+            "largest_counting_error": _window.largest(error),
+            "largest_timing_error": _window.largest(timed - exact),
         },
         series={
             "gate_time": middle,
@@ -77,7 +77,6 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
             "period_time": timed_at,
             "timed_speed": timed,
         },
-        units=UNITS,
     )
 
 
@@ -104,9 +103,5 @@ def _timed(
         for t, first, second in zip(middle[inside], before, after, strict=True)
         if (speed := encoder.timed_speed((first, second), marks, tick_s)) is not None
     ]
-    found = np.array(rows, dtype=float).reshape(-1, 3)
-    return found[:, 0], found[:, 1], found[:, 2]
-
-
-def _largest(errors: Array) -> float | None:
-    return float(np.abs(errors).max()) if len(errors) else None
+    middle_s, timed, exact = np.array(rows, dtype=float).reshape(-1, 3).T
+    return middle_s, timed, exact

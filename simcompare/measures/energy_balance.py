@@ -9,7 +9,6 @@ from simcompare.model.trajectory import Array, Trajectory
 
 SIDES = ("left", "right")
 
-SERIES: tuple[str, ...] = ()
 ROLES = (
     *(f"{side}_{part}" for side in SIDES for part in ("distance", "angle", "torque")),
     "sliding_load",
@@ -24,7 +23,6 @@ OPTIONS = (
     "sliding_friction",
     "share",
 )
-AXES: dict[str, str] = {}
 UNITS = {"drive_work": "J", "kinetic_gain": "J", "dissipated": "J", "energy_imbalance": "1"}
 
 
@@ -48,15 +46,16 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         work that is found nowhere, ``None`` where there is no work or are too few samples.
     """
     options = request.options
-    body = request.seen(trajectory)
+    body = request.observed(trajectory)
     if len(body) < 4:
-        return Measured(values=dict.fromkeys(UNITS), series={}, units=UNITS)
+        return Measured(values=dict.fromkeys(UNITS))
     work = lost = 0.0
     kinetic = _kinetic(trajectory.time_s, body, options["body_mass_kg"])
     spinning_kg_m2 = options["wheel_inertia_kg_m2"] + options["armature_kg_m2"]
     for side in SIDES:
         angle, torque, distance = (
-            request.seen(trajectory, f"{side}_{part}") for part in ("angle", "torque", "distance")
+            request.observed(trajectory, f"{side}_{part}")
+            for part in ("angle", "torque", "distance")
         )
         work += options["share"] * _along(torque[1:-1], angle[1:-1])
         for coordinate, inertia in (
@@ -67,7 +66,7 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         lost += options["share"] * _along(damping, angle[1:-1])
         path = np.abs(np.diff(angle[1:-1])).sum()
         lost += options["share"] * options["axle_friction_N_m"] * float(path)
-    load = options["sliding_friction"] * request.seen(trajectory, "sliding_load")
+    load = options["sliding_friction"] * request.observed(trajectory, "sliding_load")
     lost += abs(_along(load[1:-1], body[1:-1]))
     gain = float(kinetic[-1] - kinetic[0])
     return Measured(
@@ -76,9 +75,7 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
             "kinetic_gain": gain,
             "dissipated": lost,
             "energy_imbalance": (work - gain - lost) / work if work else None,
-        },
-        series={},
-        units=UNITS,
+        }
     )
 
 

@@ -5,10 +5,6 @@ from __future__ import annotations
 from simcompare.measures import OF_PROBE, Measured, Request
 from simcompare.model.trajectory import Trajectory
 
-SERIES: tuple[str, ...] = ()
-ROLES: tuple[str, ...] = ()
-OPTIONS: tuple[str, ...] = ()
-AXES: dict[str, str] = {}
 UNITS = {"final": OF_PROBE}
 
 
@@ -19,5 +15,5 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         trajectory: the source.
         request: its probe sees the quantity.
     """
-    last = float(request.seen(trajectory)[-1])
-    return Measured(values={"final": last}, series={}, units=UNITS)
+    last = float(request.observed(trajectory)[-1])
+    return Measured(values={"final": last})

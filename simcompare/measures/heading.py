@@ -7,10 +7,6 @@ import numpy as np
 from simcompare.measures import Measured, Request
 from simcompare.model.trajectory import Array, Trajectory
 
-SERIES: tuple[str, ...] = ()
-ROLES: tuple[str, ...] = ()
-OPTIONS: tuple[str, ...] = ()
-AXES: dict[str, str] = {}
 UNITS = {"heading_drift": "rad", "heading_change": "rad"}
 
 
@@ -30,9 +26,7 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     return Measured(
         values={
             "heading_drift": float(np.abs(turned).max()), "heading_change": float(turned[-1])
-        },
-        series={},
-        units=UNITS,
+        }
     )  # fmt: skip
 
 

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from simcompare.measures import OF_PROBE, Measured, Request, _window
+from simcompare.measures import OF_PROBE, Measured, Pairs, Request, _window
 from simcompare.model.trajectory import Trajectory
 
 #: series over time; the value comes only from a comparison
 SERIES = ("time", "history")
-ROLES: tuple[str, ...] = ()
 OPTIONS = ("count",)
 AXES = {"history": "time"}
 UNITS = {"time": "s", "history": OF_PROBE, "history_error": OF_PROBE}
@@ -28,18 +25,16 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     taken = _window.evenly(len(trajectory.time_s), request.options["count"])
     return Measured(
         values={},
-        series={"time": trajectory.time_s[taken], "history": request.seen(trajectory)[taken]},
-        units=UNITS,
+        series={"time": trajectory.time_s[taken], "history": request.observed(trajectory)[taken]},
     )
 
 
-def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
+def against(measured: Measured, truth: Measured) -> Pairs:
     """What is judged: ``history_error``, the largest deviation from the truth at these samples.
 
     It is unknown (``None``) where the two were not sampled at the same times.
     """
-    ours, theirs = measured.series["time"], truth.series["time"]
-    if len(ours) != len(theirs) or not np.allclose(ours, theirs, rtol=1e-9, atol=1e-12):
+    if not _window.same(measured.series["time"], truth.series["time"]):
         return {"history_error": (None, 0.0)}
-    deviation = np.abs(measured.series["history"] - truth.series["history"])
-    return {"history_error": (float(deviation.max()), 0.0)}
+    errors = measured.series["history"] - truth.series["history"]
+    return {"history_error": (_window.largest(errors), 0.0)}

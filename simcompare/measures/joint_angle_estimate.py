@@ -61,19 +61,19 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         motion at which both sensors read g to within the gate. ``gated_error``: largest error at
         those.
     """
-    time_s, angle, options = trajectory.time_s, request.seen(trajectory), request.options
+    time_s, angle, options = trajectory.time_s, request.observed(trajectory), request.options
     first, second = (_components(trajectory, request, side) for side in ("first", "second"))
     estimate = angle_between(first, second)
     corrected = angle_between(
         *(
-            without_lever_arm(felt, request.seen(trajectory, f"{side}_rate"), time_s, lever_m)
+            without_lever_arm(felt, request.observed(trajectory, f"{side}_rate"), time_s, lever_m)
             for side, felt, lever_m in (
                 ("first", first, options["first_lever_m"]),
                 ("second", second, options["second_lever_m"]),
             )
         )
     )
-    error, rest = np.abs(_wrapped(estimate - angle)), np.abs(_wrapped(corrected - angle))
+    error, rest = _wrapped(estimate - angle), _wrapped(corrected - angle)
     still = time_s <= options["still_until_s"] * (1 + 1e-9)
     moving = time_s > options["moving_from_s"] * (1 + 1e-9)
     moving[-EDGE:] = False
@@ -82,10 +82,10 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     taken = _window.evenly(len(time_s), options["count"])
     return Measured(
         values={
-            "static_error": _largest(error[still]),
-            "moving_error": _largest(error[moving]),
-            "corrected_error": _largest(rest[moving]),
-            "gated_error": _largest(error[moving & valid]),
+            "static_error": _window.largest(error[still]),
+            "moving_error": _window.largest(error[moving]),
+            "corrected_error": _window.largest(rest[moving]),
+            "gated_error": _window.largest(error[moving & valid]),
             "valid_fraction": float(valid[moving].mean()) if moving.any() else None,
         },
         series={
@@ -94,7 +94,6 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
             "corrected": corrected[taken],
             "true_angle": angle[taken],
         },
-        units=UNITS,
     )
 
 
@@ -116,12 +115,8 @@ def without_lever_arm(felt: _Plane, rate: Array, time_s: Array, lever_m: float) 
 
 
 def _components(trajectory: Trajectory, request: Request, side: str) -> _Plane:
-    return request.seen(trajectory, f"{side}_x"), request.seen(trajectory, f"{side}_z")
+    return request.observed(trajectory, f"{side}_x"), request.observed(trajectory, f"{side}_z")
 
 
 def _wrapped(angle: Array) -> Array:
     return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi, dtype=float)
-
-
-def _largest(errors: Array) -> float | None:
-    return float(errors.max()) if len(errors) else None

@@ -5,10 +5,7 @@ from __future__ import annotations
 from simcompare.measures import OF_PROBE, Measured, Request, _window
 from simcompare.model.trajectory import Trajectory
 
-SERIES: tuple[str, ...] = ()
-ROLES: tuple[str, ...] = ()
 OPTIONS = ("start_s", "end_s")
-AXES: dict[str, str] = {}
 UNITS = {"mean": OF_PROBE}
 
 
@@ -22,6 +19,6 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     Returns:
         ``mean``, ``None`` where the window holds no sample.
     """
-    inside = request.seen(trajectory)[_window.samples(trajectory.time_s, request.options)]
+    inside = request.observed(trajectory)[_window.samples(trajectory.time_s, request.options)]
     mean = float(inside.mean()) if len(inside) else None
-    return Measured(values={"mean": mean}, series={}, units=UNITS)
+    return Measured(values={"mean": mean})

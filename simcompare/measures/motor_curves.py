@@ -66,11 +66,11 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         ``heat`` and ``temperature_rise`` over the whole record, from V·i - τ·ω.
     """
     options, time_s = request.options, trajectory.time_s
-    speed = rate_of(request.seen(trajectory, "angle"), time_s)
-    torque = request.seen(trajectory) * options["lever_m"]
+    speed = rate_of(request.observed(trajectory, "angle"), time_s)
+    torque = request.observed(trajectory) * options["lever_m"]
     torque = torque + options["inertia_kg_m2"] * rate_of(speed, time_s)
-    current = request.seen(trajectory, "current")
-    voltage = request.seen(trajectory, "voltage")
+    current = request.observed(trajectory, "current")
+    voltage = request.observed(trajectory, "voltage")
     points = _section_means(
         np.array((torque, speed, current, voltage)),
         time_s, (options["start_s"], options["end_s"]), round(options["count"]),
@@ -85,7 +85,6 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
             "temperature_rise": float(warm[-1] - warm[0]),
         },
         series=_curves(*points),
-        units=UNITS,
     )
 
 

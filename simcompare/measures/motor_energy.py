@@ -7,10 +7,8 @@ import numpy as np
 from simcompare.measures import Measured, Request
 from simcompare.model.trajectory import Trajectory
 
-SERIES: tuple[str, ...] = ()
 ROLES = ("voltage", "torque", "angle")
 OPTIONS = ("resistance_Ohm", "efficiency")
-AXES: dict[str, str] = {}
 UNITS = {
     "electrical_energy": "J",
     "copper_loss": "J",
@@ -35,12 +33,12 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         The four energies over the whole run, and ``motor_imbalance``: the part of the first that is
         missing in the others, ``None`` where there is none.
     """
-    time_s, current = trajectory.time_s, request.seen(trajectory)
-    voltage, torque, angle = (request.seen(trajectory, role) for role in ROLES)
+    time_s, current = trajectory.time_s, request.observed(trajectory)
+    voltage, torque, angle = (request.observed(trajectory, role) for role in ROLES)
     electrical = float(np.trapezoid(voltage * current, time_s))
     copper = request.options["resistance_Ohm"] * float(np.trapezoid(current**2, time_s))
     shaft = float(np.trapezoid(torque, angle))
     gear = (1 / request.options["efficiency"] - 1) * shaft
     imbalance = (electrical - copper - gear - shaft) / electrical if electrical else None
     values = (electrical, copper, gear, shaft, imbalance)
-    return Measured(values=dict(zip(UNITS, values, strict=True)), series={}, units=UNITS)
+    return Measured(values=dict(zip(UNITS, values, strict=True)))

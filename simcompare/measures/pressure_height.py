@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from simcompare.engine.sensing import LAPSE_K_M, PRESSURE_EXPONENT, SEA_LEVEL_K, SEA_LEVEL_PA
-from simcompare.measures import Measured, Request, _window, side_by_side
+from simcompare.measures import Measured, Pairs, Request, _window, side_by_side
 from simcompare.model.trajectory import Array, Trajectory
 
 SERIES = ("height_time", "told_height", "true_height")
@@ -32,7 +32,7 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     Returns:
         ``climb`` and, at these samples, ``height_time``, ``told_height`` and ``true_height``.
     """
-    pressure = request.seen(trajectory)
+    pressure = request.observed(trajectory)
     taken = _window.evenly(len(pressure), request.options["count"])
     told = height_of(pressure)
     return Measured(
@@ -40,25 +40,21 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         series={
             "height_time": trajectory.time_s[taken],
             "told_height": told[taken],
-            "true_height": request.seen(trajectory, "height")[taken],
+            "true_height": request.observed(trajectory, "height")[taken],
         },
-        units=UNITS,
     )
 
 
-def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
+def against(measured: Measured, truth: Measured) -> Pairs:
     """What is judged: the climb, and ``height_error``.
 
     That is the largest deviation of the height that the source tells from the height where the
     truth is at the same time; unknown (``None``) where the two have other times.
     """
-    found = side_by_side(measured, truth)
-    ours, theirs = measured.series["height_time"], truth.series["height_time"]
     error = None
-    if len(ours) == len(theirs) and np.allclose(ours, theirs, rtol=1e-9, atol=1e-12):
-        deviation = np.abs(measured.series["told_height"] - truth.series["true_height"])
-        error = float(deviation.max())
-    return {**found, "height_error": (error, 0.0)}
+    if _window.same(measured.series["height_time"], truth.series["height_time"]):
+        error = _window.largest(measured.series["told_height"] - truth.series["true_height"])
+    return {**side_by_side(measured, truth), "height_error": (error, 0.0)}
 
 
 def height_of(pressure_Pa: Array) -> Array:

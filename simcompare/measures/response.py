@@ -10,7 +10,7 @@ from simcompare.measures import Measured, Request, _transfer
 from simcompare.model.trajectory import Array, Trajectory
 
 #: samples in the shortest period that is looked for
-LEAST_SAMPLES = 4
+MIN_SAMPLES = 4
 
 SERIES = _transfer.SERIES
 AXES = _transfer.AXES
@@ -45,13 +45,13 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     options = request.options
     time_s, probe, base = (
         trajectory.time_s,
-        request.seen(trajectory),
-        request.seen(trajectory, "base"),
+        request.observed(trajectory),
+        request.observed(trajectory, "base"),
     )
     frequencies, ratios = [], []
     for k in range(round(options["dwells"])):
         start_s = k * options["dwell_s"]
-        inside = _window(time_s, start_s + options["settle_s"], start_s + options["dwell_s"])
+        inside = _dwell(time_s, start_s + options["settle_s"], start_s + options["dwell_s"])
         found = _demodulated(
             time_s[inside] - start_s, base[inside], probe[inside], options["dwell_s"]
         )
@@ -65,7 +65,7 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     )
 
 
-def _window(time_s: Array, start_s: float, end_s: float) -> slice:
+def _dwell(time_s: Array, start_s: float, end_s: float) -> slice:
     """Samples from ``start_s`` to before ``end_s``, whatever rounding does to their times."""
     slack_s = 1e-6 * (end_s - start_s)
     first, last = np.searchsorted(time_s, (start_s - slack_s, end_s - slack_s))
@@ -76,10 +76,10 @@ def _demodulated(
     time_s: Array, base: Array, probe: Array, dwell_s: float
 ) -> tuple[float, complex] | None:
     """Frequency [Hz] and probe over the base's acceleration; ``None`` if the base is still."""
-    if len(time_s) < 2 * LEAST_SAMPLES or _transfer.still(base):
+    if len(time_s) < 2 * MIN_SAMPLES or _transfer.still(base):
         return None
     step_s = (time_s[-1] - time_s[0]) / (len(time_s) - 1)
-    most = math.floor(dwell_s / (LEAST_SAMPLES * step_s))
+    most = math.floor(dwell_s / (MIN_SAMPLES * step_s))
     left = [_fitted(time_s, base, periods / dwell_s)[1] for periods in range(1, most + 1)]
     frequency = (int(np.argmin(left)) + 1) / dwell_s
     moved, _ = _fitted(time_s, base, frequency)

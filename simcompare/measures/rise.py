@@ -8,19 +8,16 @@ from simcompare.measures import Measured, Request, _window
 from simcompare.model.trajectory import Array, Trajectory
 
 #: four unknowns; fewer samples than twice that are not smoothed
-FEWEST_SAMPLES = 8
+MIN_SAMPLES = 8
 #: time constants that are tried first, as parts of the window: shorter ones are not resolved, and
 #: longer ones cannot be told from a constant acceleration
 SHORTEST, LONGEST, TRIED = 1e-3, 1e2, 120
 #: Gauss-Newton has converged when the time constant changes by less than this part of itself
-CONVERGED, MOST_ROUNDS = 1e-9, 50
+CONVERGED, MAX_ROUNDS = 1e-9, 50
 #: positions that are straight up to this part of themselves do not rise any more
 STRAIGHT = 1e-9
 
-SERIES: tuple[str, ...] = ()
-ROLES: tuple[str, ...] = ()
 OPTIONS = ("start_s", "end_s")
-AXES: dict[str, str] = {}
 UNITS = {"terminal_speed": "m/s", "time_constant": "s"}
 
 
@@ -38,9 +35,9 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         ``terminal_speed`` and ``time_constant``, ``None`` where positions do not rise like that.
     """
     inside = _window.samples(trajectory.time_s, request.options)
-    time_s, position = trajectory.time_s[inside], request.seen(trajectory)[inside]
-    found = _fit(time_s, position) if len(time_s) >= FEWEST_SAMPLES else (None, None)
-    return Measured(values=dict(zip(UNITS, found, strict=True)), series={}, units=UNITS)
+    time_s, position = trajectory.time_s[inside], request.observed(trajectory)[inside]
+    values = _fit(time_s, position) if len(time_s) >= MIN_SAMPLES else (None, None)
+    return Measured(values=dict(zip(UNITS, values, strict=True)))
 
 
 def _fit(time_s: Array, position_m: Array) -> tuple[float, float] | tuple[None, None]:
@@ -48,14 +45,14 @@ def _fit(time_s: Array, position_m: Array) -> tuple[float, float] | tuple[None, 
     span_s = float(time_s[-1] - time_s[0])
     scaled, moved = (time_s - time_s[0]) / span_s, position_m - position_m[0]
     tried = np.geomspace(SHORTEST, LONGEST, TRIED)
-    left_over = [float(np.sum(_solve(_shapes(scaled, tau), moved)[1] ** 2)) for tau in tried]
-    best = int(np.argmin(left_over))
+    residuals = [float(np.sum(_solve(_shapes(scaled, tau), moved)[1] ** 2)) for tau in tried]
+    best = int(np.argmin(residuals))
     straight = _solve(_shapes(scaled, 1.0)[:, :2], moved)[1]
     bends = np.abs(straight).max() > STRAIGHT * np.abs(moved).max()
     if best in (0, TRIED - 1) or not bends:
         return None, None
     tau = float(tried[best])
-    for _ in range(MOST_ROUNDS):
+    for _ in range(MAX_ROUNDS):
         shapes = _shapes(scaled, tau)
         (_, speed, amount), residual = _solve(shapes, moved)
         # how the curve changes with τ; c₀, v∞ and c₁ may change with it

@@ -5,10 +5,8 @@ from __future__ import annotations
 from simcompare.measures import Measured, Request, _window
 from simcompare.model.trajectory import Trajectory
 
-SERIES: tuple[str, ...] = ()
 ROLES = ("angle",)
 OPTIONS = ("radius_m", "start_s", "end_s")
-AXES: dict[str, str] = {}
 UNITS = {"slip": "1"}
 
 
@@ -26,8 +24,8 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         ``slip``, ``None`` where the window is empty or the wheel does not turn in it.
     """
     inside = _window.samples(trajectory.time_s, request.options)
-    position = request.seen(trajectory)[inside]
-    rolled = request.options["radius_m"] * request.seen(trajectory, "angle")[inside]
+    position = request.observed(trajectory)[inside]
+    rolled = request.options["radius_m"] * request.observed(trajectory, "angle")[inside]
     turned = float(rolled[-1] - rolled[0]) if len(rolled) else 0.0
     slip = 1 - float(position[-1] - position[0]) / turned if turned else None
-    return Measured(values={"slip": slip}, series={}, units=UNITS)
+    return Measured(values={"slip": slip})

@@ -44,8 +44,8 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     options = request.options
     time_s, probe, base = (
         trajectory.time_s,
-        request.seen(trajectory),
-        request.seen(trajectory, "base"),
+        request.observed(trajectory),
+        request.observed(trajectory, "base"),
     )
     if _transfer.still(base):
         return _transfer.found(np.empty(0), np.empty(0, complex), options["judged_up_to_Hz"])

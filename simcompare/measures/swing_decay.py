@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 
-from simcompare.measures import OF_PROBE, Measured, Request, _swings
-from simcompare.model.trajectory import Trajectory
+from simcompare.measures import OF_PROBE, Measured, Pairs, Request, _swings
+from simcompare.model.trajectory import Array, Trajectory
 
 SERIES = ("turn_time", "amplitude", "amplitude_loss_each", "mean_amplitude")
-ROLES: tuple[str, ...] = ()
 OPTIONS = ("level", "band")
 AXES = {"amplitude": "turn_time", "amplitude_loss_each": "mean_amplitude"}
 UNITS = {
@@ -40,48 +39,38 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         logarithm of the ratio of amplitudes, and ``amplitude_loss``, both from the first and the
         last pair of turning points; ``None`` where there are fewer than four.
     """
-    found = _swings.find(
-        trajectory.time_s,
-        request.seen(trajectory),
-        request.options["level"],
-        request.options["band"],
-    )
-    amplitude = found.amplitude
-    values: dict[str, float | None] = {"log_decrement": None, "amplitude_loss": None}
-    if len(amplitude) >= 4:
-        # the mean of both sides, so that a level that is a little off does not count
-        first, last = float(amplitude[:2].mean()), float(amplitude[-2:].mean())
-        swings = (len(amplitude) - 2) / 2
-        values = {
-            "log_decrement": math.log(first / last) / swings,
-            "amplitude_loss": (first - last) / swings,
-        }
+    swings = _swings.of(trajectory, request)
+    amplitude = swings.amplitude
     return Measured(
-        values=values,
+        values=_losses(amplitude),
         series={
-            "turn_time": found.turn_s,
+            "turn_time": swings.turn_s,
             "amplitude": amplitude,
             "amplitude_loss_each": amplitude[:-2] - amplitude[2:],
             "mean_amplitude": (amplitude[:-2] + amplitude[2:]) / 2,
         },
-        units=UNITS,
         notes=() if len(amplitude) >= 4 else ("makes too few swings to tell their decay",),
     )
 
 
-def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
+def against(measured: Measured, truth: Measured) -> Pairs:
     """What is judged: both losses of a swing, over the turning points that both have in common."""
     ours, theirs = measured.series["amplitude"], truth.series["amplitude"]
     common = min(len(ours), len(theirs))
     if truth.values["log_decrement"] is None:
         return {}
-    if common < 4:
-        return {name: (None, float(truth.values[name] or 0.0)) for name in truth.values}
-    found: dict[str, tuple[float | None, float]] = {}
-    swings = (common - 2) / 2
-    pairs = [(float(a[:2].mean()), float(a[common - 2 : common].mean())) for a in (ours, theirs)]
-    decrements = [math.log(first / last) / swings for first, last in pairs]
-    losses = [(first - last) / swings for first, last in pairs]
-    found["log_decrement"] = (decrements[0], decrements[1])
-    found["amplitude_loss"] = (losses[0], losses[1])
-    return found
+    losses, true = _losses(ours[:common]), truth.values if common < 4 else _losses(theirs[:common])
+    return {name: (losses[name], float(true[name] or 0.0)) for name in losses}
+
+
+def _losses(amplitude: Array) -> dict[str, float | None]:
+    """What a full swing takes off, from the first and the last two turning points."""
+    if len(amplitude) < 4:
+        return {"log_decrement": None, "amplitude_loss": None}
+    # the mean of both sides, so that a level that is a little off does not count
+    first, last = float(amplitude[:2].mean()), float(amplitude[-2:].mean())
+    swings = (len(amplitude) - 2) / 2
+    return {
+        "log_decrement": math.log(first / last) / swings,
+        "amplitude_loss": (first - last) / swings,
+    }

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare.measures import Measured, Request, _swings
+from simcompare.measures import Measured, Pairs, Request, _swings
 from simcompare.model.trajectory import Trajectory
 
 SERIES = ("swing_time", "period", "small_period", "swing_amplitude")
-ROLES: tuple[str, ...] = ()
 OPTIONS = ("level", "band")
 AXES = {"period": "swing_time", "small_period": "swing_time", "swing_amplitude": "swing_time"}
 UNITS = {
@@ -43,21 +42,15 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         ``mean_period``, ``small_angle_period``, ``period_scatter`` (standard deviation of
         ``small_period``); ``None`` where there is no full swing, or fewer than two.
     """
-    found = _swings.find(
-        trajectory.time_s,
-        request.seen(trajectory),
-        request.options["level"],
-        request.options["band"],
-    )
-    if found.full == 0:
+    swings = _swings.of(trajectory, request)
+    if swings.full == 0:
         return Measured(
             values=dict.fromkeys(("mean_period", "small_angle_period", "period_scatter")),
             series={name: np.array([]) for name in SERIES},
-            units=UNITS,
             notes=("makes no full swing",),
         )
-    period = found.passage_s[2:] - found.passage_s[:-2]
-    longer = _swings.lengthening(found.amplitude)
+    period = swings.passage_s[2:] - swings.passage_s[:-2]
+    longer = _swings.lengthening(swings.amplitude)
     small = period / ((longer[:-1] + longer[1:]) / 2)
     # two swings that overlap by half tell little more than one
     scatter = float(small.std(ddof=1) / np.sqrt(len(small) / 2)) if len(small) > 2 else np.nan
@@ -71,25 +64,24 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
             else None,
         },
         series={
-            "swing_time": found.passage_s[:-2],
+            "swing_time": swings.passage_s[:-2],
             "period": period,
             "small_period": small,
-            "swing_amplitude": (found.amplitude[:-1] + found.amplitude[1:]) / 2,
+            "swing_amplitude": (swings.amplitude[:-1] + swings.amplitude[1:]) / 2,
         },
-        units=UNITS,
     )
 
 
-def against(measured: Measured, truth: Measured) -> dict[str, tuple[float | None, float]]:
+def against(measured: Measured, truth: Measured) -> Pairs:
     """What is judged: both mean periods, over the swings that source and truth have in common."""
     common = min(len(measured.series["period"]), len(truth.series["period"]))
-    found: dict[str, tuple[float | None, float]] = {}
+    pairs: Pairs = {}
     for name, series in (("mean_period", "period"), ("small_angle_period", "small_period")):
         if truth.values[name] is None:
             continue
         if common == 0 or measured.values[name] is None:
-            found[name] = (None, float(truth.values[name] or 0.0))
+            pairs[name] = (None, float(truth.values[name] or 0.0))
             continue
         ours, theirs = measured.series[series][:common], truth.series[series][:common]
-        found[name] = (float(ours.mean()), float(theirs.mean()))
-    return found
+        pairs[name] = (float(ours.mean()), float(theirs.mean()))
+    return pairs

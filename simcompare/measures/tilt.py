@@ -7,10 +7,7 @@ import math
 from simcompare.measures import Measured, Request
 from simcompare.model.trajectory import Trajectory
 
-SERIES: tuple[str, ...] = ()
 ROLES = ("left", "up")
-OPTIONS: tuple[str, ...] = ()
-AXES: dict[str, str] = {}
 UNITS = {"pitch": "rad", "roll": "rad"}
 
 
@@ -29,14 +26,12 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     Returns:
         ``pitch`` and ``roll``; ``None`` where there is no reading at all.
     """
-    forward = float(request.seen(trajectory).mean())
-    left, up = (float(request.seen(trajectory, role).mean()) for role in ROLES)
+    forward = float(request.observed(trajectory).mean())
+    left, up = (float(request.observed(trajectory, role).mean()) for role in ROLES)
     seen = math.hypot(forward, left, up) > 0
     return Measured(
         values={
             "pitch": math.atan2(-forward, math.hypot(left, up)) if seen else None,
             "roll": math.atan2(left, up) if seen else None,
-        },
-        series={},
-        units=UNITS,
+        }
     )

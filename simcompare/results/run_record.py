@@ -137,7 +137,7 @@ def _axes(scenario: Scenario) -> dict[str, str]:
     """Series that are drawn over another one instead of over the event's number."""
     found = {}
     for measure in scenario.measures:
-        for name, axis in measures.load(measure.function).AXES.items():
+        for name, axis in measures.load(measure.function).axes.items():
             found[measure.names.get(name, name)] = measure.names.get(axis, axis)
     return found
 

@@ -191,7 +191,7 @@ def _measured_units(scenario: Scenario) -> dict[str, str]:
     found: dict[str, str] = {}
     for measure in scenario.measures:
         units = measures.units_of(measure, scenario)
-        for name in measures.load(measure.function).SERIES:
+        for name in measures.load(measure.function).series:
             found[measure.names.get(name, name)] = units[name]
     return found
 
