@@ -1,9 +1,26 @@
 """The answer of a validation in plain words."""
 
+from dataclasses import replace
+
 import pytest
 
+from simcompare.alignment.clock_line import Alignment
+from simcompare.model.recording import Repair
 from simcompare.reports.validation import answer
-from tests.told import fit, gap, held_out, record, stretches, text, value, waveform
+from simcompare.results.records.validation import HELD_OUT, SAME, SpreadRecord
+from tests.validations import (
+    LOG,
+    compared,
+    fit,
+    gap,
+    held_out,
+    parameter,
+    record,
+    segment,
+    text,
+    value,
+    waveform,
+)
 
 
 def test_parameters_that_were_known_before():
@@ -44,7 +61,7 @@ def test_parameters_that_were_fitted_elsewhere():
 
 def test_parameters_that_were_fitted_to_what_is_judged():
     found = record(
-        basis=answer.SAME, fit=fit(["log"]), waveforms=[waveform(), waveform("fitted", rmse=0.01)],
+        basis=SAME, fit=fit(["log"]), waveforms=[waveform(), waveform("fitted", rmse=0.01)],
         gaps=[gap(0.75, 0.2)],
     )  # fmt: skip
     told = answer.sentences(found)
@@ -69,7 +86,7 @@ def test_nothing_is_ever_called_validated(make):
 
 def test_parameters_that_do_not_carry_over():
     found = record(
-        basis=answer.HELD_OUT, fit=fit(), gaps=[gap(-0.06, 1.05)],
+        basis=HELD_OUT, fit=fit(), gaps=[gap(-0.06, 1.05)],
         waveforms=[waveform(), waveform("fitted")],
     )  # fmt: skip
     assert (
@@ -80,22 +97,21 @@ def test_parameters_that_do_not_carry_over():
 
 
 def test_uncertain_parameters_take_the_blame_from_the_model():
-    blamed = record(fit=fit(), basis=answer.HELD_OUT, gaps=[gap(0.1, 0.8, covered=0.5)],
+    blamed = record(fit=fit(), basis=HELD_OUT, gaps=[gap(0.1, 0.8, covered=0.5)],
                     waveforms=[waveform(), waveform("fitted")])  # fmt: skip
     assert "covers 50 % of the samples; the others differ by more than that" in text(blamed)
     assert "it may lie in the equations" in text(blamed)
     assert "Next: a better model" in text(blamed)
-    spared = {**blamed, "gaps": [gap(0.1, 0.8, covered=1.0)]}
+    spared = replace(blamed, gaps=[gap(0.1, 0.8, covered=1.0)])
     assert "it may explain the gap without any fault of the model" in text(spared)
     assert "it may lie in the equations" not in text(spared)
     assert "Next: measure the parameters better" in text(spared)
 
 
 def test_a_better_model_is_not_asked_for_where_a_start_that_was_read_off_dominates():
-    rows = [{"name": "start_rad", "kind": "read off", "fitted": None}]
     found = held_out(values=[value(budget={"start_rad": 0.9})])
     assert "Next: a better model" in text(found)
-    found["parameters"] = found["parameters"] + rows
+    found = replace(found, parameters=[*found.parameters, parameter("start_rad", "read off")])
     assert "Next: measure the start better, apart from this recording" in text(found)
     assert "better model" not in text(found)
 
@@ -109,9 +125,7 @@ def test_a_better_model_is_not_asked_for_where_a_start_that_was_read_off_dominat
     ],
 )
 def test_a_better_model_is_not_asked_for_where_parameters_cannot_be_told_apart(r, rms, advice):
-    cases = [{"stream": "vad.0", "probes": {"angle_rad": {"u": 0.001}}}]
-    found = held_out() | {"fit": fit(rms=rms, correlation=[[1.0, r], [r, 1.0]]), "cases": cases}
-    found["waveforms"] = [row | {"n": 100} for row in found["waveforms"]]
+    found = held_out(fit=fit(rms=rms, r=r), cases=[segment("vad.0", u=0.001)])
     assert f"Next: {advice}" in text(found)
     told = "The fit cannot tell apart (correlation): length and damping (−0.9999)."
     assert (told in text(found)) == (r < 0)
@@ -128,23 +142,23 @@ def test_the_engines_own_error_is_told_beside_the_gap(numerical, words):
     rows = [gap(0.0, 0.9, name, numerical=numerical) for name in ("north", "south")]
     found = record(gaps=rows, waveforms=[waveform(), waveform(source="south")])
     assert f"The numerical error of each engine {words}" in text(found)
-    assert "Its numerical error" in text({**found, "gaps": rows[:1]})
-    assert "numerical error of" not in text(record(gaps=[gap(numerical=None)]))
+    assert "Its numerical error" in text(replace(found, gaps=rows[:1]))
+    assert "numerical error of" not in text(record(gaps=[gap(numerical=0.0)]))
 
 
 def test_the_engines_agreement_is_told_from_their_spread_alone():
     rows = [waveform(), waveform(source="south")]
     found = record(waveforms=rows)
     assert "each other" not in text(found)
-    spread = {"stream": "log", "probe": "angle_rad", "rms": 0.001, "engines": ["north", "south"]}
+    spread = SpreadRecord("log", "angle_rad", ("north", "south"), 0.001)
     assert (
         "The engines' spread about their own mean is 5 % of that: they agree far better with each"
-        " other than with reality." in text(found | {"spread": [spread]})
+        " other than with reality." in text(replace(found, spread=[spread]))
     )
-    wide = text(found | {"spread": [spread | {"rms": 0.01}]})
+    wide = text(replace(found, spread=[replace(spread, rms=0.01)]))
     assert "about their own mean is 50 % of that." in wide
     assert "each other" not in wide
-    assert "same numbers" in text(found | {"spread": [spread | {"rms": 0.0}]})
+    assert "same numbers" in text(replace(found, spread=[replace(spread, rms=0.0)]))
 
 
 @pytest.mark.parametrize(
@@ -159,7 +173,7 @@ def test_the_largest_part_of_what_is_left_is_what_to_do_next(row, advice):
 
 
 def test_a_fit_that_ended_at_a_bound_is_told():
-    found = held_out() | {"fit": fit(at_bound=["length_m"])}
+    found = held_out(fit=fit(at_bound=["length_m"]))
     assert "Next: ask why the fit pushed the length to its bound" in text(found)
 
 
@@ -173,7 +187,7 @@ def test_both_scores_are_told_where_clocks_were_aligned():
 
 def test_every_judged_quantity_has_its_own_sentence():
     other = waveform(probe="rate", rmse=0.3)
-    compare = {"angle_rad": {"label": "Angle"}, "rate": {"label": "DC voltage"}}
+    compare = {"angle_rad": compared("Angle"), "rate": compared("DC voltage")}
     found = text(record(waveforms=[waveform(), other], compare=compare))
     assert "the simulated angle is 2 %" in found
     assert "the simulated DC voltage is 30 %" in found
@@ -184,38 +198,40 @@ def test_a_measurement_that_does_not_vary_has_no_range():
 
 
 def test_defects_of_the_log_are_told():
-    repairs = [
-        {"rule": "counter_wrap", "severity": "repair"},
-        {"rule": "time_gaps", "severity": "warning"},
-        {"rule": "harmless", "severity": "info"},
-    ]
-    found = text(record(provenance={"repairs": repairs}))
+    repairs = (
+        Repair("counter_wrap", "repair", ""),
+        Repair("time_gaps", "warning", ""),
+        Repair("harmless", "info", ""),
+    )
+    found = text(record(provenance=replace(LOG, repairs=repairs)))
     assert "(repaired: counter wrap; left and marked: time gaps)" in found
     assert "harmless" not in found
 
 
 def test_an_ambiguous_alignment_is_told_first():
-    found = record(alignments=[{"ambiguous": True}])
+    sure = Alignment(0.0, 0.0, 0.0, 0.0, "events")
+    unsure = replace(sure, ambiguous=True)
+    found = record(alignments=[unsure])
     assert answer.sentences(found)[0].startswith("The clocks are not aligned with certainty:")
-    assert "with certainty" not in text(record(alignments=[{"ambiguous": False}]))
+    assert "with certainty" not in text(record(alignments=[sure]))
     assert "with certainty" not in text(record(alignments=[None]))
-    two = record(cases=stretches("a", "b"), alignments=[None, {"ambiguous": True}])
+    two = record(cases=[segment("a"), segment("b")], alignments=[None, unsure])
     assert "with certainty (b):" in text(two)
 
 
 def test_a_window_that_was_cut_is_told():
-    short = {"stream": "b", "short": True, "duration_s": 4.25}
+    short = segment("b", short=True, duration_s=4.25)
     assert "The log ends before the window that was asked for: only 4.25 s are judged." in (
         text(record(cases=[short]))
     )
-    assert "only 4.25 s of b are judged" in text(record(cases=[*stretches("a"), short]))
+    assert "only 4.25 s of b are judged" in text(record(cases=[segment("a"), short]))
     assert "asked for" not in text(record())
 
 
 def test_what_was_read_off_the_recording_is_not_called_known():
     rows = [("start_rad", "read off"), ("length_m", "known"), ("mass_kg", "scenario"),
             ("duration_s", "scenario"), ("damping_N_m_s_rad", "given")]  # fmt: skip
-    found = record(parameters=[{"name": n, "kind": k, "fitted": None} for n, k in rows])
+    found = record(parameters=[parameter(*row) for row in rows])
     assert (
         "The start was read off the recording that is judged, at the start of it. The damping was"
         " given by the user. The length was known before the measurement was looked at. One"
@@ -225,14 +241,13 @@ def test_what_was_read_off_the_recording_is_not_called_known():
 
 
 def test_a_fit_chosen_with_the_judged_pieces_in_sight_is_no_prediction():
-    found = held_out()
-    found["fit"] = fit(chosen_knowing=True)
+    found = held_out(fit=fit(chosen_knowing=True))
     assert "chosen knowing the judged ones, so this is weaker than a prediction" in text(found)
     assert "is a prediction" not in text(found)
 
 
 def test_a_signal_of_nothing_but_noise_has_no_share_of_its_range():
-    cases = [{"stream": "log", "probes": {"angle_rad": {"u": 0.01}}}]
+    cases = [segment(u=0.01)]
     still = waveform(rmse=0.02, nrmse=0.3, n=500)
     assert "is 0.02 rad off" in text(record(waveforms=[still], cases=cases))
     moving = waveform(rmse=0.02, nrmse=0.02, n=500)
@@ -250,7 +265,7 @@ def test_engines_that_are_equally_far_off_are_told_as_all():
 def test_many_quantities_are_told_in_one_sentence():
     probes = {"a": "Rate a", "b": "Rate b", "c": "Rate c"}
     found = record(
-        compare={probe: {"label": label} for probe, label in probes.items()},
+        compare={probe: compared(label) for probe, label in probes.items()},
         waveforms=[waveform(probe=p, rmse=0.01 * i) for i, p in enumerate(probes, start=1)],
         gaps=[gap(model_form=0.1 * i, probe=p) for i, p in enumerate(probes, start=1)],
     )

@@ -2,8 +2,10 @@
 
 import pytest
 
+from simcompare.inference.plan import ClockPlan
 from simcompare.reports.validation import answer
-from tests.told import gap, record, stretches, text, timing, value
+from simcompare.results.records.validation import HELD_OUT, KNOWN, SAME
+from tests.validations import gap, record, segment, text, timing, value
 
 
 def test_a_value_without_uncertainty_is_not_judged():
@@ -12,7 +14,7 @@ def test_a_value_without_uncertainty_is_not_judged():
         "No single value can be judged, because a part of its uncertainty is not known."
         in answer.sentences(found)
     )
-    assert answer.verdict(value(None), answer.KNOWN) == "not judged: u unknown"
+    assert answer.verdict(value(None), KNOWN) == "not judged: u unknown"
 
 
 def test_a_recording_that_shows_no_single_value():
@@ -24,11 +26,11 @@ def test_a_recording_that_shows_no_single_value():
 @pytest.mark.parametrize(
     ("e_n", "basis", "words"),
     [
-        (0.9, answer.KNOWN, "within the noise level"),
-        (-0.9, answer.HELD_OUT, "within the noise level"),
-        (0.9, answer.SAME, "within the noise level (same data)"),
-        (1.1, answer.SAME, "beyond the uncertainties"),
-        (-1.1, answer.KNOWN, "beyond the uncertainties"),
+        (0.9, KNOWN, "within the noise level"),
+        (-0.9, HELD_OUT, "within the noise level"),
+        (0.9, SAME, "within the noise level (same data)"),
+        (1.1, SAME, "beyond the uncertainties"),
+        (-1.1, KNOWN, "beyond the uncertainties"),
     ],
 )
 def test_the_words_for_a_value(e_n, basis, words):
@@ -37,7 +39,9 @@ def test_the_words_for_a_value(e_n, basis, words):
 
 def test_the_furthest_value_is_named():
     far = value(-4.44, stream="vad.1", measure="log_decrement")
-    found = record(values=[value(0.2, stream="vad.0"), far], cases=stretches("vad.0", "vad.1"))
+    found = record(
+        values=[value(0.2, stream="vad.0"), far], cases=[segment("vad.0"), segment("vad.1")]
+    )
     assert (
         "Of 2 single values (2 quantities on 2 stretches) 1 agrees within the noise level"
         " (|E_n| ≤ 1, k = 2); the furthest is the log decrement of north on vad.1, E_n = −4.4."
@@ -89,7 +93,7 @@ def test_the_value_in_which_the_step_matters_most_is_named(u_num, is_told):
 
 
 def test_events_alone_are_an_answer():
-    rows = [timing(intervals=[{"e_n": 0.5}, {"e_n": 3.0}, {"e_n": None}])]
+    rows = [timing(e_n=(0.5, 3.0, None))]
     found = text(record(waveforms=[], gaps=[], values=[], timings=rows))
     assert (
         "Impact times: in north 5 of 6 measured events belong to 5 of 5 simulated ones, 0.002 s"
@@ -120,8 +124,8 @@ def test_events_that_do_not_belong_together_are_told_first():
 
 def test_clocks_aligned_by_the_very_events_are_told():
     told = "The clocks were aligned by these very events"
-    assert told in text(record(timings=[timing()], align={"by": "events"}))
-    assert told not in text(record(timings=[timing()], align={"by": "none"}))
+    assert told in text(record(timings=[timing()], align=ClockPlan(by="events")))
+    assert told not in text(record(timings=[timing()], align=ClockPlan()))
 
 
 def test_a_value_just_outside_does_not_look_like_one_just_inside():

@@ -73,28 +73,28 @@ def fitted(logs):
 
 
 def test_a_fit_finds_the_parameters_that_made_the_recording(fitted):
-    rows = {row["name"]: row for row in fitted["parameters"]}
+    rows = {row.name: row for row in fitted.parameters}
     for name, true in (("length_m", LENGTH_M), ("damping_N_m_s_rad", DAMPING)):
-        assert abs(rows[name]["fitted"] - true) < 3 * rows[name]["u_fitted"]
-    assert rows["length_m"]["u_fitted"] < 2e-4 * LENGTH_M
+        assert abs(rows[name].fitted - true) < 3 * rows[name].u_fitted
+    assert rows["length_m"].u_fitted < 2e-4 * LENGTH_M
 
 
 def test_with_the_right_parameters_the_noise_is_all_that_is_left(fitted):
-    best = next(row for row in fitted["waveforms"] if row["parameters"] == "fitted")
-    assert best["rmse"] == pytest.approx(NOISE_RAD, rel=0.1)
-    (gap,) = fitted["gaps"]
-    assert gap["model_form"] < 0.5 * NOISE_RAD
-    assert gap["shares"]["removed"] > 0.99
+    best = next(row for row in fitted.waveforms if row.parameters == "fitted")
+    assert best.rmse == pytest.approx(NOISE_RAD, rel=0.1)
+    (gap,) = fitted.gaps
+    assert gap.model_form < 0.5 * NOISE_RAD
+    assert gap.shares.removed > 0.99
     parts = ("parameter", "cross", "model_form", "numerical", "noise", "excess")
-    assert sum(gap["shares"][part] for part in parts) == pytest.approx(1.0)
+    assert sum(getattr(gap.shares, part) for part in parts) == pytest.approx(1.0)
 
 
 def test_a_fit_to_the_same_data_is_never_called_a_validation(fitted):
-    assert fitted["basis"] == "same data"
-    assert any("this is a fit, not a validation" in text for text in fitted["sentences"])
-    assert not any("prediction" in text for text in fitted["sentences"])
-    for row in fitted["values"]:
-        assert row["words"] != "within the noise level"
+    assert fitted.basis == "same data"
+    assert any("this is a fit, not a validation" in text for text in fitted.sentences)
+    assert not any("prediction" in text for text in fitted.sentences)
+    for row in fitted.values:
+        assert row.words != "within the noise level"
 
 
 def test_a_wrong_length_is_seen_as_such(logs):
@@ -102,12 +102,12 @@ def test_a_wrong_length_is_seen_as_such(logs):
         "pendulum", recording=str(logs / "s1.csv"), mapping=plan(logs, 0.6), engine="pymunk",
         set={"length": "0.26 m", "damping": DAMPING},
     ).record.validation  # fmt: skip
-    assert found["basis"] == "known before"
-    periods = [row for row in found["values"] if row["measure"] == "small_angle_period"]
+    assert found.basis == "known before"
+    periods = [row for row in found.values if row.measure == "small_angle_period"]
     expected = 2 * np.pi * np.sqrt(0.26 / 9.80665) - 2 * np.pi * np.sqrt(LENGTH_M / 9.80665)
-    assert periods[0]["error"] == pytest.approx(expected, rel=0.02)
-    assert abs(periods[0]["e_n"]) > 1
-    assert periods[0]["words"] == "beyond the uncertainties"
+    assert periods[0].error == pytest.approx(expected, rel=0.02)
+    assert abs(periods[0].e_n) > 1
+    assert periods[0].words == "beyond the uncertainties"
 
 
 def test_what_is_known_badly_is_in_the_uncertainty(logs):
@@ -115,10 +115,10 @@ def test_what_is_known_badly_is_in_the_uncertainty(logs):
     found = simcompare.validate(
         "pendulum", recording=str(logs / "s1.csv"), mapping=plan(logs, 0.6), engine="pymunk"
     ).record.validation
-    (period,) = [row for row in found["values"] if row["measure"] == "small_angle_period"]
-    assert period["u_input"] == pytest.approx(0.5 * 0.01 / 0.24 * period["simulated"], rel=0.05)
-    assert abs(period["e_n"]) < 1
-    assert period["words"] == "within the noise level"
+    (period,) = [row for row in found.values if row.measure == "small_angle_period"]
+    assert period.u_input == pytest.approx(0.5 * 0.01 / 0.24 * period.simulated, rel=0.05)
+    assert abs(period.e_n) < 1
+    assert period.words == "within the noise level"
 
 
 def test_every_engine_that_can_is_held_against_the_recording(logs, tmp_path):
@@ -126,11 +126,11 @@ def test_every_engine_that_can_is_held_against_the_recording(logs, tmp_path):
         "pendulum", recording=str(logs / "s0.csv"), mapping=plan(logs, 0.9, **FIT), out=tmp_path
     )
     ran = [source.name for source in run.record.sources if source.status == "ok"]
-    rows = run.record.validation["waveforms"]
-    assert sorted({row["source"] for row in rows}) == sorted(ran)
+    rows = run.record.validation.waveforms
+    assert sorted({row.source for row in rows}) == sorted(ran)
     assert len(ran) >= 3
     stored = simcompare.load_run(run.folder)
-    assert stored.record.validation == json.loads(json.dumps(run.record.validation))
+    assert stored.record.validation == run.record.validation
     assert {one.source for one in stored.trajectories} == {*ran, "measured", "closed form"}
 
 
@@ -192,8 +192,8 @@ def test_what_a_fit_makes_up_for_is_no_uncertainty_of_the_prediction(logs):
     found = simcompare.validate(
         "pendulum", recording=str(logs / "s0.csv"), mapping=str(place), engine="pymunk"
     ).record.validation
-    (loss,) = [row for row in found["values"] if row["measure"] == "log_decrement"]
-    assert loss["budget"]["mass_kg"] < 0.05 * 0.2 * loss["simulated"]
+    (loss,) = [row for row in found.values if row.measure == "log_decrement"]
+    assert loss.budget["mass_kg"] < 0.05 * 0.2 * loss.simulated
 
 
 def test_a_channel_of_another_unit_is_refused(logs):
@@ -221,11 +221,11 @@ def test_another_log_is_calibrated_on_with_the_same_plan(logs):
     found = simcompare.validate(
         "pendulum", recording=str(logs / "s1.csv"), mapping=str(place), engine="pymunk"
     ).record.validation
-    assert found["basis"] == "held out"
-    (length,) = [row for row in found["parameters"] if row["name"] == "length_m"]
-    assert abs(length["fitted"] - LENGTH_M) < 3 * length["u_fitted"]
-    assert length["u_fitted"] < 1e-3 * LENGTH_M
+    assert found.basis == "held out"
+    (length,) = [row for row in found.parameters if row.name == "length_m"]
+    assert abs(length.fitted - LENGTH_M) < 3 * length.u_fitted
+    assert length.u_fitted < 1e-3 * LENGTH_M
     again = simcompare.validate(
         "pendulum", recording=str(logs / "s0.csv"), mapping=str(place), engine="pymunk"
     ).record.validation
-    assert again["basis"] == "same data"
+    assert again.basis == "same data"

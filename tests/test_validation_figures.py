@@ -1,18 +1,18 @@
 """Figures of simulations held against a recording."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from simcompare.alignment.clock_line import Alignment
 from simcompare.model.trajectory import Trajectory
 from simcompare.reports.sections.validation import Timings
 from simcompare.reports.validation import events as real_events
 from simcompare.reports.validation import gap_figures, tables, waveforms
 from simcompare.results.run import Stored
 from tests import validated
-from tests.validated import NOISE_RAD, cells, changed, streams
+from tests.validated import NOISE_RAD, cells, changed, plain, streams
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +31,7 @@ def judged(made):
 
 
 def test_a_gap_that_the_fit_made_larger_is_told_and_not_drawn(fitted):
-    rows = json.loads(json.dumps(fitted.record.validation["gaps"]))
+    rows = plain(fitted)["gaps"]
     for row in rows:
         row["shares"] |= {"removed": -0.06, "model_form": 1.05, "noise": 0.01, "numerical": 0.0}
     (figure,) = gap_figures.gap_figures(changed(fitted, gaps=rows))
@@ -61,7 +61,7 @@ def test_bars_stand_below_the_name_of_their_stretch(fitted):
 
 
 def test_a_distant_e_n_is_drawn_at_the_edge(judged):
-    rows = json.loads(json.dumps(judged.record.validation["values"]))
+    rows = plain(judged)["values"]
     rows[0]["e_n"] = -480.0
     figure = gap_figures.e_n_figure(changed(judged, values=rows))
     assert min(series.x.min() for series in figure.panels[0].series) == -10
@@ -72,7 +72,7 @@ def test_a_distant_e_n_is_drawn_at_the_edge(judged):
 def test_fitted_parameters_are_drawn_in_units_of_what_was_known(fitted):
     figure = gap_figures.parameter_figure(fitted)
     (series,) = figure.panels[0].series
-    rows = {row["name"]: row for row in fitted.record.validation["parameters"]}
+    rows = {row["name"]: row for row in plain(fitted)["parameters"]}
     length = rows["length_m"]
     assert series.x[0] == pytest.approx((length["fitted"] - 0.24) / 0.01)
     assert series.u[0] == pytest.approx(2 * length["u_fitted"] / 0.01)
@@ -80,8 +80,8 @@ def test_fitted_parameters_are_drawn_in_units_of_what_was_known(fitted):
 
 
 def test_single_stretches_scatter_about_the_fit(fitted):
-    fit = json.loads(json.dumps(fitted.record.validation["fit"]))
-    rows = {row["name"]: row for row in fitted.record.validation["parameters"]}
+    fit = plain(fitted)["fit"]
+    rows = {row["name"]: row for row in plain(fitted)["parameters"]}
     names = fit["names"]
     fit["single"] = {
         "a": [rows[n]["fitted"] + rows[n]["u_fitted"] for n in names],
@@ -130,7 +130,7 @@ def test_events_are_marked_on_the_aligned_clock(fitted):
         {"name": "push", "time_s": t, "stream": s, "u_s": None, "value": None}
         for t, s in ((1.5, "log"), (99.0, "log"), (1.0, "elsewhere"))
     ]
-    shifted = [{"offset_s": 0.5, "skew": 0.0, "text": "By events."}]
+    shifted = [Alignment(0.5, 0.0, 0.0, 0.0, "events", text="By events.")]
     run = changed(fitted, events=events, alignments=shifted)
     (overlay,) = waveforms.overlay_figures(run, "angle_rad")
     marks = [span.low for span in overlay.panels[0].spans if span.label == "event"]
@@ -188,7 +188,7 @@ def test_a_run_without_events_has_no_section_on_them(fitted):
 
 
 def test_no_quantity_is_left_out_of_the_picture_of_the_gap(fitted):
-    found = fitted.record.validation
+    found = plain(fitted)
     probes = [f"q{i}" for i in range(5)]
     rows = [{**row, "probe": probe} for probe in probes for row in found["gaps"]]
     compare = {probe: found["compare"]["angle_rad"] | {"label": probe} for probe in probes}

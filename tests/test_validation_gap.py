@@ -1,6 +1,7 @@
 """The split of a gap: its parts sum to the whole, and its interval covers."""
 
 import math
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ from hypothesis.extra.numpy import arrays
 from scipy.signal import lfilter
 
 from simcompare.errors import InputError
-from simcompare.validation.gap import block_length, measured_noise, noise_of, split
+from simcompare.statistics.gap import block_length, split
+from simcompare.statistics.noise import measured_noise, noise_of
 
 NUMBERS = st.floats(-1e3, 1e3).map(lambda x: round(x, 3))
 TRIPLES = st.integers(10, 40).flatmap(
@@ -49,8 +51,11 @@ def test_the_parts_sum_exactly_to_the_total(signals, u_data, u_num):
     measured, nominal, best = signals
     found = split(measured, nominal, best, u_data, u_num, draws=20)
     total = np.mean((nominal - measured) ** 2)
-    size = sum(abs(part) for part in found.mean_squares().values())
-    assert sum(found.mean_squares().values()) == pytest.approx(total, abs=1e-9 * size + 1e-300)
+    shares = asdict(found.shares)
+    assert shares.pop("removed") == pytest.approx(shares["parameter"] + shares["cross"], rel=1e-6)
+    size = found.parameter**2 + found.remaining**2
+    parts = sum(shares.values()) * found.total**2
+    assert parts == pytest.approx(total, abs=1e-9 * size + 1e-300)
     assert found.total == pytest.approx(math.sqrt(total), abs=1e-6 * math.sqrt(size))
     assert found.clipped == (found.excess < 0)
     assert found.model_form == 0 or found.excess == 0
@@ -65,7 +70,7 @@ def test_origin_and_unit_of_the_signal_do_not_matter(shift, scale):
     now = split(*(scale * s + shift for s in signals), scale * 0.02, scale * 0.01, draws=50)
     for name in ("total", "parameter", "remaining", "model_form", "model_form_high", "noise"):
         assert getattr(now, name) == pytest.approx(scale * getattr(was, name), rel=1e-6)
-    assert now.shares() == pytest.approx(was.shares(), abs=1e-6)
+    assert asdict(now.shares) == pytest.approx(asdict(was.shares), abs=1e-6)
 
 
 def test_parts_that_oppose_each_other_have_a_negative_cross_term():
@@ -74,7 +79,7 @@ def test_parts_that_oppose_each_other_have_a_negative_cross_term():
     # the nominal model is nearer than the "best" one: the parameter part makes up for the rest
     assert found.correlation == pytest.approx(-1.0)
     assert found.total < found.parameter
-    assert found.shares()["cross"] < -1
+    assert found.shares.cross < -1
 
 
 def test_noise_that_explains_more_than_is_left_clips_the_model_form_and_says_so():
@@ -195,5 +200,4 @@ def test_equal_signals_have_no_gap():
     found = split(y, y, y, 0.0)
     assert found.total == 0
     assert (found.model_form_low, found.model_form_high) == (0.0, 0.0)
-    assert set(found.shares().values()) == {0.0}
-    assert found.to_dict()["shares"] == found.shares()
+    assert set(asdict(found.shares).values()) == {0.0}

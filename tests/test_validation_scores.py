@@ -8,7 +8,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from simcompare.errors import InputError
-from simcompare.statistics.agreement import birge_ratio, e_n, gci, vv20, weighted_mean, zeta
+from simcompare.statistics.agreement import (
+    birge_ratio,
+    coverage,
+    e_n,
+    rms,
+    vv20,
+    weighted_mean,
+    zeta,
+)
+from simcompare.statistics.grid_convergence import gci
 
 VALUE, SIZE = st.floats(-100, 100), st.floats(0.01, 10)
 
@@ -84,14 +93,30 @@ def test_values_that_disagree_are_inconsistent():
 
 
 def test_comparison_error_and_validation_uncertainty():
-    found = vv20(10.3, 10.0, 0.1, 0.2, 0.2)
+    found = vv20(10.3, 10.0, u_num=0.1, u_input=0.2, u_data=0.2)
     assert found.error == pytest.approx(0.3)
     assert found.u_val == pytest.approx(0.3)
-    assert (found.low, found.high) == pytest.approx((-0.3, 0.9))
+    assert (found.e_n, found.zeta) == pytest.approx((0.5, 1.0))
     assert found.within_noise
-    assert not vv20(10.7, 10.0, 0.1, 0.2, 0.2).within_noise
+    assert not vv20(10.7, 10.0, u_num=0.1, u_input=0.2, u_data=0.2).within_noise
     with pytest.raises(InputError, match=r"u_num.*\n.*u_data"):
-        vv20(1.0, 1.0, -1.0, 0.0, math.nan)
+        vv20(1.0, 1.0, u_num=-1.0, u_input=0.0, u_data=math.nan)
+
+
+def test_a_value_of_which_a_part_of_the_uncertainty_is_unknown_is_not_judged():
+    found = vv20(10.3, 10.0, u_num=None, u_input=0.3, u_data=0.4)
+    assert found.u_val == pytest.approx(0.5)
+    assert (found.e_n, found.zeta, found.within_noise) == (None, None, None)
+    assert vv20(1.0, 2.0, u_num=0.0, u_input=0.0, u_data=0.0).e_n is None
+
+
+def test_rms_and_coverage_leave_out_what_is_missing():
+    assert rms([3.0, math.nan, -4.0]) == pytest.approx(math.sqrt(12.5))
+    assert rms([3e-200, 4e-200]) == pytest.approx(math.sqrt(12.5) * 1e-200)
+    assert rms([0.0, 0.0]) == 0.0
+    assert coverage([1.0, -1.9, 2.1, math.nan], 1.0) == pytest.approx(2 / 3)
+    assert coverage([1.0, 3.0], [1.0, 2.0]) == 1.0
+    assert coverage([math.nan], 1.0) is None
 
 
 def test_the_interval_of_the_model_error_covers_it_nineteen_times_in_twenty():
@@ -99,8 +124,8 @@ def test_the_interval_of_the_model_error_covers_it_nineteen_times_in_twenty():
     hits = 0
     for _ in range(1000):
         a, b, c, true = chance.normal(0, [0.1, 0.2, 0.3, 1.0])
-        found = vv20(5 + true + a + b, 5 + c, 0.1, 0.2, 0.3)
-        hits += found.low <= true <= found.high
+        found = vv20(5 + true + a + b, 5 + c, u_num=0.1, u_input=0.2, u_data=0.3)
+        hits += abs(found.error - true) <= 2 * found.u_val
     assert 0.93 < hits / 1000 < 0.975
 
 

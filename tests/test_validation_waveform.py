@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from simcompare.compare.waveform import waveform
 from simcompare.errors import InputError
 from simcompare.model.resampling import interpolated, near_events
-from simcompare.validation.waveform import waveform
 
 NUMBERS = st.floats(-1e3, 1e3).map(lambda x: round(x, 3))
 PAIRS = st.integers(3, 30).flatmap(

@@ -1,6 +1,5 @@
 """Runs of a pendulum held against a made-up recording, for tests of reports."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +7,8 @@ import yaml
 
 import simcompare
 from simcompare.inference.reference_model import model_of
+from simcompare.model import plain as json_values
+from simcompare.results.records.validation import Validation
 from simcompare.results.run import Stored
 from simcompare.scenarios import catalogue
 from tests import records
@@ -64,9 +65,14 @@ def run_of(made, mapping):
     )  # fmt: skip
 
 
+def plain(run):
+    """What run.json says of a validation."""
+    return json_values.plain(run.record.validation)
+
+
 def changed(run, **more):
     """The same run with another record of its validation."""
-    found = json.loads(json.dumps(run.record.validation)) | more
+    found = json_values.of_plain(Validation, plain(run) | more)
     return records.changed(run, validation=found)
 
 
@@ -81,22 +87,22 @@ def renamed(value, old, new):
 
 def streams(run, count):
     """The same run as if the log had held so many stretches."""
-    found = json.loads(json.dumps(run.record.validation))
+    found = plain(run)
     names = [f"part {i}" for i in range(count)]
     several = dict(found)
     for key in ("waveforms", "values", "gaps", "cases", "agreement"):
         several[key] = [renamed(row, "log", name) for name in names for row in found[key]]
     for i, row in enumerate(several["waveforms"]):
         row["nrmse"] = 0.01 * (1 + i // len(found["waveforms"]))
-    stored = tuple(Stored(s.source, s.contact, i, s.trajectory)
-                   for i in range(count) for s in run.trajectories)  # fmt: skip
+    trajectories = tuple(Stored(s.source, s.contact, i, s.trajectory)
+                         for i in range(count) for s in run.trajectories)  # fmt: skip
     several["alignments"] = [None] * count
-    return replace(changed(run, **several), trajectories=stored)
+    return replace(changed(run, **several), trajectories=trajectories)
 
 
 def hostile(run):
     """The same run with names from files that mean harm."""
-    found = renamed(json.loads(json.dumps(run.record.validation)), "log", EVIL)
+    found = renamed(plain(run), "log", EVIL)
     found["provenance"]["repairs"] = [
         {"rule": "bad", "severity": "repair", "text": f"found {EVIL}", "stream": EVIL,
          "channel": EVIL, "rows": [[3, 5], [9, 9]], "count": 4, "before": {"max": 9.0},
@@ -113,7 +119,7 @@ def hostile(run):
     found["events"] = [
         {"name": EVIL, "time_s": 1.0, "stream": EVIL, "u_s": 0.1, "value": None}
     ]  # fmt: skip
-    return records.changed(run, validation=found)
+    return changed(run, **found)
 
 
 def cells(table):

@@ -28,8 +28,8 @@ class RealAnswer(Section):
         ]
         return {
             "question": run.record.question,
-            "answer": [*map(printable, found["sentences"]), *_not_run(run)],
-            **_parts(figures, [real_tables.waveforms(run)] if found["waveforms"] else []),
+            "answer": [*map(printable, found.sentences), *_not_run(run)],
+            **_parts(figures, [real_tables.waveforms(run)] if found.waveforms else []),
         }
 
 
@@ -94,7 +94,7 @@ class RealValues(Section):
 
     def context(self, run: Run) -> dict[str, Any] | None:
         """Figure of E_n and tables; ``None`` where nothing was measured on both."""
-        if not validations.validation(run)["values"]:
+        if not validations.validation(run).values:
             return None
         tables = [real_tables.values(run), real_tables.agreement(run)]
         return _parts([gap_figures.e_n_figure(run)], tables)
@@ -108,26 +108,24 @@ class Parameters(Section):
     def context(self, run: Run) -> dict[str, Any]:
         """Figure and tables of all parameters, and what single stretches gave."""
         tables = [real_tables.parameters(run), real_tables.single_fits(run)]
-        note = validations.validation(run)["note"]
+        note = validations.validation(run).note
         return _parts(
             [gap_figures.parameter_figure(run)], tables, note, _fit_words(run), _bound(run)
         )
 
 
 def _fit_words(run: Run) -> str:
-    fit = validations.validation(run)["fit"]
+    fit = validations.validation(run).fit
     if fit is None:
         return "Nothing was fitted."
-    streams = ", ".join(
-        validations.short(name) for name in fit["streams"] if name != validations.ONLY
-    )
-    where = f"{fit['recording']}, {streams}" if streams else fit["recording"]
-    return f"Fitted to {where}. Uncertainty of the fit from: {fit['how']}."
+    streams = ", ".join(validations.short(name) for name in fit.streams if name != validations.ONLY)
+    where = f"{fit.recording}, {streams}" if streams else fit.recording
+    return f"Fitted to {where}. Uncertainty of the fit from: {fit.how}."
 
 
 def _bound(run: Run) -> str:
-    fit = validations.validation(run)["fit"]
-    names = [] if fit is None else [validations.parameter(name) for name in fit["at_bound"]]
+    fit = validations.validation(run).fit
+    names = [] if fit is None else [validations.parameter(name) for name in fit.at_bound]
     return f"At a bound: {', '.join(names)}; the fit wanted to go further." if names else ""
 
 

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 from simcompare.inference.segments import DURATION
 from simcompare.reports.validation import answer_gap, answer_values, phrases
-from simcompare.reports.validation.phrases import KNOWN, SAME
+from simcompare.results.records.validation import (
+    SAME,
+    CalibrationRecord,
+    GapRecord,
+    Validation,
+    ValueRecord,
+)
 
-Record = Mapping[str, Any]
 #: parameters that correlate by more than this cannot be told apart
 _ONE = 0.99
 #: a fit that leaves more than so many times the noise lacks something
@@ -24,41 +28,37 @@ _MOST = 0.5
 _NAMED = 5
 
 
-def sentences(found: Record) -> Iterator[str]:
+def sentences(found: Validation) -> Iterator[str]:
     """Where the parameters come from."""
-    if found["basis"] == KNOWN:
+    if found.fit is None:
         yield _known(found)
         return
-    yield " ".join([_fitted(found), *_read_off(found), *_alike(found)])
+    yield " ".join([_fitted(found, found.fit), *_read_off(found), *_alike(found.fit)])
 
 
 # where the parameters come from
 
 
-def _names(found: Record, kind: str) -> list[str]:
-    return [
-        row["name"]
-        for row in found["parameters"]
-        if row.get("kind", "known") == kind and row["name"] != DURATION
-    ]
+def _names(found: Validation, kind: str) -> list[str]:
+    return [row.name for row in found.parameters if row.kind == kind and row.name != DURATION]
 
 
-def _known(found: Record) -> str:
-    told = list(_read_off(found))
-    given, known, own = (_names(found, kind) for kind in ("given", "known", "scenario"))
-    if given:
-        told.append(f"{_were(given)} given by the user.")
-    if known and not told and not own:
+def _known(found: Validation) -> str:
+    said = list(_read_off(found))
+    by_user, known, default = (_names(found, kind) for kind in ("given", "known", "scenario"))
+    if by_user:
+        said.append(f"{_were(by_user)} given by the user.")
+    if known and not said and not default:
         return "All parameters were known before the measurement was looked at."
     if known:
-        told.append(f"{_were(known)} known before the measurement was looked at.")
-    if own:
+        said.append(f"{_were(known)} known before the measurement was looked at.")
+    if default:
         others = "All parameters are"
-        if told:
-            one = len(own) == 1
-            others = "One more parameter is" if one else f"The other {len(own)} parameters are"
-        told.append(f"{others} the scenario's own, with no uncertainty.")
-    return " ".join(told)
+        if said:
+            count = len(default)
+            others = "One more parameter is" if count == 1 else f"The other {count} parameters are"
+        said.append(f"{others} the scenario's own, with no uncertainty.")
+    return " ".join(said)
 
 
 def _were(names: Sequence[str]) -> str:
@@ -68,37 +68,36 @@ def _were(names: Sequence[str]) -> str:
     return f"The {phrases.parameters(names)} {'was' if len(names) == 1 else 'were'}"
 
 
-def _read_off(found: Record) -> Iterator[str]:
+def _read_off(found: Validation) -> Iterator[str]:
     names = _names(found, "read off")
     if names:
-        of_each = "each stretch of it" if len(found["cases"]) > 1 else "it"
+        of_each = "each stretch of it" if len(found.cases) > 1 else "it"
         yield (f"{_were(names)} read off the recording that is judged, at the start of {of_each}.")
 
 
-def _fitted(found: Record) -> str:
-    names = [row["name"] for row in found["parameters"] if row["fitted"] is not None]
+def _fitted(found: Validation, fit: CalibrationRecord) -> str:
+    names = [row.name for row in found.parameters if row.fitted is not None]
     fitted = f"{phrases.parameters(names)} {'were' if len(names) > 1 else 'was'} fitted to"
     fitted = phrases.first_up(fitted)
-    fit = found["fit"]
-    streams = phrases.places(fit["recording"], fit["streams"])
-    judged = phrases.places(found["recording"], [case["stream"] for case in found["cases"]])
-    if found["basis"] == SAME:
+    streams = phrases.places(fit.recording, fit.streams)
+    judged = phrases.places(found.recording, [case.stream for case in found.cases])
+    if found.basis == SAME:
         return (
             f"{fitted} {streams}, which is also what was judged: this is a fit, not a validation."
         )
-    told = f"{fitted} {streams} and held against {judged}, which the fit had not seen"
-    if fit.get("chosen_knowing"):
+    start = f"{fitted} {streams} and held against {judged}, which the fit had not seen"
+    if fit.chosen_knowing:
         return (
-            f"{told}; but the fitted pieces were chosen knowing the judged ones, so this is weaker"
+            f"{start}; but the fitted pieces were chosen knowing the judged ones, so this is weaker"
             " than a prediction. It holds for motions like these, not beyond."
         )
     return (
-        f"{told}: what is said here is a prediction. It holds for motions like these, not beyond."
+        f"{start}: what is said here is a prediction. It holds for motions like these, not beyond."
     )
 
 
-def _alike(found: Record) -> Iterator[str]:
-    pairs = _same_pairs(found["fit"])
+def _alike(fit: CalibrationRecord) -> Iterator[str]:
+    pairs = _same_pairs(fit)
     if pairs:
         named = "; ".join(
             f"{phrases.parameter(a)} and {phrases.parameter(b)} ({_near_one(r)})"
@@ -113,38 +112,35 @@ def _near_one(value: float) -> str:
     return f"{value:+.{digits}f}".replace("-", "−")
 
 
-def _same_pairs(fit: Record | None) -> list[tuple[str, str, float]]:
+def _same_pairs(fit: CalibrationRecord) -> list[tuple[str, str, float]]:
     """Fitted parameters that correlate so closely that only a combination of them is known."""
-    matrix = (fit or {}).get("correlation")
-    if fit is None or not matrix:
-        return []
     return [
-        (fit["names"][i], fit["names"][j], matrix[i][j])
-        for i, j in itertools.combinations(range(len(fit["names"])), 2)
-        if abs(matrix[i][j]) > _ONE
+        (fit.names[i], fit.names[j], fit.correlation[i][j])
+        for i, j in itertools.combinations(range(len(fit.names)), 2)
+        if abs(fit.correlation[i][j]) > _ONE
     ]
 
 
 # what to do next
 
 
-def advice(found: Record) -> Iterator[str]:
+def advice(found: Validation) -> Iterator[str]:
     """What to do first to learn more."""
-    told = _advice(found)
-    if told:
-        yield f"Next: {told}"
+    step = _advice(found)
+    if step:
+        yield f"Next: {step}"
 
 
-def _advice(found: Record) -> str:
-    bound = [] if found["fit"] is None else found["fit"]["at_bound"]
+def _advice(found: Validation) -> str:
+    bound = [] if found.fit is None else found.fit.at_bound
     if bound:
         return (
             f"ask why the fit pushed the {phrases.parameters(bound)} to its bound; the model may"
             " lack something."
         )
-    if found["basis"] == SAME:
+    if found.basis == SAME:
         return "judge stretches that were not fitted."
-    part = _largest_left(found["gaps"])
+    part = _largest_part(found.gaps)
     if part == "numerical":
         return "a shorter step, since numerical error is most of what is left."
     if part == "noise":
@@ -157,11 +153,11 @@ def _advice(found: Record) -> str:
     )
 
 
-def _also(found: Record) -> str:
+def _also(found: Validation) -> str:
     """The parameter that most of the uncertainty of the values comes from."""
-    rows = [row for row in found["values"] if row["e_n"] is not None]
-    name = _leading(found)
-    if not name or answer_values.dominant(rows)[0] != "u_input":
+    name = _leading(found.values)
+    judged = answer_values.judged(found.values)
+    if not name or answer_values.dominant(judged)[0] != "u_input":
         return ""
     return (
         f" Most of the values' uncertainty comes from the {phrases.parameter(name)}: measure it"
@@ -169,17 +165,16 @@ def _also(found: Record) -> str:
     )
 
 
-def _leading(found: Record) -> str:
+def _leading(values: Sequence[ValueRecord]) -> str:
     """The parameter that makes up most of the budgets; empty where none does."""
-    rows = [row for row in found["values"] if row["e_n"] is not None]
-    name, share = answer_values.leading_parameter(rows)
+    name, share = answer_values.leading_parameter(answer_values.judged(values))
     return name if share >= _MOST else ""
 
 
-def _about_parameters(found: Record) -> str:
+def _about_parameters(found: Validation) -> str:
     """What to do about parameters; empty where they are not what is lacking."""
-    name = _leading(found)
-    if answer_gap.is_covered(found["gaps"]):
+    name = _leading(found.values)
+    if answer_gap.is_covered(found.gaps):
         what = "the parameters" if not name else f"the {phrases.parameter(name)}"
         return (
             f"measure {what} better; until then the uncertainty of the parameters hides what else"
@@ -190,18 +185,18 @@ def _about_parameters(found: Record) -> str:
             f"measure the {phrases.parameter(name)} better, apart from this recording; it was read"
             " off, and most of the parameters' uncertainty is its own."
         )
-    if found["fit"] is None:
+    if found.fit is None:
         return (
             "fit the parameters to one part of the recordings and judge another (calibrate:), to"
             " tell wrong parameters from a wrong model."
         )
-    pairs = _same_pairs(found["fit"])
-    left = _left_over(found)
-    worse = any(row["shares"]["removed"] < -_WORSE for row in found["gaps"])
-    if not pairs or (left <= _FAR and not worse):
+    pairs = _same_pairs(found.fit)
+    residual = _residual(found, found.fit)
+    worse = any(row.shares.removed < -_WORSE for row in found.gaps)
+    if not pairs or (residual <= _FAR and not worse):
         return ""
     first, second, _ = pairs[0]
-    why = f" The fit leaves {left:.2g} times the noise of a sample." if left > _FAR else ""
+    why = f" The fit leaves {residual:.2g} times the noise of a sample." if residual > _FAR else ""
     return (
         f"fit a recording that tells {phrases.parameter(first)} and {phrases.parameter(second)}"
         " apart, such as one with motions of many sizes; as it is, wrong parameters and a wrong"
@@ -209,21 +204,20 @@ def _about_parameters(found: Record) -> str:
     )
 
 
-def _left_over(found: Record) -> float:
+def _residual(found: Validation, fit: CalibrationRecord) -> float:
     """What the fit leaves on its own data over the noise of a sample; 0 where unknown."""
-    rms = found["fit"].get("rms")
-    probe = next((name for name, one in found["compare"].items() if one.get("judged", True)), None)
+    probe = next((name for name, one in found.compare.items() if one.judged), None)
     if probe is None:
         return 0.0
-    u = [phrases.noise_of(found, case["stream"], probe) for case in found["cases"]]
+    u = [phrases.noise_of(found, case.stream, probe) for case in found.cases]
     known = [one for one in u if one]
-    return rms / (math.fsum(known) / len(known)) if rms and known else 0.0
+    return fit.rms / (math.fsum(known) / len(known)) if known else 0.0
 
 
-def _largest_left(rows: Sequence[Record]) -> str | None:
+def _largest_part(rows: Sequence[GapRecord]) -> str | None:
     """The largest part of what the best parameters leave over, over all engines and stretches."""
     sums = {
-        key: math.fsum((row[key] or 0.0) ** 2 for row in rows)
+        key: math.fsum(getattr(row, key) ** 2 for row in rows)
         for key in ("model_form", "numerical", "noise")
     }
     largest = max(sums, key=lambda key: sums[key])

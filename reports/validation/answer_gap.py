@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
 
 from simcompare.reports.validation import phrases
+from simcompare.results.records.validation import (
+    FITTED,
+    KNOWN,
+    SAME,
+    GapRecord,
+    Validation,
+    WaveformRecord,
+)
 
-Record = Mapping[str, Any]
 _PARTS = {
     "removed": "parameters",
     "model_form": "model form",
@@ -26,33 +32,33 @@ _MANY = 2
 _ALL = 0.95
 
 
-def sentences(found: Record) -> list[str]:
+def sentences(found: Validation) -> list[str]:
     """How large, and what it is made of."""
     return [*_how_large(found), *_made_of(found)]
 
 
-def is_covered(rows: Sequence[Record]) -> bool:
+def is_covered(rows: Sequence[GapRecord]) -> bool:
     """Whether what is not known of the parameters may explain all that is left."""
-    covered = [row["covered"] for row in rows if row.get("covered") is not None]
+    covered = [row.covered for row in rows if row.covered is not None]
     return bool(covered) and min(covered) >= _ALL
 
 
 # how large
 
 
-def _how_large(found: Record) -> Iterator[str]:
-    rows = [row for row in found["waveforms"] if row["judged"]]
-    probes = list(dict.fromkeys(row["probe"] for row in rows))
-    by_probe = {probe: [row for row in rows if row["probe"] == probe] for probe in probes}
+def _how_large(found: Validation) -> Iterator[str]:
+    rows = [row for row in found.waveforms if row.judged]
+    probes = list(dict.fromkeys(row.probe for row in rows))
+    by_probe = {probe: [row for row in rows if row.probe == probe] for probe in probes}
     if len(probes) > _MANY:
-        yield " ".join([_sizes(found, by_probe), *_numerical(found["gaps"]), *_spread(found, rows)])
+        yield " ".join([_sizes(found, by_probe), *_numerical(found.gaps), *_spread(found, rows)])
         return
     for probe, own in by_probe.items():
-        gaps = [row for row in found["gaps"] if row["probe"] == probe]
+        gaps = [row for row in found.gaps if row.probe == probe]
         yield " ".join([_size(found, own), *_numerical(gaps), *_spread(found, own)])
 
 
-def _sizes(found: Record, by_probe: Mapping[str, Sequence[Record]]) -> str:
+def _sizes(found: Validation, by_probe: Mapping[str, Sequence[WaveformRecord]]) -> str:
     """One sentence for many quantities."""
     mains = {probe: _main(found, own) for probe, own in by_probe.items()}
     shown = "; ".join(
@@ -67,65 +73,63 @@ def _sizes(found: Record, by_probe: Mapping[str, Sequence[Record]]) -> str:
     return f"With {_whose(found)}, the simulated signals are off by ({how}): {shown}."
 
 
-def _whose(found: Record) -> str:
-    return "the parameters known before" if found["fit"] is None else "fitted parameters"
+def _whose(found: Validation) -> str:
+    return "the parameters known before" if found.fit is None else "fitted parameters"
 
 
-def _main(found: Record, rows: Sequence[Record]) -> list[Record]:
+def _main(found: Validation, rows: Sequence[WaveformRecord]) -> list[WaveformRecord]:
     """Rows with the parameters that are judged, on aligned clocks where there are any."""
-    wanted = phrases.KNOWN if found["fit"] is None else "fitted"
-    last = [row for row in rows if row["parameters"] == wanted]
-    aligned = any(row["aligned"] for row in last)
-    return [row for row in last if row["aligned"] == aligned]
+    wanted = KNOWN if found.fit is None else FITTED
+    last = [row for row in rows if row.parameters == wanted]
+    aligned = any(row.aligned for row in last)
+    return [row for row in last if row.aligned == aligned]
 
 
-def _size(found: Record, rows: Sequence[Record]) -> str:
+def _size(found: Validation, rows: Sequence[WaveformRecord]) -> str:
     main = _main(found, rows)
-    worst = max(main, key=lambda row: row["rmse"])
-    told = (
-        f"With {_whose(found)}, the simulated {phrases.label(found, worst['probe'])} is"
+    worst = max(main, key=lambda row: row.rmse)
+    text = (
+        f"With {_whose(found)}, the simulated {phrases.label(found, worst.probe)} is"
         f" {_off(found, main)} off (root mean square)"
     )
-    if found["fit"] is not None:
-        same = main[0]["aligned"]
-        before = [r for r in rows if r["parameters"] == phrases.KNOWN and r["aligned"] == same]
-        told += f"; before the fit it was {_off(found, before)}" if before else ""
-    if main[0]["aligned"]:
-        wanted = main[0]["parameters"]
-        raw = [r for r in rows if r["parameters"] == wanted and not r["aligned"]]
-        told += f"; with the clocks as recorded it would be {_off(found, raw)}" if raw else ""
-    size, most = (phrases.sized(worst[key], worst["unit"]) for key in ("rmse", "max_abs"))
+    if found.fit is not None:
+        same = main[0].aligned
+        before = [r for r in rows if r.parameters == KNOWN and r.aligned == same]
+        text += f"; before the fit it was {_off(found, before)}" if before else ""
+    if main[0].aligned:
+        wanted = main[0].parameters
+        raw = [r for r in rows if r.parameters == wanted and not r.aligned]
+        text += f"; with the clocks as recorded it would be {_off(found, raw)}" if raw else ""
+    size, most = _sizes_of(worst)
     who = _largest(found, main, worst)
-    return f"{told}. The largest: {who}, {size}, and {most} at one instant."
+    return f"{text}. The largest: {who}, {size}, and {most} at one instant."
 
 
-def _largest(found: Record, rows: Sequence[Record], worst: Record) -> str:
+def _largest(found: Validation, rows: Sequence[WaveformRecord], worst: WaveformRecord) -> str:
     """Who has the largest gap: all engines where theirs are the same in what is told."""
-    there = [row for row in rows if row["stream"] == worst["stream"]]
-    alike = [
-        row["source"]
-        for row in there
-        if all(
-            phrases.sized(row[key], row["unit"]) == phrases.sized(worst[key], row["unit"])
-            for key in ("rmse", "max_abs")
-        )
-    ]
+    there = [row for row in rows if row.stream == worst.stream]
+    alike = [row.source for row in there if _sizes_of(row) == _sizes_of(worst)]
     return phrases.whose(alike, phrases.engines_of(there)) + phrases.where(found, worst)
 
 
-def _off(found: Record, rows: Sequence[Record]) -> str:
+def _sizes_of(row: WaveformRecord) -> tuple[str, str]:
+    """Root mean square and greatest deviation as they are told."""
+    return phrases.sized(row.rmse, row.unit), phrases.sized(row.max_abs, row.unit)
+
+
+def _off(found: Validation, rows: Sequence[WaveformRecord]) -> str:
     """A share of the measured range; a size where that range is nothing but noise."""
     if any(phrases.is_constant(found, row) for row in rows):
-        return phrases.size_span([row["rmse"] for row in rows], rows[0]["unit"])
-    return f"{phrases.span([row['nrmse'] for row in rows])} of the measured range"
+        return phrases.size_span([row.rmse for row in rows], rows[0].unit)
+    return f"{phrases.span([row.nrmse or 0.0 for row in rows])} of the measured range"
 
 
-def _numerical(gaps: Sequence[Record]) -> Iterator[str]:
+def _numerical(gaps: Sequence[GapRecord]) -> Iterator[str]:
     """How much of the gap is the engines' own error."""
-    rows = [row for row in gaps if row["remaining"] > 0 and row["numerical"]]
+    rows = [row for row in gaps if row.remaining > 0 and row.numerical]
     if not rows:  # it is not known
         return
-    share = max(row["numerical"] / row["remaining"] for row in rows)
+    share = max(row.numerical / row.remaining for row in rows)
     several = len(phrases.engines_of(rows)) > 1
     whose = "The numerical error of each engine" if several else "Its numerical error"
     if share >= _SMALL:
@@ -135,89 +139,89 @@ def _numerical(gaps: Sequence[Record]) -> Iterator[str]:
     yield f"{whose} is {most}{phrases.percent(share)} of that."
 
 
-def _spread(found: Record, waveforms: Sequence[Record]) -> Iterator[str]:
+def _spread(found: Validation, waveforms: Sequence[WaveformRecord]) -> Iterator[str]:
     """How far the engines are from each other, beside how far they are from reality."""
     sizes: dict[tuple[str, str], list[float]] = {}
     for row in _main(found, waveforms):
-        sizes.setdefault((row["stream"], row["probe"]), []).append(row["rmse"])
+        sizes.setdefault((row.stream, row.probe), []).append(row.rmse)
     ratios = []
-    for one in found.get("spread") or ():
-        own = sizes.get((one["stream"], one["probe"]))
+    for one in found.spread:
+        own = sizes.get((one.stream, one.probe))
         if own and max(own) > 0:
-            ratios.append(one["rms"] * len(own) / sum(own))
+            ratios.append(one.rms * len(own) / sum(own))
     if not ratios:
         return
     if max(ratios) < _SAME:
         yield "The engines give the same numbers."
         return
-    told = f"The engines' spread about their own mean is {phrases.span(ratios)} of that"
+    text = f"The engines' spread about their own mean is {phrases.span(ratios)} of that"
     if max(ratios) < _CLOSE:
-        told += ": they agree far better with each other than with reality"
-    yield f"{told}."
+        text += ": they agree far better with each other than with reality"
+    yield f"{text}."
 
 
 # what it is made of
 
 
-def _made_of(found: Record) -> Iterator[str]:
-    probes = list(dict.fromkeys(row["probe"] for row in found["gaps"]))
+def _made_of(found: Validation) -> Iterator[str]:
+    probes = list(dict.fromkeys(row.probe for row in found.gaps))
     if len(probes) > _MANY:
         yield _many_parts(found, probes)
         return
     for probe in probes:
-        rows = [row for row in found["gaps"] if row["probe"] == probe]
+        rows = [row for row in found.gaps if row.probe == probe]
         label = phrases.label(found, probe)
-        told = _split(found, rows, label) if found["fit"] is not None else _unsplit(rows, label)
-        yield told + _explained(rows)
+        text = _split(found, rows, label) if found.fit is not None else _unsplit(rows, label)
+        yield text + _explained(rows)
 
 
-def _many_parts(found: Record, probes: Sequence[str]) -> str:
+def _many_parts(found: Validation, probes: Sequence[str]) -> str:
     """One sentence for many quantities."""
     shown = []
     for probe in probes:
-        shares = [r["shares"]["model_form"] for r in found["gaps"] if r["probe"] == probe]
+        shares = [r.shares.model_form for r in found.gaps if r.probe == probe]
         shown.append(f"{phrases.label(found, probe)} {phrases.span(shares)}")
-    if found["fit"] is None:
+    if found.fit is None:
         return (
             "Of the mean square of each gap this is neither noise nor numerical error:"
             f" {'; '.join(shown)}. Nothing was fitted, so it may come from the parameters or from"
-            " the model." + _explained(found["gaps"])
+            " the model." + _explained(found.gaps)
         )
     return (
         "Of the mean square of each gap before the fit this is neither taken away by the fit nor"
-        f" noise nor numerical error (model form): {'; '.join(shown)}." + _explained(found["gaps"])
+        f" noise nor numerical error (model form): {'; '.join(shown)}." + _explained(found.gaps)
     )
 
 
-def _split(found: Record, rows: Sequence[Record], label: str) -> str:
-    shares = {key: [row["shares"][key] or 0.0 for row in rows] for key in _PARTS}
+def _split(found: Validation, rows: Sequence[GapRecord], label: str) -> str:
+    shares = {key: [getattr(row.shares, key) for row in rows] for key in _PARTS}
     order = sorted(_PARTS, key=lambda key: -max(shares[key]))
     parts = [
         f"{_PARTS[key]} {phrases.span([max(share, 0.0) for share in shares[key]])}"
         for key in order
         if max(shares[key]) > 0
     ]
-    told = (
+    text = (
         f"Before the fit, the gap of the {label} was made of (shares of its mean square):"
         f" {'; '.join(parts)}."
     )
     worse = -min(shares["removed"])
     if worse > 0.005:
-        told += (
+        text += (
             f" The fitted parameters made the gap larger, by up to {phrases.percent(worse)}, so"
             " they do not carry over, and the parts sum to more than 100 %."
         )
     if max(shares["model_form"]) > _MOST and not is_covered(rows):
-        fitted = "there" if found["basis"] == phrases.SAME else "elsewhere"
-        told += (
+        fitted = "there" if found.basis == SAME else "elsewhere"
+        text += (
             f" Model form is what parameters fitted {fitted} leave: it may lie in the equations, in"
             " what drives them, or in parameters that suit only what they were fitted to."
         )
-    return told
+    return text
 
 
-def _unsplit(rows: Sequence[Record], label: str) -> str:
-    shares = [row["shares"]["model_form"] for row in rows]
+def _unsplit(rows: Sequence[GapRecord], label: str) -> str:
+    shares = [row.shares.model_form for row in rows]
     if max(shares) == 0:
         return (
             f"Noise and numerical error are as large as the gap of the {label}: more than that"
@@ -230,9 +234,9 @@ def _unsplit(rows: Sequence[Record], label: str) -> str:
     )
 
 
-def _explained(rows: Sequence[Record]) -> str:
+def _explained(rows: Sequence[GapRecord]) -> str:
     """Whether what is called model form could as well be what is not known of the parameters."""
-    covered = [row["covered"] for row in rows if row.get("covered") is not None]
+    covered = [row.covered for row in rows if row.covered is not None]
     if not covered:
         return ""
     start = (

@@ -3,41 +3,36 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
+from simcompare.compare.events import Interval
 from simcompare.reports.render.figures import MOST_PANELS, Figure, Panel, Series, spread, style_of
 from simcompare.reports.render.tables import Column, Group, Scale, Table, of_engines, scale_of
 from simcompare.reports.run import runs
-from simcompare.reports.validation import validations
+from simcompare.reports.validation import phrases, validations
+from simcompare.results.records.validation import TimingRecord
 from simcompare.results.run import Run
 
-Record = Mapping[str, Any]
 #: more intervals than these are folded away
-_MOST_ROWS = 12
+_MAX_ROWS = 12
 
 
-def timings(run: Run) -> list[Record]:
-    """What is known of the events of each engine and stretch."""
-    return list(validations.validation(run).get("timings") or ())
-
-
-def _streams(rows: Sequence[Record]) -> list[str]:
-    return list(dict.fromkeys(row["stream"] for row in rows))
+def _streams(rows: Sequence[TimingRecord]) -> list[str]:
+    return list(dict.fromkeys(row.stream for row in rows))
 
 
 def figure(run: Run) -> Figure | None:
     """Simulated minus measured length of every interval between two events."""
-    rows = [row for row in timings(run) if row["intervals"]]
+    rows = [row for row in validations.validation(run).timings if row.intervals]
     streams = _streams(rows)[:MOST_PANELS]
     if not streams:
         return None
     panels = tuple(
         Panel(
             validations.stretch(run, stream), "interval between events", "simulated − measured (s)",
-            tuple(_points([row for row in rows if row["stream"] == stream])), whole_x=True,
+            tuple(_points([row for row in rows if row.stream == stream])), whole_x=True,
         )
         for stream in streams
     )  # fmt: skip
@@ -47,44 +42,43 @@ def figure(run: Run) -> Figure | None:
         " of the recording, the step and the parameters, as far as they are known. A bar that"
         " reaches zero says that the difference cannot be told from the uncertainties."
     )
-    title = f"{_first_up(runs.measure_words(rows[0]['series']))}: simulated and measured"
+    title = f"{phrases.first_up(runs.measure_words(rows[0].series))}: simulated and measured"
     return Figure("intervals", title, caption, panels)
 
 
-def _first_up(text: str) -> str:
-    return text[:1].upper() + text[1:]
-
-
-def _points(rows: Sequence[Record]) -> list[Series]:
+def _points(rows: Sequence[TimingRecord]) -> list[Series]:
     found = []
     for i, row in enumerate(rows):
-        spans = row["intervals"]
-        x = np.array([one["number"] for one in spans]) + spread(i, len(rows), 0.5)
-        y = np.array([one["simulated_s"] - one["measured_s"] for one in spans])
+        spans = row.intervals
+        x = np.array([one.number for one in spans]) + spread(i, len(rows), 0.5)
+        y = np.array([one.simulated_s - one.measured_s for one in spans])
         u = np.array([2 * _u(one) for one in spans])
-        name = row["source"]
+        name = row.source
         found.append(Series(name, x, y, style_of(name), u, points=True, line=False))
     return found
 
 
-def _u(interval: Record) -> float:
-    parts = (interval[key] for key in ("u_data_s", "u_num_s", "u_input_s"))
-    return math.hypot(*(part or 0.0 for part in parts))
+def _u(interval: Interval) -> float:
+    return math.hypot(*(part or 0.0 for part in _parts(interval)))
+
+
+def _parts(interval: Interval) -> tuple[float | None, float | None, float | None]:
+    return interval.u_data_s, interval.u_num_s, interval.u_input_s
 
 
 def summary(run: Run) -> Table | None:
     """How many events belong together and how far they are apart."""
-    rows = timings(run)
+    rows = validations.validation(run).timings
     if not rows:
         return None
     columns = [Column("Matched"), Column("Missed"), Column("Extra"), Column("Bias"),
                Column("RMS error"), Column("Largest")]  # fmt: skip
     groups = []
     for stream in _streams(rows):
-        own = [row for row in rows if row["stream"] == stream]
-        scale = scale_of(row["rmse_s"] for row in own)
+        own = [row for row in rows if row.stream == stream]
+        scale = scale_of(row.rmse_s for row in own)
         where = validations.stretch(run, stream)
-        title = runs.measure_words(own[0]["series"]) + (f", {where}" if where else "")
+        title = runs.measure_words(own[0].series) + (f", {where}" if where else "")
         groups.append(Group(title + scale.unit("s"), tuple(_summary(row, scale) for row in own)))
     note = (
         "Errors are simulated minus measured times of events that belong together. Missed: measured"
@@ -93,15 +87,15 @@ def summary(run: Run) -> Table | None:
     return of_engines(columns, groups, note)
 
 
-def _summary(row: Record, scale: Scale) -> tuple[str, ...]:
-    counts = (str(row[key]) for key in ("matched", "missed", "extra"))
-    sizes = (scale.text(row[key]) for key in ("bias_s", "rmse_s", "max_abs_s"))
-    return (row["source"], *counts, *sizes)
+def _summary(row: TimingRecord, scale: Scale) -> tuple[str, ...]:
+    counts = map(str, (row.matched, row.missed, row.extra))
+    sizes = map(scale.text, (row.bias_s, row.rmse_s, row.max_abs_s))
+    return (row.source, *counts, *sizes)
 
 
 def intervals(run: Run) -> Table | None:
     """Every interval between two events."""
-    rows = [row for row in timings(run) if row["intervals"]]
+    rows = [row for row in validations.validation(run).timings if row.intervals]
     if not rows:
         return None
     columns = (
@@ -111,19 +105,19 @@ def intervals(run: Run) -> Table | None:
     )  # fmt: skip
     groups = []
     for row in rows:
-        where = validations.stretch(run, row["stream"])
+        where = validations.stretch(run, row.stream)
         groups.append(
-            Group(row["source"] + (f", {where}" if where else ""),
-                  tuple(map(_interval, row["intervals"])))
+            Group(row.source + (f", {where}" if where else ""),
+                  tuple(map(_interval, row.intervals)))
         )  # fmt: skip
-    count = sum(len(row["intervals"]) for row in rows)
-    return Table("Every interval", columns, tuple(groups), folded=count > _MOST_ROWS)
+    count = sum(len(row.intervals) for row in rows)
+    return Table("Every interval", columns, tuple(groups), folded=count > _MAX_ROWS)
 
 
-def _interval(one: Record) -> tuple[str, ...]:
+def _interval(one: Interval) -> tuple[str, ...]:
     fine = Scale(0, 5)
-    error = one["simulated_s"] - one["measured_s"]
-    parts = (fine.text(one[key]) for key in ("u_data_s", "u_num_s", "u_input_s"))
-    e_n = "–" if one["e_n"] is None else Scale(0, 2).text(one["e_n"])
-    sizes = (fine.text(value) for value in (one["simulated_s"], one["measured_s"], error))
-    return (str(one["number"]), *sizes, *parts, e_n)
+    error = one.simulated_s - one.measured_s
+    parts = map(fine.text, _parts(one))
+    e_n = "–" if one.e_n is None else Scale(0, 2).text(one.e_n)
+    sizes = (fine.text(value) for value in (one.simulated_s, one.measured_s, error))
+    return (str(one.number), *sizes, *parts, e_n)

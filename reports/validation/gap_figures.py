@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 
@@ -20,9 +20,16 @@ from simcompare.reports.render.figures import (
     style_of,
 )
 from simcompare.reports.run import runs
-from simcompare.reports.validation import validations
+from simcompare.reports.validation import answer_values, validations
+from simcompare.results.records.validation import (
+    CalibrationRecord,
+    GapRecord,
+    ParameterRecord,
+    ValueRecord,
+)
 from simcompare.results.run import Run
 
+R = TypeVar("R", GapRecord, ValueRecord)
 #: parts of a gap: key of the record, words, colour (Okabe and Ito), hatch
 PARTS = (
     ("removed", "parameters", "#0072B2", "/"),
@@ -45,11 +52,11 @@ _FITTED, _ALONE = Style("#0072B2"), Style("#000000", marker="diamond", hollow=Tr
 
 def gap_figures(run: Run) -> list[Figure]:
     """How large the gap of each engine is and what it is made of."""
-    rows = [row for row in validations.validation(run)["gaps"] if row["total"] > 0]
+    rows = [row for row in validations.validation(run).gaps if row.total > 0]
     panels = [
         _gap_panel(run, probe, own)
         for probe in validations.judged_probes(run)
-        if (own := [row for row in rows if row["probe"] == probe])
+        if (own := [row for row in rows if row.probe == probe])
     ]
     parts = [panels[i : i + _PANELS] for i in range(0, len(panels), _PANELS)]
     found = [_gap_figure(run, number, tuple(part)) for number, part in enumerate(parts, start=1)]
@@ -77,16 +84,16 @@ def part_words(run: Run, key: str, words: str) -> str:
     return UNFITTED if key == "model_form" and not validations.is_fitted(run) else words
 
 
-def _gap_panel(run: Run, probe: str, rows: Sequence[Mapping[str, Any]]) -> Panel:
-    places = by_stretch(rows)
+def _gap_panel(run: Run, probe: str, rows: Sequence[GapRecord]) -> Panel:
+    places = by_segment(rows, lambda row: row.source)
     ticks = [tick for tick, _ in places]
-    longest = max(row["total"] for row in rows)
+    longest = max(row.total for row in rows)
     layers = []
     for key, words, colour, hatch in PARTS:
         if key == "removed" and not validations.is_fitted(run):
             continue
         shares = np.array([0.0 if row is None else _drawn(row)[key] for _, row in places])
-        lengths = shares * np.array([0.0 if row is None else row["total"] for _, row in places])
+        lengths = shares * np.array([0.0 if row is None else row.total for _, row in places])
         texts = tuple(
             f"{100 * share:.0f} %" if length > _ROOM * longest else ""
             for share, length in zip(shares, lengths, strict=True)
@@ -98,81 +105,78 @@ def _gap_panel(run: Run, probe: str, rows: Sequence[Mapping[str, Any]]) -> Panel
                  bars=tuple(layers), y_ticks=tuple(ticks))  # fmt: skip
 
 
-def by_stretch(
-    rows: Sequence[Mapping[str, Any]], words: str = "source"
-) -> list[tuple[str, Mapping[str, Any] | None]]:
-    """Names and rows for an axis: under the name of each stretch, as a row of its own, its rows."""
-    streams = list(dict.fromkeys(row["stream"] for row in rows))
-    found: list[tuple[str, Mapping[str, Any] | None]] = []
+def by_segment(rows: Sequence[R], name: Callable[[R], str]) -> list[tuple[str, R | None]]:
+    """Names and rows for an axis: under the name of each segment, as a row of its own, its rows."""
+    streams = list(dict.fromkeys(row.stream for row in rows))
+    found: list[tuple[str, R | None]] = []
     for stream in streams:
         if len(streams) > 1:
             found.append((f"{validations.short(stream)}:", None))
-        found += [(str(row[words]), row) for row in rows if row["stream"] == stream]
+        found += [(name(row), row) for row in rows if row.stream == stream]
     return found
 
 
-def _drawn(row: Mapping[str, Any]) -> dict[str, float]:
+def _drawn(row: GapRecord) -> dict[str, float]:
     """Shares that a bar can show: negative ones are nothing, and the others fill it."""
-    shares = {key: max(row["shares"][key] or 0.0, 0.0) for key, *_ in PARTS}
-    whole = sum(shares.values()) or 1.0
-    return {key: share / whole for key, share in shares.items()}
+    shares = {key: max(getattr(row.shares, key), 0.0) for key, *_ in PARTS}
+    total = sum(shares.values()) or 1.0
+    return {key: share / total for key, share in shares.items()}
 
 
 def _gap_caption(run: Run) -> str:
     before = "the simulation with the parameters known before" if validations.is_fitted(run) else (
         "the simulation"
     )  # fmt: skip
-    told = [
+    text = [
         f"Length: how far {before} is from the measurement. Colours: shares of its mean square."
     ]
     if validations.is_fitted(run):
-        told.append(
+        text.append(
             "Parameters: what fitting them took away. Model form: what is left and is neither noise"
             " nor numerical error; it may lie in the equations, in what drives them, or in"
             " parameters that suit only what they were fitted to."
         )
     else:
-        told.append(
+        text.append(
             "Nothing was fitted, so wrong parameters cannot be told from what is missing in the"
             " equations."
         )
-    return " ".join([*told, *_worse(run)])
+    return " ".join([*text, *_worse(run)])
 
 
 def _worse(run: Run) -> Iterator[str]:
     """What bars cannot show: parts that came out negative."""
-    rows = validations.validation(run)["gaps"]
-    worse = [row for row in rows if row["shares"]["removed"] < -0.005]
+    rows = validations.validation(run).gaps
+    worse = [row for row in rows if row.shares.removed < -0.005]
     if worse:
         places = dict.fromkeys(
-            row["source"]
-            + (f" on {where}" if (where := validations.stretch(run, row["stream"])) else "")
+            row.source + (f" on {where}" if (where := validations.stretch(run, row.stream)) else "")
             for row in worse
         )
-        most = max(-row["shares"]["removed"] for row in worse)
+        most = max(-row.shares.removed for row in worse)
         yield (
             f"For {', '.join(places)} the fitted parameters made the mean square larger, by up to"
             f" {100 * most:.0f} %; no bar can show that, the table has it."
         )
-    if any(row["clipped"] for row in rows):
+    if any(row.clipped for row in rows):
         yield "Where noise and numerical error alone exceed what is left, no model form is drawn."
 
 
 def e_n_figure(run: Run) -> Figure | None:
     """E_n of every single value, engines beside each other."""
-    rows = [row for row in validations.validation(run)["values"] if row["e_n"] is not None]
+    rows = answer_values.judged(validations.validation(run).values)
     if not rows:
         return None
-    one_each = list({(row["stream"], row["measure"]): row for row in rows}.values())
-    places = by_stretch(one_each, "measure")
-    index = {(row["stream"], row["measure"]): i for i, (_, row) in enumerate(places) if row}
-    engines = list(dict.fromkeys(row["source"] for row in rows))
+    one_each = list({(row.stream, row.measure): row for row in rows}.values())
+    places = by_segment(one_each, lambda row: row.measure)
+    index = {(row.stream, row.measure): i for i, (_, row) in enumerate(places) if row}
+    engines = list(dict.fromkeys(row.source for row in rows))
     series = []
     for i, engine in enumerate(engines):
-        own = [row for row in rows if row["source"] == engine]
-        x = np.clip([row["e_n"] for row in own], -_FAR, _FAR)
+        own = [row for row in rows if row.source == engine]
+        x = np.clip([row.e_n or 0.0 for row in own], -_FAR, _FAR)
         shift = spread(i, len(engines), 0.7)
-        y = np.array([index[row["stream"], row["measure"]] + shift for row in own])
+        y = np.array([index[row.stream, row.measure] + shift for row in own])
         series.append(Series(engine, x, y, style_of(engine), points=True, line=False))
     reach = max(1.6, *(1.1 * float(np.abs(one.x).max()) for one in series))
     panel = Panel(
@@ -184,7 +188,7 @@ def e_n_figure(run: Run) -> Figure | None:
         "Error is simulated minus measured. Between −1 and 1 it cannot be told from the"
         " uncertainties; that alone validates nothing, for large uncertainties hide large errors."
     )
-    if any(abs(row["e_n"]) > _FAR for row in rows):
+    if any(abs(row.e_n or 0.0) > _FAR for row in rows):
         caption += f" Values beyond ±{_FAR:g} are drawn at the edge; the table has them."
     return Figure(
         "e-n", "Single values beside their uncertainty", caption, (panel,),
@@ -194,11 +198,11 @@ def e_n_figure(run: Run) -> Figure | None:
 
 def parameter_figure(run: Run) -> Figure | None:
     """How far the fit moved each parameter, and how single stretches scatter about it."""
-    fit = validations.validation(run)["fit"]
+    fit = validations.validation(run).fit
     if fit is None:
         return None
-    rows = {row["name"]: row for row in validations.validation(run)["parameters"]}
-    names = [name for name in fit["names"] if name in rows]
+    rows = {row.name: row for row in validations.validation(run).parameters}
+    names = [name for name in fit.names if name in rows]
     ticks = tuple(validations.parameter(name) for name in names)
     panels = [*_moved(names, rows, ticks), *_scatter(fit, names, rows, ticks)]
     if not panels:
@@ -219,14 +223,16 @@ _ONE_BAND = Span(-2.0, 2.0, "± 2u")
 
 
 def _moved(
-    names: Sequence[str], rows: Mapping[str, Mapping[str, Any]], ticks: tuple[str, ...]
+    names: Sequence[str], rows: Mapping[str, ParameterRecord], ticks: tuple[str, ...]
 ) -> Iterator[Panel]:
-    known = [(i, rows[name]) for i, name in enumerate(names) if rows[name]["u_known"]]
+    known = [
+        (i, (row.fitted - row.known) / row.u_known, 2 * (row.u_fitted or 0.0) / row.u_known)
+        for i, name in enumerate(names)
+        if (row := rows[name]).u_known and row.known is not None and row.fitted is not None
+    ]
     if not known:
         return
-    x = np.array([(row["fitted"] - row["known"]) / row["u_known"] for _, row in known])
-    u = np.array([2 * row["u_fitted"] / row["u_known"] for _, row in known])
-    y = np.array([float(i) for i, _ in known])
+    y, x, u = (np.array(column, dtype=float) for column in zip(*known, strict=True))
     fitted = Series("fitted ± 2u", x, y, _FITTED, u, points=True, line=False)
     yield Panel(_MOVED, "(fitted − known) ÷ u of what was known", "", (fitted,),
                 spans=(_ONE_BAND, Span(0.0, 0.0)), y_ticks=ticks,
@@ -234,20 +240,21 @@ def _moved(
 
 
 def _scatter(
-    fit: Mapping[str, Any],
+    fit: CalibrationRecord,
     names: Sequence[str],
-    rows: Mapping[str, Mapping[str, Any]],
+    rows: Mapping[str, ParameterRecord],
     ticks: tuple[str, ...],
 ) -> Iterator[Panel]:
-    usable = [i for i, name in enumerate(names) if rows[name]["u_fitted"]]
-    if not fit["single"] or not usable:
+    usable = [i for i, name in enumerate(names) if rows[name].u_fitted]
+    if not fit.single or not usable:
         return
     x, y = [], []
-    for number, values in enumerate(fit["single"].values()):
+    for number, values in enumerate(fit.single.values()):
         for i in usable:
             row = rows[names[i]]
-            x.append((values[fit["names"].index(names[i])] - row["fitted"]) / row["u_fitted"])
-            y.append(i + spread(number, len(fit["single"])))
+            moved = values[fit.names.index(names[i])] - (row.fitted or 0.0)
+            x.append(moved / (row.u_fitted or 1.0))
+            y.append(i + spread(number, len(fit.single)))
     alone = Series("one stretch alone", np.array(x), np.array(y), _ALONE, points=True, line=False)
     yield Panel(_SINGLE, "(alone − together) ÷ u of the fit", "", (alone,),
                 spans=(_ONE_BAND, Span(0.0, 0.0)), y_ticks=ticks,

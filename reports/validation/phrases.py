@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import Protocol
 
 from simcompare import units
+from simcompare.results.records.validation import Validation, WaveformRecord
 
-Record = Mapping[str, Any]
-#: what the parameters rest on
-KNOWN, HELD_OUT, SAME = "known before", "held out", "same data"
 #: a share below this is nothing
 NOTHING = 5e-4
 #: what noise alone spans is less than so many times its expected range
@@ -20,26 +18,37 @@ _PLAIN = (1e-3, 1e5)
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def label(found: Record, probe: str) -> str:
+class OfStream(Protocol):
+    """A row of one stream."""
+
+    @property
+    def stream(self) -> str:
+        """Its stream."""
+
+
+class OfEngine(Protocol):
+    """A row of one engine."""
+
+    @property
+    def source(self) -> str:
+        """Its engine."""
+
+
+def label(found: Validation, probe: str) -> str:
     """The label of a compared quantity, in lower case unless it begins with an abbreviation."""
-    text = str(found["compare"][probe]["label"])
+    text = found.compare[probe].label
     # DC and E_n stay as they are
     return text[:1].lower() + text[1:] if text[1:2].islower() else text
 
 
-def stretches(found: Record) -> list[str]:
-    """The stretches that were judged."""
-    return list(dict.fromkeys(case["stream"] for case in found["cases"]))
-
-
-def where(found: Record, row: Record) -> str:
+def where(found: Validation, row: OfStream) -> str:
     """The stretch of a row where there are several."""
-    return f" on {row['stream']}" if len(stretches(found)) > 1 else ""
+    return f" on {row.stream}" if len(found.streams) > 1 else ""
 
 
-def engines_of(rows: Iterable[Record]) -> list[str]:
+def engines_of(rows: Iterable[OfEngine]) -> list[str]:
     """The engines of some rows."""
-    return list(dict.fromkeys(row["source"] for row in rows))
+    return list(dict.fromkeys(row.source for row in rows))
 
 
 def whose(names: Sequence[str], every: Sequence[str]) -> str:
@@ -115,27 +124,26 @@ def size_span(values: Sequence[float], unit: str) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def noise_of(found: Record, stream: str, probe: str) -> float | None:
+def noise_of(found: Validation, stream: str, probe: str) -> float | None:
     """Standard uncertainty of a sample; ``None`` where it is not known."""
-    for case in found["cases"]:
-        if case["stream"] == stream:
-            u: float | None = case.get("probes", {}).get(probe, {}).get("u")
-            return u
+    for case in found.cases:
+        if case.stream == stream:
+            return case.probes[probe].u if probe in case.probes else None
     return None
 
 
-def is_constant(found: Record, row: Record) -> bool:
+def is_constant(found: Validation, row: WaveformRecord) -> bool:
     """Whether a measured signal spans no more than its noise, so that its range has no meaning.
 
     Args:
         found: the record of the validation.
         row: of its waveforms.
     """
-    if row["nrmse"] is None:
+    if row.nrmse is None:
         return True
-    u = noise_of(found, row["stream"], row["probe"])
-    if not u or not row["nrmse"]:
+    u = noise_of(found, row.stream, row.probe)
+    if not u or not row.nrmse:
         return False
     # the range of n normal deviates is about 2·√(2·ln n) standard deviations
-    expected = 2 * math.sqrt(2 * math.log(max(row["n"], 2))) * u
-    return bool(row["rmse"] / row["nrmse"] < _NOISE_ALONE * expected)
+    expected = 2 * math.sqrt(2 * math.log(max(row.n, 2))) * u
+    return row.rmse / row.nrmse < _NOISE_ALONE * expected

@@ -3,52 +3,49 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
 
-from simcompare.model.recording import INFO, REPAIR, WARNING
+from simcompare.model.recording import INFO, REPAIR, WARNING, Repair
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Table, printable
 from simcompare.reports.validation import validations
 from simcompare.results.run import Run
 
-Record = Mapping[str, Any]
 #: ranges of rows and streams that are named for each repair
-_RANGES, _STREAMS = 8, 4
+_MAX_RANGES, _MAX_STREAMS = 8, 4
 _SEVERITIES = {REPAIR: "repaired", WARNING: "left and marked", INFO: "noted"}
 
 
 def facts(run: Run) -> dict[str, str]:
     """Where the recording comes from and how it was read."""
     found = validations.validation(run)
-    file = found["provenance"]
-    align = found["align"]
-    clocks = [align["by"] if align["by"] != "none" else "taken as they are"]
-    clocks += [align["reason"]] if align["reason"] else []
-    clocks += [str(one["text"]) for one in found.get("alignments") or () if one]
-    inputs = ", ".join(f"{name} follows channel {c}" for name, c in found["inputs"].items())
+    file = found.provenance
+    align = found.align
+    how = "taken as they are" if align.by == "none" else align.by
+    texts = (one.text for one in found.alignments if one is not None)
+    clocks = [how, *([align.reason] if align.reason else []), *texts]
+    inputs = ", ".join(f"{name} follows channel {c}" for name, c in found.inputs.items())
     compared = ", ".join(
-        f"{one['label']} with channel {one['channel']}" + ("" if one["judged"] else " (not judged)")
-        for one in found["compare"].values()
+        f"{one.label} with channel {one.channel}" + ("" if one.judged else " (not judged)")
+        for one in found.compare.values()
     )
-    told = {
-        **{str(key): str(value) for key, value in found["about"].items()},
-        "file": f"{file['file']}, {file['size_bytes']} bytes",
-        "SHA-256": file["sha256"],
-        "read by": f"importer {file['importer']} of simcompare {file['version']},"
-        f" mode {file['mode']}",
+    shown = {
+        **found.about,
+        "file": f"{file.file}, {file.size_bytes} bytes",
+        "SHA-256": file.sha256,
+        "read by": f"importer {file.importer} of simcompare {file.version}, mode {file.mode}",
         "clocks": ": ".join(clocks),
     }
-    told |= {"compared": compared} if compared else {}
-    told |= {"inputs": inputs} if inputs else {}
-    return {printable(key): printable(value) for key, value in told.items()}
+    shown |= {"compared": compared} if compared else {}
+    shown |= {"inputs": inputs} if inputs else {}
+    return {printable(key): printable(value) for key, value in shown.items()}
 
 
 def repairs(run: Run) -> list[Table]:
     """What was noticed in the log: changes and defects first, what is harmless folded."""
-    rows = validations.validation(run)["provenance"]["repairs"]
-    serious = [row for row in rows if row["severity"] != INFO]
-    serious.sort(key=lambda row: row["severity"] != REPAIR)
-    harmless = [row for row in rows if row["severity"] == INFO]
+    rows = validations.validation(run).provenance.repairs
+    serious = [row for row in rows if row.severity != INFO]
+    serious.sort(key=lambda row: row.severity != REPAIR)
+    harmless = [row for row in rows if row.severity == INFO]
     found = []
     if serious:
         found.append(_repairs("Defects of the log", serious))
@@ -57,7 +54,7 @@ def repairs(run: Run) -> list[Table]:
     return found
 
 
-def _repairs(title: str, rows: Sequence[Record]) -> Table:
+def _repairs(title: str, rows: Sequence[Repair]) -> Table:
     columns = (
         Column("Done", text=True), Column("Rule", text=True),
         Column("What was found", text=True), Column("Where", text=True), Column("Count"),
@@ -66,47 +63,45 @@ def _repairs(title: str, rows: Sequence[Record]) -> Table:
     return Table(title, columns, (Group("", tuple(map(_repair, _merged(rows)))),))
 
 
-def _merged(rows: Sequence[Record]) -> list[list[Record]]:
+def _merged(rows: Sequence[Repair]) -> list[list[Repair]]:
     """What was noticed alike in several streams, as one row."""
-    found: dict[tuple[Any, ...], list[Record]] = {}
+    found: dict[tuple[str | int, ...], list[Repair]] = {}
     for i, row in enumerate(rows):
         # rows of a log can only be named for one stream at a time
-        own = i if row["rows"] or row["before"] else -1
-        key = (row["severity"], row["rule"], row["text"], row["channel"], own)
+        own = i if row.rows or row.before else -1
+        key = (row.severity, row.rule, row.text, row.channel, own)
         found.setdefault(key, []).append(row)
     return list(found.values())
 
 
-def _repair(rows: Sequence[Record]) -> tuple[str, ...]:
+def _repair(rows: Sequence[Repair]) -> tuple[str, ...]:
     row = rows[0]
-    count = sum(one["count"] for one in rows)
+    count = sum(one.count for one in rows)
     return (
-        _SEVERITIES.get(row["severity"], str(row["severity"])),
-        str(row["rule"]).replace("_", " "),
-        str(row["text"]),
+        _SEVERITIES.get(row.severity, row.severity),
+        row.rule.replace("_", " "),
+        row.text,
         _where(rows),
         str(count) if count else "",
-        _changes(row["before"], row["after"]),
+        _changes(row.before, row.after),
     )
 
 
-def _where(rows: Sequence[Record]) -> str:
+def _where(rows: Sequence[Repair]) -> str:
     row = rows[0]
-    parts = [
-        _few(dict.fromkeys(one["stream"] for one in rows if one["stream"] != validations.ONLY))
-    ]
-    parts += [f"column {row['channel']}"] if row["channel"] else []
-    ranges = [f"{a}" if a == b else f"{a}–{b}" for a, b in row["rows"][:_RANGES]]
+    parts = [_few(dict.fromkeys(one.stream for one in rows if one.stream != validations.ONLY))]
+    parts += [f"column {row.channel}"] if row.channel else []
+    ranges = [f"{a}" if a == b else f"{a}–{b}" for a, b in row.rows[:_MAX_RANGES]]
     if ranges:
-        kind = "row" if ranges == [f"{row['rows'][0][0]}"] else "rows"
-        parts.append(f"{kind} {', '.join(ranges)}{' …' if len(row['rows']) > _RANGES else ''}")
+        kind = "row" if ranges == [f"{row.rows[0][0]}"] else "rows"
+        parts.append(f"{kind} {', '.join(ranges)}{' …' if len(row.rows) > _MAX_RANGES else ''}")
     return ", ".join(part for part in parts if part)
 
 
 def _few(streams: Iterable[str]) -> str:
     names = [name for name in streams if name]
-    shown = ", ".join(names[:_STREAMS])
-    return f"{shown} and {len(names) - _STREAMS} more" if len(names) > _STREAMS else shown
+    shown = ", ".join(names[:_MAX_STREAMS])
+    return f"{shown} and {len(names) - _MAX_STREAMS} more" if len(names) > _MAX_STREAMS else shown
 
 
 def _changes(before: Mapping[str, float], after: Mapping[str, float]) -> str:
@@ -128,29 +123,29 @@ def stretches(run: Run) -> Table | None:
         Column("Saturated"), Column("u of a sample"), Column("u from", text=True),
     )  # fmt: skip
     rows = []
-    for case in validations.validation(run)["cases"]:
-        for probe, seen in case["probes"].items():
+    for case in validations.validation(run).cases:
+        for probe, measured in case.probes.items():
             rows.append(
                 (
-                    validations.stretch(run, case["stream"]) or "the whole log",
-                    numbers.plain(case["start_s"], 4),
-                    numbers.plain(case["duration_s"], 4) + (" (cut)" if case.get("short") else ""),
+                    validations.stretch(run, case.stream) or "the whole log",
+                    numbers.plain(case.start_s, 4),
+                    numbers.plain(case.duration_s, 4) + (" (cut)" if case.short else ""),
                     validations.with_unit(run, probe),
-                    *(str(seen[key]) for key in ("samples", "missing", "saturated")),
-                    numbers.plain(seen["u"], 2),
-                    seen["u_from"],
+                    *map(str, (measured.samples, measured.missing, measured.saturated)),
+                    numbers.plain(measured.u, 2),
+                    measured.u_from,
                 )
             )
     if not rows:
         return None
     note = "Cut: the log ends before the window that was asked for."
-    cut = any(case.get("short") for case in validations.validation(run)["cases"])
+    cut = any(case.short for case in validations.validation(run).cases)
     return Table("Stretches", columns, (Group("", tuple(rows)),), note if cut else "")
 
 
 def conversions(run: Run) -> Table | None:
     """How every column of the log became SI."""
-    found = validations.validation(run)["provenance"]["conversions"]
+    found = validations.validation(run).provenance.conversions
     if not found:
         return None
     columns = (
@@ -160,8 +155,8 @@ def conversions(run: Run) -> Table | None:
     )  # fmt: skip
     rows = tuple(
         (
-            row["raw"], row["raw_unit"], row["channel"] or "left out", row["unit"],
-            f"{row['factor']:.9g}", f"{row['offset']:.9g}", row["reason"],
+            row.raw, row.raw_unit, row.channel or "left out", row.unit,
+            f"{row.factor:.9g}", f"{row.offset:.9g}", row.reason,
         )
         for row in found
     )  # fmt: skip
@@ -171,19 +166,19 @@ def conversions(run: Run) -> Table | None:
 def events(run: Run) -> Table | None:
     """Events of the recording within the stretches."""
     found = validations.validation(run)
-    streams = {case["stream"] for case in found["cases"]}
+    streams = {case.stream for case in found.cases}
     rows = tuple(
         (
-            row["name"],
-            validations.stretch(run, row["stream"]),
-            numbers.with_u(row["time_s"], row["u_s"], digits=7),
-            numbers.plain(row["value"], 4),
+            row.name,
+            validations.stretch(run, row.stream),
+            numbers.with_u(row.time_s, row.u_s, digits=7),
+            numbers.plain(row.value, 4),
         )
-        for row in found["events"]
-        if row["stream"] in streams
+        for row in found.events
+        if row.stream in streams
     )
     if not rows:
         return None
     columns = (Column("Event", text=True), Column("Stretch", text=True),
                Column("Time ± u (s)"), Column("Value"))  # fmt: skip
-    return Table("Events", columns, (Group("", rows),), folded=len(rows) > _RANGES)
+    return Table("Events", columns, (Group("", rows),), folded=len(rows) > _MAX_RANGES)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from typing import TypeVar
 
 from simcompare import units
 from simcompare.reports.render import numbers
@@ -12,15 +12,23 @@ from simcompare.reports.render.tables import Column, Group, Scale, Table, of_eng
 from simcompare.reports.run import runs
 from simcompare.reports.validation import phrases, validations
 from simcompare.reports.validation.gap_figures import PARTS, part_words
+from simcompare.results.records.validation import (
+    KNOWN,
+    AgreementRecord,
+    GapRecord,
+    ParameterRecord,
+    ValueRecord,
+    WaveformRecord,
+)
 from simcompare.results.run import Run
 
-Record = Mapping[str, Any]
+R = TypeVar("R", GapRecord, ValueRecord, WaveformRecord)
 
 
-def _grouped(rows: Sequence[Record], second: str) -> Iterator[tuple[str, str, list[Record]]]:
-    """Stretch, value of the second key, and their rows."""
-    for stream, other in dict.fromkeys((row["stream"], row[second]) for row in rows):
-        found = [row for row in rows if (row["stream"], row[second]) == (stream, other)]
+def _grouped(rows: Sequence[R], second: Callable[[R], str]) -> Iterator[tuple[str, str, list[R]]]:
+    """Stream, the second name, and their rows."""
+    for stream, other in dict.fromkeys((row.stream, second(row)) for row in rows):
+        found = [row for row in rows if (row.stream, second(row)) == (stream, other)]
         yield stream, other, found
 
 
@@ -36,12 +44,12 @@ def percent(share: float | None, digits: int = 1) -> str:
 
 def waveforms(run: Run) -> Table:
     """How far each engine is from each judged signal."""
-    rows = [row for row in validations.validation(run)["waveforms"] if row["judged"]]
+    rows = [row for row in validations.validation(run).waveforms if row.judged]
     fitted = validations.is_fitted(run)
-    aligned = any(row["aligned"] for row in rows)
+    aligned = any(row.aligned for row in rows)
     groups = []
-    for stream, probe, own in _grouped(rows, "probe"):
-        scale = scale_of(row["rmse"] for row in own)
+    for stream, probe, own in _grouped(rows, lambda row: row.probe):
+        scale = scale_of(row.rmse for row in own)
         groups.append(
             Group(
                 _title(run, stream, validations.label(run, probe))
@@ -86,55 +94,57 @@ def _waveform_note(*, fitted: bool, aligned: bool, still: Sequence[bool]) -> str
     return note
 
 
-def _sources(rows: Sequence[Record]) -> list[str]:
-    return list(dict.fromkeys(row["source"] for row in rows))
+def _sources(rows: Sequence[WaveformRecord]) -> list[str]:
+    return list(dict.fromkeys(row.source for row in rows))
 
 
-def _waveform(run: Run, rows: Sequence[Record], engine: str, scale: Scale) -> tuple[str, ...]:
-    own = [row for row in rows if row["source"] == engine]
-    is_aligned = any(row["aligned"] for row in own)
+def _waveform(
+    run: Run, rows: Sequence[WaveformRecord], engine: str, scale: Scale
+) -> tuple[str, ...]:
+    own = [row for row in rows if row.source == engine]
+    is_aligned = any(row.aligned for row in own)
 
-    def one(parameters: str, aligned: bool) -> Record | None:
+    def one(parameters: str, aligned: bool) -> WaveformRecord | None:
         for row in own:
-            if row["parameters"] == parameters and row["aligned"] == aligned:
+            if row.parameters == parameters and row.aligned == aligned:
                 return row
         return None
 
     last = validations.last_parameters(run)
     main = one(last, is_aligned)
     assert main is not None
-    cells = [engine, scale.text(main["rmse"])]
+    cells = [engine, scale.text(main.rmse)]
     if validations.is_fitted(run):
-        before = one(validations.KNOWN, is_aligned)
-        cells.append(scale.text(None if before is None else before["rmse"]))
-    if any(row["aligned"] for row in validations.validation(run)["waveforms"] if row["judged"]):
+        before = one(KNOWN, is_aligned)
+        cells.append(scale.text(None if before is None else before.rmse))
+    if any(row.aligned for row in validations.validation(run).waveforms if row.judged):
         raw = one(last, aligned=False)
-        cells.append(scale.text(None if raw is None else raw["rmse"]))
+        cells.append(scale.text(None if raw is None else raw.rmse))
     still = phrases.is_constant(validations.validation(run), main)
-    shares = (None if still else main[key] for key in ("nrmse", "magnitude", "phase"))
-    cells += [scale.text(main["bias"]), scale.text(main["max_abs"])]
-    return (*cells, *(percent(share, 2) for share in shares), str(main["n"]))
+    shares = (None, None, None) if still else (main.nrmse, main.magnitude, main.phase)
+    cells += [scale.text(main.bias), scale.text(main.max_abs)]
+    return (*cells, *(percent(share, 2) for share in shares), str(main.n))
 
 
 def gaps(run: Run) -> list[Table]:
     """What the gap is made of: root mean squares, and how the shares add up."""
-    rows = validations.validation(run)["gaps"]
+    rows = validations.validation(run).gaps
     if not rows:
         return []
     return [_gap_sizes(run, rows), _gap_shares(run, rows)]
 
 
-def _gap_sizes(run: Run, rows: Sequence[Record]) -> Table:
+def _gap_sizes(run: Run, rows: Sequence[GapRecord]) -> Table:
     fitted = validations.is_fitted(run)
     columns = [Column("Gap before the fit"), Column("after it")] if fitted else [Column("Gap")]
-    columns += [Column(_first_up(part_words(run, "model_form", "model form")))]
+    columns += [Column(phrases.first_up(part_words(run, "model_form", "model form")))]
     columns += [Column("95 % interval", spare=True), Column("Numerical"), Column("Noise")]
     columns += [Column("Fit took away (%)")] if fitted else []
-    covered = any(row.get("covered") is not None for row in rows)
+    covered = any(row.covered is not None for row in rows)
     columns += [Column("Covered (%)", spare=True)] if covered else []
     groups = []
-    for stream, probe, own in _grouped(rows, "probe"):
-        scale = scale_of(v for row in own for v in (row["total"], row["remaining"]))
+    for stream, probe, own in _grouped(rows, lambda row: row.probe):
+        scale = scale_of(v for row in own for v in (row.total, row.remaining))
         unit = scale.unit(validations.unit(run, probe))
         groups.append(
             Group(
@@ -145,7 +155,7 @@ def _gap_sizes(run: Run, rows: Sequence[Record]) -> Table:
                 ),
             )
         )
-    noises = " and ".join(dict.fromkeys(row["noise_from"] for row in rows))
+    noises = " and ".join(dict.fromkeys(row.noise_from for row in rows))
     note = (
         "Root mean squares; the squares of model form, numerical error and noise add up to that of"
         f" the gap{' after the fit' if fitted else ''}. The interval of the model form comes from a"
@@ -161,21 +171,17 @@ def _gap_sizes(run: Run, rows: Sequence[Record]) -> Table:
     return of_engines(columns, groups, note)
 
 
-def _first_up(text: str) -> str:
-    return text[:1].upper() + text[1:]
+def _gap(row: GapRecord, scale: Scale, *, fitted: bool) -> tuple[str, ...]:
+    cells = [row.source, scale.text(row.total)]
+    cells += [scale.text(row.remaining)] if fitted else []
+    low, high = scale.text(row.model_form_low), scale.text(row.model_form_high)
+    cells += [scale.text(row.model_form), f"{low} … {high}"]
+    cells += [_small(row.numerical, scale), _small(row.noise, scale)]
+    return (*cells, *([percent(row.shares.removed)] if fitted else []))
 
 
-def _gap(row: Record, scale: Scale, *, fitted: bool) -> tuple[str, ...]:
-    cells = [row["source"], scale.text(row["total"])]
-    cells += [scale.text(row["remaining"])] if fitted else []
-    low, high = scale.text(row["model_form_low"]), scale.text(row["model_form_high"])
-    cells += [scale.text(row["model_form"]), f"{low} … {high}"]
-    cells += [_small(row["numerical"], scale), _small(row["noise"], scale)]
-    return (*cells, *([percent(row["shares"]["removed"])] if fitted else []))
-
-
-def _covered(row: Record, *, wanted: bool) -> tuple[str, ...]:
-    return (percent(row.get("covered"), 0),) if wanted else ()
+def _covered(row: GapRecord, *, wanted: bool) -> tuple[str, ...]:
+    return (percent(row.covered, 0),) if wanted else ()
 
 
 def _small(value: float | None, scale: Scale) -> str:
@@ -188,7 +194,7 @@ def _small(value: float | None, scale: Scale) -> str:
     return text
 
 
-def _gap_shares(run: Run, rows: Sequence[Record]) -> Table:
+def _gap_shares(run: Run, rows: Sequence[GapRecord]) -> Table:
     keys = ("parameter", "cross", *(key for key, *_ in PARTS[1:]), "excess")
     heads = ("Parameters alone", "Shared with the rest", "Model form", "Numerical", "Noise",
              "Too much noise")  # fmt: skip
@@ -196,12 +202,12 @@ def _gap_shares(run: Run, rows: Sequence[Record]) -> Table:
         Group(
             _title(run, stream, validations.label(run, probe)),
             tuple(
-                (row["source"], *(percent(row["shares"][key], 2) for key in keys),
-                 percent(sum(row["shares"][key] or 0.0 for key in keys), 2))
+                (row.source, *(percent(getattr(row.shares, key), 2) for key in keys),
+                 percent(sum(getattr(row.shares, key) for key in keys), 2))
                 for row in own
             ),
         )
-        for stream, probe, own in _grouped(rows, "probe")
+        for stream, probe, own in _grouped(rows, lambda row: row.probe)
     ]  # fmt: skip
     note = (
         "Shares of the mean square of the gap, in per cent. What parameters and the rest share is"
@@ -214,7 +220,7 @@ def _gap_shares(run: Run, rows: Sequence[Record]) -> Table:
 
 def values(run: Run) -> Table | None:
     """Single values, simulated and measured."""
-    rows = validations.validation(run)["values"]
+    rows = validations.validation(run).values
     if not rows:
         return None
     columns = [
@@ -223,15 +229,15 @@ def values(run: Run) -> Table | None:
         Column("In words", text=True, whole=True),
     ]  # fmt: skip
     groups = []
-    for stream, measure, own in _grouped(rows, "measure"):
-        symbol = units.symbol(own[0]["unit"])
+    for stream, measure, own in _grouped(rows, lambda row: row.measure):
+        symbol = units.symbol(own[0].unit)
         unit = "" if symbol == "1" else f" {symbol}"
-        measured = numbers.with_u(own[0]["measured"], own[0]["u_data"] or None)
-        power = _thousands(max(abs(v) for row in own for v in (row["error"], row["u_val"])))
+        measured = numbers.with_u(own[0].measured, own[0].u_data or None)
+        power = _thousands(max(abs(v) for row in own for v in (row.error, row.u_val)))
         of_power = f" 10{numbers.raised(power)}{unit}" if power else unit
         title = f"{_title(run, stream, runs.measure_words(measure))}: measured {measured}{unit}"
         title += f"; error and u in{of_power}" if of_power else ""
-        scales = [_budget_scale(power, [row[key] for row in own]) for key in _BUDGET]
+        scales = [_budget_scale(power, column) for column in zip(*map(_sizes, own), strict=True)]
         groups.append(Group(title, tuple(_value(row, scales) for row in own)))
     note = (
         "Standard uncertainties: numerical from runs with two and four times the step (grid"
@@ -243,8 +249,9 @@ def values(run: Run) -> Table | None:
     return of_engines(columns, groups, note)
 
 
-#: columns of a value that are written in one power of ten
-_BUDGET = ("error", "u_num", "u_input")
+def _sizes(row: ValueRecord) -> tuple[float, float | None, float | None]:
+    """Columns of a value that are written in one power of ten."""
+    return row.error, row.u_num, row.u_input
 
 
 def _thousands(size: float) -> int:
@@ -259,34 +266,32 @@ def _budget_scale(power: int, column: Sequence[float | None]) -> Scale:
     return Scale(power, min(max(places, 0), 2 if power else 5))
 
 
-def _value(row: Record, scales: Sequence[Scale]) -> tuple[str, ...]:
-    budget = [scale.text(row[key]) for key, scale in zip(_BUDGET, scales, strict=True)]
-    budget[1:] = [
-        _small(row[key], scale) for key, scale in zip(_BUDGET[1:], scales[1:], strict=True)
-    ]
+def _value(row: ValueRecord, scales: Sequence[Scale]) -> tuple[str, ...]:
+    parts = zip(_sizes(row)[1:], scales[1:], strict=True)
+    budget = [scales[0].text(row.error), *(_small(size, scale) for size, scale in parts)]
     return (
-        row["source"],
-        numbers.with_u(row["simulated"], row["u_simulated"] or None),
+        row.source,
+        numbers.with_u(row.simulated, row.u_simulated or None),
         *budget,
-        "–" if row["e_n"] is None else Scale(0, 2).text(row["e_n"]),
-        row["words"],
+        "–" if row.e_n is None else Scale(0, 2).text(row.e_n),
+        row.words,
     )
 
 
 def agreement(run: Run) -> Table | None:
     """Whether the engines agree with each other."""
-    rows = validations.validation(run)["agreement"]
+    rows = validations.validation(run).agreement
     if not rows:
         return None
     columns = (Column("Quantity", text=True), Column("Engines"), Column("Birge ratio"),
                Column("Expected"), Column("In words", text=True, whole=True))  # fmt: skip
     cells = tuple(
         (
-            _title(run, row["stream"], runs.measure_words(row["measure"])),
-            str(len(row["engines"])),
-            Scale(0, 2).text(row["ratio"]),
-            f"{row['low']:.2f} … {row['high']:.2f}",
-            "within their step errors" if row["consistent"] else "beyond their step errors",
+            _title(run, row.stream, runs.measure_words(row.measure)),
+            str(len(row.engines)),
+            Scale(0, 2).text(row.ratio),
+            f"{row.low:.2f} … {row.high:.2f}",
+            "within their step errors" if row.consistent else "beyond their step errors",
         )
         for row in rows
     )
@@ -294,9 +299,9 @@ def agreement(run: Run) -> Table | None:
     return Table(title, columns, (Group("", cells),), _left_out(rows))
 
 
-def _left_out(rows: Sequence[Record]) -> str:
+def _left_out(rows: Sequence[AgreementRecord]) -> str:
     """Engines whose own step error is not known."""
-    names = dict.fromkeys(name for row in rows for name in row.get("left_out") or ())
+    names = dict.fromkeys(name for row in rows for name in row.left_out)
     if not names:
         return ""
     return f"Left out where no step error is known: {', '.join(names)}."
@@ -309,8 +314,8 @@ def parameters(run: Run, *, chosen: bool = False) -> Table | None:
         run: the validation.
         chosen: without those that were left as the scenario has them.
     """
-    rows = validations.validation(run)["parameters"]
-    rows = [row for row in rows if not chosen or row["kind"] != "scenario"]
+    every = validations.validation(run).parameters
+    rows = [row for row in every if not chosen or row.kind != "scenario"]
     if not rows:
         return None
     columns = [Column("Parameter", text=True, whole=True), Column("Unit", text=True, whole=True),
@@ -320,36 +325,34 @@ def parameters(run: Run, *, chosen: bool = False) -> Table | None:
     return Table("", tuple(columns), (Group("", tuple(_parameter(run, row) for row in rows)),))
 
 
-def _parameter(run: Run, row: Record) -> tuple[str, ...]:
-    before = numbers.with_u(row["known"], row["u_known"] or None)
-    if row["known"] is None and row["kind"] == "read off":
+def _parameter(run: Run, row: ParameterRecord) -> tuple[str, ...]:
+    before = numbers.with_u(row.known, row.u_known or None)
+    if row.known is None and row.kind == "read off":
         before = "each stretch its own"
-    cells = [validations.parameter(row["name"]), "" if row["unit"] == "1" else row["unit"], before]
+    cells = [validations.parameter(row.name), "" if row.unit == "1" else row.unit, before]
     if validations.is_fitted(run):
-        cells.append(
-            "" if row["fitted"] is None else numbers.with_u(row["fitted"], row["u_fitted"])
-        )
-    return (*cells, row["source"])
+        cells.append("" if row.fitted is None else numbers.with_u(row.fitted, row.u_fitted))
+    return (*cells, row.source)
 
 
 def single_fits(run: Run) -> Table | None:
     """What each stretch gives when it is fitted alone."""
-    fit = validations.validation(run)["fit"]
-    if fit is None or not fit["single"]:
+    fit = validations.validation(run).fit
+    if fit is None or not fit.single:
         return None
-    known = {row["name"]: row["u_fitted"] for row in validations.validation(run)["parameters"]}
-    u = [known.get(name) for name in fit["names"]]
+    known = {row.name: row.u_fitted for row in validations.validation(run).parameters}
+    u = [known.get(name) for name in fit.names]
     scales = [
         _scale_beside(column, one)
-        for column, one in zip(zip(*fit["single"].values(), strict=True), u, strict=True)
+        for column, one in zip(zip(*fit.single.values(), strict=True), u, strict=True)
     ]
     heads = [
         validations.parameter(name) + scale.unit(units.symbol(units.unit_of(name)))
-        for name, scale in zip(fit["names"], scales, strict=True)
+        for name, scale in zip(fit.names, scales, strict=True)
     ]
     rows = [
         (validations.short(stream), *(s.text(v) for s, v in zip(scales, found, strict=True)))
-        for stream, found in fit["single"].items()
+        for stream, found in fit.single.items()
     ]
     rows.append(("u of all together", *(s.text(v) for s, v in zip(scales, u, strict=True))))
     columns = (Column("Stretch", text=True, whole=True), *map(Column, heads))

@@ -2,39 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+import numpy as np
 
 from simcompare import units
 from simcompare.model.trajectory import TRUTH, Trajectory
 from simcompare.reports.render.tables import printable
 from simcompare.reports.run import runs
-from simcompare.results.records.validation import ValidationRecord
+from simcompare.results.records.validation import FITTED, KNOWN, Validation, ValidationRecord
 from simcompare.results.run import Run
 
 MEASURED = "measured"
 BEST, NOMINAL = "best", "nominal"
-KNOWN, FITTED = "known before", "fitted"
 #: name of the only stream of a log that has one
 ONLY = "log"
 #: stretches of a recording that are drawn; the tables have all
-MOST_STRETCHES = 2
+MAX_SEGMENTS = 2
 #: judged quantities of which all those stretches are drawn; of more, only the worst one
-MOST_PROBES = 2
+MAX_PROBES = 2
 #: letters of a name that a figure or a cell can hold; names come from files
 _LETTERS = 28
 
 
-def validation(run: Run) -> Mapping[str, Any]:
+def validation(run: Run) -> Validation:
     """The record of the validation."""
     assert isinstance(run.record, ValidationRecord)
-    found: Mapping[str, Any] = run.record.validation
-    return found
+    return run.record.validation
 
 
 def is_fitted(run: Run) -> bool:
     """Whether any parameter was fitted."""
-    return validation(run)["fit"] is not None
+    return validation(run).fit is not None
 
 
 def stored(run: Run, source: str, variant: str, case: int) -> Trajectory | None:
@@ -52,17 +49,17 @@ def truth(run: Run, variant: str, case: int) -> Trajectory | None:
 
 def judged_probes(run: Run) -> list[str]:
     """Probes that are judged, the leading one first."""
-    return [name for name, one in validation(run)["compare"].items() if one["judged"]]
+    return [name for name, one in validation(run).compare.items() if one.judged]
 
 
 def label(run: Run, probe: str) -> str:
     """A compared quantity in words, without its unit."""
-    return str(validation(run)["compare"][probe]["label"])
+    return validation(run).compare[probe].label
 
 
 def unit(run: Run, probe: str) -> str:
     """The unit of a compared quantity as people write it; "1" for none."""
-    return units.symbol(validation(run)["compare"][probe]["unit"])
+    return units.symbol(validation(run).compare[probe].unit)
 
 
 def with_unit(run: Run, probe: str) -> str:
@@ -72,8 +69,7 @@ def with_unit(run: Run, probe: str) -> str:
 
 def stretch(run: Run, stream: str) -> str:
     """The name of a stretch, empty where only one was judged."""
-    several = len({case["stream"] for case in validation(run)["cases"]}) > 1
-    return short(stream) if several else ""
+    return short(stream) if len(validation(run).streams) > 1 else ""
 
 
 def parameter(name: str) -> str:
@@ -94,28 +90,28 @@ def last_parameters(run: Run) -> str:
 
 def drawn_cases(run: Run) -> list[tuple[int, str]]:
     """Number and name of the stretches that are drawn: all, or the best and the worst of many."""
-    streams = [str(case["stream"]) for case in validation(run)["cases"]]
+    streams = [case.stream for case in validation(run).cases]
     found = list(enumerate(streams))
-    if len(found) <= _most_drawn(run):
+    if len(found) <= _max_drawn(run):
         return found
     sizes = {stream: 0.0 for stream in streams}
-    for row in validation(run)["waveforms"]:
-        if row["judged"] and row["parameters"] == last_parameters(run):
-            sizes[row["stream"]] = max(sizes[row["stream"]], row["nrmse"] or 0.0)
+    for row in validation(run).waveforms:
+        if row.judged and row.parameters == last_parameters(run):
+            sizes[row.stream] = max(sizes[row.stream], row.nrmse or 0.0)
     order = sorted(found, key=lambda pair: sizes[pair[1]])
-    return sorted([order[0], order[-1]][-_most_drawn(run) :])
+    return sorted([order[0], order[-1]][-_max_drawn(run) :])
 
 
-def _most_drawn(run: Run) -> int:
-    return MOST_STRETCHES if len(judged_probes(run)) <= MOST_PROBES else 1
+def _max_drawn(run: Run) -> int:
+    return MAX_SEGMENTS if len(judged_probes(run)) <= MAX_PROBES else 1
 
 
 def chosen_words(run: Run) -> str:
     """Which stretches are drawn, where that is not all of them."""
-    count = len(validation(run)["cases"])
-    if count <= _most_drawn(run):
+    count = len(validation(run).cases)
+    if count <= _max_drawn(run):
         return ""
-    if _most_drawn(run) == 1:
+    if _max_drawn(run) == 1:
         return f" Of {count} stretches the one with the largest gap."
     return f" Of {count} stretches the one with the smallest and the one with the largest gap."
 
@@ -123,13 +119,9 @@ def chosen_words(run: Run) -> str:
 def event_times(run: Run, case: int) -> list[float]:
     """Events of the recording within a stretch, on the clock of the scenario [s]."""
     found = validation(run)
-    about = found["cases"][case]
-    alignments = found.get("alignments") or []
-    aligned = alignments[case] if case < len(alignments) else None
-    offset, skew = (aligned["offset_s"], aligned["skew"]) if aligned else (0.0, 0.0)
-    times = [
-        (event["time_s"] - about["start_s"] - offset) / (1 + skew)
-        for event in found["events"]
-        if event["stream"] == about["stream"]
-    ]
-    return [time for time in times if 0 <= time <= about["duration_s"]]
+    about = found.cases[case]
+    times = np.array([e.time_s for e in found.events if e.stream == about.stream]) - about.start_s
+    alignment = found.alignments[case] if case < len(found.alignments) else None
+    if alignment is not None:
+        times = alignment.to_reference(times)
+    return [float(time) for time in times if 0 <= time <= about.duration_s]

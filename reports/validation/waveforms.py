@@ -14,6 +14,7 @@ from simcompare.reports.render.figures import Band, Figure, Panel, Series, Span,
 from simcompare.reports.render.tables import scale_of
 from simcompare.reports.run import runs
 from simcompare.reports.validation import validations
+from simcompare.results.records.validation import KNOWN
 from simcompare.results.run import Run
 
 TIME = "time (s)"
@@ -101,7 +102,7 @@ def _layers(run: Run, probe: str, case: int) -> Iterator[Series]:
         yield Series(validations.MEASURED, times, values, _measured_style(values))
     nominal = validations.truth(run, validations.NOMINAL, case)
     if nominal is not None and probe in nominal.signals and validations.is_fitted(run):
-        yield Series(validations.KNOWN, nominal.time_s, nominal.signals[probe], _NOMINAL)
+        yield Series(KNOWN, nominal.time_s, nominal.signals[probe], _NOMINAL)
     for name in runs.names(run):
         found = validations.stored(run, name, validations.BEST, case)
         if found is not None and probe in found.signals:
@@ -207,7 +208,7 @@ def _residual_panel(run: Run, probe: str, case: int, name: str) -> Panel | None:
     rows = _residuals(run, probe, case, measured)
     if not rows:
         return None
-    u = float(validations.validation(run)["cases"][case]["probes"][probe]["u"])
+    u = float(validations.validation(run).cases[case].probes[probe].u)
     lines = tuple(Series(e, *with_gaps(measured.time_s, y), _thin(e)) for e, y in rows)
     largest = max(float(np.nanmax(np.abs(y), initial=0.0)) for _, y in rows)
     reach = 1.1 * max(largest, 2.5 * u) or 1.0

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 from simcompare.compare.comparison import Score
 from simcompare.hardware.recordings.bounce_table import BounceTable, Quantity
-
-#: coverage factor of the expanded uncertainties U = k·u in E_n
-COVERAGE_FACTOR = 2.0
+from simcompare.statistics.agreement import COVERAGE_FACTOR, e_n
 
 
 @dataclass(frozen=True)
@@ -72,19 +69,19 @@ def _match(
     quantity: Quantity, source: tuple[str, str], score: Score | None, units: dict[str, str]
 ) -> Match:
     value, scatter = (score.value, score.scatter) if score is not None else (None, None)
-    e_n = None
+    found = None
     if value is not None and quantity.u is not None and quantity.low is None:
-        spread = COVERAGE_FACTOR * math.hypot(scatter or 0.0, quantity.u)
-        e_n = (value - quantity.value) / spread
+        expanded = (COVERAGE_FACTOR * (scatter or 0.0), COVERAGE_FACTOR * quantity.u)
+        found = e_n(value, quantity.value, *expanded)
     return Match(
         *source, quantity.name, quantity.bounce, value, scatter, quantity.value, quantity.u,
-        quantity.low, quantity.high, units[quantity.name], e_n, _inside(quantity, value, e_n),
+        quantity.low, quantity.high, units[quantity.name], found, _inside(quantity, value, found),
     )  # fmt: skip
 
 
-def _inside(quantity: Quantity, value: float | None, e_n: float | None) -> bool | None:
+def _inside(quantity: Quantity, value: float | None, number: float | None) -> bool | None:
     if value is None:
         return False  # the measured bounce did not happen in the engine
     if quantity.low is not None and quantity.high is not None:
         return quantity.low <= value <= quantity.high
-    return None if e_n is None else abs(e_n) <= 1
+    return None if number is None else abs(number) <= 1

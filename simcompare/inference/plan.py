@@ -117,7 +117,7 @@ class Calibration(_Part):
     chosen_knowing: bool = False
 
 
-class Alignment(_Part):
+class ClockPlan(_Part):
     """How the clock of the recording is brought to that of the scenario.
 
     Attributes:
@@ -133,7 +133,7 @@ class Alignment(_Part):
     reason: str = ""
 
     @model_validator(mode="after")
-    def _has_a_probe(self) -> Alignment:
+    def _has_a_probe(self) -> ClockPlan:
         if (self.by == "correlation") != (self.probe is not None):
             raise ValueError("a probe is needed to align by correlation, and only then")
         return self
@@ -165,7 +165,7 @@ class Plan(_Part):
     streams: tuple[str, ...] = ()
     window: Window = Window()
     calibrate: Calibration | None = None
-    align: Alignment = Alignment()
+    align: ClockPlan = ClockPlan()
     note: str = ""
 
     @model_validator(mode="after")

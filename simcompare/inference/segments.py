@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from simcompare import measures
+from simcompare import measures, units
 from simcompare.errors import InputError, UnknownName
 from simcompare.inference.plan import Plan, ReadOff
 from simcompare.model.recording import Channel, Event, Recording, Stream
@@ -132,8 +132,6 @@ def _streams_with(recording: Recording, channel: str) -> list[str]:
 
 
 def _channel(stream: Stream, name: str, channel: str) -> Channel | None:
-    from simcompare import units
-
     wanted, _, short = channel.rpartition("/")
     if wanted and wanted != name:
         return None
@@ -218,8 +216,6 @@ def _case(
 
 def unit_faults(file: ScenarioFile, plan: Plan, reader: _Reader) -> list[str]:
     """Channels that are of another unit than what they are held against, or read off as."""
-    from simcompare import units
-
     found = []
     probes = file.resolve().probes
     wanted = [(f"probe {n}", probes[n].unit, c.channel) for n, c in plan.compare.items()]

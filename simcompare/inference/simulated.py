@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 from simcompare import measures
-from simcompare.errors import InputError, SimcompareError, UnknownName
+from simcompare.errors import InputError
 from simcompare.inference.reference_model import Model
 from simcompare.inference.segments import Case
-from simcompare.model.scenario import Measure, Scenario
+from simcompare.model.scenario import Scenario
 from simcompare.model.settings import Settings
-from simcompare.model.trajectory import Array, Trajectory
+from simcompare.model.trajectory import Trajectory
 from simcompare.running.jobs import OK, Job, Outcome
 from simcompare.running.runner import Progress, run_jobs
 
 #: what is run of every case
 NOMINAL, BEST = "nominal", "best"
-#: and with other steps, from which the step error is told; the last where longer ones cannot be
+#: and with other steps, which show the step error; the last where longer ones cannot be
 DOUBLE, FOURFOLD, HALF = "double step", "fourfold step", "half step"
 _LONGER = {DOUBLE: 2.0, FOURFOLD: 4.0}
 
@@ -145,81 +144,3 @@ def of_probes(scene: Scenario, trajectory: Trajectory, probes: Sequence[str]) ->
     return Trajectory(
         trajectory.source, trajectory.time_s, signals, trajectory.version, trajectory.contact
     )
-
-
-def seeing(scene: Scenario, probes: Sequence[str]) -> Scenario:
-    """The scene with probes that look at such a trajectory instead."""
-    changed = {
-        name: scene.probes[name].model_copy(
-            update={"observe": name, "component": None, "offset": 0.0}
-        )
-        for name in probes
-    }
-    return scene.model_copy(update={"probes": {**scene.probes, **changed}})
-
-
-class Both(NamedTuple):
-    """One value, simulated and measured.
-
-    Attributes:
-        simulated: what the simulation gives.
-        measured: what the measurement gives.
-        unit: of both.
-        probe: which probe leads.
-        u: standard uncertainty of the measured value from its own scatter, 0 where it has none.
-    """
-
-    simulated: float
-    measured: float
-    unit: str
-    probe: str
-    u: float
-
-
-def measured_values(
-    scene: Scenario, simulated: Trajectory, measured: Trajectory, probes: Sequence[str]
-) -> dict[str, Both]:
-    """Every value that the scenario's measures find in both, by its name."""
-    view = seeing(scene, probes)
-    found = {}
-    for measure in scene.measures:
-        if not {measure.probe, *measure.also.values()} <= set(probes):
-            continue
-        function = measures.load(measure.function)
-        try:
-            ours = measures.take(measure, view, simulated)
-            theirs = measures.take(measure, view, measured)
-        except SimcompareError:
-            continue  # it needs what was not measured
-        for name, (value, true) in function.against(ours, theirs).items():
-            # what only the comparison makes, such as a largest deviation, is no measured value
-            if value is not None and name in theirs.values:
-                shown = measure.names.get(name, name)
-                scatter = theirs.u.get(name, 0.0)
-                found[shown] = Both(value, true, ours.units[name], measure.probe, scatter)
-    return found
-
-
-def measure_of(scene: Scenario, series: str) -> Measure:
-    """The measure of a scenario that finds the times of events under that name.
-
-    Raises:
-        UnknownName: no measure of the scenario has such a series in seconds.
-    """
-    known = {
-        measure.names.get(name, name): measure
-        for measure in scene.measures
-        for name in measures.load(measure.function).series
-        if measures.units_of(measure, scene)[name] == "s"
-    }
-    if series not in known:
-        raise UnknownName(f"series of times of {scene.name}", series, known)
-    return known[series]
-
-
-def times(scene: Scenario, run: Trajectory, series: str) -> Array:
-    """When the events of a simulation are [s]."""
-    measure = measure_of(scene, series)
-    name = next(n for n in measures.load(measure.function).series
-                if measure.names.get(n, n) == series)  # fmt: skip
-    return measures.take(measure, seeing(scene, tuple(run.signals)), run).series[name]

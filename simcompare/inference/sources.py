@@ -9,6 +9,8 @@ from typing import Any
 
 from simcompare.errors import UnknownName
 from simcompare.hardware import importing
+from simcompare.hardware import mapping as mappings
+from simcompare.hardware.recordings import registry
 from simcompare.inference.plan import Entries
 from simcompare.model import recording_store
 from simcompare.model.recording import Recording
@@ -44,9 +46,6 @@ def find(name: str, *, mapping: str | Path | None = None, strict: bool = False) 
         UnknownName: nothing of that name exists.
         InputError: what is wrong with the files.
     """
-    from simcompare.hardware import mapping as mappings
-    from simcompare.hardware.recordings import registry
-
     given = None if mapping is None else mappings.read(Path(mapping))
     path = Path(name)
     if name in registry.files() and not recording_store.is_recording(path):
@@ -78,9 +77,6 @@ def _exists(path: Path) -> bool:
 
 
 def _public(name: str, given: Any, entries: Entries | None, strict: bool) -> Source:  # noqa: ANN401
-    from simcompare.hardware import mapping as mappings
-    from simcompare.hardware.recordings import registry
-
     data_set = registry.get(name)
     paths = registry.locate(name)
     wanted = given or mappings.of_tree(dict(data_set.read), f"{name}, read")

@@ -1,34 +1,49 @@
-"""Scores of single values: E_n and zeta, agreement of several, V&V 20, and the grid's error."""
+"""How well two values or records agree: rms, coverage, E_n, zeta, Birge ratio, V&V 20."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from simcompare.errors import InputError
 from simcompare.model.trajectory import Array
-from simcompare.statistics.grid_convergence import Gci, gci
 
-__all__ = [
-    "MAD_TO_SD",
-    "Birge",
-    "Gci",
-    "Mean",
-    "VV20",
-    "birge_ratio",
-    "e_n",
-    "gci",
-    "vv20",
-    "weighted_mean",
-    "zeta",
-]
-
+#: coverage factor of expanded uncertainties (JCGM 100:2008, 6)
+COVERAGE_FACTOR = 2.0
 #: a sample's median absolute deviation times this is the standard deviation of normal noise
 MAD_TO_SD = 1.482602218505602
+
+
+def rms(values: ArrayLike) -> float:
+    """Root mean square; NaN are left out.
+
+    Args:
+        values: of any shape, at least one of them known.
+    """
+    known = np.asarray(values, dtype=float)
+    top = float(np.nanmax(np.abs(known)))
+    if top == 0 or not math.isfinite(top):
+        return top
+    # neither tiny nor huge values leave the range of a double; a power of two costs no digit
+    size = math.ldexp(1.0, math.frexp(top)[1] - 1)
+    return size * math.sqrt(float(np.nanmean((known / size) ** 2)))
+
+
+def coverage(deviations: ArrayLike, u: ArrayLike) -> float | None:
+    """Share of the deviations within twice their standard uncertainties; ``None`` without any.
+
+    Args:
+        deviations: (n,); NaN are left out.
+        u: standard uncertainties, one or one each; NaN are left out.
+    """
+    each, limit = np.broadcast_arrays(np.asarray(deviations, dtype=float), u)
+    known = np.isfinite(each) & np.isfinite(limit)
+    if not known.any():
+        return None
+    return float(np.mean(np.abs(each[known]) <= COVERAGE_FACTOR * limit[known]))
 
 
 def e_n(x: float, X: float, U_x: float, U_X: float, covariance: float = 0.0) -> float | None:
@@ -71,13 +86,13 @@ def _over_root(
         if not part >= 0:
             raise InputError(where, [f"an uncertainty is {part}; it must be zero or more"])
     size = math.hypot(*parts)
-    left = size**2 - 2 * covariance
-    if left < -1e-12 * size**2:
+    square = size**2 - 2 * covariance
+    if square < -1e-12 * size**2:
         text = f"the covariance {covariance:g} is greater than both uncertainties allow"
         raise InputError(where, [text])
-    if left <= 1e-12 * size**2:
+    if square <= 1e-12 * size**2:
         return None
-    return difference / (size if covariance == 0 else math.sqrt(left))
+    return difference / (size if covariance == 0 else math.sqrt(square))
 
 
 @dataclass(frozen=True)
@@ -134,10 +149,6 @@ class Birge:
     chi2_limit: float
     consistent: bool
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        return asdict(self)
-
 
 def birge_ratio(values: ArrayLike, u: ArrayLike) -> Birge:
     """Birge ratio and the χ² test at 95 % of n values with standard uncertainties.
@@ -174,62 +185,66 @@ def _values_and_u(values: ArrayLike, u: ArrayLike) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class VV20:
-    """Comparison error and validation uncertainty.
+    """A simulated value held against a measured one.
 
     Attributes:
-        error: comparison error E = simulated - measured.
-        u_num: standard uncertainty from the numerical solution.
-        u_input: standard uncertainty from the parameters.
-        u_data: standard uncertainty of the measurement.
-        u_val: validation standard uncertainty √(u_num² + u_input² + u_data²).
-        k: coverage factor.
-        low: lower end of the interval of the model's error, E - k·u_val.
-        high: upper end, E + k·u_val.
-        within_noise: |E| ≤ k·u_val: the model's error is within the noise level. That is not the
+        simulated: simulated value S.
+        measured: measured value D.
+        u_num: standard uncertainty from the numerical solution; ``None`` where unknown.
+        u_input: standard uncertainty from the parameters; ``None`` where unknown.
+        u_data: standard uncertainty of the measurement; ``None`` where unknown.
+        error: comparison error E = S - D.
+        u_val: validation standard uncertainty, the root sum of squares of those that are known.
+        e_n: E_n number; ``None`` where a part is unknown, as are the next two.
+        zeta: zeta score.
+        within_noise: |E| ≤ 2·u_val: the model's error is within the noise level. That is not the
             same as "validated": it says what cannot be seen.
     """
 
+    simulated: float
+    measured: float
+    u_num: float | None
+    u_input: float | None
+    u_data: float | None
     error: float
-    u_num: float
-    u_input: float
-    u_data: float
     u_val: float
-    k: float
-    low: float
-    high: float
-    within_noise: bool
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        return asdict(self)
+    e_n: float | None
+    zeta: float | None
+    within_noise: bool | None
 
 
 def vv20(
     simulated: float,
     measured: float,
-    u_num: float,
-    u_input: float,
-    u_data: float,
-    k: float = 2.0,
+    *,
+    u_num: float | None,
+    u_input: float | None,
+    u_data: float | None,
 ) -> VV20:
     """Comparison error against validation uncertainty (ASME V&V 20-2009 (R2021), 1-5 and 6-3).
 
     Where the parameters were fitted to the same measurement, E is no validation: judge on other
-    data, and say so with :mod:`simcompare.validation.words`.
+    data, and say so.
 
     Args:
         simulated: simulated value S.
         measured: measured value D.
-        u_num: standard uncertainty from the numerical solution.
+        u_num: standard uncertainty from the numerical solution; ``None`` where unknown.
         u_input: standard uncertainty from the parameters.
         u_data: standard uncertainty of the measurement.
-        k: coverage factor.
     """
     parts = {"u_num": u_num, "u_input": u_input, "u_data": u_data}
     bad = [f"{name} is {part}; it must be zero or more" for name, part in parts.items()
-           if not part >= 0]  # fmt: skip
+           if part is not None and not part >= 0]  # fmt: skip
     if bad:
         raise InputError("V&V 20", bad)
-    error, u_val = simulated - measured, math.hypot(u_num, u_input, u_data)
-    low, high = error - k * u_val, error + k * u_val
-    return VV20(error, u_num, u_input, u_data, u_val, k, low, high, abs(error) <= k * u_val)
+    error, u_val = simulated - measured, math.hypot(*(part or 0.0 for part in parts.values()))
+    found = VV20(simulated, measured, u_num, u_input, u_data, error, u_val, None, None, None)
+    if None in parts.values() or u_val == 0:
+        return found
+    return replace(
+        found,
+        e_n=e_n(simulated, measured, COVERAGE_FACTOR * u_val, 0.0),
+        zeta=zeta(simulated, measured, u_val, 0.0),
+        within_noise=abs(error) <= COVERAGE_FACTOR * u_val,
+    )

@@ -1,98 +1,121 @@
-"""What run.json says of a validation, as plain values."""
+"""The record of a validation, from its segments and their rows."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 from simcompare import units
-from simcompare.alignment.alignment import Alignment
+from simcompare.inference import sources
 from simcompare.inference.estimate import Estimate
+from simcompare.inference.evaluated import Evaluated
 from simcompare.inference.plan import Plan
 from simcompare.inference.segments import DURATION, noise
+from simcompare.inference.simulated import Engine
 from simcompare.inference.sources import Source
 from simcompare.model.recording import Provenance
-from simcompare.validation.judging import Judged
+from simcompare.results.records.validation import (
+    HELD_OUT,
+    KNOWN,
+    SAME,
+    CalibrationRecord,
+    ComparedProbe,
+    ParameterRecord,
+    ProbeRecord,
+    SegmentRecord,
+    Validation,
+)
+from simcompare.validation.signals import gaps, spread, waveforms
+from simcompare.validation.timings import timing
+from simcompare.validation.values import agreement, values
 
-#: ranges of rows of one repair that run.json keeps; the recording itself has all
-_MOST_RANGES = 20
+#: events of the recording, and ranges of rows of one repair, that run.json keeps
+_MAX_EVENTS, _MAX_RANGES = 1000, 20
 
 
-def of_validation(
-    source: Source,
-    plan: Plan,
-    judged: Sequence[Judged],
-    fit: Estimate | None,
-    rows: Mapping[str, list[dict[str, Any]]],
-    agreement: list[dict[str, Any]],
-    alignments: Sequence[Alignment | None],
-) -> dict[str, Any]:
-    """The whole record of a validation.
+@dataclass(frozen=True)
+class Compared:
+    """Everything that was compared.
 
-    Args:
+    Attributes:
         source: the recording.
         plan: how it was read.
-        judged: the cases.
-        fit: what was fitted.
-        rows: waveforms, values and gaps.
-        agreement: of the engines among themselves.
-        alignments: of the clock of each case.
+        fit: what was fitted, ``None`` where nothing was.
+        segments: of the recording.
+        engines: what they gave.
     """
-    basis = basis_of(plan, source, judged, fit)
-    return {
-        "recording": source.name,
-        "about": dict(source.about) or dict(source.recording.provenance.about),
-        "provenance": _provenance(source.recording.provenance),
-        "basis": basis,
-        "note": plan.note,
-        "align": plan.align.model_dump(),
-        "compare": {
-            probe: {
-                "channel": compared.channel,
-                "judged": compared.judged,
-                "label": judged[0].scene.probes[probe].label,
-                "unit": judged[0].scene.probes[probe].unit,
-            }
-            for probe, compared in plan.compare.items()
-        },
-        "inputs": {name: driven.channel for name, driven in plan.inputs.items()},
-        "parameters": _parameters(plan, judged, fit),
-        "fit": None
-        if fit is None
-        else _fit(
-            fit, _fitted_on(plan, source), bool(plan.calibrate and plan.calibrate.chosen_knowing)
+
+    source: Source
+    plan: Plan
+    fit: Estimate | None
+    segments: Sequence[Evaluated]
+    engines: Sequence[Engine]
+
+
+def of_validation(done: Compared) -> Validation:
+    """The whole record of a validation, without its words."""
+    source, plan, segments, fit = done.source, done.plan, done.segments, done.fit
+    pairs = [
+        (engine, number, one)
+        for engine in done.engines
+        for number, one in enumerate(segments)
+        if engine.complete(number)
+    ]
+    is_fitted = fit is not None
+    rows = tuple(row for pair in pairs for row in values(*pair))
+    series = None if plan.events is None else plan.events.series
+    return Validation(
+        recording=source.name,
+        about=dict(source.about) or dict(source.recording.provenance.about),
+        provenance=_provenance(source.recording.provenance),
+        basis=basis_of(done),
+        note=plan.note,
+        align=plan.align,
+        compare=_compared(plan, segments[0]),
+        inputs={name: driven.channel for name, driven in plan.inputs.items()},
+        parameters=tuple(_parameters(done)),
+        fit=None if fit is None else _fit(fit, plan, source),
+        cases=tuple(_segment(one) for one in segments),
+        events=source.recording.events[:_MAX_EVENTS],
+        waveforms=tuple(row for p in pairs for row in waveforms(*p, plan, fitted=is_fitted)),
+        values=rows,
+        gaps=tuple(row for pair in pairs for row in gaps(*pair, plan)),
+        timings=() if series is None else tuple(timing(*pair, series) for pair in pairs),
+        spread=tuple(
+            row for number, one in enumerate(segments) for row in spread(done.engines, number, one)
         ),
-        "cases": [_case(one) for one in judged],
-        "events": [asdict(event) for event in source.recording.events[:1000]],
-        **rows,
-        "agreement": agreement,
-        "alignments": [None if one is None else one.to_dict() for one in alignments],
-    }
+        agreement=tuple(agreement(rows)),
+        alignments=tuple(one.alignment for one in segments),
+    )
 
 
-def basis_of(plan: Plan, source: Source, judged: Sequence[Judged], fit: Estimate | None) -> str:
+def basis_of(done: Compared) -> str:
     """What the parameters rest on: "known before", "held out", or "same data"."""
-    if fit is None:
-        return "known before"
-    if plan.calibrate is not None and plan.calibrate.recording is not None:
-        from simcompare.inference import sources
+    if done.fit is None:
+        return KNOWN
+    calibrate = done.plan.calibrate
+    if calibrate is not None and calibrate.recording is not None:
+        other = sources.digest(calibrate.recording)
+        if other != done.source.recording.provenance.sha256:
+            return HELD_OUT
+    same = {one.case.stream for one in done.segments} & {*done.fit.streams}
+    return SAME if same else HELD_OUT
 
-        other = sources.digest(plan.calibrate.recording)
-        if other != source.recording.provenance.sha256:
-            return "held out"
-    same = {one.case.stream for one in judged} & {*fit.streams}
-    return "same data" if same else "held out"
+
+def _compared(plan: Plan, one: Evaluated) -> dict[str, ComparedProbe]:
+    found = {}
+    for name, compared in plan.compare.items():
+        probe = one.scene.probes[name]
+        found[name] = ComparedProbe(compared.channel, probe.label, probe.unit, compared.judged)
+    return found
 
 
-def _parameters(plan: Plan, judged: Sequence[Judged], fit: Estimate | None) -> list[dict[str, Any]]:
-    case = judged[0].case
-    best: dict[str, tuple[float, float]] = {}
-    if fit is not None:
-        pairs = zip(fit.values.tolist(), fit.u.tolist(), strict=True)
-        best = dict(zip(fit.names, pairs, strict=True))
+def _parameters(done: Compared) -> list[ParameterRecord]:
+    plan, case = done.plan, done.segments[0].case
+    fitted = {} if done.fit is None else done.fit.as_dict()
+    u_fitted = {} if done.fit is None else dict(zip(done.fit.names, done.fit.u, strict=True))
     rows = []
-    for name, value in judged[0].scene.parameters.items():
+    for name, value in done.segments[0].scene.parameters.items():
         known = case.values.get(name, value)
         if name in plan.start:
             kind, where = "read off", f"recording, channel {plan.start[name].channel}"
@@ -102,67 +125,56 @@ def _parameters(plan: Plan, judged: Sequence[Judged], fit: Estimate | None) -> l
             kind, where = "given", "given by the user"
         else:
             kind, where = "scenario", "the scenario's own value"
-        fitted = best.get(name)
+        several = kind == "read off" and len(done.segments) > 1
         rows.append(
-            {
-                "name": name,
-                "unit": units.symbol(units.unit_of(name)),
-                "kind": "fitted" if fitted and kind == "scenario" else kind,
-                # a start differs from stretch to stretch
-                "known": None if kind == "read off" and len(judged) > 1 else float(known),
-                "u_known": case.u.get(name) if kind != "scenario" else None,
-                "fitted": None if fitted is None else float(fitted[0]),
-                "u_fitted": None if fitted is None else float(fitted[1]),
-                "source": where,
-            }
+            ParameterRecord(
+                name,
+                units.symbol(units.unit_of(name)),
+                "fitted" if name in fitted and kind == "scenario" else kind,
+                None if several else float(known),
+                case.u.get(name) if kind != "scenario" else None,
+                fitted.get(name),
+                float(u_fitted[name]) if name in fitted else None,
+                where,
+            )
         )
     return rows
 
 
-def _fitted_on(plan: Plan, source: Source) -> str:
-    other = None if plan.calibrate is None else plan.calibrate.recording
-    return other or source.name
+def _fit(fit: Estimate, plan: Plan, source: Source) -> CalibrationRecord:
+    size = fit.u[:, None] * fit.u[None, :]
+    correlation = fit.covariance / (size + (size == 0))
+    wanted = plan.calibrate
+    return CalibrationRecord(
+        recording=(wanted and wanted.recording) or source.name,
+        chosen_knowing=bool(wanted and wanted.chosen_knowing),
+        names=fit.names,
+        streams=fit.streams,
+        rms=fit.rms,
+        how=fit.how,
+        correlation=tuple(tuple(row) for row in correlation.tolist()),
+        single={name: tuple(values.tolist()) for name, values in fit.single.items()},
+        at_bound=fit.at_bound,
+    )
 
 
-def _fit(fit: Estimate, recording: str, chosen_knowing: bool) -> dict[str, Any]:
-    u = fit.u
-    correlation = fit.covariance / (u[:, None] * u[None, :] + (u[:, None] * u[None, :] == 0))
-    return {
-        "recording": recording,
-        "chosen_knowing": chosen_knowing,
-        "names": list(fit.names),
-        "streams": list(fit.streams),
-        "rms": fit.rms,
-        "how": fit.how,
-        "correlation": correlation.tolist(),
-        "single": {name: values.tolist() for name, values in fit.single.items()},
-        "at_bound": list(fit.at_bound),
-    }
-
-
-def _case(one: Judged) -> dict[str, Any]:
+def _segment(one: Evaluated) -> SegmentRecord:
     case = one.case
-    return {
-        "stream": case.stream,
-        "start_s": case.start_s,
-        "duration_s": case.duration_s,
-        "short": case.short,
-        "start": {name: value for name, value in case.values.items() if name != DURATION},
-        "probes": {
-            probe: {
-                "samples": len(seen.values),
-                "missing": seen.missing,
-                "saturated": seen.saturated,
-                "u": noise(seen)[0],
-                "u_from": noise(seen)[1],
-            }
-            for probe, seen in case.seen.items()
+    return SegmentRecord(
+        case.stream,
+        case.start_s,
+        case.duration_s,
+        case.short,
+        {name: value for name, value in case.values.items() if name != DURATION},
+        {
+            probe: ProbeRecord(
+                len(measured.values), measured.missing, measured.saturated, *noise(measured)
+            )
+            for probe, measured in case.seen.items()
         },
-    }
+    )
 
 
-def _provenance(about: Provenance) -> dict[str, Any]:
-    found = asdict(about)
-    for repair in found["repairs"]:
-        repair["rows"] = repair["rows"][:_MOST_RANGES]
-    return found
+def _provenance(about: Provenance) -> Provenance:
+    repairs = tuple(replace(one, rows=one.rows[:_MAX_RANGES]) for one in about.repairs)
+    return replace(about, repairs=repairs)

@@ -11,14 +11,14 @@ import numpy as np
 from simcompare.fitting.waveforms.engines import EngineWaves
 from simcompare.fitting.waveforms.reference import Fitted
 from simcompare.fitting.waveforms.setup import Setup
+from simcompare.inference.compared_values import compared_values
+from simcompare.inference.evaluated import Evaluated
 from simcompare.inference.propagation import moves
 from simcompare.inference.reference_model import Model
 from simcompare.inference.segments import Case
 from simcompare.inference.simulated import BEST, Engine, of_probes
 from simcompare.model.resampling import interpolated
 from simcompare.model.trajectory import TRUTH, Trajectory
-from simcompare.validation import judging
-from simcompare.validation.judging import Judged
 
 #: what of a row of a validation is told here
 _TOLD = ("measure", "probe", "unit", "simulated", "measured", "u_num", "u_input", "u_data", "u_val",
@@ -55,7 +55,7 @@ def predict(
     return {"streams": rows, "drops": [], "text": _text(model, setup, rows)}
 
 
-def _judged(model: Model, fitted: Fitted, case: Case, step_s: float | None) -> Judged:
+def _judged(model: Model, fitted: Fitted, case: Case, step_s: float | None) -> Evaluated:
     best = fitted.estimate.as_dict()
     scene = model.scenario(case, best, step_s)
 
@@ -65,19 +65,19 @@ def _judged(model: Model, fitted: Fitted, case: Case, step_s: float | None) -> J
 
     moved = moves(model.file, case, fitted.estimate)
     shifted = tuple((what, at(values)) for what, values in moved.items())
-    return Judged(case, None, scene, at(best), None, shifted)
+    return Evaluated(case, scene, at(best), None, shifted)
 
 
-def _row(judged: Judged, number: int, engine: Engine) -> dict[str, Any]:
+def _row(judged: Evaluated, number: int, engine: Engine) -> dict[str, Any]:
     run = engine.runs[number, BEST]
     rms = {probe: rms_of(judged.case, run, probe) for probe in judged.case.seen}
     values = []
-    for row in judging.values(engine, number, judged):
-        told = {key: row[key] for key in _TOLD}
+    for row in compared_values(engine, number, judged):
+        told = {key: getattr(row, key) for key in _TOLD}
         # a reference has no step
-        u_val = math.hypot(row["u_input"] or 0.0, row["u_data"] or 0.0)
-        if engine.name == TRUTH and u_val > 0 and row["u_input"] is not None:
-            told |= {"u_num": 0.0, "u_val": u_val, "e_n": row["error"] / (2 * u_val)}
+        u_val = math.hypot(row.u_input or 0.0, row.u_data or 0.0)
+        if engine.name == TRUTH and u_val > 0 and row.u_input is not None:
+            told |= {"u_num": 0.0, "u_val": u_val, "e_n": row.error / (2 * u_val)}
         values.append(told)
     return {"rms": rms, "values": values}
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from simcompare import units
+from simcompare.compare.values import value_pairs
 from simcompare.engine.assist import ALL
 from simcompare.fitting.bounces.identifiability import Identifiability, Language, of_jacobian
 from simcompare.fitting.waveforms.engines import EngineWaves
@@ -16,7 +17,7 @@ from simcompare.fitting.waveforms.reference import Fitted
 from simcompare.fitting.waveforms.setup import Setup
 from simcompare.inference.reference_model import Model
 from simcompare.inference.segments import DURATION, Case, as_trajectory, noise
-from simcompare.inference.simulated import BEST, HALF, measured_values
+from simcompare.inference.simulated import BEST, HALF
 from simcompare.model.settings import ASSISTED
 from simcompare.model.trajectory import Array, Trajectory
 from simcompare.notation import sentence
@@ -233,7 +234,7 @@ def _values(model: Model, case: Case, run: Trajectory) -> Mapping[str, Any]:
     )
     ours = {n: interpolated(run.time_s, run.signals[n], times) for n in measured.signals}
     simulated = Trajectory(run.source, times, ours, run.version, run.contact)
-    return measured_values(model.scenario(case), simulated, measured, tuple(measured.signals))
+    return value_pairs(model.scenario(case), simulated, measured, tuple(measured.signals))
 
 
 def _case(case: Case) -> dict[str, Any]:

@@ -6,19 +6,17 @@ All deviations are simulated minus measured, so a positive bias says that the si
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from simcompare.errors import InputError
 from simcompare.model.trajectory import Array
+from simcompare.statistics.agreement import coverage, rms
 
 #: what NRMSE is divided by
 NORMALISER = "range of the measurement"
-#: coverage factor of the band in :attr:`Waveform.within`
-COVERAGE_FACTOR = 2.0
 
 
 @dataclass(frozen=True)
@@ -61,10 +59,6 @@ class Waveform:
     rms_over_u: float | None = None
     within: float | None = None
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON and CSV."""
-        return asdict(self)
-
 
 def waveform(measured: ArrayLike, simulated: ArrayLike, *, u: ArrayLike | None = None) -> Waveform:
     """How far the simulated waveform is from the measured one, on common instants.
@@ -91,9 +85,9 @@ def waveform(measured: ArrayLike, simulated: ArrayLike, *, u: ArrayLike | None =
         raise InputError("waveform", ["no sample has both a measured and a simulated value"])
     known, sample = m[both], c[both]
     deviation = sample - known
-    rmse = _rms(deviation)
+    rmse = rms(deviation)
     worst = int(np.argmax(np.abs(deviation)))
-    span, spread = float(np.ptp(known)), _rms(known - known.mean())
+    span, spread = float(np.ptp(known)), rms(known - known.mean())
     magnitude, phase = _sprague_geers(known, sample)
     relative = None if u is None else _over_u(deviation, u, both, len(m))
     return Waveform(
@@ -110,21 +104,13 @@ def waveform(measured: ArrayLike, simulated: ArrayLike, *, u: ArrayLike | None =
         magnitude=magnitude,
         phase=phase,
         combined=None if magnitude is None or phase is None else math.hypot(magnitude, phase),
-        rms_over_u=None if relative is None else _rms(relative),
-        within=None if relative is None else float(np.mean(np.abs(relative) <= COVERAGE_FACTOR)),
+        rms_over_u=None if relative is None else rms(relative),
+        within=None if relative is None else coverage(relative, 1.0),
     )
 
 
-def _rms(values: Array) -> float:
-    # scaled first, so that neither tiny nor huge values leave the range of a double
-    top = float(np.max(np.abs(values)))
-    if top == 0 or not math.isfinite(top):
-        return top
-    return top * math.sqrt(float(np.mean((values / top) ** 2)))
-
-
 def _sprague_geers(measured: Array, simulated: Array) -> tuple[float | None, float | None]:
-    size_m, size_c = _rms(measured), _rms(simulated)
+    size_m, size_c = rms(measured), rms(simulated)
     if size_m == 0:
         return None, None
     if size_c == 0:
@@ -132,7 +118,7 @@ def _sprague_geers(measured: Array, simulated: Array) -> tuple[float | None, flo
         return -1.0, None
     m, c = measured / size_m, simulated / size_c
     # the angle whose cosine is mean(m·c), without the loss of half the digits near 0 and π
-    angle = 2 * math.atan2(_rms(c - m), _rms(c + m))
+    angle = 2 * math.atan2(rms(c - m), rms(c + m))
     return size_c / size_m - 1, angle / math.pi
 
 

@@ -7,22 +7,44 @@ parameters, and that is model form + numerical error + noise. The parts sum exac
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from simcompare.errors import InputError
 from simcompare.model.trajectory import Array
-from simcompare.statistics.noise import Noise, autocovariance, measured_noise, noise_of
-
-__all__ = ["Gap", "Noise", "block_length", "measured_noise", "noise_of", "split"]
+from simcompare.statistics.agreement import rms
+from simcompare.statistics.noise import Noise, autocovariance, measured_noise
 
 #: blocks are not shorter than this part of the record: a slow model error may hide in the noise
-LEAST_BLOCKS = 20
-#: resampled records from which the interval of the model-form part is told
+MIN_BLOCKS = 20
+#: resampled records from which the interval of the model-form part comes
 DRAWS = 999
+
+
+@dataclass(frozen=True)
+class Shares:
+    """Shares of a gap's mean square: all but the last sum to 1, or to 0 where there is no gap.
+
+    Attributes:
+        parameter: of what other parameters would change.
+        model_form: of the model-form part.
+        numerical: of the numerical error.
+        noise: of the noise.
+        cross: of what the parameter part and the rest share.
+        excess: of what is too much noise, negative.
+        removed: parameter and cross together: what the best parameters took away, or added where
+            it is negative.
+    """
+
+    parameter: float
+    model_form: float
+    numerical: float
+    noise: float
+    cross: float
+    excess: float
+    removed: float
 
 
 @dataclass(frozen=True)
@@ -48,6 +70,7 @@ class Gap:
         clipped: whether that is so, and the model-form part therefore 0.
         block: samples in a block of the bootstrap.
         draws: number of its draws.
+        shares: of the mean square of the total.
     """
 
     n: int
@@ -66,38 +89,7 @@ class Gap:
     clipped: bool
     block: int
     draws: int
-
-    def mean_squares(self) -> dict[str, float]:
-        """Part -> mean square; they sum to the mean square of the total."""
-        return {
-            "parameter": self.parameter**2,
-            "model_form": self.model_form**2,
-            "numerical": self.numerical**2,
-            "noise": self.noise**2,
-            "cross": self.cross,
-            "excess": self.excess,
-        }
-
-    @property
-    def removed(self) -> float:
-        """Mean square that the best parameters took away: total² - remaining² (or added, if < 0).
-
-        It is the parameter part with all of the cross term.
-        """
-        return self.total**2 - self.remaining**2
-
-    def shares(self) -> dict[str, float]:
-        """Part -> share of the total's mean square; they sum to 1 (all 0 where there is no gap).
-
-        ``removed`` is the sum of ``parameter`` and ``cross``, and not one more part.
-        """
-        whole = self.total**2
-        parts = {**self.mean_squares(), "removed": self.removed}
-        return {name: part / whole if whole else 0.0 for name, part in parts.items()}
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON, with the shares."""
-        return {**asdict(self), "shares": self.shares()}
+    shares: Shares
 
 
 def split(
@@ -139,24 +131,31 @@ def split(
     if not len(m) == len(s) == len(b):
         text = f"{len(m)} measured, {len(s)} nominal and {len(b)} best values; expected as many"
         raise InputError("gap", [text])
-    whole = np.isfinite(m) & np.isfinite(s) & np.isfinite(b)
-    if np.count_nonzero(whole) < 10:
-        text = f"only {np.count_nonzero(whole)} samples are in all three signals; expected 10"
+    common = np.isfinite(m) & np.isfinite(s) & np.isfinite(b)
+    if np.count_nonzero(common) < 10:
+        text = f"only {np.count_nonzero(common)} samples are in all three signals; expected 10"
         raise InputError("gap", [text])
     if not u_num >= 0:
         raise InputError("gap", [f"the numerical error is {u_num}; it must be zero or more"])
-    noise = _noise(m, u_data, whole)
-    by_parameter, left = (s - b)[whole], (b - m)[whole]
-    remaining = float(np.mean(left**2))
+    noise = _noise(m, u_data, common)
+    by_parameter, rest = (s - b)[common], (b - m)[common]
+    remaining = float(np.mean(rest**2))
     model = remaining - noise.value**2 - u_num**2
-    size = block or max(block_length(left**2), block_length(left), len(left) // LEAST_BLOCKS)
-    low, high = _interval(left**2, noise, u_num, size, draws, generator)
-    cross = 2 * float(np.mean(by_parameter * left))
+    size = block or max(block_length(rest**2), block_length(rest), len(rest) // MIN_BLOCKS)
+    low, high = _interval(rest**2, noise, u_num, size, draws, generator)
+    cross = 2 * float(np.mean(by_parameter * rest))
     parameter = float(np.mean(by_parameter**2))
     root = math.sqrt(parameter * remaining)
+    total = math.sqrt(max(0.0, parameter + cross + remaining))
+    whole = total**2
+    squares = {
+        "parameter": math.sqrt(parameter) ** 2, "model_form": math.sqrt(max(0.0, model)) ** 2,
+        "numerical": float(u_num) ** 2, "noise": noise.value**2, "cross": cross,
+        "excess": min(0.0, model), "removed": whole - math.sqrt(remaining) ** 2,
+    }  # fmt: skip
     return Gap(
-        n=int(np.count_nonzero(whole)),
-        total=math.sqrt(max(0.0, parameter + cross + remaining)),
+        n=int(np.count_nonzero(common)),
+        total=total,
         parameter=math.sqrt(parameter),
         remaining=math.sqrt(remaining),
         model_form=math.sqrt(max(0.0, model)),
@@ -171,16 +170,17 @@ def split(
         clipped=model < 0,
         block=size,
         draws=draws,
+        shares=Shares(**{name: s / whole if whole else 0.0 for name, s in squares.items()}),
     )
 
 
-def _noise(measured: Array, u_data: ArrayLike | None, whole: NDArray[np.bool_]) -> Noise:
+def _noise(measured: Array, u_data: ArrayLike | None, common: NDArray[np.bool_]) -> Noise:
     if u_data is None:
         return measured_noise(measured)
-    each = np.broadcast_to(np.asarray(u_data, dtype=float), measured.shape)[whole]
+    each = np.broadcast_to(np.asarray(u_data, dtype=float), measured.shape)[common]
     if not np.all(each >= 0):
         raise InputError("gap", ["a standard uncertainty is negative or missing"])
-    return Noise(math.sqrt(float(np.mean(each**2))), 0.0, "stated")
+    return Noise(rms(each), 0.0, "stated")
 
 
 def block_length(values: ArrayLike) -> int:

@@ -1,0 +1,145 @@
+"""One segment of a recording with the reference that belongs to it, on one clock."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from simcompare.alignment.alignment import align
+from simcompare.alignment.clock_line import Alignment
+from simcompare.alignment.event_alignment import by_events
+from simcompare.compare.events import event_times
+from simcompare.errors import InputError
+from simcompare.inference.estimate import Estimate
+from simcompare.inference.plan import Plan
+from simcompare.inference.propagation import moves
+from simcompare.inference.reference_model import Model
+from simcompare.inference.segments import Case
+from simcompare.inference.simulated import of_probes
+from simcompare.model.scenario import Scenario
+from simcompare.model.trajectory import Array, Trajectory
+
+#: greatest skew that a clock may have; quartz has 1e-4 at most
+MAX_SKEW = 1e-3
+
+
+@dataclass(frozen=True)
+class Evaluated:
+    """One segment with all that its rows are made of.
+
+    Attributes:
+        case: what was measured, on the clock of the scenario.
+        scene: the scene with the best parameters.
+        truth: the reference with the best parameters, by probe; ``None`` without a reference.
+        nominal: the reference with the parameters known before.
+        shifted: parameter, and what the reference gives when it moves by its standard uncertainty.
+        recorded: what was measured on the recording's own clock, ``None`` where both are one.
+        alignment: of the two clocks, ``None`` where they are one.
+    """
+
+    case: Case
+    scene: Scenario
+    truth: Trajectory | None = None
+    nominal: Trajectory | None = None
+    shifted: tuple[tuple[str, Trajectory], ...] = ()
+    recorded: Case | None = None
+    alignment: Alignment | None = None
+
+    def u_input(self, probe: str) -> Array | None:
+        """Standard uncertainty from the parameters, at the reference's samples."""
+        if self.truth is None:
+            return None
+        best = self.truth.signals[probe]
+        parts = [run.signals[probe] - best for _, run in self.shifted]
+        return np.sqrt(np.sum(np.square(parts), axis=0)) if parts else np.zeros_like(best)
+
+
+def evaluate(
+    model: Model, plan: Plan, case: Case, fit: Estimate | None, step_s: float | None
+) -> Evaluated:
+    """The reference of a segment, what its parameters make uncertain, and the clocks aligned.
+
+    Raises:
+        InputError: the clocks cannot be aligned.
+    """
+    best = {} if fit is None else fit.as_dict()
+    scene = model.scenario(case, best, step_s)
+    if model.reference is None:
+        return Evaluated(case, scene)
+
+    def at(values: Mapping[str, float], case: Case = case) -> Trajectory:
+        moved = model.scenario(case, values, step_s)
+        return of_probes(moved, model.truth(moved), case.watched)
+
+    truth = at(best)
+    shifted = [(name, at(values)) for name, values in moves(model.file, case, fit).items()]
+    shifted += [(f"input {name}", at(best, case.with_input_moved(name))) for name in case.u_inputs]
+    found = Evaluated(case, scene, truth, at({}), tuple(shifted))
+    alignment = _aligned(plan, case, scene, truth)
+    if alignment is None:
+        return found
+    return replace(found, case=_on_reference(case, alignment), recorded=case, alignment=alignment)
+
+
+def times_of_events(case: Case) -> tuple[Array, Array | None]:
+    """When the events of a segment were, and their standard uncertainties where all are known."""
+    found = np.array([event.time_s for event in case.events])
+    u = [event.u_s for event in case.events]
+    return found, None if None in u else np.array(u, dtype=float)
+
+
+def _aligned(plan: Plan, case: Case, scene: Scenario, truth: Trajectory) -> Alignment | None:
+    if plan.align.by == "events" and plan.events is not None:
+        return _plausible(case, _by_events(case, event_times(scene, truth, plan.events.series)))
+    probe = plan.align.probe
+    if probe is None:
+        return None
+    measured = case.seen[probe]
+    found = align(truth.time_s, truth.signals[probe], measured.time_s, measured.values)
+    return _plausible(case, found)
+
+
+def _by_events(case: Case, expected_s: Array) -> Alignment:
+    """The clock of the recording against that of the scenario, by their events."""
+    measured_s, u = times_of_events(case)
+    if len(expected_s) < 2 or len(measured_s) < 2:
+        raise InputError(
+            f"stream {case.stream}",
+            [
+                f"{len(measured_s)} events and {len(expected_s)} simulated ones; two of both are"
+                " needed"
+            ],
+        )
+    return by_events(expected_s, measured_s, u)
+
+
+def _plausible(case: Case, found: Alignment) -> Alignment:
+    """The alignment, where it can be believed.
+
+    Raises:
+        InputError: a skew that no clock has, or fewer than half of the events matched.
+    """
+    events = len(found.matched) + len(found.extra)
+    if abs(found.skew) > MAX_SKEW or (events and len(found.matched) < 0.5 * events):
+        raise InputError(
+            f"stream {case.stream}, align",
+            [
+                f"the clocks cannot be aligned: {found.text} The parameters that are known may be"
+                " too far off; mend them with --set, or calibrate them"
+            ],
+        )
+    return found
+
+
+def _on_reference(case: Case, alignment: Alignment) -> Case:
+    observed = {
+        probe: replace(one, time_s=alignment.to_reference(one.time_s))
+        for probe, one in case.seen.items()
+    }
+    events = tuple(
+        replace(event, time_s=float(alignment.to_reference(np.array([event.time_s]))[0]))
+        for event in case.events
+    )
+    return replace(case, seen=observed, events=events)
