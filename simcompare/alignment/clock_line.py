@@ -1,10 +1,12 @@
-"""The straight line between two clocks: t_log = a + (1 + s)·t_ref, with its uncertainty."""
+"""The straight line between two clocks: t_log = a + (1 + s)·t_ref, with its uncertainty.
+
+Never align on the quantity that is judged: what is left after an alignment says little about it.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +16,7 @@ from simcompare.model.trajectory import Array
 #: standard uncertainty of the skew of two quartz clocks before anything was measured [1]
 U_SKEW_PRIOR = 50e-6
 #: shortest span over which a skew is fitted without that knowledge [s]
-LEAST_SPAN_S = 5.0
+MIN_SPAN_S = 5.0
 
 
 @dataclass(frozen=True)
@@ -26,13 +28,13 @@ class Alignment:
         skew: s, by how much the log's clock runs fast [1].
         u_offset_s: standard uncertainty of a [s].
         u_skew: standard uncertainty of s [1].
-        method: "none", "events", "correlation" or "least squares".
+        method: "events" or "least squares".
         matched: pairs (event of the reference, event of the log); empty for waveforms.
         missed: events of the reference that the log does not have.
         extra: events of the log that the reference does not have.
         text: what was done and what the reader must know, in plain sentences.
         correlation: correlation of a and s.
-        residual: rms of what is left: of the events' times [s], or of the signal in its unit.
+        residual: rms of the residuals: of the events' times [s], or of the signal in its unit.
         ambiguous: another offset fits about as well.
     """
 
@@ -68,19 +70,6 @@ class Alignment:
         square = self.u_offset_s**2 + reach**2 + 2 * self.correlation * self.u_offset_s * reach
         return np.asarray(np.sqrt(np.maximum(square, 0.0)))
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        return asdict(self)
-
-
-def unaligned(reason: str) -> Alignment:
-    """One clock, taken as it is.
-
-    Args:
-        reason: why nothing has to be aligned.
-    """
-    return Alignment(0.0, 0.0, 0.0, 0.0, "none", text=reason)
-
 
 def from_centre(
     centre_s: float,
@@ -103,15 +92,14 @@ def from_centre(
     u_offset_s, u_skew = (math.sqrt(max(0.0, float(v))) for v in np.diag(moved))
     size = u_offset_s * u_skew
     correlation = float(moved[0, 1]) / size if size > 0 else 0.0
-    given = {field: getattr(alignment, field) for field in alignment.__dataclass_fields__}
-    given |= {
-        "offset_s": offset_s - skew * centre_s,
-        "skew": skew,
-        "u_offset_s": u_offset_s,
-        "u_skew": u_skew,
-        "correlation": min(1.0, max(-1.0, correlation)),
-    }
-    return Alignment(**given)
+    return replace(
+        alignment,
+        offset_s=offset_s - skew * centre_s,
+        skew=skew,
+        u_offset_s=u_offset_s,
+        u_skew=u_skew,
+        correlation=min(1.0, max(-1.0, correlation)),
+    )
 
 
 @dataclass(frozen=True)
@@ -123,7 +111,7 @@ class Line:
         offset_s: difference of the clocks there [s].
         skew: slope [1].
         covariance: of offset and skew (2, 2).
-        residuals_s: what is left (n,) [s].
+        residuals_s: (n,) [s].
         u_s: standard uncertainty of a difference that went in, or was found [s].
         scale: by how much the uncertainties were widened because the scatter asked for it.
         fitted: whether the skew comes from the data alone.
@@ -159,7 +147,7 @@ def line(reference_s: Array, log_s: Array, u_s: Array | None) -> Line:
     centre = float(weight @ reference_s / weight.sum())
     arm, gap = reference_s - centre, log_s - reference_s
     offset, spread = float(weight @ gap / weight.sum()), float(weight @ arm**2)
-    free = float(np.ptp(reference_s)) >= LEAST_SPAN_S and spread * U_SKEW_PRIOR**2 >= 1
+    free = float(np.ptp(reference_s)) >= MIN_SPAN_S and spread * U_SKEW_PRIOR**2 >= 1
     if not free:
         spread += U_SKEW_PRIOR**-2
     skew = float(weight @ (arm * gap)) / spread
@@ -175,15 +163,15 @@ def line(reference_s: Array, log_s: Array, u_s: Array | None) -> Line:
 
 
 def _scatter(reference_s: Array, log_s: Array) -> float:
-    """Standard uncertainty of the differences, told from their scatter about a line [s]."""
+    """Standard uncertainty of the differences, from their scatter about a line [s]."""
     from scipy import stats
 
     gap, n = log_s - reference_s, len(reference_s)
     arm = reference_s - reference_s.mean()
     fits = n > 2 and float(arm @ arm) > 0
     slope = float(arm @ gap) / float(arm @ arm) if fits else 0.0
-    left = gap - gap.mean() - slope * arm
+    residuals = gap - gap.mean() - slope * arm
     dof = max(1, n - 2 if fits else n - 1)
-    found = math.sqrt(float(left @ left) / dof) * float(stats.t.ppf(0.975, dof)) / 1.96
+    found = math.sqrt(float(residuals @ residuals) / dof) * float(stats.t.ppf(0.975, dof)) / 1.96
     # times are doubles: nothing is known better than their last digits
     return max(found, 1e-9)

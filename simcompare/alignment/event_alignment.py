@@ -11,16 +11,16 @@ from simcompare.alignment.clock_line import Alignment, Line, from_centre, line
 from simcompare.alignment.matching import Matching, match, times_of
 from simcompare.errors import InputError
 from simcompare.model.trajectory import Array
-from simcompare.statistics.agreement import MAD_TO_SD
+from simcompare.statistics.agreement import MAD_TO_SD, rms
 
 #: greatest skew that is looked for: ten times what quartz clocks show
-SKEW_LIMIT = 500e-6
+MAX_SKEW = 500e-6
 #: coarse tolerance: at least this [s], and never more than a quarter of the median interval
 _COARSE_S = 5e-3
 #: events that take part in the first search; more would not find another offset
-_MOST_VOTERS = 48
-_MOST_LOG = 1500
-_MOST_SKEWS = 61
+_MAX_VOTERS = 48
+_MAX_LOG = 1500
+_MAX_SKEWS = 61
 #: a pair so far from the line that chance puts one of this many there does not belong together
 _ONE_OF = 10_000
 
@@ -47,9 +47,6 @@ def by_events(
     reference_s: ArrayLike,
     log_s: ArrayLike,
     u_s: ArrayLike | None = None,
-    *,
-    window_s: tuple[float, float] | None = None,
-    tolerance_s: float | None = None,
 ) -> Alignment:
     """Offset and skew from events of which some may be missing or spurious.
 
@@ -62,9 +59,6 @@ def by_events(
         log_s: times of the events on the log's clock, increasing (m,) [s].
         u_s: standard uncertainty of a difference of the two, one number or one per event of the
             log [s]; from the scatter where ``None``.
-        window_s: least and greatest offset at the middle of the reference's events [s].
-        tolerance_s: greatest error of a pair in the first matching [s]; a quarter of the median
-            interval, at most 5 ms (or 10 u), where ``None``.
 
     Raises:
         InputError: there is no event, or none can be matched.
@@ -76,19 +70,15 @@ def by_events(
     each = None if u_s is None else np.broadcast_to(np.asarray(u_s, dtype=float), log.shape)
     if each is not None and not np.all(each > 0):
         raise InputError("events", ["a standard uncertainty is not positive"])
-    tolerance = tolerance_s or _tolerance(reference, log, each)
-    candidates = _candidates(reference, log, tolerance, window_s)
-    if not candidates:
-        limit = (
-            "" if window_s is None else f" with an offset of {window_s[0]:g} to {window_s[1]:g} s"
-        )
-        raise InputError("events", [f"no event of the log matches one of the reference{limit}"])
-    best, others = _choose(candidates, tolerance, 0.0 if window_s is None else sum(window_s) / 2)
+    tolerance = _tolerance(reference, log, each)
+    candidates = _candidates(reference, log, tolerance)
+    best, others = _choose(candidates, tolerance)
     matching, fitted = _refined(reference, log, each, best, tolerance)
     return _alignment(reference, log, matching, fitted, others, each is not None)
 
 
 def _tolerance(reference: Array, log: Array, each: Array | None) -> float:
+    """Greatest error of a pair in the first matching [s]."""
     coarse = _COARSE_S if each is None else max(_COARSE_S, 10 * float(np.median(each)))
     for times in (reference, log):
         if len(times) > 1:
@@ -96,20 +86,16 @@ def _tolerance(reference: Array, log: Array, each: Array | None) -> float:
     return coarse
 
 
-def _candidates(
-    reference: Array, log: Array, tolerance: float, window: tuple[float, float] | None
-) -> list[_Candidate]:
+def _candidates(reference: Array, log: Array, tolerance: float) -> list[_Candidate]:
     """Offsets with most votes, matched, best first."""
     centre = (reference[0] + reference[-1]) / 2
-    pick = np.unique(np.linspace(0, len(reference) - 1, _MOST_VOTERS).round().astype(int))
-    low = max(0, (len(log) - _MOST_LOG) // 2)
-    voters, heard = reference[pick], log[low : low + _MOST_LOG]
-    differences = heard[None, :] - voters[:, None]
+    pick = np.unique(np.linspace(0, len(reference) - 1, _MAX_VOTERS).round().astype(int))
+    low = max(0, (len(log) - _MAX_LOG) // 2)
+    voters, events = reference[pick], log[low : low + _MAX_LOG]
+    differences = events[None, :] - voters[:, None]
     found: list[tuple[int, float, float]] = []
     for skew in _skews(reference, tolerance):
         offsets = np.sort((differences - skew * (voters - centre)[:, None]).ravel())
-        if window is not None:
-            offsets = offsets[(offsets >= window[0]) & (offsets <= window[1])]
         found += _densest(offsets, float(skew), tolerance)
     # many votes first; of equals the smaller skew
     found.sort(key=lambda entry: (-entry[0], abs(entry[2])))
@@ -129,14 +115,12 @@ def _skews(reference: Array, tolerance: float) -> Array:
     half = (reference[-1] - reference[0]) / 2
     if half <= 0:
         return np.zeros(1)
-    steps = min(_MOST_SKEWS // 2, int(np.ceil(SKEW_LIMIT * half / tolerance)))
-    return np.linspace(-SKEW_LIMIT, SKEW_LIMIT, 2 * steps + 1)
+    steps = min(_MAX_SKEWS // 2, int(np.ceil(MAX_SKEW * half / tolerance)))
+    return np.linspace(-MAX_SKEW, MAX_SKEW, 2 * steps + 1)
 
 
 def _densest(offsets: Array, skew: float, tolerance: float) -> list[tuple[int, float, float]]:
     """The crowded places among sorted offsets: (votes, middle, skew)."""
-    if not len(offsets):
-        return []
     end = np.searchsorted(offsets, offsets + 2 * tolerance, side="right")
     votes = end - np.arange(len(offsets))
     found: list[tuple[int, float, float]] = []
@@ -149,15 +133,13 @@ def _densest(offsets: Array, skew: float, tolerance: float) -> list[tuple[int, f
     return found
 
 
-def _choose(
-    candidates: list[_Candidate], tolerance: float, expected: float
-) -> tuple[_Candidate, list[_Candidate]]:
+def _choose(candidates: list[_Candidate], tolerance: float) -> tuple[_Candidate, list[_Candidate]]:
     """The best candidate, and those that are about as good."""
     most = candidates[0].count
     equal = [one for one in candidates if one.count == most]
     cheap = min(one.cost for one in equal)
     equal = [one for one in equal if one.cost <= cheap + 0.1 * most * tolerance]
-    best = min(equal, key=lambda one: abs(one.offset_s - expected))
+    best = min(equal, key=lambda one: abs(one.offset_s))
     enough = max(2 if most > 1 else 1, most - max(1, most // 10))
     return best, [one for one in candidates if one is not best and one.count >= enough]
 
@@ -224,7 +206,7 @@ def _slope(x: Array, y: Array) -> float:
     whole = run > 0
     if not whole.any():
         return 0.0
-    return float(np.clip(np.median(rise[whole] / run[whole]), -2 * SKEW_LIMIT, 2 * SKEW_LIMIT))
+    return float(np.clip(np.median(rise[whole] / run[whole]), -2 * MAX_SKEW, 2 * MAX_SKEW))
 
 
 def _without(matching: Matching, kept: Array) -> Matching:
@@ -238,7 +220,6 @@ def _without(matching: Matching, kept: Array) -> Matching:
         missed=tuple(sorted([*matching.missed, *(i for i, _ in lost)])),
         extra=tuple(sorted([*matching.extra, *(j for _, j in lost)])),
         errors_s=matching.errors_s[kept],
-        u_errors_s=None,
     )
 
 
@@ -254,7 +235,7 @@ def _alignment(
         0.0, 0.0, 0.0, 0.0, "events",
         matched=matching.pairs, missed=matching.missed, extra=matching.extra,
         text=_text(reference, log, matching, fitted, others, known),
-        residual=float(np.sqrt(np.mean(fitted.residuals_s**2))),
+        residual=rms(fitted.residuals_s),
         ambiguous=bool(others),
     )  # fmt: skip
     return from_centre(fitted.centre_s, fitted.offset_s, fitted.skew, fitted.covariance, found)
@@ -290,6 +271,6 @@ def _text(
         near = ", ".join(f"{one.offset_s:.4g} s ({one.count} events)" for one in others[:3])
         said.append(
             f"Ambiguous: the events repeat, and other offsets match about as many: {near}. "
-            "Limit the search with a window."
+            "A longer window of the recording may settle it."
         )
     return " ".join(said)

@@ -21,7 +21,6 @@ class Matching:
         missed: events of the reference that the log does not have.
         extra: events of the log that the reference does not have.
         errors_s: time in the log minus time in the reference, one per pair [s].
-        u_errors_s: standard uncertainties of these [s], ``None`` where none is known.
         tolerance_s: greatest error of a pair [s].
     """
 
@@ -29,18 +28,10 @@ class Matching:
     missed: tuple[int, ...]
     extra: tuple[int, ...]
     errors_s: Array
-    u_errors_s: Array | None
     tolerance_s: float
 
 
-def match(
-    reference_s: ArrayLike,
-    log_s: ArrayLike,
-    tolerance_s: float,
-    *,
-    u_reference_s: ArrayLike | None = None,
-    u_log_s: ArrayLike | None = None,
-) -> Matching:
+def match(reference_s: ArrayLike, log_s: ArrayLike, tolerance_s: float) -> Matching:
     """The best matching of two series of events that keeps their order.
 
     It has the least sum of absolute errors plus half the tolerance for every event without a
@@ -52,8 +43,6 @@ def match(
         reference_s: times of the reference's events, increasing [s].
         log_s: times of the log's events, increasing, on the same clock [s].
         tolerance_s: greatest error of a pair [s].
-        u_reference_s: standard uncertainty of the reference's times, one or one each [s].
-        u_log_s: standard uncertainty of the log's times, one or one each [s].
 
     Raises:
         InputError: a time is missing or out of order, or the tolerance is not positive.
@@ -72,7 +61,6 @@ def match(
         missed=tuple(k for k in range(len(reference)) if k not in ours),
         extra=tuple(k for k in range(len(log)) if k not in theirs),
         errors_s=log[j] - reference[i],
-        u_errors_s=_u_of(u_reference_s, len(reference), i, u_log_s, len(log), j),
         tolerance_s=float(tolerance_s),
     )
 
@@ -100,7 +88,7 @@ def times_of(times_s: ArrayLike, which: str) -> Array:
 
 
 def _clusters(reference: Array, log: Array, tolerance_s: float) -> list[tuple[slice, slice]]:
-    """Stretches that cannot have pairs across their borders."""
+    """Parts that cannot have pairs across their borders."""
     if not len(reference) or not len(log):
         return []
     times = np.concatenate((reference, log))
@@ -118,14 +106,14 @@ def _clusters(reference: Array, log: Array, tolerance_s: float) -> list[tuple[sl
 
 
 def _best(reference: Array, log: Array, tolerance_s: float) -> list[tuple[int, int]]:
-    """Pairs of one stretch; row by row, each row for all events of the log at once."""
-    n, m, alone = len(reference), len(log), tolerance_s / 2
-    step = alone * np.arange(m + 1)
+    """Pairs of one part; row by row, each row for all events of the log at once."""
+    n, m, single = len(reference), len(log), tolerance_s / 2
+    step = single * np.arange(m + 1)
     paired, from_left = np.zeros((n, m + 1), dtype=bool), np.zeros((n, m + 1), dtype=bool)
     cost = step.copy()
     for i in range(n):
         error = np.abs(log - reference[i])
-        skipped = cost + alone
+        skipped = cost + single
         together = np.full(m + 1, np.inf)
         together[1:] = np.where(error <= tolerance_s, cost[:-1] + error, np.inf)
         paired[i] = together <= skipped
@@ -148,13 +136,3 @@ def _walk_back(paired: NDArray[np.bool_], from_left: NDArray[np.bool_]) -> list[
         else:
             i -= 1
     return pairs[::-1]
-
-
-def _u_of(
-    ours: ArrayLike | None, n: int, i: Array, theirs: ArrayLike | None, m: int, j: Array
-) -> Array | None:
-    if ours is None and theirs is None:
-        return None
-    a = np.broadcast_to(np.asarray(0.0 if ours is None else ours, dtype=float), (n,))[i]
-    b = np.broadcast_to(np.asarray(0.0 if theirs is None else theirs, dtype=float), (m,))[j]
-    return np.asarray(np.hypot(a, b))

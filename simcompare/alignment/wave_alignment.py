@@ -9,74 +9,27 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from simcompare.alignment.clock_line import LEAST_SPAN_S, U_SKEW_PRIOR, Alignment, from_centre
+from simcompare.alignment.clock_line import MIN_SPAN_S, U_SKEW_PRIOR, Alignment, from_centre
 from simcompare.errors import InputError
 from simcompare.model.trajectory import Array
-from simcompare.statistics.correlation import GAP, Peak, Wave, peaks, wave_of
+from simcompare.statistics.agreement import rms
+from simcompare.statistics.correlation import GAP, Wave, peaks, wave_of
 from simcompare.statistics.noise import autocovariance, noise_of
 
 #: greatest number of samples that least squares look at; longer signals are thinned or averaged
-_MOST_SAMPLES = 60_000
+_MAX_SAMPLES = 60_000
 #: noise below this share of the signal's rms does not call for a smoothing spline
 _SMOOTH_ABOVE = 1e-4
 #: peaks of the correlation that are tried
-_MOST_STARTS = 5
+_MAX_STARTS = 5
 
 
-def by_correlation(
-    t_ref: ArrayLike,
-    y_ref: ArrayLike,
-    t_log: ArrayLike,
-    y_log: ArrayLike,
-    *,
-    window_s: tuple[float, float] | None = None,
+def by_waveform(
+    t_ref: ArrayLike, y_ref: ArrayLike, t_log: ArrayLike, y_log: ArrayLike
 ) -> Alignment:
-    """Offset from the highest correlation, without skew: a starting value only.
+    """Correlation, then least squares from each of its highest peaks; the closest fit wins.
 
-    Its uncertainty is that of a rectangle of one step of the coarser clock (JCGM 100:2008, 4.3.7).
-
-    Args:
-        t_ref: times of the reference [s].
-        y_ref: its values; NaN where there are none.
-        t_log: times of the log [s].
-        y_log: its values, of the same kind.
-        window_s: least and greatest offset [s].
-
-    Raises:
-        InputError: too few samples, a constant signal, or nothing in common.
-    """
-    found, step = peaks(wave_of(t_ref, y_ref, "reference"), wave_of(t_log, y_log, "log"), window_s)
-    best = found[0]
-    others = [p for p in found[1:] if 1 - p.height <= 1.5 * (1 - best.height) + 0.02]
-    text = f"Highest correlation {best.height:.3f}; a starting value only. {_again(others)}".strip()
-    return Alignment(
-        best.offset_s, 0.0, step / math.sqrt(12), U_SKEW_PRIOR, "correlation",
-        text=text, ambiguous=bool(others),
-    )  # fmt: skip
-
-
-def _again(others: list[Peak]) -> str:
-    if not others:
-        return ""
-    near = ", ".join(f"{p.offset_s:.4g} s" for p in others[:3])
-    return (
-        f"Ambiguous: the signal repeats, and other offsets fit about as well: {near}. "
-        "Limit the search with a window."
-    )
-
-
-def by_least_squares(
-    t_ref: ArrayLike,
-    y_ref: ArrayLike,
-    t_log: ArrayLike,
-    y_log: ArrayLike,
-    *,
-    start: Alignment,
-    fit_skew: bool = True,
-    free_level: bool = False,
-) -> Alignment:
-    """Offset and skew for which the log follows the reference's cubic spline most closely.
-
+    Offset and skew are those for which the log follows the reference's cubic spline most closely.
     A noisy reference is laid through a smoothing spline first. The uncertainty is that of the
     Jacobian, with the residuals' scatter widened by √(1 + 2·Σ ρ_r·ρ_J), ρ being autocorrelations
     of residuals and Jacobian (M. S. Bartlett, J. R. Stat. Soc. 98 (1935) 536), and with the noise
@@ -88,94 +41,62 @@ def by_least_squares(
         y_ref: its values; NaN where there are none.
         t_log: times of the log [s].
         y_log: its values, of the same kind.
-        start: where to start, within about a quarter of a period.
-        fit_skew: whether the skew is fitted at all.
-        free_level: gain and bias of the log are fitted too.
 
     Raises:
         InputError: too few samples, a constant signal, or nothing in common.
     """
     reference, log = wave_of(t_ref, y_ref, "reference"), wave_of(t_log, y_log, "log")
-    fit = _Fit(_thin(reference, log), _thin(log, reference), fit_skew, free_level)
-    return fit.finish(start)
-
-
-def by_waveform(
-    t_ref: ArrayLike,
-    y_ref: ArrayLike,
-    t_log: ArrayLike,
-    y_log: ArrayLike,
-    *,
-    window_s: tuple[float, float] | None = None,
-    free_level: bool = False,
-) -> Alignment:
-    """Correlation, then least squares from each of its highest peaks; the closest fit wins.
-
-    Args:
-        t_ref: times of the reference [s].
-        y_ref: its values; NaN where there are none.
-        t_log: times of the log [s].
-        y_log: its values, of the same kind.
-        window_s: least and greatest offset [s].
-        free_level: gain and bias of the log are fitted too.
-
-    Raises:
-        InputError: too few samples, a constant signal, or nothing in common.
-    """
-    reference, log = wave_of(t_ref, y_ref, "reference"), wave_of(t_log, y_log, "log")
-    starts, step = peaks(reference, log, window_s)
-    fit = _Fit(_thin(reference, log), _thin(log, reference), True, free_level)
+    starts, step = peaks(reference, log)
+    fit = _Fit(_thin(reference, log), _thin(log, reference))
     fits: list[Alignment] = []
-    for peak in starts[:_MOST_STARTS]:
-        start = Alignment(peak.offset_s, 0.0, step, U_SKEW_PRIOR, "correlation")
+    for offset_s in starts[:_MAX_STARTS]:
         try:
-            found = fit.finish(start)
+            fits.append(fit.finish(Alignment(offset_s, 0.0, step, U_SKEW_PRIOR, "correlation")))
         except InputError:
             continue
-        centre = float(np.mean(reference.time_s[[0, -1]]))
-        at = float(found.to_log(centre)) - centre
-        if window_s is None or window_s[0] - step <= at <= window_s[1] + step:
-            fits.append(found)
     if not fits:
-        text = "least squares found no offset within the window; widen it, or name another probe"
+        text = "least squares found no offset that fits; name another probe"
         raise InputError("alignment", [text])
-    return _closest(fits, step, 0.0 if window_s is None else sum(window_s) / 2)
+    return _closest(fits, step)
 
 
-def _closest(fits: list[Alignment], step: float, expected: float) -> Alignment:
+def _closest(fits: list[Alignment], step: float) -> Alignment:
     """The fit that leaves least, and of those that leave about as little the nearest one."""
     least = min(f.residual or 0.0 for f in fits)
     good = [f for f in fits if (f.residual or 0.0) <= 1.1 * least]
-    best = min(good, key=lambda f: abs(f.offset_s - expected))
-    others = [
-        Peak(f.offset_s, 0.0) for f in good if abs(f.offset_s - best.offset_s) > max(2 * step, 1e-9)
-    ]
-    unique: list[Peak] = []
-    for one in others:
-        if all(abs(one.offset_s - known.offset_s) > step for known in unique):
-            unique.append(one)
-    if not unique:
+    best = min(good, key=lambda f: abs(f.offset_s))
+    others: list[float] = []
+    for one in good:
+        distinct = abs(one.offset_s - best.offset_s) > max(2 * step, 1e-9)
+        if distinct and all(abs(one.offset_s - known) > step for known in others):
+            others.append(one.offset_s)
+    if not others:
         return best
-    return replace(best, text=f"{best.text} {_again(unique)}", ambiguous=True)
+    near = ", ".join(f"{offset_s:.4g} s" for offset_s in others[:3])
+    text = (
+        f"{best.text} Ambiguous: the signal repeats, and other offsets fit about as well: {near}."
+        " A longer window of the recording may settle it."
+    )
+    return replace(best, text=text, ambiguous=True)
 
 
 def _thin(wave: Wave, other: Wave) -> Wave:
     """A signal that is much faster than needed, averaged over whole numbers of samples."""
-    wanted = max(wave.step_s, 0.2 * other.step_s, np.ptp(wave.time_s) / _MOST_SAMPLES)
+    wanted = max(wave.step_s, 0.2 * other.step_s, np.ptp(wave.time_s) / _MAX_SAMPLES)
     many = int(wanted / wave.step_s + 1e-9)
     if many < 2:
         return wave
-    whole = len(wave.time_s) // many * many
-    time_s = wave.time_s[:whole].reshape(-1, many)
+    count = len(wave.time_s) // many * many
+    time_s = wave.time_s[:count].reshape(-1, many)
     # a mean over a gap would belong to neither side
     kept = np.ptp(time_s, axis=1) <= GAP * many * wave.step_s
-    values = wave.values[:whole].reshape(-1, many).mean(axis=1)
+    values = wave.values[:count].reshape(-1, many).mean(axis=1)
     return Wave(time_s.mean(axis=1)[kept], values[kept], many * wave.step_s)
 
 
 @dataclass(frozen=True)
 class _Solution:
-    """Where least squares ended: x = (offset at the centre, skew[, gain, bias])."""
+    """Where least squares ended: x = (offset at the centre, skew)."""
 
     x: Array
     residuals: Array
@@ -186,28 +107,27 @@ class _Solution:
 class _Fit:
     """Least squares of one log against one reference, from any number of starts."""
 
-    def __init__(self, reference: Wave, log: Wave, fit_skew: bool, free_level: bool) -> None:
+    def __init__(self, reference: Wave, log: Wave) -> None:
         self.reference, self.log = reference, log
-        self.fit_skew, self.free_level = fit_skew, free_level
         self.noise = noise_of(reference.values)
         self.curve = _curve(reference, self.noise)
 
     def finish(self, start: Alignment) -> Alignment:
         """Least squares from one start, twice, as samples enter and leave the overlap."""
         centre = self._centre(start)
-        x = np.array([float(start.to_log(centre)) - centre, start.skew, 1.0, 0.0])
+        x = np.array([float(start.to_log(centre)) - centre, start.skew])
         solution = self._solve(x, centre, 0.0)
         covariance = self._covariance(solution)
         span = float(np.ptp(self.log.time_s[solution.used]))
-        free = span >= LEAST_SPAN_S and covariance[1, 1] <= U_SKEW_PRIOR**2
+        free = span >= MIN_SPAN_S and covariance[1, 1] <= U_SKEW_PRIOR**2
         for _ in range(2):
-            weight = 0.0 if free or not self.fit_skew else self._weight(solution, covariance)
+            weight = 0.0 if free else self._weight(solution, covariance)
             solution = self._solve(solution.x, centre, weight)
             covariance = self._covariance(solution)
-        if self.fit_skew and not free:
+        if not free:
             known = np.diag([0.0, U_SKEW_PRIOR**-2])
             covariance = np.linalg.inv(np.linalg.pinv(covariance, hermitian=True) + known)
-        return self._told(centre, solution, covariance, free)
+        return self._alignment(centre, solution, covariance, free)
 
     def _weight(self, solution: _Solution, covariance: Array) -> float:
         """What s/u(s) weighs beside residuals: their rms, and more where they are correlated."""
@@ -233,41 +153,30 @@ class _Fit:
         times, values = self.log.time_s[used], self.log.values[used]
         # unknowns of about equal weight: steps of the log, and steps at the end of its span
         step, arm = self.log.step_s, max(float(np.ptp(times)) / 2, self.log.step_s)
-        size = float(np.std(values)) or 1.0
-        unit = np.array([step, step / arm, 1.0, size])[: self._count()]
+        unit = np.array([step, step / arm])
 
         def residuals(p: Array) -> Array:
             modelled, _ = self._model(p * unit, times, centre)
-            return np.append((modelled - values), weight * p[1] * unit[1] if self.fit_skew else 0.0)
+            return np.append((modelled - values), weight * p[1] * unit[1])
 
         def jacobian(p: Array) -> Array:
             _, slopes = self._model(p * unit, times, centre)
-            last = np.zeros((1, len(unit)))
-            last[0, 1] = weight
-            return np.asarray(np.vstack((slopes, last)) * unit)
+            return np.asarray(np.vstack((slopes, [0.0, weight])) * unit)
 
         found = least_squares(
-            residuals, x[: len(unit)] / unit, jac=jacobian, xtol=1e-10, ftol=1e-12, gtol=1e-12,
+            residuals, x / unit, jac=jacobian, xtol=1e-10, ftol=1e-12, gtol=1e-12,
             max_nfev=60,
         )  # fmt: skip
-        whole = np.array([0.0, 0.0, 1.0, 0.0])
-        whole[: len(unit)] = found.x * unit
-        left, slopes = self._model(whole, times, centre)
-        return _Solution(whole, left - values, slopes, used)
-
-    def _count(self) -> int:
-        return 4 if self.free_level else 2
+        fitted = np.asarray(found.x * unit)
+        modelled, slopes = self._model(fitted, times, centre)
+        return _Solution(fitted, modelled - values, slopes, used)
 
     def _model(self, x: Array, times: Array, centre: float) -> tuple[Array, Array]:
         """The log that the reference would have given, and its derivatives by the unknowns."""
-        pace = 1 + (x[1] if self.fit_skew else 0.0)
+        pace = 1 + x[1]
         run = (times - centre - x[0]) / pace
         values, slope = self.curve.at(centre + run), self.curve.slope_at(centre + run)
-        gain, bias = (x[2], x[3]) if len(x) > 2 else (1.0, 0.0)
-        columns = [-gain * slope / pace, -gain * slope * run / pace * (1.0 if self.fit_skew else 0)]
-        if self.free_level:
-            columns += [values, np.ones_like(values)]
-        return np.asarray(gain * values + bias), np.column_stack(columns)
+        return values, np.column_stack((-slope / pace, -slope * run / pace))
 
     def _common(self, x: Array, centre: float) -> NDArray[np.bool_]:
         """Samples of the log that fall between two neighbouring samples of the reference."""
@@ -280,34 +189,27 @@ class _Fit:
         return np.asarray(inside & (known[after] - known[after - 1] <= GAP * self.reference.step_s))
 
     def _covariance(self, solution: _Solution) -> Array:
-        """Of offset and skew (2, 2) as the data alone tell them, other unknowns marginalised."""
-        columns = ([0, 1] if self.fit_skew else [0]) + ([2, 3] if self.free_level else [])
-        J, residuals = solution.jacobian[:, columns], solution.residuals
-        left = float(residuals @ residuals) / max(1, len(residuals) - len(columns))
+        """Of offset and skew (2, 2) as the data alone tell them."""
+        residuals = solution.residuals
+        variance = float(residuals @ residuals) / max(1, len(residuals) - 2)
         # noise of the reference shows less in the residuals than in the offset: smoothing does not
         # help there, it only makes that noise last longer
         shared = self.noise**2 * (self.reference.step_s / self.log.step_s - self.curve.kept)
-        found = sandwich(J, residuals, left, left + shared)
-        whole = np.zeros((2, 2))
-        keep = 2 if self.fit_skew else 1
-        whole[:keep, :keep] = found[:keep, :keep]
-        return whole
+        return sandwich(solution.jacobian, residuals, variance, variance + shared)
 
-    def _told(self, centre: float, solution: _Solution, covariance: Array, free: bool) -> Alignment:
-        rms = float(np.sqrt(np.mean(solution.residuals**2)))
-        said = [f"Least squares on {len(solution.residuals)} samples leave an rms of {rms:.3g}."]
-        if not self.fit_skew:
-            said.append("No skew was fitted.")
-        elif not free:
+    def _alignment(
+        self, centre: float, solution: _Solution, covariance: Array, free: bool
+    ) -> Alignment:
+        size = rms(solution.residuals)
+        said = [f"Least squares on {len(solution.residuals)} samples leave an rms of {size:.3g}."]
+        if not free:
             said.append(
                 "The signal tells less about the skew than is known of quartz clocks, so a skew of "
                 "0 ± 50 ppm was assumed beside it."
             )
-        if self.free_level:
-            said.append(f"Gain {solution.x[2]:.4g} and bias {solution.x[3]:.3g} were fitted too.")
-        found = Alignment(0.0, 0.0, 0.0, 0.0, "least squares", text=" ".join(said), residual=rms)
-        skew = float(solution.x[1]) if self.fit_skew else 0.0
-        return from_centre(centre, float(solution.x[0]), skew, covariance, found)
+        found = Alignment(0.0, 0.0, 0.0, 0.0, "least squares", text=" ".join(said), residual=size)
+        offset, skew = solution.x.tolist()
+        return from_centre(centre, offset, skew, covariance, found)
 
 
 @dataclass(frozen=True)
@@ -377,7 +279,7 @@ def sandwich(J: Array, residuals: Array, variance: float, least: float) -> Array
 
     Args:
         J: derivatives of the model by the unknowns (n, p).
-        residuals: what is left (n,), in order of time.
+        residuals: (n,), in order of time.
         variance: of the residuals.
         least: least variance.
     """

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from simcompare.alignment.alignment import align
 from simcompare.alignment.clock_line import Alignment
 from simcompare.alignment.event_alignment import by_events
+from simcompare.alignment.wave_alignment import by_waveform
 from simcompare.compare.events import event_times
 from simcompare.errors import InputError
 from simcompare.inference.estimate import Estimate
@@ -97,7 +97,7 @@ def _aligned(plan: Plan, case: Case, scene: Scenario, truth: Trajectory) -> Alig
     if probe is None:
         return None
     measured = case.seen[probe]
-    found = align(truth.time_s, truth.signals[probe], measured.time_s, measured.values)
+    found = by_waveform(truth.time_s, truth.signals[probe], measured.time_s, measured.values)
     return _plausible(case, found)
 
 

@@ -13,10 +13,10 @@ from simcompare.model.trajectory import Array
 #: an interval longer than this many median intervals is a gap
 GAP = 2.0
 #: two signals must have this share of the shorter one in common
-LEAST_OVERLAP = 0.5
-_LEAST_SAMPLES = 8
+MIN_OVERLAP = 0.5
+_MIN_SAMPLES = 8
 #: samples of the common grid; longer signals are averaged to a coarser one
-_MOST_SAMPLES = 400_000
+_MAX_SAMPLES = 400_000
 
 
 @dataclass(frozen=True)
@@ -51,8 +51,8 @@ def wave_of(time_s: ArrayLike, values: ArrayLike, which: str) -> Wave:
         raise InputError(where, [f"{len(t)} times and {len(y)} values; give one value per time"])
     known = np.isfinite(t) & np.isfinite(y)
     t, y = t[known], y[known]
-    if len(t) < _LEAST_SAMPLES:
-        raise InputError(where, [f"only {len(t)} samples; expected at least {_LEAST_SAMPLES}"])
+    if len(t) < _MIN_SAMPLES:
+        raise InputError(where, [f"only {len(t)} samples; expected at least {_MIN_SAMPLES}"])
     steps = np.diff(t)
     if not np.all(steps > 0):
         k = int(np.argmin(steps))
@@ -63,22 +63,7 @@ def wave_of(time_s: ArrayLike, values: ArrayLike, which: str) -> Wave:
     return Wave(t, y, float(np.median(steps)))
 
 
-@dataclass(frozen=True)
-class Peak:
-    """One offset at which two waveforms look alike.
-
-    Attributes:
-        offset_s: offset of the log's clock [s].
-        height: correlation coefficient there, from the grid.
-    """
-
-    offset_s: float
-    height: float
-
-
-def peaks(
-    reference: Wave, log: Wave, window_s: tuple[float, float] | None
-) -> tuple[list[Peak], float]:
+def peaks(reference: Wave, log: Wave) -> tuple[list[float], float]:
     """Offsets with a high correlation, best first, and the step of the common grid [s].
 
     The correlation coefficient counts only samples that both have (D. Padfield, Masked object
@@ -88,23 +73,19 @@ def peaks(
     Args:
         reference: the reference's signal.
         log: the log's signal.
-        window_s: least and greatest offset [s].
 
     Raises:
-        InputError: the window leaves no offset with enough in common.
+        InputError: no offset has enough in common.
     """
     spans = float(np.ptp(reference.time_s)) + float(np.ptp(log.time_s))
-    step = max(reference.step_s, log.step_s, spans / _MOST_SAMPLES)
+    step = max(reference.step_s, log.step_s, spans / _MAX_SAMPLES)
     y_ref, y_log = _gridded(reference, step), _gridded(log, step)
     height = _correlation(y_ref, y_log)
     first = log.time_s[0] - reference.time_s[0]
     offsets = first + step * (np.arange(len(height)) - (len(y_ref) - 1))
     allowed = np.isfinite(height)
-    if window_s is not None:
-        allowed &= (offsets >= window_s[0] - step) & (offsets <= window_s[1] + step)
     if not allowed.any():
-        limits = "" if window_s is None else f" from {window_s[0]:g} to {window_s[1]:g} s"
-        text = f"at no offset{limits} do the two signals have half of the shorter one in common"
+        text = "at no offset do the two signals have half of the shorter one in common"
         raise InputError("alignment", [text])
     return _local(offsets, np.where(allowed, height, -np.inf), step), step
 
@@ -141,19 +122,19 @@ def _correlation(reference: Array, log: Array) -> Array:
     # of unit size, so that rounding in the transforms can be told from signal
     x, y = x / np.sqrt(np.mean(x**2)), y / np.sqrt(np.mean(y**2))
     n = np.round(of(m_log, m_ref))
-    least = max(_LEAST_SAMPLES, LEAST_OVERLAP * min(m_ref.sum(), m_log.sum()))
+    least = max(_MIN_SAMPLES, MIN_OVERLAP * min(m_ref.sum(), m_log.sum()))
     safe = np.maximum(n, 1)
     sum_x, sum_y = of(m_log, x), of(y, m_ref)
     covariance = of(y, x) - sum_x * sum_y / safe
     square_x = of(m_log, x**2) - sum_x**2 / safe
     square_y = of(y**2, m_ref) - sum_y**2 / safe
-    # a stretch without movement looks like everything
+    # a part without movement looks like everything
     moving = np.minimum(square_x, square_y) > 1e-3 * safe
     bottom = np.sqrt(np.maximum(square_x * square_y, 1e-30))
     return np.where((n >= least) & moving, covariance / bottom, np.nan)
 
 
-def _local(offsets: Array, height: Array, step: float) -> list[Peak]:
+def _local(offsets: Array, height: Array, step: float) -> list[float]:
     """Local maxima that reach near the best one, with the vertex of a parabola each."""
     best = float(height.max())
     left = np.concatenate(([-np.inf], height[:-1]))
@@ -164,5 +145,5 @@ def _local(offsets: Array, height: Array, step: float) -> list[Peak]:
         a, b, c = left[k], height[k], right[k]
         bend = a - 2 * b + c
         shift = 0.5 * (a - c) / bend if np.isfinite(bend) and bend < 0 else 0.0
-        found.append(Peak(float(offsets[k] + step * np.clip(shift, -0.5, 0.5)), float(b)))
+        found.append(float(offsets[k] + step * np.clip(shift, -0.5, 0.5)))
     return found
