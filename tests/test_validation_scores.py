@@ -25,16 +25,14 @@ VALUE, SIZE = st.floats(-100, 100), st.floats(0.01, 10)
 def test_e_n_and_zeta_of_known_numbers():
     assert e_n(10.5, 10.0, 0.3, 0.4) == pytest.approx(1.0)
     assert zeta(10.5, 10.0, 0.15, 0.2) == pytest.approx(2.0)
-    # values that share data differ less by chance
-    assert zeta(10.5, 10.0, 0.15, 0.2, covariance=0.02) == pytest.approx(0.5 / math.sqrt(0.0225))
 
 
 def test_without_any_uncertainty_nothing_is_judged():
     assert e_n(1.0, 2.0, 0.0, 0.0) is None
-    assert zeta(1.0, 2.0, 0.1, 0.1, covariance=0.01) is None
+    assert zeta(1.0, 2.0, 0.0, 0.0) is None
 
 
-@pytest.mark.parametrize("bad", [(-1.0, 1.0, 0.0), (math.nan, 1.0, 0.0), (0.1, 0.1, 0.5)])
+@pytest.mark.parametrize("bad", [(-1.0, 1.0), (math.nan, 1.0)])
 def test_impossible_uncertainties_are_refused(bad):
     with pytest.raises(InputError):
         zeta(1.0, 2.0, *bad)
@@ -134,32 +132,25 @@ def of_step(h):
 
 
 def test_the_order_of_a_known_series():
-    found = gci(of_step(0.1), of_step(0.2), of_step(0.4), 2.0)
+    found = gci(of_step(0.1), of_step(0.2), of_step(0.4))
     assert found.observed == pytest.approx(1.028, abs=5e-4)
-    assert found.safety == 1.25
     assert found.kind == "monotone"
-    assert abs(found.extrapolated - 1) < 1e-3
     assert found.u_num == pytest.approx(found.error / 2)
-    assert found.gci == pytest.approx(found.error / of_step(0.1))
     # the truth lies inside the band
     assert abs(of_step(0.1) - 1) < found.error
 
 
 @pytest.mark.parametrize("order", [1.0, 2.0, 3.5])
-@pytest.mark.parametrize("ratio", [2.0, 1.3, (1.5, 2.0), (2.0, 1.4)])
-def test_pure_powers_give_their_order_and_their_limit(order, ratio):
-    first, second = ratio if isinstance(ratio, tuple) else (ratio, ratio)
-    f = [7 - 2 * h**order for h in (0.1, 0.1 * first, 0.1 * first * second)]
-    found = gci(*f, ratio)
+def test_pure_powers_give_their_order_and_an_error_a_quarter_too_large(order):
+    found = gci(*(7 - 2 * h**order for h in (0.1, 0.2, 0.4)))
     assert found.observed == pytest.approx(order, rel=1e-6)
-    assert found.extrapolated == pytest.approx(7.0, abs=1e-9)
+    assert found.error == pytest.approx(1.25 * 2 * 0.1**order)
 
 
 def test_two_steps_have_a_safety_factor_of_three():
-    found = gci(1.01, 1.02, ratio=2.0, order=1.0)
-    assert (found.safety, found.kind, found.observed) == (3.0, "two grids", None)
+    found = gci(1.01, 1.02)
+    assert (found.kind, found.observed) == ("two grids", None)
     assert found.error == pytest.approx(0.03)
-    assert found.extrapolated == 1.01
 
 
 @pytest.mark.parametrize(
@@ -173,27 +164,17 @@ def test_two_steps_have_a_safety_factor_of_three():
 )
 def test_runs_without_an_order_are_treated_with_caution(values, kind):
     found = gci(*values)
-    assert (found.kind, found.safety, found.order, found.observed) == (kind, 3.0, 1.0, None)
+    assert (found.kind, found.observed) == (kind, None)
+    assert found.error >= 3 * abs(values[1] - values[0])
     assert found.u_num >= np.std(values, ddof=1) * (1 - 1e-12)
-    assert found.extrapolated == values[0]
 
 
-def test_equal_values_have_no_numerical_error_and_a_value_of_zero_no_relative_one():
+def test_equal_values_have_no_numerical_error():
     assert gci(2.0, 2.0, 2.0).u_num == 0
     assert gci(2.0, 2.0, 2.0).kind == "converged"
-    assert gci(0.0, 0.1, 0.3).gci is None
 
 
-def test_an_order_far_from_the_formal_one_costs_the_safety_factor():
-    found = gci(of_step(0.1), of_step(0.2), of_step(0.4), order=2.0)
-    assert found.safety == 3.0
-    assert 1 < found.order < 1.1
-    assert gci(of_step(0.1), of_step(0.2), of_step(0.4), order=1.0).safety == 1.25
-
-
-def test_impossible_grids_are_refused():
-    with pytest.raises(InputError, match="must exceed 1"):
-        gci(1.0, 2.0, 3.0, 1.0)
+def test_a_run_without_a_value_is_refused():
     with pytest.raises(InputError, match="a run gave nan"):
         gci(1.0, math.nan)
 

@@ -46,7 +46,7 @@ def coverage(deviations: ArrayLike, u: ArrayLike) -> float | None:
     return float(np.mean(np.abs(each[known]) <= COVERAGE_FACTOR * limit[known]))
 
 
-def e_n(x: float, X: float, U_x: float, U_X: float, covariance: float = 0.0) -> float | None:
+def e_n(x: float, X: float, U_x: float, U_X: float) -> float | None:
     """E_n number (x - X)/√(U_x² + U_X²); satisfactory for |E_n| ≤ 1 (ISO 13528:2022, 9.7).
 
     Args:
@@ -54,45 +54,36 @@ def e_n(x: float, X: float, U_x: float, U_X: float, covariance: float = 0.0) -> 
         X: what it is held against.
         U_x: expanded uncertainty (k = 2) of x.
         U_X: expanded uncertainty (k = 2) of X.
-        covariance: covariance of x and X (of standard size, not expanded), where both rest on the
-            same data.
 
     Returns:
         The number, or ``None`` where neither has an uncertainty: then it cannot be judged.
     """
-    return _over_root(x - X, (U_x, U_X), 4 * covariance, "E_n")
+    return _over_root(x - X, (U_x, U_X), "E_n")
 
 
-def zeta(x: float, X: float, u_x: float, u_X: float, covariance: float = 0.0) -> float | None:
-    """Zeta score (x - X)/√(u_x² + u_X² - 2·cov); 2 warns, 3 acts (ISO 13528:2022, 9.6).
+def zeta(x: float, X: float, u_x: float, u_X: float) -> float | None:
+    """Zeta score (x - X)/√(u_x² + u_X²) with standard uncertainties (ISO 13528:2022, 9.6).
+
+    2 warns, 3 acts; it is twice the E_n number.
 
     Args:
         x: the value.
         X: what it is held against.
         u_x: standard uncertainty of x.
         u_X: standard uncertainty of X.
-        covariance: covariance of x and X, where both rest on the same data.
 
     Returns:
         The score, or ``None`` where neither has an uncertainty: then it cannot be judged.
     """
-    return _over_root(x - X, (u_x, u_X), covariance, "zeta")
+    return _over_root(x - X, (u_x, u_X), "zeta")
 
 
-def _over_root(
-    difference: float, parts: tuple[float, float], covariance: float, where: str
-) -> float | None:
+def _over_root(difference: float, parts: tuple[float, float], where: str) -> float | None:
     for part in parts:
         if not part >= 0:
             raise InputError(where, [f"an uncertainty is {part}; it must be zero or more"])
     size = math.hypot(*parts)
-    square = size**2 - 2 * covariance
-    if square < -1e-12 * size**2:
-        text = f"the covariance {covariance:g} is greater than both uncertainties allow"
-        raise InputError(where, [text])
-    if square <= 1e-12 * size**2:
-        return None
-    return difference / (size if covariance == 0 else math.sqrt(square))
+    return None if size == 0 else difference / size
 
 
 @dataclass(frozen=True)
