@@ -153,8 +153,8 @@ def fit(
         records.Made(TUNED if how.tuned else ASSISTED, how.assist, wanted, scene),
     )  # fmt: skip
     told_of = {
-        "engines_asked": engine, "scenario_asked": scenario, "command": command,
-        "recording_asked": [str(name) for name in recordings],
+        "engines_asked": engine, "scenario_asked": scenario, "command": tuple(command),
+        "recording_asked": tuple(map(str, recordings)),
     }  # fmt: skip
     return _saved(_gather(file, record, found, told_of, scene), out)
 
