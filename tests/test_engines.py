@@ -19,7 +19,7 @@ HEAVY = ["numpy", "pandas", "scipy", "pydantic", "pint", *ENGINES]
 
 def test_naming_the_engines_imports_nothing_heavy():
     code = (
-        "import sys, json; from simcompare import engines; names = engines.names();"
+        "import sys, json; from simcompare.engine import engines; names = engines.names();"
         f"print(json.dumps([names, [m for m in {HEAVY!r} if m in sys.modules]]))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -31,7 +31,7 @@ def test_naming_the_engines_imports_nothing_heavy():
 @pytest.mark.parametrize("name", BUILT_IN)
 def test_a_built_in_backend_keeps_the_contract_and_its_engine_unloaded(name):
     code = (
-        f"import sys; from simcompare import engines; engines.get({name!r});"
+        f"import sys; from simcompare.engine import engines; engines.get({name!r});"
         f"print([m for m in {ENGINES!r} if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
