@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from simcompare.reports.run import remarks, words
+from simcompare.reports.run import answer, remarks
 from simcompare.reports.run.by_step import figure
 from simcompare.reports.run.lead import lead_of
-from simcompare.reports.run.overview import overview
+from simcompare.reports.run.lead_table import lead_table
 from simcompare.reports.sections.headline import Headline
 from tests import records
 from tests.records import with_sources
@@ -38,7 +38,7 @@ def stepped(mode, tolerances=WIDE, **engines):
 
 def test_each_engine_is_a_line_of_its_values_in_the_order_of_the_steps():
     run = stepped("tuned", north=(0.81, 0.81), south=(0.81, 0.81), west=(0.8, 0.85))
-    assert words.answer(run) == [
+    assert answer.sentences(run) == [
         "Tuned, restitution (mean over all events of a repeat) at steps of 1 and 2 ms, where the"
         " closed form gives 0.8 (✗ is off by more than 0.008 and 0.04):",
         "north and south: 0.810 ± 0.001 ✗, 0.810 ± 0.001",
@@ -50,7 +50,7 @@ def test_what_is_the_same_at_every_step_is_told_once_and_what_is_shown_is_not_ju
     run = stepped("default", TOLERANCES, north=(0.0, 0.0), south=(0.0, 0.5), west=(0.0, 0.0))
     run = changed(run, "south@1ms", value=None, low=0.1, high=0.2)
     run = changed(run, "west@2ms", value=None)
-    assert words.answer(run) == [
+    assert answer.sentences(run) == [
         "By default restitution (mean over all events of a repeat) at steps of 1 and 2 ms, where"
         " the closed form gives 0.8:",
         "north: 0.000 ± 0.001 at every step",
@@ -61,9 +61,10 @@ def test_what_is_the_same_at_every_step_is_told_once_and_what_is_shown_is_not_ju
 
 def test_the_table_says_which_tolerance_is_whose():
     assert (
-        "tolerance 0.008 at 1ms, 0.04 at 2ms" in overview(stepped("tuned", north=(0.8, 0.8))).title
+        "tolerance 0.008 at 1ms, 0.04 at 2ms"
+        in lead_table(stepped("tuned", north=(0.8, 0.8))).title
     )
-    same = overview(stepped("tuned", TOLERANCES, north=(0.8, 0.8))).title
+    same = lead_table(stepped("tuned", TOLERANCES, north=(0.8, 0.8))).title
     assert same.endswith("tolerance 0.008")
 
 

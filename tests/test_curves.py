@@ -8,7 +8,7 @@ import pytest
 from simcompare.compare.comparison import Score
 from simcompare.reports.render import plotly_
 from simcompare.reports.render.figures import style_of
-from simcompare.reports.run import curves, scored
+from simcompare.reports.run import curve_figures, score_figures
 from simcompare.reports.sections.curves import Curves
 from simcompare.reports.sections.headline import Headline
 from tests.records import changed
@@ -44,7 +44,7 @@ def series_of(panel, label="north"):
 
 
 def test_everything_over_one_axis_is_one_figure_with_the_truth_below():
-    figure = curves.curves_figures(swept(), "frequency")[0]
+    figure = curve_figures.curves_figures(swept(), "frequency")[0]
     assert figure.title == "Amplitude and phase over frequency"
     assert [panel.x_label for panel in figure.panels] == ["frequency (Hz)"] * 2
     amplitude, phase = figure.panels
@@ -66,7 +66,7 @@ def test_no_figure_has_more_panels_than_can_be_read():
     run = swept()
     axes = dict.fromkeys(("amplitude", "phase", "more", "and more", "the last"), "frequency")
     run = changed(run, axes=axes)
-    found = curves.curves_figures(run, "frequency")
+    found = curve_figures.curves_figures(run, "frequency")
     assert [len(figure.panels) for figure in found] == [3, 2]
     assert [figure.name for figure in found] == ["curves-frequency", "curves-frequency-2"]
     assert found[1].title == "And more and the last over frequency"
@@ -76,7 +76,7 @@ def test_no_figure_has_more_panels_than_can_be_read():
 
 
 def test_the_legend_shows_an_engine_as_it_is_with_the_physics_mapped():
-    figure = curves.curves_figures(swept(), "frequency")[0]
+    figure = curve_figures.curves_figures(swept(), "frequency")[0]
     assert not figure.legend["north"].style.hollow
     traces = plotly_.as_dict(figure)["data"]
     shown = [trace for trace in traces if trace["showlegend"]]
@@ -85,13 +85,13 @@ def test_the_legend_shows_an_engine_as_it_is_with_the_physics_mapped():
 
 
 def test_default_is_hollow_and_below_mapped():
-    panel = curves.curves_figures(swept(), "frequency")[0].panels[0]
+    panel = curve_figures.curves_figures(swept(), "frequency")[0].panels[0]
     assert [series.style.hollow for series in series_of(panel)] == [True, False]
     assert [series.line for series in series_of(panel)] == [False, True]
 
 
 def test_deviations_are_per_cent_except_of_angles():
-    amplitude, phase = curves.deviations_figures(swept(), "frequency")[0].panels
+    amplitude, phase = curve_figures.deviations_figures(swept(), "frequency")[0].panels
     assert amplitude.y_label == "deviation (%)"
     np.testing.assert_allclose(series_of(amplitude)[0].y, 2.0)
     assert phase.y_label == "deviation (deg)"
@@ -102,8 +102,8 @@ def test_deviations_are_per_cent_except_of_angles():
 
 def test_without_a_truth_there_are_no_deviations():
     run = swept(frequency=None, amplitude=None, phase=None)
-    assert curves.deviations_figures(run, "frequency") == []
-    figure = curves.curves_figures(run, "frequency")[0]
+    assert curve_figures.deviations_figures(run, "frequency") == []
+    figure = curve_figures.curves_figures(run, "frequency")[0]
     assert len(figure.panels[0].series) == 2
     assert "truth" not in figure.caption
 
@@ -127,16 +127,16 @@ def test_an_engine_that_is_far_off_by_default_does_not_press_all_others_flat():
         replace(s, value=100.0) if (s.contact, s.measure) == ("default", "amplitude") else s
         for s in run.scores
     )
-    figure = curves.curves_figures(changed(run, scores=far), "frequency")[0]
+    figure = curve_figures.curves_figures(changed(run, scores=far), "frequency")[0]
     assert figure.panels[0].y_range[1] < 50
     assert "lie outside" in figure.caption
-    calm = curves.curves_figures(run, "frequency")[0]
+    calm = curve_figures.curves_figures(run, "frequency")[0]
     assert calm.panels[0].y_range is None
     assert "lie outside" not in calm.caption
 
 
 def test_curves_are_no_events():
-    assert scored.event_measures(swept()) == ["restitution"]
+    assert score_figures.event_measures(swept()) == ["restitution"]
 
 
 def test_a_run_stored_before_there_were_axes_still_reads():
@@ -147,7 +147,7 @@ def test_a_run_stored_before_there_were_axes_still_reads():
 
 @pytest.mark.parametrize("library", ["plotly", "matplotlib"])
 def test_a_logarithmic_axis_is_drawn_as_one(library):
-    figure = curves.curves_figures(swept(), "frequency")[0]
+    figure = curve_figures.curves_figures(swept(), "frequency")[0]
     if library == "plotly":
         axis = plotly_.as_dict(figure)["layout"]["xaxis"]
         assert (axis["type"], axis["dtick"], axis["tickformat"]) == ("log", "D2", "~g")
@@ -160,12 +160,12 @@ def test_a_logarithmic_axis_is_drawn_as_one(library):
 
 
 def test_a_truth_of_zero_is_an_error_to_keep_small():
-    from simcompare.reports.run import words
+    from simcompare.reports.run import answer
 
     tolerances = {"restitution": {"relative": None, "absolute": 0.01, "reason": "Because of it."}}
     sources = [("north", "default", 0.002), ("south", "default", 0.02)]
     run = make_run(sources, truth=0.0, tolerances=tolerances)
-    assert words.answer(run)[0] == (
+    assert answer.sentences(run)[0] == (
         "By default the restitution is 0.00 in north; outside the tolerance: 0.02 in south,"
         " where the closed form gives 0."
     )

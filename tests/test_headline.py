@@ -8,8 +8,8 @@ from simcompare.cli import console
 from simcompare.model.tuning import AtSpeed, TuningRow
 from simcompare.reports import builder
 from simcompare.reports.render import matplotlib_, plotly_
-from simcompare.reports.run import listing, remarks, runs, words
-from simcompare.reports.run.leading import leading_figure
+from simcompare.reports.run import answer, listing, remarks, runs
+from simcompare.reports.run.lead_figure import lead_figure
 from simcompare.results.records.run import SourceRecord
 from tests import records
 from tests.records import with_source, with_sources
@@ -44,7 +44,7 @@ def level(mode, **values):
 def test_all_engines_that_pass_are_one_clause_with_the_largest_deviation():
     run = answered(level("assisted", north=0.8001, south=0.7998, west=0.8042))
     # scores.tolerance is 0.008, so three decimals are told; 0.0042 is rounded up
-    assert words.answer(run) == [
+    assert answer.sentences(run) == [
         "With our helps, the ball bounces with 0.800 to 0.804 (± 0.001) in all 3 engines,"
         " within 0.005 of the closed form of 0.8."
     ]
@@ -52,7 +52,7 @@ def test_all_engines_that_pass_are_one_clause_with_the_largest_deviation():
 
 def test_engines_that_agree_are_grouped_and_the_odd_ones_named():
     values = {"north": 0.801, "south": 0.803, "east": 0.9, "west": 0.904, "far": 0.7}
-    assert words.answer(answered(level("tuned", **values))) == [
+    assert answer.sentences(answered(level("tuned", **values))) == [
         "Tuned, the ball bounces with 0.801 to 0.803 (± 0.001) in north and south;"
         " outside the tolerance: 0.900 to 0.904 (± 0.001) in east and west,"
         " 0.700 ± 0.001 in far, where the closed form gives 0.8."
@@ -61,16 +61,16 @@ def test_engines_that_agree_are_grouped_and_the_odd_ones_named():
 
 def test_one_that_scatters_stands_apart_from_those_that_do_not():
     run = changed(answered(level("tuned", north=0.9, south=0.9)), "south", scatter=0.05)
-    assert "0.900 ± 0.001 in north, 0.900 ± 0.050 in south" in words.answer(run)[0]
+    assert "0.900 ± 0.001 in north, 0.900 ± 0.050 in south" in answer.sentences(run)[0]
 
 
 def test_what_is_outside_is_told_with_enough_digits_to_see_it():
     # 0.8083 would round to 0.808, which is on the edge of 0.8 ± 0.008
-    assert "0.8083" in words.answer(answered(level("tuned", north=0.8083)))[0]
+    assert "0.8083" in answer.sentences(answered(level("tuned", north=0.8083)))[0]
 
 
 def test_by_default_nothing_happens_and_the_audit_tells_why():
-    (sentence,) = words.answer(answered(level("default", north=0.0, south=0.001)))
+    (sentence,) = answer.sentences(answered(level("default", north=0.0, south=0.001)))
     assert sentence == (
         "By default the ball stays on the floor in north and south: no restitution is set."
     )
@@ -78,7 +78,7 @@ def test_by_default_nothing_happens_and_the_audit_tells_why():
 
 def test_what_most_engines_do_wrong_comes_first():
     run = answered(level("tuned", north=0.0, south=0.0, west=0.5))
-    assert words.answer(run)[0] == (
+    assert answer.sentences(run)[0] == (
         "Tuned, the ball stays on the floor in north and south;"
         " the ball bounces with 0.500 ± 0.001 in west, where the closed form gives 0.8."
     )
@@ -87,30 +87,30 @@ def test_what_most_engines_do_wrong_comes_first():
 def test_a_cause_is_told_only_of_engines_that_hold_a_value_of_their_own():
     run = answered(level("default", north=0.0, south=0.0))
     run = with_source(run, 1, audit=(replace(audit_row("default"), read_value=0.8),))
-    assert words.answer(run)[0].endswith(": in north no restitution is set.")
+    assert answer.sentences(run)[0].endswith(": in north no restitution is set.")
     run = with_source(run, 0, audit=())
-    assert words.answer(run)[0].endswith("north and south.")
+    assert answer.sentences(run)[0].endswith("north and south.")
 
 
 def test_of_engines_that_agree_no_value_is_told_that_none_of_them_has():
-    answer = {**ANSWER, "within": "the ball bounces with {value} for {settling_time}"}
-    run = answered(level("tuned", north=0.797, south=0.803), answer=answer)
+    template = {**ANSWER, "within": "the ball bounces with {value} for {settling_time}"}
+    run = answered(level("tuned", north=0.797, south=0.803), answer=template)
     times = {"north": 3.9, "south": 4.1}
     timed = [
         replace(s, value=times[s.source]) if s.measure == "settling_time" else s for s in run.scores
     ]
     run = changed(records.changed(run, scores=tuple(timed)), "south", scatter=0.003)
-    (sentence,) = words.answer(run)
+    (sentence,) = answer.sentences(run)
     assert "with 0.797 to 0.803 (± 0.003 at most) for 3.9 to 4.1 s in north" in sentence
 
 
 def test_a_value_that_could_not_be_measured_says_nothing_of_the_ball():
     run = changed(answered(level("tuned", north=0.8, south=0.8)), "south", value=None)
-    (sentence,) = words.answer(run)
+    (sentence,) = answer.sentences(run)
     assert sentence.endswith("; the restitution could not be measured in south.")
     why = "south does not give ball.position_m: it has none"
     run = changed(run, "south", lacking=why)
-    assert words.answer(run)[0].endswith(f"measured in south ({why}).")
+    assert answer.sentences(run)[0].endswith(f"measured in south ({why}).")
 
 
 def test_values_of_some_repeats_are_told_as_such():
@@ -118,7 +118,7 @@ def test_values_of_some_repeats_are_told_as_such():
     run = changed(run, "south", value=None, low=0.01, high=0.17, repeats=2)
     # the mean is next to nothing, and yet one of the repeats bounces
     run = changed(run, "west", low=0.0, high=0.018)
-    assert words.answer(run) == [
+    assert answer.sentences(run) == [
         "By default the ball stays on the floor in north: no restitution is set; the restitution"
         " differs from repeat to repeat, 0.010 to 0.170 in south (measured in 2 of 3), 0.000 to"
         " 0.018 in west."
@@ -128,12 +128,12 @@ def test_values_of_some_repeats_are_told_as_such():
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
 def test_a_value_that_is_not_finite_is_none(value):
     run = changed(answered(level("tuned", north=0.8)), "north", value=value)
-    assert words.answer(run) == ["Tuned, the restitution could not be measured in north."]
+    assert answer.sentences(run) == ["Tuned, the restitution could not be measured in north."]
 
 
 def test_the_same_at_two_levels_is_said_once():
     run = answered([*level("tuned", north=0.8), *level("assisted", north=0.8)])
-    (sentence,) = words.answer(run)
+    (sentence,) = answer.sentences(run)
     assert sentence.startswith("Tuned, the ball bounces with 0.800 ± 0.001 in north")
     assert sentence.endswith("of 0.8; with our helps the same.")
 
@@ -142,44 +142,44 @@ def test_the_step_is_told_where_all_took_the_same():
     run = answered(level("tuned", north=0.8, south=0.8))
     row = replace(audit_row("tuned"), quantity="engine step_s", set_value=0.002)
     run = with_sources(run, audit=[(row,), (row,)])
-    assert words.answer(run)[0].startswith("Tuned at a step of 2 ms, the ball")
+    assert answer.sentences(run)[0].startswith("Tuned at a step of 2 ms, the ball")
     run = with_source(run, 0, audit=(replace(row, set_value=0.001),))
-    assert words.answer(run)[0].startswith("Tuned, the ball")
+    assert answer.sentences(run)[0].startswith("Tuned, the ball")
 
 
 def test_without_helps_the_level_says_so():
     run = answered(level("assisted", north=0.8), assist="none")
-    assert words.answer(run)[0].startswith("With none of our helps,")
+    assert answer.sentences(run)[0].startswith("With none of our helps,")
 
 
 def test_another_measure_in_a_template_is_filled_in():
-    answer = {**ANSWER, "within": "the ball bounces with {value} for {settling_time}"}
-    run = answered(level("tuned", north=0.8), answer=answer)
+    template = {**ANSWER, "within": "the ball bounces with {value} for {settling_time}"}
+    run = answered(level("tuned", north=0.8), answer=template)
     timed = [replace(s, value=3.96) if s.measure == "settling_time" else s for s in run.scores]
-    (sentence,) = words.answer(records.changed(run, scores=tuple(timed)))
+    (sentence,) = answer.sentences(records.changed(run, scores=tuple(timed)))
     assert "bounces with 0.800 ± 0.001 for 4.0 s in north" in sentence
 
 
 def test_many_values_end_in_a_range():
     values = {f"e{i}": 0.1 * i for i in range(1, 8)}  # e7 is 0.7
-    (sentence,) = words.answer(answered(level("tuned", **values)))
+    (sentence,) = answer.sentences(answered(level("tuned", **values)))
     assert sentence.count(" in e") == 6
     assert "0.100 to 0.200 (± 0.001) in e1 and e2" in sentence
 
 
 def test_without_an_answer_the_first_judged_measure_leads():
-    assert words.answer(make_run(level("default", north=0.5))) == [
+    assert answer.sentences(make_run(level("default", north=0.5))) == [
         "By default the restitution is 0.500 ± 0.001 in north, where the closed form gives 0.8."
     ]
     # a scenario may name what this run did not measure
     other = {**ANSWER, "measure": "bounciness"}
-    assert words.answer(make_run(level("default", north=0.5), answer=other))[0].startswith(
+    assert answer.sentences(make_run(level("default", north=0.5), answer=other))[0].startswith(
         "By default the restitution is"
     )
 
 
 def test_without_a_truth_nothing_is_called_right_or_wrong():
-    assert words.answer(answered(level("assisted", north=0.7), truth=None)) == [
+    assert answer.sentences(answered(level("assisted", north=0.7), truth=None)) == [
         "With our helps, the ball bounces with 0.7000 ± 0.0010 in north.",
         "There is no truth to hold the restitution against.",
     ]
@@ -187,7 +187,7 @@ def test_without_a_truth_nothing_is_called_right_or_wrong():
 
 def test_nothing_measured_says_so():
     run = answered(level("default", north=None))
-    assert words.answer(run) == ["Nothing was measured."]
+    assert answer.sentences(run) == ["Nothing was measured."]
     assert remarks.remarks(run)[-1] == "Did not run: north (failed). The reasons are below."
 
 
@@ -323,21 +323,21 @@ def test_each_source_is_held_to_its_own_tolerance(monkeypatch):
     run = answered(level("tuned", north=0.82, south=0.82, west=0.8))
     wide = {"north": 0.04}
     monkeypatch.setattr(runs, "width", lambda run, score: wide.get(score.source, 0.008))
-    assert words.answer(run) == [
+    assert answer.sentences(run) == [
         "Tuned, the ball bounces with 0.800 ± 0.001 in west, 0.820 ± 0.001 in north;"
         " outside the tolerance: 0.820 ± 0.001 in south, where the closed form gives 0.8."
     ]
-    (panel,) = leading_figure(run).panels
+    (panel,) = lead_figure(run).panels
     *bands, truth = panel.spans
     assert [band.rows for band in bands] == [(-0.5, 0.5), (0.5, 1.5), (1.5, 2.5)]
     assert [band.high for band in bands] == pytest.approx([0.84, 0.808, 0.808])
     assert truth.rows is None
     # both renderers draw them
-    shapes = plotly_.as_dict(leading_figure(run))["layout"]["shapes"]
+    shapes = plotly_.as_dict(lead_figure(run))["layout"]["shapes"]
     assert [(one["y0"], one["y1"], one["yref"]) for one in shapes[:2]] == [
         (-0.5, 0.5, "y"), (0.5, 1.5, "y"),
     ]  # fmt: skip
-    assert matplotlib_.rendered(leading_figure(run), "svg")
+    assert matplotlib_.rendered(lead_figure(run), "svg")
 
 
 # on a terminal

@@ -3,8 +3,8 @@
 import pytest
 
 from simcompare.reports.render import matplotlib_, plotly_
-from simcompare.reports.run.leading import leading_figure
-from simcompare.reports.run.overview import overview, text
+from simcompare.reports.run.lead_figure import lead_figure
+from simcompare.reports.run.lead_table import lead_table, text
 from tests.test_headline import answered, changed, level
 from tests.test_reports import make_run
 
@@ -27,7 +27,7 @@ def three_levels(**more):
 
 
 def test_far_and_near_have_a_panel_each_and_only_what_is_judged_is_near():
-    whole, near = leading_figure(three_levels()).panels
+    whole, near = lead_figure(three_levels()).panels
     assert list(by_label(whole)) == ["by default", "tuned", "assisted"]
     assert list(by_label(near)) == ["tuned", "assisted"]
     assert whole.y_ticks == near.y_ticks == ("north", "south")
@@ -40,7 +40,7 @@ def test_far_and_near_have_a_panel_each_and_only_what_is_judged_is_near():
 
 
 def test_truth_and_tolerance_are_marked_in_both():
-    panels = leading_figure(three_levels()).panels
+    panels = lead_figure(three_levels()).panels
     assert len(panels) == 2
     for panel in panels:
         tolerance, truth = panel.spans
@@ -50,13 +50,13 @@ def test_truth_and_tolerance_are_marked_in_both():
 
 
 def test_values_that_are_all_near_need_one_panel_in_their_own_unit():
-    (panel,) = leading_figure(answered(level("assisted", north=0.801, south=0.8))).panels
+    (panel,) = lead_figure(answered(level("assisted", north=0.801, south=0.8))).panels
     assert panel.x_label == "restitution"
     assert by_label(panel)["assisted"].x == pytest.approx([0.801, 0.8])
 
 
 def test_levels_of_a_row_stand_below_each_other_in_their_order():
-    whole, _ = leading_figure(three_levels()).panels
+    whole, _ = lead_figure(three_levels()).panels
     heights = [by_label(whole)[mode].y[0] for mode in ("by default", "tuned", "assisted")]
     assert heights == sorted(heights)
     assert len(set(heights)) == 3
@@ -65,7 +65,7 @@ def test_levels_of_a_row_stand_below_each_other_in_their_order():
 
 def test_what_is_beyond_is_an_arrow_with_its_number():
     run = answered([*level("tuned", north=0.8, south=9e5), *level("assisted", north=0.8)])
-    whole, near = leading_figure(run).panels
+    whole, near = lead_figure(run).panels
     for panel in (whole, near):
         arrow = panel.series[1]
         assert arrow.style.marker == "triangle-right"
@@ -75,55 +75,55 @@ def test_what_is_beyond_is_an_arrow_with_its_number():
 
 def test_what_was_not_measured_is_a_dash_and_what_did_not_run_says_why():
     run = changed(answered(level("tuned", north=0.8, south=0.8, west=None)), "south", value=None)
-    (panel,) = leading_figure(run).panels
+    (panel,) = lead_figure(run).panels
     assert [(round(note.y), note.text) for note in panel.notes] == [(1, "–"), (2, "– failed")]
 
 
 def test_a_level_at_which_a_source_did_not_run_is_a_dash():
     run = answered([*level("tuned", north=0.8, south=None), *level("assisted", south=0.8)])
-    (panel,) = leading_figure(run).panels
+    (panel,) = lead_figure(run).panels
     # north was not asked for at the second level, and south failed at the first
     assert sorted((round(note.y), note.text) for note in panel.notes) == [(0, "–"), (1, "–")]
 
 
 def test_repeats_that_differ_are_told_by_their_ends():
     run = changed(three_levels(), "south", value=None, low=0.01, high=0.17)
-    whole, _ = leading_figure(run).panels
+    whole, _ = lead_figure(run).panels
     bars = [(x, u) for series in whole.series if series.u is not None
             for x, u in zip(series.x, series.u, strict=True)]  # fmt: skip
     assert any(x - u == pytest.approx(0.01) and x + u == pytest.approx(0.17) for x, u in bars)
-    assert "from their lowest to their highest" in leading_figure(run).caption
+    assert "from their lowest to their highest" in lead_figure(run).caption
     (row,) = [line for line in shown(run) if line.startswith("south")]
     assert "0.01000 to 0.17000" in row
 
 
 def test_no_scatter_is_no_bar_and_no_end_of_one():
     run = changed(answered(level("tuned", north=0.8, south=0.8)), "north", scatter=0.0)
-    (panel,) = leading_figure(run).panels
+    (panel,) = lead_figure(run).panels
     assert [(list(s.y), s.u is None) for s in panel.series] == [([1.0], False), ([0.0], True)]
     # two parts of one level are one entry of the legend
-    listed = [row for row in plotly_.as_dict(leading_figure(run))["data"] if row["showlegend"]]
+    listed = [row for row in plotly_.as_dict(lead_figure(run))["data"] if row["showlegend"]]
     assert len(listed) == 1
 
 
 def test_levels_differ_by_more_than_colour():
     run = answered([(n, m, 0.8) for m in ("default", "coefficients", "tuned", "assisted")
                     for n in ("north",)])  # fmt: skip
-    styles = [series.style for series in leading_figure(run).panels[0].series]
+    styles = [series.style for series in lead_figure(run).panels[0].series]
     assert len({style.marker for style in styles}) == len(styles) == 4
 
 
 def test_without_truth_or_tolerance_there_is_one_panel():
-    (panel,) = leading_figure(answered(level("assisted", north=0.7), truth=None)).panels
+    (panel,) = lead_figure(answered(level("assisted", north=0.7), truth=None)).panels
     assert panel.spans == ()
-    (panel,) = leading_figure(make_run(level("default", north=0.5), tolerances={})).panels
+    (panel,) = lead_figure(make_run(level("default", north=0.5), tolerances={})).panels
     assert len(panel.spans) == 1
-    assert leading_figure(make_run(level("default", north=None))) is None
+    assert lead_figure(make_run(level("default", north=None))) is None
 
 
 def test_more_rows_make_a_taller_figure():
     few, many = (
-        leading_figure(answered(level("tuned", **{f"e{i}": 0.8 for i in range(count)})))
+        lead_figure(answered(level("tuned", **{f"e{i}": 0.8 for i in range(count)})))
         for count in (2, 14)
     )
     assert many.height > few.height
@@ -133,7 +133,7 @@ def test_more_rows_make_a_taller_figure():
 
 def test_both_renderers_draw_notes_and_long_names():
     run = answered([*level("tuned", **dict.fromkeys(LONG, 0.9)), *level("assisted", dart=None)])
-    figure = leading_figure(run)
+    figure = lead_figure(run)
     assert matplotlib_.rendered(figure, "svg") == matplotlib_.rendered(figure, "svg")
     canvas = matplotlib_.canvas(figure)
     canvas.draw_without_rendering()
@@ -147,7 +147,7 @@ def test_both_renderers_draw_notes_and_long_names():
 
 def test_heads_come_before_notes_in_the_page():
     run = changed(three_levels(), "south", value=None)
-    layout = plotly_.as_dict(leading_figure(run))["layout"]
+    layout = plotly_.as_dict(lead_figure(run))["layout"]
     texts = [note["text"] for note in layout["annotations"]]
     assert texts[:2] == ["<b>the whole</b>", "<b>near the truth</b>"]
     assert set(texts[2:]) == {"–"}
@@ -157,7 +157,7 @@ def test_heads_come_before_notes_in_the_page():
 
 
 def shown(run, measure=None):
-    return list(text(overview(run, measure), 80))
+    return list(text(lead_table(run, measure), 80))
 
 
 def test_levels_stand_side_by_side_with_verdicts_and_the_truth_below():

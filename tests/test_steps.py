@@ -10,7 +10,7 @@ import simcompare
 from simcompare.compare.repeats import asked_steps, step_words
 from simcompare.errors import InputError
 from simcompare.reports.run import reproduce, runs
-from simcompare.reports.run.looks import look, looks
+from simcompare.reports.run.source_styles import look, looks
 from simcompare.reports.sections import scores as scores_section
 from simcompare.results import store
 from simcompare.results.records.run import Wall

@@ -21,7 +21,7 @@ from simcompare.errors import InputError, UnknownName, UnknownVariant, Unsupport
 from simcompare.kit import Traits
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED, Settings
-from simcompare.reports.run.looks import looks
+from simcompare.reports.run.source_styles import looks
 from simcompare.running.jobs import facts_of
 from simcompare.scenarios import catalogue
 from tests.present import INSTALLED, built_in, need

@@ -11,7 +11,7 @@ from simcompare.reports.render import numbers
 from simcompare.reports.render.figures import Figure, Panel, Series, Style, style_of
 from simcompare.reports.run import listing, runs
 from simcompare.reports.run.lead import MIXED, OUTSIDE, Lead, Row, rows_of
-from simcompare.reports.run.level_words import how
+from simcompare.reports.run.level_phrases import how
 from simcompare.results.records.run import StepRecord
 from simcompare.results.run import Run
 

@@ -13,7 +13,7 @@ from simcompare.model.tuning import TuningRow
 from simcompare.reports.render import numbers
 from simcompare.reports.run import listing, runs
 from simcompare.reports.run.lead import Lead, first_events, groups_of, lead_of
-from simcompare.reports.run.level_words import how, merged
+from simcompare.reports.run.level_phrases import how, merged
 from simcompare.results.records.run import SourceRecord
 from simcompare.results.run import Run
 from simcompare.running.jobs import OK

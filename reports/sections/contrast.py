@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.reports.run import scored
+from simcompare.reports.run import score_figures
 from simcompare.reports.sections.base import Section
 from simcompare.results.run import Run
 
@@ -16,5 +16,5 @@ class Contrast(Section):
 
     def context(self, run: Run) -> dict[str, Any] | None:
         """The figure; ``None`` where nothing has a truth and a tolerance."""
-        figure = scored.contrast_figure(run)
+        figure = score_figures.contrast_figure(run)
         return None if figure is None else {"figures": [figure]}

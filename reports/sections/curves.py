@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.reports.run import curves
+from simcompare.reports.run import curve_figures
 from simcompare.reports.sections.base import Section
 from simcompare.results.run import Run
 
@@ -19,12 +19,14 @@ class Curves(Section):
 
         The figure that leads the report is not drawn a second time.
         """
-        axes = curves.axes_drawn(run)
-        leading = curves.leading_axis(run)
+        axes = curve_figures.axes_drawn(run)
+        leading = curve_figures.leading_axis(run)
         figures = [
             figure
             for axis in axes
-            for figure in curves.curves_figures(run, axis)[1 if axis == leading else 0 :]
+            for figure in curve_figures.curves_figures(run, axis)[1 if axis == leading else 0 :]
         ]
-        figures += [figure for axis in axes for figure in curves.deviations_figures(run, axis)]
+        figures += [
+            figure for axis in axes for figure in curve_figures.deviations_figures(run, axis)
+        ]
         return {"figures": figures} if figures else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.reports.run import timelines
+from simcompare.reports.run import motion_figures
 from simcompare.reports.sections.base import Section
 from simcompare.results.run import Run
 
@@ -16,5 +16,5 @@ class Energy(Section):
 
     def context(self, run: Run) -> dict[str, Any] | None:
         """The figure; ``None`` where the scenario does not tell what it takes."""
-        figure = timelines.energy_figure(run)
+        figure = motion_figures.energy_figure(run)
         return None if figure is None else {"figures": [figure]}

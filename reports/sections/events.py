@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.reports.run import runs, scored
+from simcompare.reports.run import runs, score_figures
 from simcompare.reports.sections.base import Section
 from simcompare.results.run import Run
 
@@ -16,10 +16,10 @@ class Events(Section):
 
     def context(self, run: Run) -> dict[str, Any] | None:
         """A figure and a table for each measure; ``None`` where nothing was measured per event."""
-        measures = scored.event_measures(run)
+        measures = score_figures.event_measures(run)
         if not measures:
             return None
-        figures = [scored.events_figure(run, measure) for measure in measures]
+        figures = [score_figures.events_figure(run, measure) for measure in measures]
         return {
             "figures": figures,
             "tables": [_table(run, measure) for measure in measures],
@@ -28,7 +28,7 @@ class Events(Section):
 
 
 def _table(run: Run, measure: str) -> dict[str, Any]:
-    rows = scored.events_of(run, measure)
+    rows = score_figures.events_of(run, measure)
     longest = max(rows.values(), key=len)
     count = len(longest)
     return {

@@ -7,9 +7,9 @@ from typing import Any
 from simcompare.compare.comparison import FAIL, PASS
 from simcompare.model.settings import DEFAULT, SHOWN_LEVELS, TUNED
 from simcompare.reports.render.figures import Figure, style_of
-from simcompare.reports.run import by_step, curves, remarks, runs, timelines, words
+from simcompare.reports.run import answer, by_step, curve_figures, motion_figures, remarks, runs
 from simcompare.reports.run.lead import Lead, lead_of
-from simcompare.reports.run.leading import leading_figure
+from simcompare.reports.run.lead_figure import lead_figure
 from simcompare.reports.sections.base import Section
 from simcompare.results.run import Run
 from simcompare.running.jobs import OK
@@ -29,7 +29,7 @@ class Headline(Section):
         lead = found.measure if found else None
         return {
             "question": run.record.question,
-            "answer": words.answer(run),
+            "answer": answer.sentences(run),
             "remarks": remarks.remarks(run),
             "figures": [figure for figure in _figures(run, found) if figure is not None],
             "modes": [runs.mode_words(mode) for mode in runs.modes(run)],
@@ -43,8 +43,8 @@ class Headline(Section):
 def _figures(run: Run, lead: Lead | None) -> tuple[Figure | None, ...]:
     """The leading measure over the step where there are several, and level by level; the motion."""
     if lead is not None and runs.steps(run):
-        return by_step.figure(run, lead), leading_figure(run)
-    return leading_figure(run), _second_figure(run)
+        return by_step.figure(run, lead), lead_figure(run)
+    return lead_figure(run), _second_figure(run)
 
 
 def _second_figure(run: Run) -> Figure | None:
@@ -52,15 +52,15 @@ def _second_figure(run: Run) -> Figure | None:
 
     The motion is shown as the engines have it by themselves: as they come, and tuned.
     """
-    axis = curves.leading_axis(run)
+    axis = curve_figures.leading_axis(run)
     if axis is not None:
-        return next(iter(curves.curves_figures(run, axis)), None)
+        return next(iter(curve_figures.curves_figures(run, axis)), None)
     probes = list(runs.probes(run).items())
     if not probes:
         return None
     shown = [mode for mode in (DEFAULT, TUNED) if mode in runs.modes(run)]
     modes = shown if TUNED in shown else runs.judged_modes(run)[-1:]
-    return timelines.motion_figure(run, *probes[0], modes)
+    return motion_figures.motion_figure(run, *probes[0], modes)
 
 
 def _row(run: Run, name: str, lead: str | None) -> dict[str, Any]:

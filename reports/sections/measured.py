@@ -8,7 +8,7 @@ from typing import Any
 from simcompare.compare.against import Match
 from simcompare.reports.render import numbers
 from simcompare.reports.render.figures import style_of
-from simcompare.reports.run import measured, runs
+from simcompare.reports.run import measurement_figures, runs
 from simcompare.reports.run.listing import count_of
 from simcompare.reports.sections.base import Section
 from simcompare.results.run import Run
@@ -35,7 +35,10 @@ class Measured(Section):
             "file": against.file,
             "caution": against.caution,
             "sentences": [_sentence(run, mode) for mode in runs.modes(run)],
-            "figures": [measured.measured_figure(run, name) for name in measured.quantities(run)],
+            "figures": [
+                measurement_figures.measured_figure(run, name)
+                for name in measurement_figures.quantities(run)
+            ],
             "groups": _groups(against.matches),
         }
 
@@ -82,7 +85,7 @@ def _row(match: Match) -> dict[str, Any]:
 def _sentence(run: Run, mode: str) -> str:
     """How many engines are consistent with every measured value."""
     by_source: dict[str, list[bool | None]] = {}
-    for match in measured.matches_of(run):
+    for match in measurement_figures.matches_of(run):
         if match.contact == mode:
             by_source.setdefault(match.source, []).append(match.inside)
     good = sum(all(inside) for inside in by_source.values())

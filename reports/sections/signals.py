@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from simcompare.reports.run import curves, runs, timelines
+from simcompare.reports.run import curve_figures, motion_figures, runs
 from simcompare.reports.sections.base import Section
 from simcompare.results.run import Run
 
@@ -20,9 +20,9 @@ class Signals(Section):
     def context(self, run: Run) -> dict[str, Any] | None:
         """One figure for each probe; ``None`` where there is none."""
         probes = list(runs.probes(run).items())
-        if len(runs.modes(run)) == 1 and not curves.leading_axis(run):
+        if len(runs.modes(run)) == 1 and not curve_figures.leading_axis(run):
             probes = probes[1:]  # the whole of the first is in the answer
         if not probes:
             return None
-        figures = [timelines.probe_figure(run, name, probe) for name, probe in probes]
+        figures = [motion_figures.probe_figure(run, name, probe) for name, probe in probes]
         return {"figures": figures, "open": _OPEN}

@@ -98,19 +98,19 @@ def _write_report(result: Run) -> Path | None:
 
 
 def _headline(result: Run) -> list[str]:
-    from simcompare.reports.run import words
+    from simcompare.reports.run import answer
 
-    return words.answer(result)
+    return answer.sentences(result)
 
 
 def _print(result: Run, written: Path | None, *, details: bool) -> None:
     """The answer, the leading measure level by level, and what the reader must know of both."""
     from simcompare.cli import console
-    from simcompare.reports.run import overview, remarks, words
+    from simcompare.reports.run import answer, lead_table, remarks
 
-    console.print_wrapped(words.answer(result))
-    for made in overview.overviews(result, every=details):
-        typer.echo("\n".join(["", *overview.text(made, console.width())]))
+    console.print_wrapped(answer.sentences(result))
+    for made in lead_table.lead_tables(result, every=details):
+        typer.echo("\n".join(["", *lead_table.text(made, console.width())]))
     typer.echo()
     console.print_wrapped([*remarks.remarks(result), *_levels(result.record)])
     _print_remarks(result)

@@ -62,7 +62,7 @@ class _Scale:
         return (self.high - self.low) * _MARGIN / 2
 
 
-def leading_figure(run: Run) -> Figure | None:
+def lead_figure(run: Run) -> Figure | None:
     """One row for each source; ``None`` where nothing was measured."""
     lead = lead_of(run)
     if lead is None:

@@ -20,8 +20,8 @@ from simcompare.reports.render.figures import (
     fitted_range,
 )
 from simcompare.reports.run import runs
-from simcompare.reports.run.looks import look
-from simcompare.reports.run.scored import column, events_of
+from simcompare.reports.run.score_figures import column, events_of
+from simcompare.reports.run.source_styles import look
 from simcompare.results.run import Run
 
 #: curves of more points than this are drawn as lines only

@@ -19,7 +19,7 @@ from simcompare.reports.render.figures import (
     spread,
 )
 from simcompare.reports.run import runs
-from simcompare.reports.run.looks import look
+from simcompare.reports.run.source_styles import look
 from simcompare.results.run import Run
 
 Rows = Sequence[Match]

@@ -27,14 +27,14 @@ from simcompare.reports.run.lead import (
     lead_of,
     rows_of,
 )
-from simcompare.reports.run.level_words import how, merged
+from simcompare.reports.run.level_phrases import how, merged
 from simcompare.results.run import Run
 
 #: so many values are told apart, the others as a range
 _MOST_GROUPS = 5
 
 
-def answer(run: Run) -> list[str]:
+def sentences(run: Run) -> list[str]:
     """One sentence for each contact level: what it gives, in which engines, beside the truth.
 
     Where steps are compared, one line for each engine: how the value changes with the step.

@@ -8,7 +8,7 @@ from simcompare.model.scenario import Probe
 from simcompare.model.trajectory import TRUTH, Array, Trajectory
 from simcompare.reports.render.figures import TRUTH_STYLE, Figure, Panel, Series
 from simcompare.reports.run import energy, runs
-from simcompare.reports.run.looks import look
+from simcompare.reports.run.source_styles import look
 from simcompare.results.run import Run
 
 TIME = "time (s)"

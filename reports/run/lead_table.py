@@ -21,7 +21,7 @@ _MORE = 2
 _VERDICTS = {PASS: " pass", FAIL: " fail"}
 
 
-def overview(run: Run, measure: str | None = None) -> Table | None:
+def lead_table(run: Run, measure: str | None = None) -> Table | None:
     """Sources as rows, levels as columns, the truth below; ``None`` where nothing was asked for.
 
     Args:
@@ -54,11 +54,11 @@ def _truths(run: Run, lead: Lead) -> dict[str, str]:
     return {f"{TRUTH}{AT}{step}": true for step, true in found.items()}
 
 
-def overviews(run: Run, *, every: bool) -> list[Table]:
+def lead_tables(run: Run, *, every: bool) -> list[Table]:
     """The table of the leading measure, and those of all others where they are wanted."""
     lead = lead_of(run)
     others = [name for name in runs.measures(run) if lead and name != lead.measure]
-    made = [overview(run), *(overview(run, name) for name in others if every)]
+    made = [lead_table(run), *(lead_table(run, name) for name in others if every)]
     return [table for table in made if table is not None]
 
 
