@@ -1,4 +1,8 @@
-"""What an importer reads: columns as the log has them, before anything is converted or repaired."""
+"""What an importer reads: columns as the log has them, before anything is converted or repaired.
+
+Columns are changed in place, by rules that look at neighbours and carry counts along. As queries on
+a table that DuckDB keeps, these rules would be longer, so long columns lie in unnamed files.
+"""
 
 from __future__ import annotations
 
