@@ -33,10 +33,10 @@ class _Column(_Part):
 
     @model_validator(mode="after")
     def _filled_in(self) -> Self:
-        left = [name for name in ("column", "unit") if getattr(self, name, None) == UNKNOWN]
-        if left:
+        empty = [name for name in ("column", "unit") if getattr(self, name, None) == UNKNOWN]
+        if empty:
             raise ValueError(
-                f"{' and '.join(left)} is still ?; replace the ? (the unit of a plain number is 1)"
+                f"{' and '.join(empty)} is still ?; replace the ? (the unit of a plain number is 1)"
                 " or delete the line"
             )
         return self
@@ -168,11 +168,11 @@ def of_tree(
     Raises:
         InputError: all faults at once.
     """
-    found: dict[str, str] = dict(faults or {})
+    all_faults: dict[str, str] = dict(faults or {})
     try:
         mapping = Mapping.model_validate(tree)
     except ValidationError as error:
-        raise InputError(where, describe({**found, **faults_of(error)}, lines or {})) from None
-    if found:
-        raise InputError(where, describe(found, lines or {}))
+        raise InputError(where, describe({**all_faults, **faults_of(error)}, lines or {})) from None
+    if all_faults:
+        raise InputError(where, describe(all_faults, lines or {}))
     return mapping

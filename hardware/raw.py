@@ -160,11 +160,11 @@ class Spool:
             table = np.concatenate(self._waiting) if self._waiting else np.empty((0, self._width))
             return [np.ascontiguousarray(table[:, i]) for i in range(self._width)]
         self._spill()
-        found: list[Array] = []
+        columns_: list[Array] = []
         for file in self._files:
             file.flush()
-            found.append(np.memmap(file, dtype=np.float64, mode="r+", shape=(self._count,)))
-        return found
+            columns_.append(np.memmap(file, dtype=np.float64, mode="r+", shape=(self._count,)))
+        return columns_
 
     def _spill(self) -> None:
         if self._files is None:

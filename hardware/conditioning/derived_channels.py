@@ -145,17 +145,17 @@ def add(recording: Recording, tree: Mapping[str, object], where: str) -> Recordi
 
 def _reason(wish: Wish) -> str:
     options = {k: v for k, v in wish.model_dump().items() if isinstance(v, float)}
-    told = ", ".join(f"{name} {value:g}" for name, value in options.items())
-    return f"derived by {wish.function}{f' with {told}' if told else ''}"
+    shown = ", ".join(f"{name} {value:g}" for name, value in options.items())
+    return f"derived by {wish.function}{f' with {shown}' if shown else ''}"
 
 
 def _made(recording: Recording, wish: Wish, where: str) -> Stream:
-    found = [recording.find(name) for name in wish.names()]
-    sources = sorted({stream for stream, _ in found})
+    needed = [recording.find(name) for name in wish.names()]
+    sources = sorted({stream for stream, _ in needed})
     if len(sources) > 1:
         raise InputError(where, [f"its channels are of {', '.join(sources)}; one stream is needed"])
     stream = recording.streams[sources[0]]
-    channels = {name: stream.channels[name] for _, name in found}
+    channels = {name: stream.channels[name] for _, name in needed}
     if isinstance(wish, WheelRates):
         return _wheels(stream, channels, wish, where)
     if isinstance(wish, LowPass):
@@ -314,13 +314,13 @@ def low_pass(values: Array, rate_Hz: float, cutoff_Hz: float) -> Array:
     from scipy.signal import butter, sosfiltfilt
 
     sections = butter(ORDER, cutoff_Hz, fs=rate_Hz, output="sos")
-    found = np.full(len(values), np.nan)
+    smooth = np.full(len(values), np.nan)
     known = np.isfinite(values)
     ends = np.flatnonzero(np.diff(np.concatenate(([False], known, [False]))))
     for start, stop in zip(ends[::2], ends[1::2], strict=True):
         if stop - start >= MIN_FILTERED:
-            found[start:stop] = sosfiltfilt(sections, values[start:stop])
-    return found
+            smooth[start:stop] = sosfiltfilt(sections, values[start:stop])
+    return smooth
 
 
 def yaw_pitch_roll(orientation_wxyz: Array) -> tuple[Array, Array, Array]:
@@ -337,7 +337,7 @@ def yaw_pitch_roll(orientation_wxyz: Array) -> tuple[Array, Array, Array]:
 
 
 def _counted_on(angle: Array) -> Array:
-    found = np.array(angle, dtype=float)
-    known = np.isfinite(found)
-    found[known] = np.unwrap(found[known])
-    return found
+    continuous = np.array(angle, dtype=float)
+    known = np.isfinite(continuous)
+    continuous[known] = np.unwrap(continuous[known])
+    return continuous

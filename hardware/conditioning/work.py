@@ -57,8 +57,8 @@ class Work:
 
     def wishes(self, column: RawColumn) -> ChannelMap | None:
         """What the mapping says of a column, ``None`` where it says nothing."""
-        found = self.mapping.of_column(self.stream.name, column.name)
-        return found[0][1] if found else None
+        wishes = self.mapping.of_column(self.stream.name, column.name)
+        return wishes[0][1] if wishes else None
 
     def row(self, sample: int) -> int:
         """Row of the log that a sample stands in."""

@@ -149,22 +149,22 @@ def _impacts(columns: list[RawColumn], rate_Hz: float, coding: str) -> tuple[lis
     step = 2.0 ** (1 - _BITS.get(coding, 25))
     floor = step / 12**0.5
     best = max(columns, key=lambda column: _contrast(column.values, rate_Hz, floor))
-    found = sound_onsets.onsets(
-        functools.partial(_piece, best.values), len(best.values), rate_Hz, floor
+    onsets = sound_onsets.onsets(
+        functools.partial(_excerpt, best.values), len(best.values), rate_Hz, floor
     )
-    events = [Event("impact", o.time_s, "log", o.u_s, o.peak) for o in found]
-    alike = sum(o.alike > 0 for o in found)
-    text = f"{len(found)} impacts were found in channel {best.name!r}"
-    if found:
-        worst = max(o.u_s for o in found) * 1e3
+    events = [Event("impact", o.time_s, "log", o.u_s, o.peak) for o in onsets]
+    alike = sum(o.alike > 0 for o in onsets)
+    text = f"{len(onsets)} impacts were found in channel {best.name!r}"
+    if onsets:
+        worst = max(o.u_s for o in onsets) * 1e3
         text += (
             f"; {alike} of them sound alike and were laid over each other; largest standard"
             f" uncertainty {worst:.2g} ms beside a delay that all share"
         )
-    return events, Repair("onsets", INFO, text, "log", best.name, count=len(found))
+    return events, Repair("onsets", INFO, text, "log", best.name, count=len(onsets))
 
 
-def _piece(values: Array, first: int, end: int) -> Array:
+def _excerpt(values: Array, first: int, end: int) -> Array:
     return np.array(values[first:end])
 
 
@@ -174,8 +174,8 @@ def _contrast(values: Array, rate_Hz: float, floor: float) -> float:
     for part in blocks(len(values)):
         heard = sound_onsets.high_passed(np.array(values[part]), rate_Hz)
         width = max(8, round(sound_onsets.ENERGY_S * rate_Hz))
-        whole = len(heard) // width * width
-        energy = (heard[:whole].reshape(-1, width) ** 2).mean(axis=1)
+        end = len(heard) // width * width
+        energy = (heard[:end].reshape(-1, width) ** 2).mean(axis=1)
         if len(energy):
             loudest = max(loudest, float(energy.max()))
             usual.append(float(np.median(energy)))

@@ -116,16 +116,16 @@ def _damaged(state: State) -> list[Repair]:
 
 
 def _about(state: State, done: list[Finished]) -> dict[str, str]:
-    found = dict(state.about)
+    about = dict(state.about)
     for one in done:
-        found |= one.about
-    return found
+        about |= one.about
+    return about
 
 
 def _reasons(state: State, log: RawLog) -> list[str]:
     """Why nothing of a bag can be used, topic by topic."""
-    found = [f"topic {name}: {why}" for name, why in list(log.ignored.items())[:_MAX_TEXTS]]
-    found += [repair.text for repair in log.repairs if repair.severity == WARNING]
+    reasons = [f"topic {name}: {why}" for name, why in list(log.ignored.items())[:_MAX_TEXTS]]
+    reasons += [repair.text for repair in log.repairs if repair.severity == WARNING]
     if state.truncated:
-        found.append(state.truncated)
-    return found or ["holds no messages and no topics; record it again"]
+        reasons.append(state.truncated)
+    return reasons or ["holds no messages and no topics; record it again"]

@@ -62,7 +62,7 @@ def read_source(source: _text.Source, mapping: Mapping) -> RawLog:
     if rostopic.is_echo(names):
         layout = replace(layout, names=tuple(rostopic.named(layout.names)))
     times = _time_columns(layout)
-    layout = _with_whole_stamps(source, layout, times)
+    layout = _with_integer_stamps(source, layout, times)
     joined = _date_and_clock(layout)
     table = _table.read(source, layout, joined=joined is not None)
     repairs = [*source.repairs, *table.repairs]
@@ -103,7 +103,7 @@ def _is_time_unit(unit: str) -> bool:
         return False
 
 
-def _with_whole_stamps(source: _text.Source, layout: Layout, times: Sequence[int]) -> Layout:
+def _with_integer_stamps(source: _text.Source, layout: Layout, times: Sequence[int]) -> Layout:
     """Stamps of 16 digits and more are read as whole numbers: a float would round them."""
     if layout.first_line > len(source.head):
         return layout
@@ -185,8 +185,8 @@ def _started(table: Table, layout: Layout, column: RawColumn, k: int, repairs: l
 def _epoch(column: RawColumn, origin: int, repairs: list[Repair]) -> str:
     """Stamps that count nano- or microseconds from 1970 have had their first value taken away."""
     # 1970 is far away for logs: what lies between 2000 and 2100 says its unit
-    found = (u for u, factor in (("ns", 1), ("us", 1000)) if _Y2000 < origin * factor < _Y2100)
-    unit = next(found, "")
+    fitting = (u for u, factor in (("ns", 1), ("us", 1000)) if _Y2000 < origin * factor < _Y2100)
+    unit = next(fitting, "")
     text = f"the first stamp, {origin}, was taken away from all, as a float would round them"
     start = ""
     if unit and column.unit in ("", unit):

@@ -35,17 +35,15 @@ def kind_of(head: Head) -> str:
     """What a file is that is certainly no log, and what to do; empty for all others."""
     if head.path.is_dir():
         return _folder(head)
-    found = next((words for magic, words in _MAGIC.items() if head.start.startswith(magic)), None)
-    if found is None:
+    kind = next((words for magic, words in _MAGIC.items() if head.start.startswith(magic)), None)
+    if kind is None:
         member = next((words for name, words in _MEMBERS.items() if name in head.members), "")
-        found = (member, _EXPORT) if member else None
-    if found is None and head.start[4:8] == b"ftyp":
-        found = ("a film", "give the log that was taken from it, such as that of Tracker")
-    if found is None and head.start[:200].lstrip().lower().startswith(
-        (b"<!doctype html", b"<html")
-    ):
-        found = ("a web page", "download the file itself, not the page that shows it")
-    return f"is {found[0]}, not a log; {found[1]}" if found else ""
+        kind = (member, _EXPORT) if member else None
+    if kind is None and head.start[4:8] == b"ftyp":
+        kind = ("a film", "give the log that was taken from it, such as that of Tracker")
+    if kind is None and head.start[:200].lstrip().lower().startswith((b"<!doctype html", b"<html")):
+        kind = ("a web page", "download the file itself, not the page that shows it")
+    return f"is {kind[0]}, not a log; {kind[1]}" if kind else ""
 
 
 def _folder(head: Head) -> str:

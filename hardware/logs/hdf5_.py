@@ -80,56 +80,62 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     except OSError as error:
         raise InputError(str(path), [f"cannot be opened as HDF5: {error}; copy it again"]) from None
     with file:
-        found = _File()
+        content = _File()
         try:
-            _collect(found, file, "", dict(file.attrs), 0)
-            blocks = [part for name in found.groups for part in _sets(found, name)]
+            _collect(content, file, "", dict(file.attrs), 0)
+            blocks = [part for name in content.groups for part in _sets(content, name)]
             for group, parts in blocks:
                 name = _stream_name(group, parts, blocks)
-                found.log.streams += _stream(found, group, name, parts)
+                content.log.streams += _stream(content, group, name, parts)
         except (OSError, RuntimeError, KeyError, ValueError) as error:
             raise InputError(
                 str(path), [f"is damaged: {type(error).__name__}: {error}; copy it again"]
             ) from None
-    if not found.log.streams and not found.faults:
-        reasons = [f"data set {name}: {why}" for name, why in found.log.ignored.items()]
-        found.faults += reasons or ["holds no data set of numbers"]
-    if found.faults:
-        raise InputError(str(path), found.faults)
-    return found.log
+    if not content.log.streams and not content.faults:
+        reasons = [f"data set {name}: {why}" for name, why in content.log.ignored.items()]
+        content.faults += reasons or ["holds no data set of numbers"]
+    if content.faults:
+        raise InputError(str(path), content.faults)
+    return content.log
 
 
-def _collect(found: _File, group: Any, path: str, inherited: dict[str, object], depth: int) -> None:  # noqa: ANN401  (h5py has no types)
+def _collect(
+    content: _File,
+    group: Any,  # noqa: ANN401  (h5py has no types)
+    path: str,
+    inherited: dict[str, object],
+    depth: int,
+) -> None:
     """Data sets of a group and the groups in it; links to other files are not followed."""
     import h5py
 
-    found.scalars.setdefault(path, {}).update(inherited)
+    content.scalars.setdefault(path, {}).update(inherited)
     for key, value in group.attrs.items():
-        found.log.about[f"{path}{key}" if not path else f"{path}/{key}"] = arrays.shorten(value)
+        content.log.about[f"{path}{key}" if not path else f"{path}/{key}"] = arrays.shorten(value)
     for key in group:
         full = f"{path}/{key}" if path else key
         link = group.get(key, getlink=True)
         if isinstance(link, h5py.ExternalLink):
-            found.log.ignored[full] = f"is a link to another file ({link.filename})"
+            content.log.ignored[full] = f"is a link to another file ({link.filename})"
             continue
         if not isinstance(link, h5py.HardLink):
             continue  # a soft link shows what stands elsewhere in the file too
         item = group[key]
         if isinstance(item, h5py.Group) and depth < _MAX_DEPTH:
-            _collect(found, item, full, {**inherited, **dict(item.attrs)}, depth + 1)
+            _collect(content, item, full, {**inherited, **dict(item.attrs)}, depth + 1)
         elif isinstance(item, h5py.Dataset):
-            _sort(found, path, key, full, item)
+            _sort(content, path, key, full, item)
 
 
-def _sort(found: _File, group: str, key: str, full: str, item: Any) -> None:  # noqa: ANN401
+def _sort(content: _File, group: str, key: str, full: str, item: Any) -> None:  # noqa: ANN401
     why = _refusal(item)
     if why:
-        found.log.ignored[full] = why
+        content.log.ignored[full] = why
     elif item.shape == ():
-        found.scalars[group][key] = item[()]
-        found.log.about[full] = arrays.shorten(item[()])
+        content.scalars[group][key] = item[()]
+        content.log.about[full] = arrays.shorten(item[()])
     else:
-        found.groups.setdefault(group, []).append((key, item))
+        content.groups.setdefault(group, []).append((key, item))
 
 
 def _refusal(item: Any) -> str:  # noqa: ANN401
@@ -147,9 +153,9 @@ def _refusal(item: Any) -> str:  # noqa: ANN401
     return ""
 
 
-def _sets(found: _File, group: str) -> list[tuple[str, list[_Part]]]:
+def _sets(content: _File, group: str) -> list[tuple[str, list[_Part]]]:
     """Data sets of a group that have equally many samples."""
-    items = found.groups[group]
+    items = content.groups[group]
     lengths = {item.shape[0] for _, item in items if len(item.shape) == 1}
     lengths |= {s[0] for _, item in items for s in [item.shape] if len(s) == 2 and s[0] > s[1]}
     sets: dict[int, list[_Part]] = {}
@@ -157,13 +163,13 @@ def _sets(found: _File, group: str) -> list[tuple[str, list[_Part]]]:
         turned = False
         if len(item.shape) == 2 and item.shape[0] <= item.shape[1] and item.shape[0] not in lengths:
             if item.shape[1] not in lengths:
-                found.faults.append(ambiguous(f"{group}/{key}".strip("/"), item.shape))
+                content.faults.append(ambiguous(f"{group}/{key}".strip("/"), item.shape))
                 continue
             turned = True
         part = _Part(key, item, turned, dict(item.attrs))
         if part.width > arrays.MAX_COLUMNS:
             full = f"{group}/{key}".strip("/")
-            found.log.ignored[full] = f"has {part.width} components; at most {arrays.MAX_COLUMNS}"
+            content.log.ignored[full] = f"has {part.width} components; at most {arrays.MAX_COLUMNS}"
             continue
         sets.setdefault(part.samples, []).append(part)
     longest = max(sets, default=0)
@@ -173,9 +179,9 @@ def _sets(found: _File, group: str) -> list[tuple[str, list[_Part]]]:
             for part in parts:
                 full = f"{group}/{part.name}".strip("/")
                 why = f"has only {samples} samples beside {longest}: kept as a parameter"
-                found.log.ignored[full] = why
+                content.log.ignored[full] = why
                 if part.item.size <= _MAX_SHOWN:
-                    found.log.about[full] = arrays.shorten(np.asarray(part.item[()]))
+                    content.log.about[full] = arrays.shorten(np.asarray(part.item[()]))
         else:
             kept.append((group, parts))
     return kept
@@ -193,11 +199,11 @@ def _stream_name(group: str, parts: list[_Part], blocks: list[tuple[str, list[_P
     same = [one for one, _ in blocks if one == group]
     if len(same) == 1:
         return group or "log"
-    short = arrays.stream_name([part.name for part in parts], alone=False)
+    short = arrays.stream_name([part.name for part in parts], single=False)
     return f"{group}/{short}" if group else short
 
 
-def _stream(found: _File, group: str, name: str, parts: list[_Part]) -> list[RawStream]:
+def _stream(content: _File, group: str, name: str, parts: list[_Part]) -> list[RawStream]:
     block = Block(name)
     truncated = ""
     for part in parts:
@@ -206,16 +212,16 @@ def _stream(found: _File, group: str, name: str, parts: list[_Part]) -> list[Raw
         block.columns += columns
     shortest = min(len(column.values) for column in block.columns)
     if not shortest:
-        found.faults.append(f"{name}: {truncated}")
+        content.faults.append(f"{name}: {truncated}")
         return []
     for column in block.columns:
         column.values = column.values[:shortest]
-    scalars = dict(found.scalars[group])
+    scalars = dict(content.scalars[group])
     for part in parts:
         scalars |= {f"{part.name}.{key}": value for key, value in part.attributes.items()}
     stream = arrays.stream_of(block, scalars)
     stream.truncated = truncated
-    found.log.repairs += block.repairs
+    content.log.repairs += block.repairs
     return [stream]
 
 
@@ -224,13 +230,13 @@ def _columns(part: _Part, block: Block) -> tuple[list[RawColumn], str]:
     unit = next((str(_text(part.attributes[u])) for u in _UNITS if u in part.attributes), "")
     if part.item.dtype.names:
         return _fields(part, block), ""
-    plain, told = arrays.split_unit(part.name)
+    plain, in_name = arrays.split_unit(part.name)
     if part.item.dtype.kind in "iu" and part.item.dtype.itemsize == 8 and part.width == 1:
         values = [arrays.floats(part.rows(slice(None)).reshape(-1), plain, block)]
         cut = ""
     else:
         values, cut = _spooled(part)
-    unit = unit or told or ("1" if part.item.dtype.kind == "b" else "")
+    unit = unit or in_name or ("1" if part.item.dtype.kind == "b" else "")
     if len(part.item.shape) == 1:
         return [RawColumn(plain, values[0], unit)], cut
     if part.turned:
@@ -249,7 +255,7 @@ def _spooled(part: _Part) -> tuple[list[np.ndarray], str]:
     cut = ""
     for start in range(0, part.samples, step):
         stop = min(start + step, part.samples)
-        rows, cut = _whole_chunks(part, start, stop, chunk)
+        rows, cut = _intact_chunks(part, start, stop, chunk)
         for piece in rows:
             spool.append(piece.reshape(len(piece), part.width).astype(np.float64))
         if cut:
@@ -257,29 +263,29 @@ def _spooled(part: _Part) -> tuple[list[np.ndarray], str]:
     return list(spool.columns()), cut
 
 
-def _whole_chunks(part: _Part, start: int, stop: int, chunk: int) -> tuple[list[np.ndarray], str]:
+def _intact_chunks(part: _Part, start: int, stop: int, chunk: int) -> tuple[list[np.ndarray], str]:
     """Samples of a range; where something in it is damaged, all chunks before that."""
     try:
         return [part.rows(slice(start, stop))], ""
     except (OSError, RuntimeError) as error:
-        found = []
+        chunks = []
         for first in range(start, stop, chunk):
             try:
-                found.append(part.rows(slice(first, min(first + chunk, stop))))
+                chunks.append(part.rows(slice(first, min(first + chunk, stop))))
             except (OSError, RuntimeError):
                 text = str(error).splitlines()[0][:200]
                 where = f"data set {part.item.name} cannot be read from sample {first + 1} on"
-                return found, f"{where} ({text})"
-        return found, ""
+                return chunks, f"{where} ({text})"
+        return chunks, ""
 
 
 def _fields(part: _Part, block: Block) -> list[RawColumn]:
     """A table: every numeric field is a column."""
     table = part.rows(slice(None))
-    found = []
+    columns = []
     for name in table.dtype.names or ():
-        found += field_columns(name, table[name], block)
-    return found
+        columns += field_columns(name, table[name], block)
+    return columns
 
 
 def field_columns(name: str, values: np.ndarray, block: Block) -> list[RawColumn]:

@@ -48,13 +48,13 @@ class Importer(Protocol):
 @functools.cache
 def targets() -> dict[str, str]:
     """Every known format and where its importer is, as a module or ``module:attribute``."""
-    found = {
+    modules = {
         path.stem[:-1]: f"simcompare.hardware.logs.{path.stem}"
         for path in sorted(_FOLDER.glob("[a-z]*_.py"))
     }
     for point in importlib.metadata.entry_points(group=ENTRY_POINT_GROUP):
-        found.setdefault(point.name, point.value)
-    return found
+        modules.setdefault(point.name, point.value)
+    return modules
 
 
 def get(name: str) -> Importer:

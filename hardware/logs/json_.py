@@ -116,11 +116,11 @@ def _parsed(where: str, text: str) -> tuple[Any, str]:
     except RecursionError:
         raise InputError(where, ["is nested too deeply to be a log"]) from None
     except ValueError as error:
-        whole = _up_to_last_record(text)
-        if whole is not None:
-            at = len(whole.encode())
+        complete = _up_to_last_record(text)
+        if complete is not None:
+            at = len(complete.encode())
             try:
-                tree = json.loads(whole + _closers(whole))
+                tree = json.loads(complete + _closers(complete))
             except (ValueError, RecursionError):
                 pass
             else:

@@ -137,11 +137,11 @@ class _Parts:
 
 
 def _separator(label: str, general: dict[str, list[str]]) -> str:
-    given = (general.get("Separator") or ["Tab"])[0].strip()
-    found = _SEPARATORS.get(given.lower(), given)
-    if found not in (*_SEPARATORS.values(), ""):
-        raise InputError(label, [f"Separator is {given!r}; expected Tab, Comma or Semicolon"])
-    return found or "\t"
+    stated = (general.get("Separator") or ["Tab"])[0].strip()
+    separator = _SEPARATORS.get(stated.lower(), stated)
+    if separator not in (*_SEPARATORS.values(), ""):
+        raise InputError(label, [f"Separator is {stated!r}; expected Tab, Comma or Semicolon"])
+    return separator or "\t"
 
 
 def _add(
@@ -193,11 +193,11 @@ def _first_alike(name: str, names: Sequence[str], values: dict[str, Array]) -> s
 
 def _unique(names: Sequence[str]) -> list[str]:
     """Names of which none stands twice."""
-    found: list[str] = []
+    unique: list[str] = []
     for name in names:
-        count = 1 + sum(known == name or known.startswith(f"{name} #") for known in found)
-        found.append(name if count == 1 else f"{name} #{count}")
-    return found
+        count = 1 + sum(known == name or known.startswith(f"{name} #") for known in unique)
+        unique.append(name if count == 1 else f"{name} #{count}")
+    return unique
 
 
 def _layout(
@@ -224,9 +224,9 @@ def _layout(
     kinds += ["empty"] * (width - len(names))
     names += [""] * (len(kinds) - len(names))
     full = tuple((name, "") for name in names)
-    given = (general.get("Decimal_Separator") or [""])[0].strip()
-    is_given = given in (".", ",")
-    marks = (given, "", True) if is_given else sniff.marks(label, rows, kinds, full)
+    stated = (general.get("Decimal_Separator") or [""])[0].strip()
+    is_stated = stated in (".", ",")
+    marks = (stated, "", True) if is_stated else sniff.marks(label, rows, kinds, full)
     return Layout(separator, segment.first, tuple(kinds), full, *marks, header_line=1,
                   stop_line=segment.last, short_rows=True)  # fmt: skip
 
@@ -250,9 +250,9 @@ def _stream(
     columns = []
     for i, channel, _ in channels:
         if channel in by_name:
-            given = segment.of("Y_Unit_Label", i)
+            stated = segment.of("Y_Unit_Label", i)
             source = by_name[channel]
-            unit = _UNITS.get(given.lower(), given)
+            unit = _UNITS.get(stated.lower(), stated)
             columns.append(RawColumn(channel, source.values, unit))
     first, x_name = channels[0][0], channels[0][2]
     clock = Clock("LabVIEW", _clock(segment, first))

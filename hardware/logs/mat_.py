@@ -47,18 +47,18 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     Raises:
         InputError: the file is damaged, or holds nothing that could be a recording.
     """
-    found = _Sorted()
+    content = _Sorted()
     for name, value in mat_tree.load(path).items():
-        _sort(name, value, found)
-    log = RawLog([], ignored=found.ignored)
-    cells = _cell_streams(found, log)
-    blocks = _matrix_blocks(found)
+        _sort(name, value, content)
+    log = RawLog([], ignored=content.ignored)
+    cells = _cell_streams(content, log)
+    blocks = _matrix_blocks(content)
     for block, names in blocks:
-        block.name = arrays.stream_name(names, alone=len(blocks) == 1 and not cells)
-    log.streams = cells + [_stream(block, found, log) for block, _ in blocks]
-    log.about |= {name: arrays.shorten(value) for name, value in found.scalars.items()}
+        block.name = arrays.stream_name(names, single=len(blocks) == 1 and not cells)
+    log.streams = cells + [_stream(block, content, log) for block, _ in blocks]
+    log.about |= {name: arrays.shorten(value) for name, value in content.scalars.items()}
     if not log.streams:
-        reasons = [f"variable {name}: {why}" for name, why in found.ignored.items()]
+        reasons = [f"variable {name}: {why}" for name, why in content.ignored.items()]
         raise InputError(
             str(path),
             reasons or ["holds no vector or matrix of numbers; save one with a vector of times"],
@@ -66,8 +66,8 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     return log
 
 
-def _stream(block: Block, found: _Sorted, log: RawLog) -> RawStream:
-    stream = arrays.stream_of(block, found.scalars)
+def _stream(block: Block, content: _Sorted, log: RawLog) -> RawStream:
+    stream = arrays.stream_of(block, content.scalars)
     for repair in block.repairs:
         log.repairs.append(
             Repair(repair.rule, repair.severity, repair.text, block.name, repair.channel)
@@ -75,53 +75,53 @@ def _stream(block: Block, found: _Sorted, log: RawLog) -> RawStream:
     return stream
 
 
-def _sort(name: str, value: Any, found: _Sorted) -> None:  # noqa: ANN401  (whatever a file may hold)
+def _sort(name: str, value: Any, content: _Sorted) -> None:  # noqa: ANN401  (whatever a file may hold)
     if isinstance(value, mat_tree.Refused):
-        found.ignored[name] = value.why
+        content.ignored[name] = value.why
     elif isinstance(value, str):
-        found.scalars[name] = value
+        content.scalars[name] = value
     elif isinstance(value, dict):
         for key, inner in value.items():
-            _sort(f"{name}.{key}", inner, found)
+            _sort(f"{name}.{key}", inner, content)
     elif isinstance(value, list):
-        _sort_cells(name, value, found)
+        _sort_cells(name, value, content)
     else:
-        _sort_array(name, value, found)
+        _sort_array(name, value, content)
 
 
-def _sort_cells(name: str, value: list[Any], found: _Sorted) -> None:
+def _sort_cells(name: str, value: list[Any], content: _Sorted) -> None:
     """Cells of numbers stay together; others are gone through one by one."""
     numeric = all(isinstance(cell, np.ndarray) and _usable(cell) for cell in value)
     if value and numeric:
-        found.cells[name] = value
+        content.cells[name] = value
         return
     for i, cell in enumerate(value):
-        _sort(f"{name}.{i}", cell, found)
+        _sort(f"{name}.{i}", cell, content)
 
 
 def _usable(array: np.ndarray) -> bool:
     return array.dtype.kind in "biuf" and array.ndim <= 2 and max(array.shape, default=0) > 1
 
 
-def _sort_array(name: str, array: np.ndarray, found: _Sorted) -> None:
+def _sort_array(name: str, array: np.ndarray, content: _Sorted) -> None:
     if array.dtype.kind not in "biuf":
-        found.ignored[name] = f"holds {array.dtype}, no real numbers"
+        content.ignored[name] = f"holds {array.dtype}, no real numbers"
     elif array.ndim > 2:
         shape = "×".join(map(str, array.shape))
-        found.ignored[name] = f"has {array.ndim} dimensions ({shape}); save it as matrices"
+        content.ignored[name] = f"has {array.ndim} dimensions ({shape}); save it as matrices"
     elif array.size == 0:
-        found.ignored[name] = "is empty"
+        content.ignored[name] = "is empty"
     elif array.size == 1:
-        found.scalars[name] = array.reshape(-1)[0]
+        content.scalars[name] = array.reshape(-1)[0]
     elif array.ndim == 2 and array.shape[0] == array.shape[1]:
         shape = f"{array.shape[0]}×{array.shape[1]}"
-        found.ignored[name] = f"is {shape}: rows or columns may be samples; save it as vectors"
+        content.ignored[name] = f"is {shape}: rows or columns may be samples; save it as vectors"
         if array.size <= _MAX_SHOWN:
-            found.scalars[name] = array
+            content.scalars[name] = array
     elif min(array.shape) > arrays.MAX_COLUMNS:
-        found.ignored[name] = f"has {min(array.shape)} components; at most {arrays.MAX_COLUMNS}"
+        content.ignored[name] = f"has {min(array.shape)} components; at most {arrays.MAX_COLUMNS}"
     else:
-        found.matrices[name] = array
+        content.matrices[name] = array
 
 
 def _length(array: np.ndarray) -> int:
@@ -142,47 +142,49 @@ def _columns(name: str, array: np.ndarray, block: Block) -> list[RawColumn]:
     ]
 
 
-def _matrix_blocks(found: _Sorted) -> list[tuple[Block, list[str]]]:
+def _matrix_blocks(content: _Sorted) -> list[tuple[Block, list[str]]]:
     """Vectors and matrices of equal length that stand beside each other."""
     groups: dict[tuple[str, int], list[str]] = {}
-    for name, array in found.matrices.items():
+    for name, array in content.matrices.items():
         groups.setdefault((name.rpartition(".")[0], _length(array)), []).append(name)
     longest = max((n for _, n in groups), default=0)
     made = []
     for (_, n), names in groups.items():
         if n < arrays.MIN_SAMPLES <= longest:
             for name in names:
-                found.scalars[name] = found.matrices[name]
-                found.ignored[name] = f"has only {n} samples beside {longest}: kept as a parameter"
+                content.scalars[name] = content.matrices[name]
+                content.ignored[name] = (
+                    f"has only {n} samples beside {longest}: kept as a parameter"
+                )
             continue
         block = Block("")
         for name in names:
-            block.columns += _columns(name, found.matrices[name], block)
+            block.columns += _columns(name, content.matrices[name], block)
         made.append((block, names))
     return made
 
 
-def _cell_streams(found: _Sorted, log: RawLog) -> list[RawStream]:
+def _cell_streams(content: _Sorted, log: RawLog) -> list[RawStream]:
     """One stream for each cell; cells of times go with cells of data of equal lengths."""
     streams = []
-    left = dict(found.cells)
-    for time in [name for name in found.cells if _stem(name) is not None]:
-        if time not in left:
+    unpaired = dict(content.cells)
+    for time in [name for name in content.cells if _stem(name) is not None]:
+        if time not in unpaired:
             continue
-        partners = _partners(time, left)
+        partners = _partners(time, unpaired)
         if not partners:
             continue
         members = [time, *partners]
         stem = _stem(time) or "cell"
         for name in members:
-            del left[name]
-        for i in range(len(found.cells[time])):
+            del unpaired[name]
+        for i in range(len(content.cells[time])):
             block = Block(f"{stem}.{i}")
             for name in members:
-                block.columns += _columns(name, found.cells[name][i], block)
+                block.columns += _columns(name, content.cells[name][i], block)
             streams.append(_paired(block, time, log))
-    for name, cells in left.items():
-        streams += [_lone(name, i, cell, found, log) for i, cell in enumerate(cells)]
+    for name, cells in unpaired.items():
+        streams += [_lone(name, i, cell, content, log) for i, cell in enumerate(cells)]
     return streams
 
 
@@ -223,7 +225,7 @@ def _paired(block: Block, time: str, log: RawLog) -> RawStream:
     return stream
 
 
-def _lone(name: str, i: int, cell: np.ndarray, found: _Sorted, log: RawLog) -> RawStream:
+def _lone(name: str, i: int, cell: np.ndarray, content: _Sorted, log: RawLog) -> RawStream:
     block = Block(f"{name}.{i}")
     block.columns = _columns(name, cell, block)
-    return _stream(block, found, log)
+    return _stream(block, content, log)

@@ -64,13 +64,13 @@ def read(path: Path, mapping: Mapping) -> RawLog:
         InputError: a damaged file, an array of objects, or axes that cannot be told apart.
     """
     log = RawLog([])
-    found = _arrays(path, log)
-    ragged = _ragged(found)
+    content = _arrays(path, log)
+    ragged = _ragged(content)
     if ragged is not None:
-        log.streams = _items(found, *ragged, log)
+        log.streams = _items(content, *ragged, log)
     else:
         try:
-            log.streams = _streams(found, log)
+            log.streams = _streams(content, log)
         except _Ambiguous as reason:
             raise InputError(str(path), [str(reason)]) from None
     if not log.streams:
@@ -82,31 +82,31 @@ def read(path: Path, mapping: Mapping) -> RawLog:
 def _arrays(path: Path, log: RawLog) -> dict[str, _Array]:
     with path.open("rb") as file:
         start = file.read(len(torch_pickle.MAGIC))
-    found: dict[str, _Array] = {}
+    content: dict[str, _Array] = {}
     faults: list[str] = []
     if start.startswith(_NPY):
         with path.open("rb") as file:
-            _take(_UNNAMED, file, found, log, faults)
+            _take(_UNNAMED, file, content, log, faults)
     elif start == torch_pickle.MAGIC:
-        _tensors(path, found, log, faults)
+        _tensors(path, content, log, faults)
     else:
-        _archive(path, found, log, faults)
+        _archive(path, content, log, faults)
     if faults:
         raise InputError(str(path), faults)
-    return found
+    return content
 
 
-def _archive(path: Path, found: dict[str, _Array], log: RawLog, faults: list[str]) -> None:
+def _archive(path: Path, content: dict[str, _Array], log: RawLog, faults: list[str]) -> None:
     try:
         with zipfile.ZipFile(path) as archive:
             members = archive.infolist()
             if any(member.filename.endswith("data.pkl") for member in members):
-                _tensors(path, found, log, faults)
+                _tensors(path, content, log, faults)
                 return
             for member in members:
                 with archive.open(member) as file:
                     name = member.filename.removesuffix(".npy")
-                    _take(name, cast(BinaryIO, file), found, log, faults)
+                    _take(name, cast(BinaryIO, file), content, log, faults)
     except zip_guard.ERRORS as error:
         raise InputError(
             str(path), [f"is a damaged archive of arrays: {error}; copy it again"]
@@ -114,7 +114,7 @@ def _archive(path: Path, found: dict[str, _Array], log: RawLog, faults: list[str
 
 
 def _take(
-    name: str, file: BinaryIO, found: dict[str, _Array], log: RawLog, faults: list[str]
+    name: str, file: BinaryIO, content: dict[str, _Array], log: RawLog, faults: list[str]
 ) -> None:  # fmt: skip
     """One array in NumPy's format."""
     try:
@@ -129,7 +129,7 @@ def _take(
         )
         return
     count = 0 if _refusal(shape, dtype) else math.prod(shape)
-    _place(name, shape, fortran, _numbers(file, dtype, count), found, log, faults)
+    _place(name, shape, fortran, _numbers(file, dtype, count), content, log, faults)
 
 
 class _Ambiguous(Exception):
@@ -164,11 +164,11 @@ def _refusal(shape: tuple[int, ...], dtype: np.dtype[Any]) -> str:
 
 def _numbers(file: BinaryIO, dtype: np.dtype[Any], count: int) -> np.ndarray:
     """As many numbers as there are; those of an archive are unpacked into an unnamed file."""
-    left = max(count, 0) * dtype.itemsize
+    missing = max(count, 0) * dtype.itemsize
     if not isinstance(file, io.BufferedReader):
         unpacked = tempfile.TemporaryFile()  # noqa: SIM115  (it vanishes with what looks into it)
-        while left and (piece := file.read(min(left, _TOGETHER))):
-            left -= unpacked.write(piece)
+        while missing and (piece := file.read(min(missing, _TOGETHER))):
+            missing -= unpacked.write(piece)
         file = cast(BinaryIO, unpacked)
         file.seek(0)
     start = file.tell()
@@ -178,7 +178,7 @@ def _numbers(file: BinaryIO, dtype: np.dtype[Any], count: int) -> np.ndarray:
 
 def _place(
     name: str, shape: tuple[int, ...], fortran: bool, numbers: np.ndarray,
-    found: dict[str, _Array], log: RawLog, faults: list[str],
+    content: dict[str, _Array], log: RawLog, faults: list[str],
 ) -> None:  # fmt: skip
     """Gives the numbers of an array the form of a matrix or table, cut after its last whole row."""
     why = _refusal(shape, numbers.dtype)
@@ -199,37 +199,37 @@ def _place(
             faults.append(f"array {name}: is stored column by column and {ends}")
         else:
             matrix = numbers.reshape(full, order="F" if fortran else "C")
-            found[name] = _Array(name, full, matrix)
+            content[name] = _Array(name, full, matrix)
         return
-    whole = len(numbers) // width
-    cut = f"the file ends after {whole} of {rows} samples" if whole < rows else ""
-    if not whole:
+    samples = len(numbers) // width
+    cut = f"the file ends after {samples} of {rows} samples" if samples < rows else ""
+    if not samples:
         faults.append(f"array {name}: {cut}")
         return
-    matrix = numbers[: whole * width].reshape(whole, width)
-    found[name] = _Array(name, full, np.array(matrix[:, 0]) if is_table else matrix, cut)
+    matrix = numbers[: samples * width].reshape(samples, width)
+    content[name] = _Array(name, full, np.array(matrix[:, 0]) if is_table else matrix, cut)
 
 
-def _tensors(path: Path, found: dict[str, _Array], log: RawLog, faults: list[str]) -> None:
+def _tensors(path: Path, content: dict[str, _Array], log: RawLog, faults: list[str]) -> None:
     for name, tensor in torch_pickle.read(path).items():
-        _place(name or _UNNAMED, tensor.shape, False, tensor.ravel(), found, log, faults)
+        _place(name or _UNNAMED, tensor.shape, False, tensor.ravel(), content, log, faults)
 
 
-def _ragged(found: dict[str, _Array]) -> tuple[str, list[str], str] | None:
+def _ragged(content: dict[str, _Array]) -> tuple[str, list[str], str] | None:
     """Stacked items of different lengths: the vector of lengths, what is stacked, and the names."""
-    for name, one in found.items():
+    for name, one in content.items():
         if one.values.dtype.names or len(one.shape) != 1 or not _LENGTHS.match(name):
             continue
         lengths = one.values[:, 0]
-        whole = np.asarray(lengths, dtype=np.float64)
-        if len(lengths) < 2 or (whole < 0).any() or (whole != np.floor(whole)).any():
+        counts = np.asarray(lengths, dtype=np.float64)
+        if len(lengths) < 2 or (counts < 0).any() or (counts != np.floor(counts)).any():
             continue
         stacked = [
-            other for other, a in found.items() if other != name and len(a.values) == whole.sum()
+            other for other, a in content.items() if other != name and len(a.values) == counts.sum()
         ]
         beside = [
             other
-            for other, a in found.items()
+            for other, a in content.items()
             if other not in (name, *stacked) and not a.values.dtype.names and len(a.shape) == 1
             and len(a.values) == len(lengths) == len(np.unique(a.values))
         ]  # fmt: skip
@@ -240,17 +240,19 @@ def _ragged(found: dict[str, _Array]) -> tuple[str, list[str], str] | None:
 
 
 def _items(
-    found: dict[str, _Array], lengths: str, stacked: list[str], ids: str, log: RawLog
+    content: dict[str, _Array], lengths: str, stacked: list[str], ids: str, log: RawLog
 ) -> list[RawStream]:
     """One stream for each stacked item."""
-    whole = Block("")
-    columns = [column for name in stacked for column in _columns(found[name], whole)]
-    counts = found[lengths].values[:, 0].astype(np.int64).tolist()
-    numbers = found[ids].values[:, 0].astype(np.int64).tolist() if ids else list(range(len(counts)))
+    stack = Block("")
+    columns = [column for name in stacked for column in _columns(content[name], stack)]
+    counts = content[lengths].values[:, 0].astype(np.int64).tolist()
+    numbers = (
+        content[ids].values[:, 0].astype(np.int64).tolist() if ids else list(range(len(counts)))
+    )
     stem = re.sub(r"_?(id|ids|number|index)$", "", ids, flags=re.I) or "item"
     text = f"{', '.join(stacked)} was cut into {len(counts)} streams of the lengths in {lengths}"
-    log.repairs += [Repair("stacked_items", INFO, text), *whole.repairs]
-    for name in found:
+    log.repairs += [Repair("stacked_items", INFO, text), *stack.repairs]
+    for name in content:
         if name not in stacked:
             used = name in (lengths, ids)
             log.ignored[name] = "tells the items apart" if used else "belongs to no sample"
@@ -272,11 +274,11 @@ def _items(
     return streams
 
 
-def _streams(found: dict[str, _Array], log: RawLog) -> list[RawStream]:
+def _streams(content: dict[str, _Array], log: RawLog) -> list[RawStream]:
     """One stream for each number of samples."""
     groups: dict[int, list[_Array]] = {}
-    for one in found.values():
-        groups.setdefault(len(_turned(one, found).values), []).append(one)
+    for one in content.values():
+        groups.setdefault(len(_turned(one, content).values), []).append(one)
     longest = max(groups, default=0)
     kept = []
     for samples, members in groups.items():
@@ -289,10 +291,10 @@ def _streams(found: dict[str, _Array], log: RawLog) -> list[RawStream]:
                     log.about[one.name] = arrays.shorten(np.array(one.values))
         else:
             kept.append(members)
-    return [_stream(members, log, alone=len(kept) == 1) for members in kept]
+    return [_stream(members, log, single=len(kept) == 1) for members in kept]
 
 
-def _turned(one: _Array, found: dict[str, _Array]) -> _Array:
+def _turned(one: _Array, content: dict[str, _Array]) -> _Array:
     """An array with its samples as rows; whether they are is told by its shape or its neighbours.
 
     Raises:
@@ -300,7 +302,7 @@ def _turned(one: _Array, found: dict[str, _Array]) -> _Array:
     """
     if len(one.shape) == 1 or one.shape[0] > one.shape[1]:
         return one
-    others = {len(a.values) for a in found.values() if a is not one and len(a.shape) == 1}
+    others = {len(a.values) for a in content.values() if a is not one and len(a.shape) == 1}
     if one.shape[0] in others:
         return one
     if one.shape[1] not in others:
@@ -309,8 +311,8 @@ def _turned(one: _Array, found: dict[str, _Array]) -> _Array:
     return one
 
 
-def _stream(members: list[_Array], log: RawLog, *, alone: bool) -> RawStream:
-    block = Block(arrays.stream_name([one.name for one in members], alone=alone))
+def _stream(members: list[_Array], log: RawLog, *, single: bool) -> RawStream:
+    block = Block(arrays.stream_name([one.name for one in members], single=single))
     for one in members:
         block.columns += _columns(one, block)
     shortest = min(len(column.values) for column in block.columns)

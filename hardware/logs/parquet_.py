@@ -146,13 +146,15 @@ def _wide(
 
 def _instants(base: _Base, plain: str, column: str, block: Block) -> list[tuple[str, str, str]]:
     """Instants in seconds from the first one on."""
-    whole = f"epoch_ns(CAST({column} AS TIMESTAMP_NS))"
-    first = base.execute(f"SELECT first({whole}) FROM log WHERE {column} IS NOT NULL").fetchone()
+    nanoseconds = f"epoch_ns(CAST({column} AS TIMESTAMP_NS))"
+    first = base.execute(
+        f"SELECT first({nanoseconds}) FROM log WHERE {column} IS NOT NULL"
+    ).fetchone()
     start = int(first[0]) if first and first[0] is not None else 0
     block.start = block.start or arrays.iso_ns(start)
     text = f"{plain} is given in seconds from its first value, {arrays.iso_ns(start)}"
     block.repairs.append(Repair("time_origin", INFO, text, block.name, plain))
-    return [(plain, f"(({whole} - {start}) / 1e9)", "s")]
+    return [(plain, f"(({nanoseconds} - {start}) / 1e9)", "s")]
 
 
 def _list(base: _Base, name: str, kind: str, log: RawLog) -> list[tuple[str, str, str]]:

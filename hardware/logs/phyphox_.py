@@ -59,8 +59,8 @@ def recognises(head: Head) -> int:
     if any(re.search(r"(^|/)meta/(device|time)\.csv$", name) for name in names):
         return 95
     if names:
-        found = [name for name in names if name.lower().endswith(".csv")]
-        return 60 if found and head.start[:2] == b"PK" and _first_fits(head.path, found[0]) else 0
+        tables = [name for name in names if name.lower().endswith(".csv")]
+        return 60 if tables and head.start[:2] == b"PK" and _first_fits(head.path, tables[0]) else 0
     lines = _text.head_lines(head.start)
     return 85 if lines and (_QUOTED.match(lines[0]) or _KNOWN.match(lines[0])) else 0
 
@@ -186,9 +186,9 @@ def _add_instants(log: RawLog, name: str, table: Table) -> None:
         if not np.isfinite(last[word]) or (times and last[word] <= times[-1]):
             break
         times.append(last[word])
-    left = [word for word in words[len(times) :]]
-    if left:
-        log.ignored |= {f"{name}/{word}": "did not happen (its time is 0)" for word in left}
+    missing = [word for word in words[len(times) :]]
+    if missing:
+        log.ignored |= {f"{name}/{word}": "did not happen (its time is 0)" for word in missing}
     columns = [RawColumn("time", np.array(times), "s")]
     for quantity, unit in (("Height", "m"), ("Energy", "1")):
         if any(column.startswith(quantity) for column in last):

@@ -147,9 +147,9 @@ def _rigol(label: str, lines: Sequence[str]) -> Plan | None:
     at = head.index("Increment")
     start, step = (_text.number(c) for c in (_padded(below, at + 1))[at - 1 : at + 1])
     if start is None or step is None or not step > 0:
-        found = ", ".join(below[at - 1 : at + 1])
+        shown = ", ".join(below[at - 1 : at + 1])
         raise InputError(
-            label, [f"line 2: {found!r} is no start and increment; expected two numbers, such as"
+            label, [f"line 2: {shown!r} is no start and increment; expected two numbers, such as"
                     " -0.1,1e-6, the second above 0"],
         )  # fmt: skip
     names = [(head[0], "1")]
@@ -158,7 +158,7 @@ def _rigol(label: str, lines: Sequence[str]) -> Plan | None:
     return Plan("Rigol", layout, start, step, counter=head[0])
 
 
-def _left(label: str, lines: Sequence[str]) -> Plan | None:
+def _settings_beside(label: str, lines: Sequence[str]) -> Plan | None:
     """Tektronix: settings in the left columns, time and value in the fourth and fifth."""
     first = sniff.split(lines[0], ",") if lines else []
     if len(first) < 5 or first[0].strip().lower() != "record length":
@@ -207,13 +207,13 @@ def _after_keys(label: str, lines: Sequence[str], header: int, cells: Sequence[s
     named = [cells[1:], low.get("source", []), low.get("label", [])]
     siglent = cells[0].lower() == "second"
     labels = named[1] if siglent and len(named[1]) == width else named[0]
-    given = [entry.rpartition(":")[2] for entry in low.get("vertical units", [])]
+    units = [entry.rpartition(":")[2] for entry in low.get("vertical units", [])]
     names = [("time", "s")]
     for k in range(width):
-        name, own = _text.heading(labels[k])
+        name, in_name = _text.heading(labels[k])
         below = cells[k + 1] if siglent else ""
-        found = own or (unit(given[k]) if k < len(given) else "") or unit(below)
-        names.append((name, found))
+        unit_found = in_name or (unit(units[k]) if k < len(units) else "") or unit(below)
+        names.append((name, unit_found))
     layout = _layout(label, lines, header + 1, names)
     return Plan("Siglent" if siglent else "Tektronix", layout, about=about)
 
@@ -227,8 +227,8 @@ def _keysight(label: str, lines: Sequence[str]) -> Plan | None:
     for i, text in enumerate(head[1:], start=1):
         name = text.strip()
         if name:
-            found = unit(below[i]) if i < len(below) else ""
-            names.append((f"channel {name}" if name.isdigit() else name, found))
+            unit_below = unit(below[i]) if i < len(below) else ""
+            names.append((f"channel {name}" if name.isdigit() else name, unit_below))
     return Plan("Keysight", _layout(label, lines, 2, names))
 
 
@@ -264,7 +264,7 @@ def _schwarz(label: str, lines: Sequence[str]) -> Plan | None:
 
 _LAYOUTS: dict[str, Callable[[str, Sequence[str]], Plan | None]] = {
     "Rigol": _rigol,
-    "Tektronix": _left,
+    "Tektronix": _settings_beside,
     "Tektronix or Siglent": _keyed,
     "Keysight": _keysight,
     "PicoScope": _pico,
@@ -274,7 +274,7 @@ _LAYOUTS: dict[str, Callable[[str, Sequence[str]], Plan | None]] = {
 
 def _clipped(table: Table) -> list[Repair]:
     """Samples beyond the range are written as infinite; they become missing, the range is noted."""
-    found = []
+    repairs = []
     for column in table.columns[1:]:
         high, low = np.isposinf(column.values), np.isneginf(column.values)
         beyond = np.flatnonzero(high | low)
@@ -290,11 +290,11 @@ def _clipped(table: Table) -> list[Repair]:
             f"{len(beyond)} sample(s) are written as ∞ (beyond the input's range) and were taken as"
             f" missing; the other values go from {ends[0]:g} to {ends[1]:g}"
         )
-        found.append(
+        repairs.append(
             Repair("clipped", REPAIR, text, "log", column.name, ranges(rows), len(beyond),
                    {"missing": 0.0}, {"missing": float(len(beyond))})
         )  # fmt: skip
-    return found
+    return repairs
 
 
 def _probes(about: dict[str, str]) -> str:

@@ -80,10 +80,10 @@ class _Bounded(io.BufferedReader):
         Raises:
             ValueError: a text is longer than the rest of the file.
         """
-        left = max(self._size - self.tell(), 0)
-        if size is not None and size > max(left, _LEAD_IN):
-            raise ValueError(f"a text of {size} bytes at byte {self.tell()}; {left} are left")
-        return super().read(left if size is None or size < 0 else min(size, left))
+        rest = max(self._size - self.tell(), 0)
+        if size is not None and size > max(rest, _LEAD_IN):
+            raise ValueError(f"a text of {size} bytes at byte {self.tell()}; {rest} are left")
+        return super().read(rest if size is None or size < 0 else min(size, rest))
 
 
 @contextlib.contextmanager
@@ -161,15 +161,15 @@ def _group(group: Any, log: RawLog, truncated: str) -> None:  # noqa: ANN401  (n
         if why:
             log.ignored[full] = why
             continue
-        told = tuple(channel.properties.get(name) for name in _WAVEFORM[:3])
-        clocks.setdefault((len(channel), *map(str, told)), []).append(channel)
+        waveform = tuple(channel.properties.get(name) for name in _WAVEFORM[:3])
+        clocks.setdefault((len(channel), *map(str, waveform)), []).append(channel)
     for channels in clocks.values():
         name = group.name if len(clocks) == 1 else f"{group.name}/{_joined(channels)}"
         log.streams.append(_stream(name, channels, log, truncated))
 
 
 def _joined(channels: list[Any]) -> str:
-    return arrays.stream_name([channel.name for channel in channels], alone=False)
+    return arrays.stream_name([channel.name for channel in channels], single=False)
 
 
 def _refusal(channel: Any) -> str:  # noqa: ANN401
@@ -184,11 +184,11 @@ def _refusal(channel: Any) -> str:  # noqa: ANN401
 def _stream(name: str, channels: list[Any], log: RawLog, truncated: str) -> RawStream:
     block = Block(name)
     for channel, values in zip(channels, _values(channels, block), strict=True):
-        told = next((str(channel.properties[u]) for u in _UNITS if channel.properties.get(u)), "")
+        stated = next((str(channel.properties[u]) for u in _UNITS if channel.properties.get(u)), "")
         plain, unit = arrays.split_unit(channel.name)
         if np.dtype(channel.dtype).kind in "mM":
-            told = "s"
-        block.columns.append(RawColumn(plain, values, told or unit))
+            stated = "s"
+        block.columns.append(RawColumn(plain, values, stated or unit))
     stream = arrays.stream_of(block, {})
     _clock(stream, channels[0].properties, block)
     stream.truncated = truncated
@@ -215,7 +215,7 @@ def _values(channels: list[Any], block: Block) -> list[np.ndarray]:
     """Columns of all channels, read block by block."""
     wide = [c for c in channels if np.dtype(c.dtype).kind in "mM" or _is_count(c)]
     plain = [c for c in channels if c not in wide]
-    found = {id(c): arrays.floats(np.asarray(c[:]), c.name, block) for c in wide}
+    columns = {id(c): arrays.floats(np.asarray(c[:]), c.name, block) for c in wide}
     if plain:
         spool = Spool(len(plain))
         count = len(plain[0])
@@ -223,8 +223,8 @@ def _values(channels: list[Any], block: Block) -> list[np.ndarray]:
             length = min(BLOCK, count - start)
             rows = [np.asarray(c.read_data(start, length), dtype=np.float64) for c in plain]
             spool.append(np.column_stack(rows))
-        found |= {id(c): values for c, values in zip(plain, spool.columns(), strict=True)}
-    return [found[id(channel)] for channel in channels]
+        columns |= {id(c): values for c, values in zip(plain, spool.columns(), strict=True)}
+    return [columns[id(channel)] for channel in channels]
 
 
 def _is_count(channel: Any) -> bool:  # noqa: ANN401

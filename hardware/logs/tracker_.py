@@ -132,7 +132,7 @@ def _layout(label: str, lines: Sequence[str], at: int, separator: str) -> tuple[
 
 def _named(above: Sequence[str], cells: Sequence[str], *, several: bool) -> list[tuple[str, str]]:
     """Names and units of the columns; with several tracks the track's name stands in front."""
-    found = [("t", "s")]
+    columns = [("t", "s")]
     track = ""
     for k, cell in enumerate(cells[1:], start=1):
         if k < len(above) and above[k]:
@@ -141,8 +141,8 @@ def _named(above: Sequence[str], cells: Sequence[str], *, several: bool) -> list
             track = above[0]
         name, unit = _text.heading(cell)
         unit = unit or ("1" if name in _COUNTS else "")
-        found.append((f"{track} {name}" if several else name or f"column_{k + 1}", unit))
-    return found
+        columns.append((f"{track} {name}" if several else name or f"column_{k + 1}", unit))
+    return columns
 
 
 def _counter(columns: Sequence[RawColumn]) -> str | None:

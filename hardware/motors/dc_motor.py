@@ -146,11 +146,13 @@ class Housing:
 
         Each step takes the mean of the losses at its two ends and solves it exactly.
         """
-        found = np.full(len(time_s), self.ambient_K)
+        temperatures_K = np.full(len(time_s), self.ambient_K)
         means = (loss_W[1:] + loss_W[:-1]) / 2
         for i, (mean_W, step_s) in enumerate(zip(means, np.diff(time_s), strict=True)):
-            found[i + 1] = self.after(float(found[i]), float(mean_W), float(step_s))
-        return found
+            temperatures_K[i + 1] = self.after(
+                float(temperatures_K[i]), float(mean_W), float(step_s)
+            )
+        return temperatures_K
 
 
 def steady_temperature(motor: Motor, housing: Housing, current_A: float) -> float | None:
@@ -189,11 +191,11 @@ def warming(
         leaves_W = (float(state[0]) - housing.ambient_K) / housing.resistance_K_W
         return [(loss_W - leaves_W) / housing.capacity_J_K]
 
-    found = solve_ivp(
+    solution = solve_ivp(
         rate, (0.0, float(time_s[-1])), [housing.ambient_K], "DOP853", t_eval=time_s,
         rtol=1e-12, atol=1e-9,
     )  # fmt: skip
-    return np.asarray(found.y[0], dtype=float)
+    return np.asarray(solution.y[0], dtype=float)
 
 
 def loss_at(motor: Motor, voltage_V: float, torque_N_m: float) -> float:

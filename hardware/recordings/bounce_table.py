@@ -167,17 +167,17 @@ def _quantities(
     columns = _columns(number, _cells(header, separator), known, faults)
     if faults:
         return []
-    found: list[Quantity] = []
+    quantities: list[Quantity] = []
     for counted, (row_number, line) in enumerate(body[1:], start=1):
         cells = _cells(line, separator)
         if len(cells) == len(columns):
             comma = separator != ","  # then a comma within a number can only be the decimal one
-            found += _row(row_number, cells, columns, faults, counted, decimal_comma=comma)
+            quantities += _row(row_number, cells, columns, faults, counted, decimal_comma=comma)
         else:
             faults.append(
                 f"line {row_number}: {len(cells)} cells but the header has {len(columns)} columns"
             )
-    return found
+    return quantities
 
 
 def _cells(line: str, separator: str) -> list[str]:
@@ -230,14 +230,14 @@ def _column(text: str, known: Mapping[str, str]) -> _Column:
             name, role = name.removesuffix(f"_{ending}"), ending
     for quantity, si_unit in known.items():
         if name == quantity or name.startswith(f"{quantity}_"):
-            given = unit or name.removeprefix(quantity).removeprefix("_")
-            given = units.UNITS_BY_SUFFIX.get(f"_{given}", given)  # "m_s" as in our own names
+            stated = unit or name.removeprefix(quantity).removeprefix("_")
+            stated = units.UNITS_BY_SUFFIX.get(f"_{stated}", stated)  # "m_s" as in our own names
             for ending in ("low", "high"):  # "rebound_height_low_cm"
-                if given.startswith(f"{ending}_"):
-                    given, role = given.removeprefix(f"{ending}_"), ending
-            if not given and si_unit != "1":
+                if stated.startswith(f"{ending}_"):
+                    stated, role = stated.removeprefix(f"{ending}_"), ending
+            if not stated and si_unit != "1":
                 raise InputError(f"column {text!r}", [f"has no unit; write {quantity} [{si_unit}]"])
-            factor = units.conversion_factor(given, si_unit, f"column {text!r}") if given else 1.0
+            factor = units.conversion_factor(stated, si_unit, f"column {text!r}") if stated else 1.0
             return _Column(quantity, role, factor)
     raise InputError(f"column {text!r}", [str(UnknownName("measured quantity", name, known))])
 
@@ -270,15 +270,15 @@ def _row(
     bounce = values.get(("bounce", "bounce"), float(next_bounce))
     if bounce < 1 or bounce != int(bounce):
         faults.append(f"line {number}: a bounce is numbered 1, 2, 3, …, found {bounce:g}")
-    found = []
+    quantities = []
     for name in dict.fromkeys(column.name for column in columns if column.role != "bounce"):
-        given = {role: values.get((name, role)) for role in ("value", "u", "low", "high")}
-        low, high = given["low"], given["high"]
-        if given["value"] is None and low is not None and high is not None:
-            given["value"] = (low + high) / 2  # limits alone: the centre stands for them
-        if given["value"] is not None:
-            found.append(_quantity(number, name, int(bounce), list(given.values()), faults))
-    return found
+        stated = {role: values.get((name, role)) for role in ("value", "u", "low", "high")}
+        low, high = stated["low"], stated["high"]
+        if stated["value"] is None and low is not None and high is not None:
+            stated["value"] = (low + high) / 2  # limits alone: the centre stands for them
+        if stated["value"] is not None:
+            quantities.append(_quantity(number, name, int(bounce), list(stated.values()), faults))
+    return quantities
 
 
 def _quantity(

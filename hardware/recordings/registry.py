@@ -103,20 +103,20 @@ def get(name: str) -> DataSet:
         raise UnknownName("public recording", name, known)
     tree, lines, faults = read_yaml(known[name])
     try:
-        found = DataSet.model_validate(tree)
+        data_set = DataSet.model_validate(tree)
     except ValidationError as error:
         raise InputError(
             str(known[name]), describe({**faults, **faults_of(error)}, lines)
         ) from None
     if faults:
         raise InputError(str(known[name]), describe(faults, lines))
-    return found
+    return data_set
 
 
 def local_folder() -> Path | None:
     """The folder that the user named, ``None`` where none is."""
-    given = os.environ.get(FOLDER_VARIABLE)
-    return Path(given) if given else None
+    folder = os.environ.get(FOLDER_VARIABLE)
+    return Path(folder) if folder else None
 
 
 def cache_folder() -> Path:
@@ -131,11 +131,13 @@ def place(name: str) -> Path | None:
     Raises:
         InputError: the user's own folder does not exist.
     """
-    own = local_folder()
-    if own is not None and not own.is_dir():
-        raise InputError(FOLDER_VARIABLE, [f"names {own}, which is no folder; correct or unset it"])
+    local = local_folder()
+    if local is not None and not local.is_dir():
+        raise InputError(
+            FOLDER_VARIABLE, [f"names {local}, which is no folder; correct or unset it"]
+        )
     wanted = get(name).files
-    for folder in (own, cache_folder()):
+    for folder in (local, cache_folder()):
         if folder is not None and all((folder / file.local).is_file() for file in wanted):
             return folder
     return None
@@ -147,7 +149,7 @@ def locate(name: str) -> list[Path]:
     Raises:
         InputError: they are not here, or a file is not the one that was registered.
     """
-    found = get(name)
+    data_set = get(name)
     folder = place(name)
     if folder is None:
         raise InputError(
@@ -157,8 +159,8 @@ def locate(name: str) -> list[Path]:
                 f" or name its folder in {FOLDER_VARIABLE}"
             ],
         )
-    paths = [folder / file.local for file in found.files]
-    for path, file in zip(paths, found.files, strict=True):
+    paths = [folder / file.local for file in data_set.files]
+    for path, file in zip(paths, data_set.files, strict=True):
         _check(path, file)
     return paths
 
@@ -208,11 +210,11 @@ def fetch(name: str) -> list[Path]:
     except ModuleNotFoundError:
         cure = "pip install 'simcompare[hardware]'"
         raise EngineMissing("the download of recordings", "pooch", cure) from None
-    found = get(name)
+    data_set = get(name)
     pooch.get_logger().setLevel("WARNING")
     paths = []
-    for file in found.files:
-        url = found.url(file)
+    for file in data_set.files:
+        url = data_set.url(file)
         if url is None:
             raise OutputError(
                 f"{name}: {file.local} was not published in this form; name the folder that holds"

@@ -95,13 +95,13 @@ def onsets(samples: Samples, count: int, rate_Hz: float, floor: float = 0.0) -> 
         rate_Hz: samples in a second.
         floor: noise that is there even in digital silence (rms), such as that of rounding.
     """
-    found = list(_coarse(samples, count, rate_Hz, floor))
-    if not found:
+    impacts = list(_coarse(samples, count, rate_Hz, floor))
+    if not impacts:
         return []
-    times, u, alike = _aligned(found, rate_Hz)
+    times, u, alike = _aligned(impacts, rate_Hz)
     return [
         Onset(float(t / rate_Hz), float(s / rate_Hz), c.peak, float(a))
-        for t, s, c, a in zip(times, u, found, alike, strict=True)
+        for t, s, c, a in zip(times, u, impacts, alike, strict=True)
     ]
 
 
@@ -128,11 +128,13 @@ def high_passed(raw: Array, rate_Hz: float) -> Array:
     from scipy import signal
 
     sos = signal.butter(2, min(HIGH_PASS_HZ, rate_Hz / 8), "highpass", fs=rate_Hz, output="sos")
-    whole = np.nan_to_num(raw, nan=0.0, posinf=0.0, neginf=0.0)
+    complete = np.nan_to_num(raw, nan=0.0, posinf=0.0, neginf=0.0)
     # the filter starts as if the first values had been there for ever: no step, no false impact
-    level = float(whole[: max(1, round(5 * ENERGY_S * rate_Hz))].mean()) if len(whole) else 0.0
+    level = (
+        float(complete[: max(1, round(5 * ENERGY_S * rate_Hz))].mean()) if len(complete) else 0.0
+    )
     start = signal.sosfilt_zi(sos) * level
-    return np.asarray(signal.sosfilt(sos, whole, zi=start)[0])
+    return np.asarray(signal.sosfilt(sos, complete, zi=start)[0])
 
 
 def _forward_energy(heard: Array, rate_Hz: float) -> Array:
@@ -225,10 +227,10 @@ def begins(sound: Array, noise: float, guess: int, width: int) -> float:
     square = sound[:end] ** 2
     power = max(noise**2, 1e-30)
     after = np.cumsum(square[::-1])[::-1]
-    left = np.arange(end, 0, -1)
-    mean = np.maximum(after / left, power)
+    remaining = np.arange(end, 0, -1)
+    mean = np.maximum(after / remaining, power)
     # log-likelihood of "sound from here on" against "noise all along"
-    gain = 0.5 * (after / power - left * (1 + np.log(mean / power)))
+    gain = 0.5 * (after / power - remaining * (1 + np.log(mean / power)))
     split = int(np.argmax(gain))
     return _edge(sound, noise, split, width)
 
@@ -250,28 +252,28 @@ def _edge(sound: Array, noise: float, split: int, width: int) -> float:
     return float(max(split + top - wave[0] / slope, split - 0.2 * width, 0.0))
 
 
-def _aligned(found: list[_Coarse], rate_Hz: float) -> tuple[Array, Array, Array]:
+def _aligned(impacts: list[_Coarse], rate_Hz: float) -> tuple[Array, Array, Array]:
     """Onsets, their standard uncertainties [samples] and their likeness to the mean sound."""
     reach = max(2, round(_REACH_S * rate_Hz))
     lead, body = round(_LEAD_S * rate_Hz), round(_BODY_S * rate_Hz)
-    starts = np.array([math.floor(c.begin) - lead - reach for c in found])
+    starts = np.array([math.floor(c.begin) - lead - reach for c in impacts])
     size = lead + body + 2 * reach
-    rows = np.array([_piece(c.sound, int(s), size) for c, s in zip(found, starts, strict=True)])
-    own = np.array([c.first + c.begin for c in found])
-    noise = np.array([c.noise for c in found])
-    u_own = np.array([_u_of_edge(c, rate_Hz) for c in found])
-    if len(found) < _MIN_ALIKE:
-        return own, u_own, np.zeros(len(found))
+    rows = np.array([_excerpt(c.sound, int(s), size) for c, s in zip(impacts, starts, strict=True)])
+    own_onset = np.array([c.first + c.begin for c in impacts])
+    noise = np.array([c.noise for c in impacts])
+    u_own = np.array([_u_of_edge(c, rate_Hz) for c in impacts])
+    if len(impacts) < _MIN_ALIKE:
+        return own_onset, u_own, np.zeros(len(impacts))
     mean, shift, alike, u = _mean_sound(rows, noise, reach)
-    quiet = float(np.median(noise)) / math.sqrt(len(found))
+    quiet = float(np.median(noise)) / math.sqrt(len(impacts))
     begin = begins(mean, quiet, lead + reach, max(8, round(ENERGY_S * rate_Hz)))
-    fitted = np.array([c.first for c in found]) + starts + shift + begin
+    fitted = np.array([c.first for c in impacts]) + starts + shift + begin
     good = alike > 0
     good &= np.count_nonzero(good) >= _MIN_ALIKE
-    return np.where(good, fitted, own), np.where(good, u, u_own), np.where(good, alike, 0.0)
+    return np.where(good, fitted, own_onset), np.where(good, u, u_own), np.where(good, alike, 0.0)
 
 
-def _piece(sound: Array, start: int, size: int) -> Array:
+def _excerpt(sound: Array, start: int, size: int) -> Array:
     piece = np.zeros(size)
     low, high = max(0, start), min(len(sound), start + size)
     piece[low - start : high - start] = sound[low:high]
@@ -308,9 +310,9 @@ def _mean_sound(rows: Array, noise: Array, reach: int) -> tuple[Array, Array, Ar
         mean = use @ _shifted(spectra, -shift, size) / (use @ use)
     rest = np.sqrt(np.mean((_shifted(spectra, -shift, size) - fit[:, None] * mean) ** 2, axis=1))
     # the mean has noise of its own, whose steepness says nothing of the sound
-    own = size / 2 * float(np.median(rest)) ** 2 / max(float(use @ use), 1e-300)
+    noise_energy = size / 2 * float(np.median(rest)) ** 2 / max(float(use @ use), 1e-300)
     steep = float(np.sum(np.gradient(mean) ** 2))
-    steep = math.sqrt(max(steep - own, 0.05 * steep, 1e-30))
+    steep = math.sqrt(max(steep - noise_energy, 0.05 * steep, 1e-30))
     u = np.hypot(rest / (np.maximum(np.abs(fit), 1e-12) * steep), _U_SAMPLES)
     alike = np.clip(best / np.sqrt(energy * power), 1e-3, 1.0)
     return mean, shift, np.where(same, alike, 0.0), u

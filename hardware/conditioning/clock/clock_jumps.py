@@ -82,9 +82,9 @@ def _shift(time: Array, jumps: Indices, steps: Array) -> None:
         new[k] = (float(time[jump]) - moved[0]) + moved[1] + step
         moved = float(old[k]), float(new[k])
     for part in blocks(len(time)):
-        stretch = np.searchsorted(starts, np.arange(part.start, part.stop), side="right") - 1
+        segment = np.searchsorted(starts, np.arange(part.start, part.stop), side="right") - 1
         block = time[part]
-        time[part] = np.where(stretch < 0, block, (block - old[stretch]) + new[stretch])
+        time[part] = np.where(segment < 0, block, (block - old[segment]) + new[segment])
 
 
 def _refuse(work: Work, jumps: Indices, median: float) -> None:
@@ -164,9 +164,9 @@ class _Continuity:
         """How badly the signals meet, the worst of all channels (n,)."""
         worst = np.zeros(len(i))
         for column, scales in zip(self._columns, self._scales, strict=True):
-            for found, scale in zip(_meeting(column, i, j), scales, strict=True):
+            for distance, scale in zip(_meeting(column, i, j), scales, strict=True):
                 if scale > 0:
-                    worst = np.fmax(worst, found / scale)
+                    worst = np.fmax(worst, distance / scale)
         return worst
 
 

@@ -50,8 +50,8 @@ def steps(values: Array, halo: int = 0) -> Iterator[tuple[int, Array]]:
 
 def where(values: Array, test: Callable[[Array], Mask]) -> Indices:
     """Indices i at which the step from i to i+1 passes a test."""
-    found = [start + np.flatnonzero(test(step)) for start, step in steps(values)]
-    return np.concatenate(found) if found else np.empty(0, dtype=np.int64)
+    indices = [start + np.flatnonzero(test(step)) for start, step in steps(values)]
+    return np.concatenate(indices) if indices else np.empty(0, dtype=np.int64)
 
 
 def typical(time_s: Array) -> float:
@@ -100,18 +100,18 @@ def quantum(work: Work) -> float:
     forward = step[step > noise]
     if not len(apart) or len(forward) < _MIN_STEPS:
         return 0.0
-    found = float(min(apart.min(), forward[0]))
+    quantum_s = float(min(apart.min(), forward[0]))
     middle = float(np.median(forward))
-    if found < 1e-5 * middle:
+    if quantum_s < 1e-5 * middle:
         return 0.0  # so fine that it does not matter
     # the first guess is as wrong as the numbers are rounded; longer steps make it better
     for most in (30.0, 1000.0, np.inf):
-        few = forward[forward <= most * found]
-        times = np.round(few / found)
+        few = forward[forward <= most * quantum_s]
+        times = np.round(few / quantum_s)
         if len(few) and times.sum():
-            found = float(few.sum() / times.sum())
-    off = np.abs(forward / found - np.round(forward / found))
-    return found if np.quantile(off, 0.999) <= 0.1 else 0.0
+            quantum_s = float(few.sum() / times.sum())
+    off = np.abs(forward / quantum_s - np.round(forward / quantum_s))
+    return quantum_s if np.quantile(off, 0.999) <= 0.1 else 0.0
 
 
 def same(a: Array, b: Array) -> Mask:

@@ -60,23 +60,23 @@ def _by_counter(work: Work, median: float) -> bool | None:
 
 
 def _by_clock(work: Work, median: float) -> None:
-    found, length, short = _long_steps(work.time_s, median)
-    if not len(found):
+    long, length, short = _long_steps(work.time_s, median)
+    if not len(long):
         return
     spread = _spread(work.time_s, median)
-    whole = np.abs(length - np.round(length)) <= np.clip(3 * spread, 0.1, 0.25)
+    is_multiple = np.abs(length - np.round(length)) <= np.clip(3 * spread, 0.1, 0.25)
     missing = np.maximum(np.round(length) - 1, 0)
     loses = missing[length <= _PAUSE].sum() / (len(work.time_s) + missing[length <= _PAUSE].sum())
-    many = len(found) + short > _MANY * len(work.time_s)
-    if many and (np.mean(whole) < 0.6 or loses > 0.5):
-        _irregular(work, found, length)
+    many = len(long) + short > _MANY * len(work.time_s)
+    if many and (np.mean(is_multiple) < 0.6 or loses > 0.5):
+        _irregular(work, long, length)
         return
-    gap = whole | (length >= 2)
+    gap = is_multiple | (length >= 2)
     if gap.any():
         what = f"steps of the time are longer than {_LONG:g} times the median ({median:.6g} s)"
-        _mark(work, found[gap], np.maximum(missing[gap], 1), what, "time_gap", "")
+        _mark(work, long[gap], np.maximum(missing[gap], 1), what, "time_gap", "")
     if not gap.all():
-        _say_late(work, found[~gap], median, "no whole sample is missing")
+        _say_late(work, long[~gap], median, "no whole sample is missing")
 
 
 def _long_steps(time_s: Array, median: float) -> tuple[Indices, Array, int]:
@@ -85,7 +85,7 @@ def _long_steps(time_s: Array, median: float) -> tuple[Indices, Array, int]:
     Returns:
         Indices, lengths, and how many more steps are long because all are at that place.
     """
-    found, lengths, slow = [], [], 0
+    indices, lengths, slow = [], [], 0
     period = _period(time_s, median)
     for start, steps in intervals.steps(time_s, halo=_AROUND):
         inner = _inner(start, len(steps), len(time_s) - 1)
@@ -99,13 +99,13 @@ def _long_steps(time_s: Array, median: float) -> tuple[Indices, Array, int]:
         local = np.nanmedian(near, axis=1)
         long = steps[here] > _LONG * local
         slow += int((~long).sum())
-        found.append(start + here[long])
+        indices.append(start + here[long])
         # where the rate changes, what is usual there counts
         usual = np.where(local[long] > _SLOWER * median, local[long], period)
         lengths.append(steps[here[long]] / usual)
-    if not found:
+    if not indices:
         return np.empty(0, dtype=np.int64), np.empty(0), slow
-    return np.concatenate(found), np.concatenate(lengths), slow
+    return np.concatenate(indices), np.concatenate(lengths), slow
 
 
 def _period(time_s: Array, median: float) -> float:
@@ -117,9 +117,9 @@ def _period(time_s: Array, median: float) -> float:
 
 def _inner(start: int, count: int, total: int) -> slice:
     """Part of a block without the steps that belong to its neighbours."""
-    left = 0 if start == 0 else _AROUND
-    right = count if start + count >= total else count - _AROUND
-    return slice(left, right)
+    first = 0 if start == 0 else _AROUND
+    end = count if start + count >= total else count - _AROUND
+    return slice(first, end)
 
 
 def _spread(time_s: Array, median: float) -> float:
@@ -155,16 +155,16 @@ def _mark(work: Work, gaps: Indices, lost: Array, what: str, rule: str, channel:
     )  # fmt: skip
 
 
-def _irregular(work: Work, found: Indices, length: Array) -> None:
+def _irregular(work: Work, long: Indices, length: Array) -> None:
     """A clock without a usual step: only what is long against all others is a gap."""
     usual = float(np.quantile(intervals.sampled_steps(work.time_s), 0.98))
     work.info(
-        "irregular_clock", f"the samples are not evenly spaced ({len(found)} steps are longer than"
+        "irregular_clock", f"the samples are not evenly spaced ({len(long)} steps are longer than"
         f" {_LONG:g} times the median, and no multiples of it); the stamps are taken as they are",
         after={"median_dt_s": intervals.typical(work.time_s), "98_percent_dt_s": usual},
     )  # fmt: skip
-    steps = work.time_s[found + 1] - work.time_s[found]
-    gaps = found[steps > 2 * usual]
+    steps = work.time_s[long + 1] - work.time_s[long]
+    gaps = long[steps > 2 * usual]
     if len(gaps):
         work.gaps = sorted({*work.gaps, *gaps.tolist()})
         work.warn(

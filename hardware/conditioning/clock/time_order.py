@@ -68,10 +68,10 @@ def _missing(work: Work) -> None:
             " neighbours, where the clock is regular", samples=filled,
             channel=work.stream.time or "",
         )  # fmt: skip
-    left = np.flatnonzero(np.isnan(work.time_s))
-    if len(left):
+    lost = np.flatnonzero(np.isnan(work.time_s))
+    if len(lost):
         work.fault(
-            f"{are(len(left), 'sample')} without a time ({intervals.shorten(left, work)}), and it"
+            f"{are(len(lost), 'sample')} without a time ({intervals.shorten(lost, work)}), and it"
             " cannot be told from the neighbours; correct or remove these rows",
             channel=work.stream.time or "",
         )
@@ -81,21 +81,21 @@ def _outliers(work: Work, median: float) -> None:
     """One stamp that is wrong between two that are right is put between them."""
     time = work.time_s
     back = intervals.where(time, lambda step: step < 0)
-    found: list[int] = []
+    outliers: list[int] = []
     for i in back[:_MAX_MOVED].tolist():
         for wrong in (i, i + 1):
-            if not 0 < wrong < len(time) - 1 or (found and found[-1] >= wrong - 1):
+            if not 0 < wrong < len(time) - 1 or (outliers and outliers[-1] >= wrong - 1):
                 continue
             before, after = float(time[wrong - 1]), float(time[wrong + 1])
             lies_outside = not before < time[wrong] < after
             if lies_outside and 2 * _REGULAR[0] <= (after - before) / median <= 2.5:
                 time[wrong] = (before + after) / 2
-                found.append(wrong)
+                outliers.append(wrong)
                 break
-    if found:
+    if outliers:
         work.repair(
-            "time_outlier", f"{are(len(found), 'stamp')} not between the neighbours, which are"
-            " regular; put in the middle", samples=found, channel=work.stream.time or "",
+            "time_outlier", f"{are(len(outliers), 'stamp')} not between the neighbours, which are"
+            " regular; put in the middle", samples=outliers, channel=work.stream.time or "",
         )  # fmt: skip
 
 

@@ -69,8 +69,8 @@ def _factor(work: Work, column: RawColumn) -> float | None:
             channel=column.name,
         )
         return None
-    told = work.mapping.time is not None and work.mapping.time.unit is not None
-    return factor if told else _contradicted(work, column, step, first, factor)
+    is_stated = work.mapping.time is not None and work.mapping.time.unit is not None
+    return factor if is_stated else _contradicted(work, column, step, first, factor)
 
 
 def _without_unit(work: Work, column: RawColumn, step: float, first: float) -> float | None:
@@ -116,17 +116,17 @@ def _decide(
     fitting = [epoch] if epoch else [
         name for name, factor in _UNITS.items() if _USUAL[0] <= step * factor <= _USUAL[1]
     ]  # fmt: skip
-    given = column.unit or "s"
+    stated = column.unit or "s"
     now = f"the times {what}; "
-    if given in _UNITS or not column.unit:
-        now += f"in {given} the samples would lie {_length(step * _UNITS.get(given, 1.0))} apart"
+    if stated in _UNITS or not column.unit:
+        now += f"in {stated} the samples would lie {_length(step * _UNITS.get(stated, 1.0))} apart"
     else:
         now += f"neighbours differ by {step:.6g}"
     fits = " or ".join(f"in {name}, {_length(step * _UNITS[name])} apart" for name in fitting)
     if work.assume_units and len(fitting) == 1:
         work.repair(
             "time_unit", f"{now}; taken {fits}", channel=column.name,
-            before={"median_dt_s": step * _UNITS.get(given, 1.0)},
+            before={"median_dt_s": step * _UNITS.get(stated, 1.0)},
             after={"median_dt_s": step * _UNITS[fitting[0]]},
         )  # fmt: skip
         return _UNITS[fitting[0]]

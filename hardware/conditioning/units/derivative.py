@@ -65,7 +65,7 @@ def slope(work: Work, position: Claim, rate: Claim) -> Slope | None:
     """
     steps = [_steps(work, position, rate, part) for part in excerpts(len(work.time_s))]
     step_s = float(np.median(np.concatenate([step[3] for step in steps])))
-    found: list[tuple[float, Slope]] = []
+    slopes: list[tuple[float, Slope]] = []
     length = 1
     while length <= max(len(step[0]) for step in steps) // 4:
         moved, promised = (
@@ -74,10 +74,10 @@ def slope(work: Work, position: Claim, rate: Claim) -> Slope | None:
         fitted = _fitted(moved, promised)
         if fitted is not None:
             size = float(np.sqrt(np.mean(moved**2)))
-            found.append((size, Slope(*fitted, length * step_s)))
+            slopes.append((size, Slope(*fitted, length * step_s)))
         length *= 2
-    best = max((abs(s.alike) for _, s in found), default=0.0)
-    near = [(size, s) for size, s in found if abs(s.alike) >= best - _NEARLY]
+    best = max((abs(s.alike) for _, s in slopes), default=0.0)
+    near = [(size, s) for size, s in slopes if abs(s.alike) >= best - _NEARLY]
     return max(near, key=lambda pair: pair[0])[1] if near else None
 
 

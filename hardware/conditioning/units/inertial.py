@@ -45,12 +45,12 @@ def check(work: Work) -> None:
     """Holds accelerometers against gravity, and gyroscopes against accelerometers."""
     if len(work.time_s) < 2:
         return
-    found = triads(claims(work))
-    forces = [triad for triad in found if triad[0].si == "m/s**2"]
+    vectors = triads(claims(work))
+    forces = [triad for triad in vectors if triad[0].si == "m/s**2"]
     for triad in forces:
         _gravity(work, triad)
     forces = [t for t in forces if not any(c.kind == "gravity_removed" for c in t)]
-    turns = [triad for triad in found if triad[0].si == "rad/s"]
+    turns = [triad for triad in vectors if triad[0].si == "rad/s"]
     # two accelerometers or gyroscopes in one stream: nobody says which belong together
     if len(forces) == len(turns) == 1:
         _turning(work, forces[0], turns[0])
@@ -60,29 +60,29 @@ def check(work: Work) -> None:
 
 
 def _gravity(work: Work, triad: Triad) -> None:
-    found = rest(work, triad)
-    if found is None:
+    at_rest = rest(work, triad)
+    if at_rest is None:
         return
     kinds = {claim.kind for claim in triad} - {""}
     mapped = {claim.wish.kind for claim in triad if claim.wish} - {""}
     columns = f"columns {title(triad)}"
-    if found.size < NO_GRAVITY and kinds != {"gravity_removed"}:
+    if at_rest.size < NO_GRAVITY and kinds != {"gravity_removed"}:
         _other_kind(
             work, triad, "gravity_removed", bool(mapped),
-            f"{columns}: at rest the acceleration is {found.size:.3g} m/s²: gravity was removed"
+            f"{columns}: at rest the acceleration is {at_rest.size:.3g} m/s²: gravity was removed"
             " from it, so it is no specific force",
         )  # fmt: skip
-    elif found.steady and found.size > GRAVITY and "gravity_removed" in kinds:
+    elif at_rest.steady and at_rest.size > GRAVITY and "gravity_removed" in kinds:
         _other_kind(
             work, triad, "specific_force", bool(mapped),
-            f"{columns}: at rest the acceleration is {found.size:.3g} m/s²: gravity is still in"
+            f"{columns}: at rest the acceleration is {at_rest.size:.3g} m/s²: gravity is still in"
             " it, so it is a specific force",
         )  # fmt: skip
-    elif found.steady and found.size > GRAVITY:
+    elif at_rest.steady and at_rest.size > GRAVITY:
         for claim in triad:
             claim.column.kind = claim.column.kind or "specific_force"
         if work.mapping.up is not None:
-            _up(work, triad, found.vector, work.mapping.up)
+            _up(work, triad, at_rest.vector, work.mapping.up)
 
 
 def _other_kind(work: Work, triad: Triad, kind: str, mapped: bool, text: str) -> None:
@@ -148,29 +148,29 @@ def _turned_lines(triad: Triad, turn: Array) -> str:
 
 def _turning(work: Work, force: Triad, turn: Triad) -> None:
     """Warns of axes, refuses a unit, with which the gyroscope does not fit the accelerometer."""
-    found = turning.compare(work, force, turn)
-    if found is None:
+    fit = turning.compare(work, force, turn)
+    if fit is None:
         _fastest(work, turn)
         return
-    if found.best < FITS or 1 - found.as_it_is < max(0.1, TIMES_LESS * (1 - found.best)):
+    if fit.best < FITS or 1 - fit.as_it_is < max(0.1, TIMES_LESS * (1 - fit.best)):
         return
     text = (
-        f"gyroscope {title(turn)} explains {max(found.as_it_is, 0):.0%} of how gravity turns over"
-        f" the accelerometer {title(force)}; it would explain {found.best:.0%}"
+        f"gyroscope {title(turn)} explains {max(fit.as_it_is, 0):.0%} of how gravity turns over"
+        f" the accelerometer {title(force)}; it would explain {fit.best:.0%}"
     )
-    if not np.array_equal(found.axes, np.eye(3)):
-        names = ", ".join(_axis_text(row) for row in found.axes)
-        hand = "; one of the two sensors is left-handed" if np.linalg.det(found.axes) < 0 else ""
+    if not np.array_equal(fit.axes, np.eye(3)):
+        names = ", ".join(_axis_text(row) for row in fit.axes)
+        hand = "; one of the two sensors is left-handed" if np.linalg.det(fit.axes) < 0 else ""
         work.warn(
             "gyroscope_axes",
             f"{text} with its axes read as ({names}){hand}; name and turn them in the mapping"
-            f" file: {_turned_lines(turn, found.axes)}",
+            f" file: {_turned_lines(turn, fit.axes)}",
             channel=turn[0].column.name,
-            before={"explained": found.as_it_is},
-            after={"explained": found.best},
+            before={"explained": fit.as_it_is},
+            after={"explained": fit.best},
         )
-    if found.unit:
-        _gyroscope_unit(work, turn, found, f"{text} if its numbers were {found.unit}")
+    if fit.unit:
+        _gyroscope_unit(work, turn, fit, f"{text} if its numbers were {fit.unit}")
 
 
 def _axis_text(row: Array) -> str:
@@ -178,17 +178,17 @@ def _axis_text(row: Array) -> str:
     return f"{'+' if row[at] > 0 else '-'}{_AXES[at]}"
 
 
-def _gyroscope_unit(work: Work, turn: Triad, found: turning.Turning, text: str) -> None:
+def _gyroscope_unit(work: Work, turn: Triad, fit: turning.Turning, text: str) -> None:
     if not work.assume_units:
-        lines = "; ".join(mapping_line(claim, found.unit) for claim in turn)
+        lines = "; ".join(mapping_line(claim, fit.unit) for claim in turn)
         work.fault(
             f"{text}, not {turn[0].unit}: write in the mapping file {lines}; or add --assume-units"
         )
         return
     for claim in turn:
         full = f"{text}; {claim.column.name!r} was taken so"
-        before, after = {"explained": found.as_it_is}, {"explained": found.best}
-        take(work, claim, found.unit, full, before, after)
+        before, after = {"explained": fit.as_it_is}, {"explained": fit.best}
+        take(work, claim, fit.unit, full, before, after)
 
 
 def _fastest(work: Work, turn: Sequence[Claim]) -> None:

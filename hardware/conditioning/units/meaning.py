@@ -173,10 +173,10 @@ def _thing(claim: Claim, skip: Collection[str]) -> Iterator[str]:
 _AXES = (("x", "y", "z"), ("X", "Y", "Z"), ("0", "1", "2"), ("1", "2", "3"))
 
 
-def triads(found: Sequence[Claim]) -> list[tuple[Claim, Claim, Claim]]:
+def triads(every_claim: Sequence[Claim]) -> list[tuple[Claim, Claim, Claim]]:
     """Vectors: three columns whose names differ in one letter, x, y, z (or 0, 1, 2)."""
     by_name: dict[str, Claim] = {}
-    for claim in found:
+    for claim in every_claim:
         by_name.setdefault(claim.name, claim)
         by_name.setdefault(claim.column.name, claim)
     made: list[tuple[Claim, Claim, Claim]] = []

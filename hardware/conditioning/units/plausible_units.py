@@ -83,21 +83,21 @@ def _acceleration(work: Work, triad: Sequence[Claim]) -> None:
     """Gravity at rest is 9.8 m/s²: a sensor that shows 1, 1000 or 16384 has another unit."""
     if any(claim.kind == "gravity_removed" for claim in triad):
         return
-    found = rest(work, triad)
-    if found is None or not found.steady:
+    at_rest = rest(work, triad)
+    if at_rest is None or not at_rest.steady:
         return
     first = triad[0]
-    if first.si and abs(found.size / G - 1) <= REST_TOLERANCE:
+    if first.si and abs(at_rest.size / G - 1) <= REST_TOLERANCE:
         return
     # in the declared unit, the mapping's scale included
-    size = found.size / first.unit_si
+    size = at_rest.size / first.unit_si
     fitting = [
         (unit, divisor)
         for expected, unit, divisor in GRAVITY_IN
         if abs(size / expected - 1) <= REST_TOLERANCE and (unit, divisor) != (first.unit, 1.0)
     ]
     if not fitting:
-        _odd_gravity(work, triad, found.size, found.scatter)
+        _odd_gravity(work, triad, at_rest.size, at_rest.scatter)
         return
     unit, divisor = fitting[0]
     meant = unit if divisor == 1.0 else f"{unit} after division by {divisor:g}"

@@ -12,12 +12,12 @@ from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.raw import blocks
 from simcompare.model.trajectory import Array
 
-#: length of the pieces that are called quiet or not [s]
-PIECE_S = 0.5
-_MIN_SAMPLES, _MIN_PIECES = 4, 4
+#: length of the segments that are called quiet or not [s]
+SEGMENT_S = 0.5
+_MIN_SAMPLES, _MIN_SEGMENTS = 4, 4
 #: parts of a long log that are looked at where a part is enough, and samples in each
 _PARTS, _PART = 16, 1 << 16
-#: a piece is quiet when its scatter is at most so many times that of the quietest tenth
+#: a segment is quiet when its scatter is at most so many times that of the quietest tenth
 _QUIET = 3.0
 
 
@@ -26,18 +26,18 @@ class Rest:
     """The quiet part of a vector.
 
     Attributes:
-        vector: median over the quiet pieces (3,).
+        vector: median over the quiet segments (3,).
         size: median magnitude of their means.
         spread: how far the magnitudes differ, in parts of ``size``.
-        scatter: median standard deviation within a piece, all three axes together.
-        pieces: number of quiet pieces.
+        scatter: median standard deviation within a segment, all three axes together.
+        segments: number of quiet segments.
     """
 
     vector: Array
     size: float
     spread: float
     scatter: float
-    pieces: int
+    segments: int
 
     @property
     def steady(self) -> bool:
@@ -53,15 +53,15 @@ def excerpts(count: int) -> list[slice]:
     return [slice(int(start), int(start) + _PART) for start in starts]
 
 
-def pieces(
+def segments(
     columns: Sequence[Callable[[slice], Array]], parts: Iterable[slice], size: int
 ) -> tuple[Array, Array]:
-    """Means (k, c) and variances (k, c) of columns over pieces of ``size`` samples."""
+    """Means (k, c) and variances (k, c) of columns over segments of ``size`` samples."""
     means, variances = [np.empty((0, len(columns)))], [np.empty((0, len(columns)))]
     for part in parts:
         values = np.stack([column(part) for column in columns], axis=1)
-        whole = len(values) // size * size
-        cut = values[:whole].reshape(-1, size, len(columns))
+        end = len(values) // size * size
+        cut = values[:end].reshape(-1, size, len(columns))
         means.append(cut.mean(axis=1))
         variances.append(cut.var(axis=1))
     return np.concatenate(means), np.concatenate(variances)
@@ -72,16 +72,16 @@ def samples_in(work: Work, length_s: float) -> int:
     count = len(work.time_s)
     step = float(work.time_s[-1] - work.time_s[0]) / max(1, count - 1)
     wanted = round(length_s / step) if step > 0 else _MIN_SAMPLES
-    return max(_MIN_SAMPLES, min(wanted, count // (2 * _MIN_PIECES)))
+    return max(_MIN_SAMPLES, min(wanted, count // (2 * _MIN_SEGMENTS)))
 
 
 def rest(work: Work, triad: Sequence[Claim]) -> Rest | None:
     """The quiet part, ``None`` where the stream is too short to tell."""
-    size = samples_in(work, PIECE_S)
-    mean, variance = pieces([claim.values for claim in triad], blocks(len(work.time_s)), size)
-    whole = np.isfinite(mean).all(axis=1) & np.isfinite(variance).all(axis=1)
-    mean, variance = mean[whole], variance[whole]
-    if len(mean) < _MIN_PIECES:
+    size = samples_in(work, SEGMENT_S)
+    mean, variance = segments([claim.values for claim in triad], blocks(len(work.time_s)), size)
+    finite = np.isfinite(mean).all(axis=1) & np.isfinite(variance).all(axis=1)
+    mean, variance = mean[finite], variance[finite]
+    if len(mean) < _MIN_SEGMENTS:
         return None
     scatter = np.sqrt(variance.sum(axis=1))
     quiet = scatter <= _QUIET * np.quantile(scatter, 0.1)

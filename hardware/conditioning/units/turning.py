@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from simcompare import units
 from simcompare.hardware.conditioning.units.meaning import Claim
-from simcompare.hardware.conditioning.units.rest import excerpts, pieces, samples_in
+from simcompare.hardware.conditioning.units.rest import excerpts, samples_in, segments
 from simcompare.hardware.conditioning.work import Work
 from simcompare.model.trajectory import Array
 
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
 Indices = NDArray[np.int64]
-#: length of the pieces of which the mean is taken, and of the spans that are compared [s]
-_PIECE_S, _MIN_SPAN_S, _MAX_SPAN_S = 0.02, 0.25, 3.0
+#: length of the segments of which the mean is taken, and of the spans that are compared [s]
+_SEGMENT_S, _MIN_SPAN_S, _MAX_SPAN_S = 0.02, 0.25, 3.0
 #: a specific force is gravity where its size is so near to the median
 _NEAR_GRAVITY = 0.1
 #: a span counts where gravity moved by so much of itself: 6°
 _MOVED = 0.1
-_MIN_PIECES = 50
+_MIN_SEGMENTS = 50
 #: readings of a gyroscope that explain equally well within so much
 _EQUAL = 0.05
 _UNITS = ("rad/s", "deg/s", "turn/s", "turn/min")
@@ -107,11 +107,11 @@ def signed_permutations() -> list[Array]:
 
 
 def _motion(work: Work, force: Sequence[Claim], turn: Sequence[Claim]) -> _Motion | None:
-    size = samples_in(work, _PIECE_S)
+    size = samples_in(work, _SEGMENT_S)
     columns = [claim.values for claim in (*force, *turn)]
     parts = excerpts(len(work.time_s))
-    mean, _ = pieces([*columns, lambda part: np.asarray(work.time_s[part])], parts, size)
-    if len(mean) < _MIN_PIECES:
+    mean, _ = segments([*columns, lambda part: np.asarray(work.time_s[part])], parts, size)
+    if len(mean) < _MIN_SEGMENTS:
         return None
     step = np.diff(mean[:, 6])
     usual = float(np.median(step))
@@ -128,7 +128,7 @@ def _motion(work: Work, force: Sequence[Claim], turn: Sequence[Claim]) -> _Motio
 
 def _explained(motion: _Motion, factor: float, axes: Sequence[Array]) -> list[float] | None:
     """Part of gravity's motion that is explained with each way to name the axes."""
-    moved, left = 0.0, np.zeros(len(axes))
+    moved, unexplained = 0.0, np.zeros(len(axes))
     count = 0
     both = list(zip(_spans(motion, factor), _spans(motion, -factor), strict=True))
     for (first, end, turned), (_, _, mirrored) in both:
@@ -140,15 +140,15 @@ def _explained(motion: _Motion, factor: float, axes: Sequence[Array]) -> list[fl
             # set of axes turns the other way
             hand = np.linalg.det(matrix)
             rotation = turned if hand > 0 else mirrored
-            told = rotation.apply(before @ (hand * matrix), inverse=True) @ (hand * matrix).T
-            left[i] += float(np.sum((after - told) ** 2))
-    if count < _MIN_PIECES:
+            predicted = rotation.apply(before @ (hand * matrix), inverse=True) @ (hand * matrix).T
+            unexplained[i] += float(np.sum((after - predicted) ** 2))
+    if count < _MIN_SEGMENTS:
         return None
-    return [float(1 - rest / moved) for rest in left]
+    return [float(1 - rest / moved) for rest in unexplained]
 
 
 def _spans(motion: _Motion, factor: float) -> Iterator[tuple[Indices, Indices, Rotation]]:
-    """First and last piece of the spans in which gravity moved, and the rotation over each."""
+    """First and last segment of the spans in which gravity moved, and the rotation over each."""
     from scipy.spatial.transform import Rotation
 
     steps = 1

@@ -30,12 +30,12 @@ _NEAR = 1.15
 _SLOW = 0.2
 
 
-def check(work: Work, found: Sequence[Claim]) -> None:
+def check(work: Work, every_claim: Sequence[Claim]) -> None:
     """Holds speeds over ground against turning rates, where the mapping gives the diameter."""
     diameter = work.mapping.wheel_diameter_m
     if diameter is None:
         return
-    for speed, rate in _pairs(found):
+    for speed, rate in _pairs(every_claim):
         ratio = _ratio(work, speed, rate)
         if ratio is not None:
             _judge(work, speed, rate, ratio / (diameter / 2))

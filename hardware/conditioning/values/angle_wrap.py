@@ -70,11 +70,11 @@ def _judge(work: Work, column: RawColumn, turn: float) -> None:
 
 def _jumps(work: Work, column: RawColumn, turn: float) -> tuple[Indices, int]:
     """Where the angle jumps by about a turn, and how many steps are no slow motion either."""
-    found, others = [np.empty(0, dtype=np.int64)], 0
+    jumps, others = [np.empty(0, dtype=np.int64)], 0
     behind_gaps = np.array(work.gaps, dtype=np.int64) + 1
     for after, step in counter_wrap.steps(column):
         size = np.abs(step) / turn
-        found.append(after[size >= 1 - _SLOW])
+        jumps.append(after[size >= 1 - _SLOW])
         between = after[(size > _SLOW) & (size < 1 - _SLOW)]
         others += int((~np.isin(between, behind_gaps)).sum())
-    return np.concatenate(found), others
+    return np.concatenate(jumps), others

@@ -37,12 +37,12 @@ def check(work: Work) -> None:
     for column in work.data:
         wish = work.wishes(column)
         if wish is not None and wish.wraps is not None:
-            _told(work, column, wish.wraps)
+            _stated_wrap(work, column, wish.wraps)
         elif column.name != work.stream.counter and intervals.whole_numbers(column):
-            _found(work, column)
+            _guessed_wrap(work, column)
 
 
-def _told(work: Work, column: RawColumn, wrap: float) -> None:
+def _stated_wrap(work: Work, column: RawColumn, wrap: float) -> None:
     """The mapping says where the counter begins again."""
     steep = []
     wraps = []
@@ -66,7 +66,7 @@ def _told(work: Work, column: RawColumn, wrap: float) -> None:
         unwrap(work, column, wrap, at)
 
 
-def _found(work: Work, column: RawColumn) -> None:
+def _guessed_wrap(work: Work, column: RawColumn) -> None:
     """Jumps that only a counter of 8, 16 or 32 bits makes, while it moves slowly else."""
     low, high = intervals.extent(column.values)
     for start, stop in _RANGES:
@@ -111,14 +111,14 @@ def steps(column: RawColumn) -> Iterator[tuple[Indices, Array]]:
 
 def _jumps(work: Work, column: RawColumn, wrap: float) -> tuple[Indices, int]:
     """Where the column jumps by almost its range, and how many steps lie in between."""
-    found, medium = [np.empty(0, dtype=np.int64)], 0
+    jumps, medium = [np.empty(0, dtype=np.int64)], 0
     behind_gaps = np.array(work.gaps, dtype=np.int64) + 1
     for after, step in steps(column):
         size = np.abs(step)
-        found.append(after[size > (1 - _SMALL) * wrap])
+        jumps.append(after[size > (1 - _SMALL) * wrap])
         between = after[(size > _SMALL * wrap) & (size <= (1 - _SMALL) * wrap)]
         medium += int((~np.isin(between, behind_gaps)).sum())
-    return np.concatenate(found), medium
+    return np.concatenate(jumps), medium
 
 
 def _is_signed(column: RawColumn, wrap: float) -> bool:

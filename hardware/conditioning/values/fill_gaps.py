@@ -61,13 +61,13 @@ def _judge(work: Work, column: RawColumn, missing: Mask) -> None:
         )
         return
     filled = _fill(work, column, missing, first, length)
-    left = intervals.spread(first[~filled], length[~filled])
-    if len(left):
+    still = intervals.spread(first[~filled], length[~filled])
+    if len(still):
         outages = int((length[~filled] > _OUTAGE).sum())
         more = f" ({outages} times more than {_OUTAGE} in a row)" if outages else ""
         work.warn(
-            "missing_values", f"{are(len(left), 'value')} missing{more}; they stay so",
-            samples=left, channel=column.name, after={"missing": float(len(left))},
+            "missing_values", f"{are(len(still), 'value')} missing{more}; they stay so",
+            samples=still, channel=column.name, after={"missing": float(len(still))},
         )  # fmt: skip
 
 
@@ -162,8 +162,8 @@ def _error(column: RawColumn, gap: int) -> tuple[float | None, float]:
         at = np.arange(0, count, max(count // 2000, 1)) + _SIDE
         index = np.concatenate((np.arange(-_SIDE, 0), np.arange(gap, gap + _SIDE)))
         weights = _weights(index.astype(float), np.arange(gap, dtype=float))
-        found = values[at[:, None] + index] @ weights.T
-        off.append((found - values[at[:, None] + np.arange(gap)]).ravel())
+        interpolated = values[at[:, None] + index] @ weights.T
+        off.append((interpolated - values[at[:, None] + np.arange(gap)]).ravel())
         across.append(np.abs(values[at + gap] - values[at - 1]))
         finite = values[np.isfinite(values)] - origin
         square, total = square + float(finite @ finite), total + float(finite.sum())

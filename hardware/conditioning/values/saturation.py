@@ -56,7 +56,7 @@ def _flat_ends(work: Work, column: RawColumn, low: float, high: float) -> None:
     at_ends = sum(len(first) for first, _ in ends)
     natural = _flat_elsewhere(column, low, high) > _ELSEWHERE * at_ends
     counts = intervals.whole_numbers(column)
-    found: list[tuple[Indices, Indices]] = []
+    runs: list[tuple[Indices, Indices]] = []
     ends_used: list[float] = []
     for end, (first, length) in zip((low, high), ends, strict=True):
         full = counts and end in _FULL
@@ -64,12 +64,12 @@ def _flat_ends(work: Work, column: RawColumn, low: float, high: float) -> None:
             continue
         # one that is cut off for certain shows where the range ends
         if _cut_off(column, end, first, length, smallest):
-            found.append((first, length))
+            runs.append((first, length))
             ends_used.append(end)
-    if not found:
+    if not runs:
         return
-    first = np.concatenate([first for first, _ in found])
-    length = np.concatenate([length for _, length in found])
+    first = np.concatenate([first for first, _ in runs])
+    length = np.concatenate([length for _, length in runs])
     order = np.argsort(first)
     which = " and ".join(f"{end:g}" for end in ends_used)
     _mark(
@@ -126,10 +126,10 @@ def _mark(work: Work, column: RawColumn, first: Indices, length: Indices, where:
     mask = np.zeros(len(column.values), dtype=np.bool_)
     mask[samples] = True
     work.saturated[column.name] = mask
-    stretches = "one stretch" if len(first) == 1 else f"{len(first)} stretches"
+    runs = "one stretch" if len(first) == 1 else f"{len(first)} stretches"
     work.warn(
         "saturation",
-        f"{len(samples)} samples in {stretches} stand {where}; they are marked, and their true"
+        f"{len(samples)} samples in {runs} stand {where}; they are marked, and their true"
         " values are not known",
         samples=samples,
         channel=column.name,

@@ -78,7 +78,7 @@ class Source:
         self.at = 0
 
     @property
-    def left(self) -> int:
+    def rest(self) -> int:
         """Bytes that were not taken yet."""
         return self._size - self.at
 
@@ -98,8 +98,8 @@ class Source:
         Raises:
             Cut: there are not so many.
         """
-        if count > self.left:
-            raise Cut(f"{what} at {self.place} should have {count} bytes; {self.left} are there")
+        if count > self.rest:
+            raise Cut(f"{what} at {self.place} should have {count} bytes; {self.rest} are there")
         self.at += count
         return self._file.read(count)
 
@@ -114,22 +114,22 @@ def unpack(kind: str, data: bytes, size: int) -> bytes:
         raise Cut(f"says that it unpacks from {len(data)} to {size} bytes, which is not plausible")
     try:
         if kind in ("", "none"):
-            whole = data
+            unpacked = data
         elif kind == "bz2":
-            whole = bz2.BZ2Decompressor().decompress(data, size + 1)
+            unpacked = bz2.BZ2Decompressor().decompress(data, size + 1)
         elif kind == "lz4":
             import lz4.frame  # type: ignore[import-untyped]
 
-            whole = lz4.frame.LZ4FrameDecompressor().decompress(data, size + 1)
+            unpacked = lz4.frame.LZ4FrameDecompressor().decompress(data, size + 1)
         elif kind == "zstd":
-            whole = _zstd(data, size + 1)
+            unpacked = _zstd(data, size + 1)
         else:
             raise Cut(f"is compressed with {kind[:20]!r}; known: bz2, lz4, zstd")
     except (OSError, EOFError, RuntimeError, ValueError) as error:
         raise Cut(f"cannot be unpacked ({kind}: {error})") from None
-    if len(whole) != size:
-        raise Cut(f"unpacks to {len(whole)} bytes; {size} were expected")
-    return whole
+    if len(unpacked) != size:
+        raise Cut(f"unpacks to {len(unpacked)} bytes; {size} were expected")
+    return unpacked
 
 
 def _zstd(data: bytes, most: int) -> bytes:

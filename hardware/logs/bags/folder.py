@@ -107,11 +107,11 @@ def _counts(entries: Iterable[Any]) -> Iterator[tuple[str, int]]:
 
 def _files(path: Path, head: _Description | None, state: State) -> list[Path]:
     if head is None:
-        found = [p for p in path.iterdir() if re.search(r"\.(db3|mcap)(\.zstd)?$", p.name)]
-        if not found:
+        storage = [p for p in path.iterdir() if re.search(r"\.(db3|mcap)(\.zstd)?$", p.name)]
+        if not storage:
             raise InputError(str(path), ["holds neither metadata.yaml nor .db3 or .mcap files"])
         state.truncated = "there is no metadata.yaml: the bag was not closed"
-        return sorted(found, key=_natural)
+        return sorted(storage, key=_natural)
     state.about["ros_distro"] = head.distribution
     files = [path / name for name in head.files]
     missing = [file.name for file in files if not file.is_file()]
@@ -136,8 +136,8 @@ def _unpacked(file: Path) -> Path:
     with tempfile.NamedTemporaryFile(delete=False, suffix=file.stem[-5:]) as out:
         target = Path(out.name)
         try:
-            with file.open("rb") as raw, zstd.open(raw, "rb") as whole:
-                while block := whole.read(_BLOCK):
+            with file.open("rb") as raw, zstd.open(raw, "rb") as unpacked:
+                while block := unpacked.read(_BLOCK):
                     out.write(block)
                     if out.tell() > most:
                         raise InputError(str(file), [f"unpacks to more than {most} bytes"])

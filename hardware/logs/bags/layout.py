@@ -153,8 +153,8 @@ class _Walk:
 
     def end(self) -> None:
         """Checks that the whole message was understood."""
-        left = len(self.data) - self.at
-        if left < 0 or left > (3 if self.aligned else 0):
+        rest = len(self.data) - self.at
+        if rest < 0 or rest > (3 if self.aligned else 0):
             raise Misfit(f"has {len(self.data)} bytes; its definition has {self.at}")
 
     def struct(self, kind: str, path: str, unit: str, child: bool, depth: int) -> None:
@@ -305,7 +305,7 @@ def _cloud(walk: _Walk) -> None:
         if not number.name.startswith(("data.", "header.")):
             layout.guards.append((number.at, number.at + np.dtype(number.dtype).itemsize))
     fields = [path.removesuffix(".name") for path in layout.texts if path.endswith(".name")]
-    found = []
+    points = []
     for path in fields:
         name = layout.texts[f"{path}.name"]
         kind = int(_value(walk, values[f"{path}.datatype"]))
@@ -319,8 +319,8 @@ def _cloud(walk: _Walk) -> None:
                 at = row * row_step + column * step + offset
                 if at + np.dtype(dtype).itemsize > size:
                     raise Misfit(f"has {size} bytes of points; {name}[{row},{column}] is beyond")
-                found.append(Number(f"{name}[{row},{column}]", start + at, dtype, unit))
-    layout.numbers = kept + found
+                points.append(Number(f"{name}[{row},{column}]", start + at, dtype, unit))
+    layout.numbers = kept + points
     layout.skipped.pop("data", None)
     layout.texts = {path: text for path, text in layout.texts.items() if path.startswith("header")}
 

@@ -60,16 +60,16 @@ def _record(source: Source, known: _Known, state: State) -> Generator[Message, N
 
 
 def _chunk(source: Source, size: int, known: _Known, state: State, place: str) -> Iterator[Message]:
-    cut_short = size > source.left
-    body = source.take(min(size, source.left), "a chunk")
+    cut_short = size > source.rest
+    body = source.take(min(size, source.rest), "a chunk")
     fields = _Fields(body, place)
-    _, _, whole, checksum = _CHUNK_HEAD.unpack(fields.take(_CHUNK_HEAD.size))
+    _, _, size_unpacked, checksum = _CHUNK_HEAD.unpack(fields.take(_CHUNK_HEAD.size))
     compression = fields.text()
     packed = fields.rest(fields.number(8))
     if cut_short and compression:
         raise Cut(f"the chunk at {place} should have {size} bytes; {len(body)} are there")
     try:
-        data = packed if cut_short else unpack(compression, packed, whole)
+        data = packed if cut_short else unpack(compression, packed, size_unpacked)
         if not cut_short and checksum and zlib.crc32(data) != checksum:
             state.damaged.append(
                 f"the chunk at {place} does not fit its check sum; it was left out"
@@ -80,7 +80,7 @@ def _chunk(source: Source, size: int, known: _Known, state: State, place: str) -
         return
     inner = Source(io.BytesIO(data), len(data))
     try:
-        while inner.left:
+        while inner.rest:
             kind, length = _RECORD.unpack(inner.take(_RECORD.size, "the next record"))
             yield from _inner(kind, inner.take(length, "the record"), known, state, place)
     except Cut as cut:

@@ -42,10 +42,10 @@ def messages(path: Path, state: State) -> Iterator[Message]:
         except Cut as cut:
             raise InputError(str(path), [f"has no whole bag header: {cut}"]) from None
         _check(path, head, state)
-        yield from _records(source, state, {}, _whole(head))
+        yield from _records(source, state, {}, _chunk_count(head))
 
 
-def _whole(head: dict[str, bytes]) -> int:
+def _chunk_count(head: dict[str, bytes]) -> int:
     """Number of chunks that a closed bag has, -1 for one that was not closed."""
     if int.from_bytes(head.get("index_pos", b""), "little") == 0:
         return -1
@@ -57,20 +57,20 @@ def _check(path: Path, head: dict[str, bytes], state: State) -> None:
         raise InputError(str(path), ["byte 13: the first record is no bag header"])
     if head.get("encryptor"):
         raise InputError(str(path), ["is encrypted; decrypt it with the rosbag tools first"])
-    if _whole(head) < 0:
+    if _chunk_count(head) < 0:
         state.truncated = "the bag was never closed (it has no index); its last messages may miss"
 
 
 def _records(source: Source, state: State, known: Known, chunks: int) -> Iterator[Message]:
     """Records of the file itself; ``chunks`` are expected."""
-    seen = 0
-    while source.left:
+    count = 0
+    while source.rest:
         place = source.place
         try:
             head, size = _fields(source, body=True)
             operation = head["op"][0] if head.get("op") else 0
             if operation == _CHUNK:
-                seen += 1
+                count += 1
                 yield from _chunk(source, head, size, state, known, place)
             elif operation in (_MESSAGE, _CONNECTION):
                 # a recorder that was killed leaves its last chunk open
@@ -82,23 +82,23 @@ def _records(source: Source, state: State, known: Known, chunks: int) -> Iterato
         except Cut as cut:
             state.truncated = f"{cut}; what follows cannot be read"
             return
-    if seen < chunks:
-        state.truncated = f"{source.place}: the bag ends after {seen} of {chunks} chunks"
+    if count < chunks:
+        state.truncated = f"{source.place}: the bag ends after {count} of {chunks} chunks"
 
 
 def _chunk(
     source: Source, head: dict[str, bytes], size: int, state: State, known: Known, place: str
 ) -> Iterator[Message]:
     kind = head.get("compression", b"").decode("ascii", "replace")
-    whole = int.from_bytes(head.get("size", b""), "little")
-    if size > source.left and kind == "none":
+    size_unpacked = int.from_bytes(head.get("size", b""), "little")
+    if size > source.rest and kind == "none":
         # the messages at its beginning are whole
-        data = source.take(source.left, "the chunk")
+        data = source.take(source.rest, "the chunk")
         yield from _inside(data, place, state, known)
         raise Cut(f"the chunk at {place} should have {size} bytes; {len(data)} are there")
     packed = source.take(size, "the chunk")
     try:
-        data = unpack(kind, packed, whole)
+        data = unpack(kind, packed, size_unpacked)
     except Cut as cut:
         state.damaged.append(f"the chunk at {place} {cut}; it was left out")
         return
@@ -112,10 +112,10 @@ def _inside(data: bytes, place: str, state: State, known: Known) -> Iterator[Mes
     """Messages and connections of a chunk."""
     inner = Source(io.BytesIO(data), len(data))
     view = _View(data)
-    while inner.left:
-        found = view.message(inner.at)
-        if found is not None and found[0] in known:
-            number, time, start, end = found
+    while inner.rest:
+        message = view.message(inner.at)
+        if message is not None and message[0] in known:
+            number, time, start, end = message
             yield known[number], time, data[start:end]
             inner.skip(end)
             continue
@@ -163,10 +163,10 @@ class _View:
     def _learn(self, at: int) -> tuple[int, int, int, int] | None:
         size = int.from_bytes(self._data[at : at + 4], "little")
         head = self._data[at : at + 4 + min(size, 256)]
-        found = [head.find(name) for name in (b"op=\2", b"conn=", b"time=")]
-        if min(found) < 0:
+        places = [head.find(name) for name in (b"op=\2", b"conn=", b"time=")]
+        if min(places) < 0:
             return None
-        self._places = (size, found[0] + 3, found[1] + 5, found[2] + 5)
+        self._places = (size, places[0] + 3, places[1] + 5, places[2] + 5)
         return self._places
 
 
@@ -211,7 +211,7 @@ def _fields(source: Source, body: bool = False) -> tuple[dict[str, bytes], int]:
 
 def _pairs(data: bytes, place: str = "its beginning") -> dict[str, bytes]:
     """``name=value`` fields, each behind its length."""
-    found: dict[str, bytes] = {}
+    fields: dict[str, bytes] = {}
     at = 0
     while at < len(data):
         if at + 4 > len(data):
@@ -221,5 +221,5 @@ def _pairs(data: bytes, place: str = "its beginning") -> dict[str, bytes]:
         at += 4 + size
         if not equals or at > len(data):
             raise Cut(f"the header of the record at {place} is damaged")
-        found[name.decode("ascii", "replace")] = value
-    return found
+        fields[name.decode("ascii", "replace")] = value
+    return fields

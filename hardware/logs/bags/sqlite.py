@@ -39,8 +39,8 @@ def _check_length(path: Path) -> None:
         head = file.read(100)
     page = int.from_bytes(head[16:18], "big")
     wanted = (65536 if page == 1 else page) * int.from_bytes(head[28:32], "big")
-    told = head[24:28] == head[92:96]  # otherwise an old writer left the length as it was
-    if len(head) < 100 or (told and wanted > size):
+    is_stated = head[24:28] == head[92:96]  # otherwise an old writer left the length as it was
+    if len(head) < 100 or (is_stated and wanted > size):
         raise InputError(
             str(path),
             [

@@ -168,8 +168,10 @@ class _Stream:
         return COUNTER
 
     def _out_of_range(self, number: Number, values: Array) -> None:
-        found = [np.flatnonzero(np.isinf(values[part])) + part.start for part in blocks(self.count)]
-        samples = np.concatenate(found)
+        indices = [
+            np.flatnonzero(np.isinf(values[part])) + part.start for part in blocks(self.count)
+        ]
+        samples = np.concatenate(indices)
         if len(samples):
             values[samples] = np.nan
             text = "±inf means out of range; nothing was measured there (NaN)"

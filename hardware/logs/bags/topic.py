@@ -130,7 +130,9 @@ class Topic:
         first = self.count - len(self._data)
         received = np.array(self._times, dtype=np.int64)
         lengths = np.fromiter(map(len, self._data), np.int64, len(self._data))
-        found: dict[tuple[str, str], list[tuple[Layout, NDArray[np.int64], NDArray[np.uint8]]]] = {}
+        by_frame: dict[
+            tuple[str, str], list[tuple[Layout, NDArray[np.int64], NDArray[np.uint8]]]
+        ] = {}
         for length in np.unique(lengths).tolist():
             indices = np.flatnonzero(lengths == length)
             joined = b"".join(self._data[i] for i in indices)
@@ -140,16 +142,16 @@ class Topic:
                     layout.texts.get("header.frame_id", ""),
                     layout.texts.get("child_frame_id", ""),
                 )
-                found.setdefault(key, []).append((layout, indices[fitting], table[fitting]))
-        for key, pieces in found.items():
+                by_frame.setdefault(key, []).append((layout, indices[fitting], table[fitting]))
+        for key, parts in by_frame.items():
             if key not in self.tables and len(self.tables) >= 64:
                 raise TooMuch("has more than 64 frames")
             target = self.tables.setdefault(key, Table(*key))
-            for layout, _, _ in pieces:
+            for layout, _, _ in parts:
                 target.widen(layout)
             rows = np.full((len(received), _OWN + len(target.numbers)), np.nan)
             rows[:, 0] = np.nan
-            for layout, indices, table in pieces:
+            for layout, indices, table in parts:
                 self._fill(target, layout, rows, indices, table, received, first)
             target.spool.append(rows[~np.isnan(rows[:, 0])])
 
@@ -159,23 +161,23 @@ class Topic:
         """Messages of one length, by their layouts."""
         length = table.shape[1]
         known = self._layouts.setdefault(length, [])
-        left = np.arange(len(table))
-        found = []
+        unsorted = np.arange(len(table))
+        fitting = []
         position = 0
-        while len(left):
+        while len(unsorted):
             if position == len(known):
-                number = int(indices[left[0]])
+                number = int(indices[unsorted[0]])
                 layout = self._new(self._data[number], first + number)
                 if layout is None:
-                    left = left[1:]
+                    unsorted = unsorted[1:]
                     continue
                 known.append(layout)
-            fits = known[position].fits(table[left])
+            fits = known[position].fits(table[unsorted])
             if fits.any():
-                found.append((known[position], left[fits]))
-                left = left[~fits]
+                fitting.append((known[position], unsorted[fits]))
+                unsorted = unsorted[~fits]
             position += 1
-        return found
+        return fitting
 
     def _new(self, data: bytes, number: int) -> Layout | None:
         """A layout for a message that has none; ``None`` where it does not fit its definition."""
@@ -237,7 +239,7 @@ class Topic:
                 target.notes[number.name] = "counts from the same instant as the clock"
             rest = pick(table, number.at + 4, f"{number.dtype[0]}u4")
             return seconds + rest * 1e-9
-        found = values.astype(np.float64)
-        if number.dtype[1:] in ("i8", "u8") and (np.abs(found) > _EXACT).any():
+        numbers = values.astype(np.float64)
+        if number.dtype[1:] in ("i8", "u8") and (np.abs(numbers) > _EXACT).any():
             target.notes[number.name] = "has values beyond 2^53, which were rounded"
-        return found
+        return numbers

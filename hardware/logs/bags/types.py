@@ -117,21 +117,21 @@ def _parsed(connection: Connection) -> Types:
 
     try:
         if connection.language == "msg":
-            found = get_types_from_msg(connection.schema, connection.kind)
+            parsed = get_types_from_msg(connection.schema, connection.kind)
         else:
-            found = {}
+            parsed = {}
             line = "=" * 80 + "\n"
             for part in connection.schema.split(line):
                 text = part.split("\n", 1)[-1] if part.startswith("IDL: ") else part
                 if text.strip():
-                    found.update(get_types_from_idl(text))
+                    parsed.update(get_types_from_idl(text))
     # the parsers raise many kinds for text that is no definition
     except (Exception, RecursionError) as error:  # noqa: BLE001
         text = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
         raise NotDefined(f"the definition of {connection.kind} cannot be read: {text}") from None
-    if connection.kind not in found:
+    if connection.kind not in parsed:
         raise NotDefined(f"the bag holds no definition of {connection.kind}")
-    return {name: fields for name, (_, fields) in found.items()}
+    return {name: fields for name, (_, fields) in parsed.items()}
 
 
 def _shipped(kind: str, distribution: str) -> list[tuple[str, Types]]:
@@ -139,11 +139,11 @@ def _shipped(kind: str, distribution: str) -> list[tuple[str, Types]]:
 
     known = {store.name.removeprefix("ROS2_").lower(): store for store in Stores}
     wanted = dict.fromkeys((distribution, *_DISTRIBUTIONS))
-    found: list[tuple[str, Types]] = []
+    definitions: list[tuple[str, Types]] = []
     for name in wanted:
         types = get_typestore(known[name]).fielddefs if name in known else {}
         if kind in types:
-            found.append((name, {key: fields for key, (_, fields) in types.items()}))
-    if not found:
+            definitions.append((name, {key: fields for key, (_, fields) in types.items()}))
+    if not definitions:
         raise NotDefined(f"the bag holds no definition of {kind}, and it is no standard type")
-    return found
+    return definitions

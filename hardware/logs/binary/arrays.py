@@ -70,17 +70,17 @@ def quaternion_note(name: str, width: int, stream: str) -> list[Repair]:
 
 def split_unit(name: str) -> tuple[str, str]:
     """Name and unit of ``Pressure (hPa)`` or ``speed [m/s]``."""
-    found = _UNIT.match(name)
-    return (found[1], found[2].strip()) if found and found[1] else (name, "")
+    match = _UNIT.match(name)
+    return (match[1], match[2].strip()) if match and match[1] else (name, "")
 
 
 def time_of(names: Iterable[str]) -> tuple[str | None, str]:
     """The column that is called a time, and the unit in its name; none where several are."""
-    found = [(name, match[2]) for name in names for match in [_TIME.match(name.strip())] if match]
-    if len(found) != 1:
+    times = [(name, match[2]) for name in names for match in [_TIME.match(name.strip())] if match]
+    if len(times) != 1:
         return None, ""
-    unit = (found[0][1] or "").lower()
-    return found[0][0], {"sec": "s", "seconds": "s"}.get(unit, unit)
+    unit = (times[0][1] or "").lower()
+    return times[0][0], {"sec": "s", "seconds": "s"}.get(unit, unit)
 
 
 def increment_of(values: Mapping[str, object]) -> tuple[float | None, str]:
@@ -134,34 +134,34 @@ def _large(values: np.ndarray, name: str, block: Block) -> Array:
         return values.astype(np.float64)
     first = int(values[0])
     signed = values.astype(np.int64) if values.dtype.kind == "i" else values
-    found = np.empty(len(values))
+    counts = np.empty(len(values))
     for part in blocks(len(values)):
         ahead = signed[part] >= first
         # unsigned differences must not wrap
-        found[part] = np.where(ahead, signed[part] - first, -(first - signed[part]).astype(float))
+        counts[part] = np.where(ahead, signed[part] - first, -(first - signed[part]).astype(float))
     if _EPOCH_NS[0] < first < _EPOCH_NS[1]:
         block.start = iso_ns(first)
     text = f"{name} is counted from its first value {first}, so that float64 keeps every count"
     block.repairs.append(Repair("time_origin", INFO, text, block.name, name))
-    return found
+    return counts
 
 
 def _instants(values: np.ndarray, name: str, block: Block) -> Array:
     """Instants and spans of time in seconds; instants from the first one on."""
     missing = np.isnat(values)
     if values.dtype.kind == "m":
-        whole = values.astype("m8[ns]").astype(np.int64)
+        nanoseconds = values.astype("m8[ns]").astype(np.int64)
         first = 0
     else:
-        whole = values.astype("M8[ns]").astype(np.int64)
-        good = whole[~missing]
+        nanoseconds = values.astype("M8[ns]").astype(np.int64)
+        good = nanoseconds[~missing]
         first = int(good[0]) if len(good) else 0
         block.start = block.start or iso_ns(first)
         text = f"{name} is given in seconds from its first value, {iso_ns(first)}"
         block.repairs.append(Repair("time_origin", INFO, text, block.name, name))
-    found = (whole - first) / 1e9
-    found[missing] = np.nan
-    return np.asarray(found, dtype=np.float64)
+    seconds = (nanoseconds - first) / 1e9
+    seconds[missing] = np.nan
+    return np.asarray(seconds, dtype=np.float64)
 
 
 def iso_ns(ns: int) -> str:
@@ -191,17 +191,17 @@ def stream_of(
             column.unit = "s"
         clock = Clock(f"column {name}", block.start)
         return RawStream(block.name, block.columns, name, clock=clock, row_word=row_word)
-    step, told = increment_of(scalars)
-    clock = Clock(f"{told} {1 / step:.6g} Hz" if step else "none", block.start)
+    step, source = increment_of(scalars)
+    clock = Clock(f"{source} {1 / step:.6g} Hz" if step else "none", block.start)
     if step:
-        text = f"no column is a time; samples are {step!r} s apart, as {told} says"
+        text = f"no column is a time; samples are {step!r} s apart, as {source} says"
         block.repairs.append(Repair("even_samples", INFO, text, block.name))
     return RawStream(block.name, block.columns, None, 0.0, step, clock=clock, row_word=row_word)
 
 
-def stream_name(names: Sequence[str], alone: bool) -> str:
+def stream_name(names: Sequence[str], single: bool) -> str:
     """Name of a stream by its arrays: "log" where there is only one."""
-    if alone:
+    if single:
         return "log"
     return "+".join(names) if len(names) <= 3 else f"{names[0]}+{len(names) - 1}"
 

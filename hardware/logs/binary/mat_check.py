@@ -111,8 +111,8 @@ class _Unpacked:
         self.count += count
         if self.count > self._most:
             raise Damaged(f"unpacks to more than {self._most >> 20} MB, which is not plausible")
-        found, self._ready = self._ready[:count], self._ready[count:]
-        return found
+        data, self._ready = self._ready[:count], self._ready[count:]
+        return data
 
     def ended(self) -> bool:
         """Whether nothing is left."""
@@ -193,8 +193,8 @@ class _Walk:
                 raise Damaged(f"has names of {length} of {len(names)} bytes")
             fields = len(names) // length
         # each part has a tag at least; structs without fields must not be without bounds either
-        if count * max(fields, 1) * _TAG > max(end.left, 1000 * _TAG):
-            raise Damaged(f"says that it has {count * fields} parts; {end.left} bytes are there")
+        if count * max(fields, 1) * _TAG > max(end.rest, 1000 * _TAG):
+            raise Damaged(f"says that it has {count * fields} parts; {end.rest} bytes are there")
         for _ in range(count * fields):
             self._inner(depth)
 
@@ -253,25 +253,25 @@ class _Walk:
         if count is not None and size // kinds[kind] != count:
             raise Damaged(f"holds {size // kinds[kind]} numbers; its size says {count}")
         if not data:
-            left = size + -size % 8
-            while left:
-                left -= len(self._take(min(left, _PIECE)))
+            rest = size + -size % 8
+            while rest:
+                rest -= len(self._take(min(rest, _PIECE)))
 
 
 class _Bounded:
     """An element within another one."""
 
     def __init__(self, take: Callable[[int], bytes], size: int) -> None:
-        self._take, self.left = take, size
+        self._take, self.rest = take, size
 
     def take(self, count: int) -> bytes:
         """The next bytes, which must lie within the element."""
-        if count > self.left:
+        if count > self.rest:
             raise Damaged("has a part that is longer than itself")
-        self.left -= count
+        self.rest -= count
         return self._take(count)
 
     def skip(self) -> None:
         """The rest of the element."""
-        while self.left:
-            self.take(min(self.left, _PIECE))
+        while self.rest:
+            self.take(min(self.rest, _PIECE))

@@ -47,14 +47,14 @@ def _load_5(path: Path) -> dict[str, object]:
         mat_check.check(path)  # scipy itself ends the program on some damaged files
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            found = scipy.io.loadmat(path, struct_as_record=True, chars_as_strings=True)
+            variables = scipy.io.loadmat(path, struct_as_record=True, chars_as_strings=True)
     except mat_check.Damaged as damage:
         raise InputError(str(path), [f"{damage}; save it again with save -v7"]) from None
     # scipy raises many kinds for damaged files
     except Exception as error:  # noqa: BLE001
         text = f"is damaged ({type(error).__name__}: {error}"[:300]
         raise InputError(str(path), [f"{text}); save it again with save -v7"]) from None
-    return {name: _plain(value) for name, value in found.items() if not name.startswith("__")}
+    return {name: _plain(value) for name, value in variables.items() if not name.startswith("__")}
 
 
 def _plain(value: Any, depth: int = 0) -> Any:  # noqa: ANN401  (whatever a file may hold)

@@ -77,17 +77,17 @@ def read(path: Path) -> dict[str, np.ndarray]:
     try:
         with path.open("rb") as file:
             tree, storages = _zipped(path) if file.read(2) == b"PK" else _legacy(path)
-        found: dict[str, np.ndarray] = {}
-        _collect(tree, "", storages, found, 0)
+        tensors: dict[str, np.ndarray] = {}
+        _collect(tree, "", storages, tensors, 0)
     except (_Refused, ValueError, IndexError, KeyError, *zip_guard.ERRORS) as error:
         text = str(error) if isinstance(error, _Refused) else f"is damaged: {error!r}"
         raise InputError(
             str(path),
             [f"{text[:400]}; only tensors of numbers are read (save them with numpy.savez)"],
         ) from None
-    if not found:
+    if not tensors:
         raise InputError(str(path), ["holds no tensor"])
-    return found
+    return tensors
 
 
 def _legacy(path: Path) -> tuple[object, dict[str, bytes]]:
@@ -100,7 +100,7 @@ def _legacy(path: Path) -> tuple[object, dict[str, bytes]]:
         keys = _follow(file)
         wanted: dict[str, _Storage] = {}
         _storages(tree, wanted, 0)
-        found = {}
+        data = {}
         for key in keys if isinstance(keys, list) else []:
             at = file.tell()
             count = int.from_bytes(file.read(8), "little")
@@ -111,8 +111,8 @@ def _legacy(path: Path) -> tuple[object, dict[str, bytes]]:
             if length > size - at - 8:
                 missing = length - (size - at - 8)
                 raise _Refused(f"byte {at}: {missing} bytes of the numbers are missing")
-            found[key] = file.read(length)
-    return tree, found
+            data[key] = file.read(length)
+    return tree, data
 
 
 def _zipped(path: Path) -> tuple[object, dict[str, bytes]]:
@@ -123,32 +123,32 @@ def _zipped(path: Path) -> tuple[object, dict[str, bytes]]:
         if main is None:
             raise _Refused("has no data.pkl")
         size = path.stat().st_size
-        tree = _follow(io.BytesIO(zip_guard.whole(archive, main, size)))
+        tree = _follow(io.BytesIO(zip_guard.member(archive, main, size)))
         wanted: dict[str, _Storage] = {}
         _storages(tree, wanted, 0)
         root = main.removesuffix("data.pkl")
-        return tree, {key: zip_guard.whole(archive, f"{root}data/{key}", size) for key in wanted}
+        return tree, {key: zip_guard.member(archive, f"{root}data/{key}", size) for key in wanted}
 
 
-def _storages(tree: object, found: dict[str, _Storage], depth: int) -> None:
+def _storages(tree: object, storages: dict[str, _Storage], depth: int) -> None:
     if isinstance(tree, _Tensor):
-        found[tree.storage.key] = tree.storage
+        storages[tree.storage.key] = tree.storage
     elif isinstance(tree, (list, tuple, dict)) and depth < _MAX_DIMENSIONS:
         for item in tree.values() if isinstance(tree, dict) else tree:
-            _storages(item, found, depth + 1)
+            _storages(item, storages, depth + 1)
 
 
 def _collect(
-    tree: object, name: str, storages: dict[str, bytes], found: dict[str, np.ndarray], depth: int
+    tree: object, name: str, storages: dict[str, bytes], tensors: dict[str, np.ndarray], depth: int
 ) -> None:  # fmt: skip
     if isinstance(tree, _Tensor):
-        found[name] = _array(tree, storages)
+        tensors[name] = _array(tree, storages)
     elif isinstance(tree, dict) and depth < _MAX_DIMENSIONS:
         for key, item in tree.items():
-            _collect(item, f"{name}.{key}".strip("."), storages, found, depth + 1)
+            _collect(item, f"{name}.{key}".strip("."), storages, tensors, depth + 1)
     elif isinstance(tree, (list, tuple)) and depth < _MAX_DIMENSIONS:
         for i, item in enumerate(tree):
-            _collect(item, f"{name}.{i}".strip("."), storages, found, depth + 1)
+            _collect(item, f"{name}.{i}".strip("."), storages, tensors, depth + 1)
 
 
 def _array(tensor: _Tensor, storages: dict[str, bytes]) -> np.ndarray:
@@ -259,21 +259,23 @@ def _describes(arguments: object) -> bool:
 
 def _persistent(machine: _Machine, _: object) -> None:
     """A storage: ('storage', type, key, place, count, …)."""
-    found = machine.pop(1)[0]
+    description = machine.pop(1)[0]
     usual = (
-        isinstance(found, tuple)
-        and len(found) >= 5
-        and found[0] == "storage"
-        and isinstance(found[1], _Callable)
-        and found[1].name.removeprefix("torch ") in _STORAGES
-        and isinstance(found[2], str)
-        and isinstance(found[4], int)
-        and (len(found) == 5 or found[5] is None)
+        isinstance(description, tuple)
+        and len(description) >= 5
+        and description[0] == "storage"
+        and isinstance(description[1], _Callable)
+        and description[1].name.removeprefix("torch ") in _STORAGES
+        and isinstance(description[2], str)
+        and isinstance(description[4], int)
+        and (len(description) == 5 or description[5] is None)
     )
     if not usual:
         raise _Refused("it wants a storage of an unknown kind")
     machine.stack.append(
-        _Storage(_STORAGES[found[1].name.removeprefix("torch ")], found[2], found[4])
+        _Storage(
+            _STORAGES[description[1].name.removeprefix("torch ")], description[2], description[4]
+        )
     )
 
 

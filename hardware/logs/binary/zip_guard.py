@@ -21,7 +21,7 @@ ERRORS = (
 MAX_RATIO, MIN_LIMIT = 10, 1 << 24
 
 
-def whole(archive: zipfile.ZipFile, name: str, size: int) -> bytes:
+def member(archive: zipfile.ZipFile, name: str, size: int) -> bytes:
     """A member as a whole.
 
     Args:

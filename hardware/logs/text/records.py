@@ -50,25 +50,25 @@ def _flat(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:  # noqa: ANN
 
 def add(log: RawLog, where: str, name: str, word: str, records: Records, mapping: Mapping) -> None:
     """Adds a table as a stream: first the names and what stands under them, then the numbers."""
-    seen: dict[str, _Seen] = {}
+    contents: dict[str, _Seen] = {}
     count = 0
     for _, record in records():
         count += 1
         for key, value in _flat(record):
-            _notice(seen.setdefault(key, _Seen()), value)
+            _notice(contents.setdefault(key, _Seen()), value)
     if not count:
         raise InputError(where, [f"{name}: holds no records"])
-    kept = [key for key, found in seen.items() if found.numbers >= max(found.texts, 1)]
-    dates = {k for k, s in seen.items() if s.texts and not s.numbers and _is_date(k, s)}
-    for key, found in seen.items():
+    kept = [key for key, content in contents.items() if content.numbers >= max(content.texts, 1)]
+    dates = {k for k, s in contents.items() if s.texts and not s.numbers and _is_date(k, s)}
+    for key, content in contents.items():
         if key not in kept and key not in dates:
-            text = f"holds text such as {found.example!r}" if found.texts else "is empty"
+            text = f"holds text such as {content.example!r}" if content.texts else "is empty"
             log.ignored[key] = text
     if not kept:
         raise InputError(where, [f"{name}: no record holds a number"])
     time = _time_of(where, [*kept, *sorted(dates)], mapping)
     origin = 0
-    if time is not None and time in kept and seen[time].largest > _EXACT:
+    if time is not None and time in kept and contents[time].largest > _EXACT:
         origin = next(v for _, r in records() for k, v in _flat(r) if k == time)
     table = _Filled(where, kept, sorted(dates), word, {time: origin} if origin else {})
     for number, record in records():
@@ -80,19 +80,19 @@ def add(log: RawLog, where: str, name: str, word: str, records: Records, mapping
     log.streams.append(stream)
 
 
-def _notice(seen: _Seen, value: Any) -> None:  # noqa: ANN401
+def _notice(content: _Seen, value: Any) -> None:  # noqa: ANN401
     if isinstance(value, bool | float):
-        seen.numbers += 1
+        content.numbers += 1
     elif isinstance(value, int):
-        seen.numbers += 1
-        seen.largest = max(seen.largest, abs(value))
+        content.numbers += 1
+        content.largest = max(content.largest, abs(value))
     elif isinstance(value, str):
-        seen.texts += 1
-        seen.example = seen.example or value[:40]
+        content.texts += 1
+        content.example = content.example or value[:40]
 
 
-def _is_date(name: str, seen: _Seen) -> bool:
-    return _text.is_time(name.rpartition(".")[2]) and _dates.style_of([seen.example]) is not None
+def _is_date(name: str, content: _Seen) -> bool:
+    return _text.is_time(name.rpartition(".")[2]) and _dates.style_of([content.example]) is not None
 
 
 def _time_of(where: str, names: list[str], mapping: Mapping) -> str | None:
@@ -100,10 +100,10 @@ def _time_of(where: str, names: list[str], mapping: Mapping) -> str | None:
     if mapping.time is not None:
         wanted = {*mapping.time.columns}
         return next((n for n in names if wanted & {n, short[n]}), None)
-    found = [name for name in names if _text.is_time(short[name].rpartition(".")[2])]
-    if len(found) > 1:
-        raise InputError(where, [_text.several_times(found)])
-    return found[0] if found else None
+    times = [name for name in names if _text.is_time(short[name].rpartition(".")[2])]
+    if len(times) > 1:
+        raise InputError(where, [_text.several_times(times)])
+    return times[0] if times else None
 
 
 class _Filled:
@@ -123,20 +123,20 @@ class _Filled:
 
     def row(self, number: int, record: Any) -> None:  # noqa: ANN401
         values = np.full(len(self.place), np.nan)
-        found = 0
+        count = 0
         for key, value in _flat(record):
             place = self.place.get(key)
             if place is None or value is None:
-                found += place is not None
+                count += place is not None
                 continue
-            found += 1
+            count += 1
             made = self._value(key, value)
             if made is None:
                 wanted = "a date" if key in self.dates else "a number"
                 self.faults.add(f"{self.word} {number}, {key!r}: {value!r:.60} is not {wanted}")
             else:
                 values[place] = made
-        self.missing += found < len(self.place)
+        self.missing += count < len(self.place)
         self.waiting.append(values)
         self.numbers.append(number)
         if len(self.waiting) >= _BLOCK:

@@ -34,11 +34,11 @@ def is_echo(names: Sequence[str]) -> bool:
 
 def named(names: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
     """Names with the units that the messages define."""
-    found = []
+    pairs = []
     for name, unit in names:
         fitting = (u for pattern, u in _UNITS if re.search(rf"(?:{pattern})$", name))
-        found.append((name, unit or next(fitting, "")))
-    return found
+        pairs.append((name, unit or next(fitting, "")))
+    return pairs
 
 
 def finish(log: RawLog) -> None:

@@ -99,7 +99,7 @@ def sniff(source: _text.Source, keep: Collection[str] = ()) -> Layout:
     """
     lines = list(source.head[:_MAX_LINES])
     rows = [i for i, line in enumerate(lines) if line.strip() and not is_comment(line)]
-    if len(rows) > 2 and source.whole and _is_cut(lines, rows):
+    if len(rows) > 2 and source.complete and _is_cut(lines, rows):
         rows = rows[:-1]
     separator = _separator([lines[i] for i in rows])
     cells = {i: split(lines[i], separator) for i in rows}
@@ -184,26 +184,26 @@ def _width(table: Sequence[Sequence[str]]) -> int:
 
 
 def _kinds(rows: Sequence[Sequence[str]], width: int) -> list[str]:
-    found = []
+    kinds = []
     for k in range(width):
-        seen = Counter(kind_of(row[k]) for row in rows)
-        full = sum(seen.values()) - seen["empty"]
-        best = max(("number", "date", "list", "flag"), key=lambda kind: seen[kind])
+        counts = Counter(kind_of(row[k]) for row in rows)
+        full = sum(counts.values()) - counts["empty"]
+        best = max(("number", "date", "list", "flag"), key=lambda kind: counts[kind])
         if not full:
-            found.append("empty")
+            kinds.append("empty")
         else:
-            found.append(best if seen[best] >= full / 2 else "text")
-    return found
+            kinds.append(best if counts[best] >= full / 2 else "text")
+    return kinds
 
 
 def _fits(cells: Sequence[str], kinds: Sequence[str]) -> bool:
     """Whether a line is a row: every cell is of its column's kind, and not all are text."""
     if len(cells) != len(kinds):
         return False
-    seen = [kind_of(cell) for cell in cells]
-    certain = [s == k for s, k in zip(seen, kinds, strict=True) if k not in ("text", "empty")]
+    cell_kinds = [kind_of(cell) for cell in cells]
+    certain = [s == k for s, k in zip(cell_kinds, kinds, strict=True) if k not in ("text", "empty")]
     return any(certain) and all(
-        k == "text" or s in (k, "empty") for s, k in zip(seen, kinds, strict=True)
+        k == "text" or s in (k, "empty") for s, k in zip(cell_kinds, kinds, strict=True)
     )
 
 
@@ -244,18 +244,18 @@ def _header(
     above = [i for i in cells if not is_comment(lines[i]) or len(cells[i]) == width > 1][:2]
     if not above:
         return None, None
-    found = [cells[i] for i in above]
+    heads = [cells[i] for i in above]
     ends_empty = kinds[-1] == "empty"
-    fits = [len(cells) == width or (ends_empty and len(cells) == width - 1) for cells in found]
-    if len(above) > 1 and all(fits) and _is_units_row(found[0], found[1]):
+    fits = [len(cells) == width or (ends_empty and len(cells) == width - 1) for cells in heads]
+    if len(above) > 1 and all(fits) and _is_units_row(heads[0], heads[1]):
         return above[1], above[0]
     if fits[0]:
         return above[0], None
-    if is_comment(lines[above[0]]) or len(found[0]) < min(width, 2):
+    if is_comment(lines[above[0]]) or len(heads[0]) < min(width, 2):
         return None, None
-    text = f"the header (line {above[0] + 1}) has {len(found[0])} cells but the rows below have"
+    text = f"the header (line {above[0] + 1}) has {len(heads[0])} cells but the rows below have"
     cure = "give every column one name"
-    if separator == "," and width == 2 * len(found[0]):
+    if separator == "," and width == 2 * len(heads[0]):
         cure = "the comma seems to be the decimal mark too; export again with another separator"
     raise InputError(source.label, [f"{text} {width}; {cure}"])
 
@@ -311,26 +311,26 @@ def marks(
         InputError: a comma may be either.
     """
     unsure: list[str] = []
-    seen: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for line, row in body:
         for k, cell in enumerate(row[: len(kinds)]):
             verdict = mark_of(cell) if kinds[k] == "number" else ""
-            seen[verdict] += 1
+            counts[verdict] += 1
             if verdict == "?" and len(unsure) < 3:
                 unsure.append(doubt(line, names[k][0], cell))
-    both = [v for v in (".,", ",.") if seen[v]]  # decimal mark first, then that of thousands
-    if len(both) > 1 or (both == [".,"] and seen[","]):
+    both = [v for v in (".,", ",.") if counts[v]]  # decimal mark first, then that of thousands
+    if len(both) > 1 or (both == [".,"] and counts[","]):
         raise InputError(
             label, ["commas stand for decimals in some numbers and for thousands in others;"
                     " write the log with decimal points and without marks of thousands"],
         )  # fmt: skip
     if both:
         return both[0][0], both[0][1], True
-    if seen[","]:
+    if counts[","]:
         return ",", "", True
-    if seen["?"]:
+    if counts["?"]:
         raise InputError(label, unsure)
-    return ".", "", bool(seen["."])
+    return ".", "", bool(counts["."])
 
 
 def doubt(line: int, name: str, cell: str) -> str:

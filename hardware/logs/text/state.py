@@ -109,8 +109,8 @@ class State:
 
     def rows(self, first: int, count: int) -> NDArray[np.int64] | None:
         """Lines of all rows, ``None`` where they follow each other from the first on."""
-        found = [lines.runs() for lines in self.skipped.values()]
-        runs = np.concatenate([np.empty((0, 2), dtype=np.int64), *found])
+        skipped_runs = [lines.runs() for lines in self.skipped.values()]
+        runs = np.concatenate([np.empty((0, 2), dtype=np.int64), *skipped_runs])
         runs = runs[np.argsort(runs[:, 0])]
         lengths = runs[:, 1] - runs[:, 0] + 1
         # the row, counted from 0, before which each stretch of other lines stands
@@ -125,12 +125,14 @@ class State:
 
     def repairs(self, layout: Layout) -> list[Repair]:
         """What was noticed on the way."""
-        found = []
+        noticed = []
         if layout.decimal == ",":
-            found.append(Repair("decimal_comma", INFO, "numbers are written with a decimal comma"))
+            noticed.append(
+                Repair("decimal_comma", INFO, "numbers are written with a decimal comma")
+            )
         if layout.thousands:
             text = f"{layout.thousands!r} separates thousands and was taken out"
-            found.append(Repair("thousands", INFO, text))
+            noticed.append(Repair("thousands", INFO, text))
         words = {
             "blank_line": (INFO, "empty lines were passed over"),
             "comment_line": (INFO, "remarks between the rows were passed over"),
@@ -140,17 +142,17 @@ class State:
             if rule in words:
                 severity, text = words[rule]
                 named = tuple((a, b) for a, b in lines.runs()[:MAX_ROWS].tolist())
-                found.append(Repair(rule, severity, text, rows=named, count=len(lines)))
+                noticed.append(Repair(rule, severity, text, rows=named, count=len(lines)))
         if self.no_end:
             text = (
                 f"line {self.no_end}, the last one, has no line end; if the file was cut there, its"
                 " last number is not whole"
             )
-            found.append(
+            noticed.append(
                 Repair("no_line_end", INFO, text, rows=((self.no_end, self.no_end),), count=1)
             )
         if self.midnights:
             text = "the time of day passes midnight; a day was added from there on"
             rows = ranges(self.midnights[:MAX_ROWS])
-            found.append(Repair("midnight", REPAIR, text, rows=rows, count=len(self.midnights)))
-        return found
+            noticed.append(Repair("midnight", REPAIR, text, rows=rows, count=len(self.midnights)))
+        return noticed

@@ -153,8 +153,8 @@ class _Reader:
         usual = {
             _decimals(row[-1], layout.decimal) for row in cells if len(row) == len(layout.kinds)
         }
-        own = _decimals(cell, layout.decimal)
-        return len(cells) >= _MIN_COMPARED and len(usual) == 1 and own < usual.pop()
+        last = _decimals(cell, layout.decimal)
+        return len(cells) >= _MIN_COMPARED and len(usual) == 1 and last < usual.pop()
 
     # ---- rows become numbers --------------------------------------------------------------------
 
@@ -282,16 +282,16 @@ class _Reader:
         layout, state = self.layout, self.state
         columns: list[RawColumn] = []
         ignored: dict[str, str] = {}
-        left = iter(arrays)
+        arrays_left = iter(arrays)
         for k, (kind, (name, unit)) in enumerate(zip(layout.kinds, layout.names, strict=True)):
             if kind == "list":
                 for i in range(state.lengths[k]):
-                    columns.append(RawColumn(f"{name}[{i}]", next(left), unit))
+                    columns.append(RawColumn(f"{name}[{i}]", next(arrays_left), unit))
             elif kind in ("text", "empty"):
                 text = self._example(k)
                 ignored[name or f"column_{k + 1}"] = text if kind == "text" else "is empty"
             else:
-                columns.append(RawColumn(name, next(left), "s" if kind == "date" else unit))
+                columns.append(RawColumn(name, next(arrays_left), "s" if kind == "date" else unit))
         origins = {layout.names[k][0]: origin for k, origin in state.origins.items()}
         rows = state.rows(layout.first_line, len(arrays[0]))
         return Table(columns, layout.first_line, rows, state.truncated, state.repairs(layout),

@@ -68,7 +68,7 @@ class Source:
         skip: bytes of the byte order mark.
         old_mac: whether lines end with a carriage return alone.
         head: lines at its beginning, without their ends.
-        whole: whether these are all lines.
+        complete: whether these are all lines.
         repairs: what was noticed so far.
     """
 
@@ -78,7 +78,7 @@ class Source:
     skip: int
     old_mac: bool
     head: tuple[str, ...]
-    whole: bool
+    complete: bool
     repairs: tuple[Repair, ...]
 
 
@@ -123,7 +123,7 @@ def opened(label: str, open_: Callable[[], IO[bytes]]) -> Source:
 
 def _source(label: str, open_: Callable[[], IO[bytes]], start: bytes) -> Source:
     encoding, skip = encoding_of(start)
-    whole = len(start) <= HEAD_BYTES
+    complete = len(start) <= HEAD_BYTES
     text = start[skip:HEAD_BYTES].decode(encoding, errors="replace")
     if not text.strip():
         raise InputError(label, ["is empty; expected a log with at least two samples"])
@@ -131,7 +131,7 @@ def _source(label: str, open_: Callable[[], IO[bytes]], start: bytes) -> Source:
         raise InputError(label, ["is no text but binary data; name its format with --as"])
     old_mac = "\n" not in text and text.count("\r") > 1
     lines = text.replace("\r", "\n").split("\n") if old_mac else text.split("\n")
-    lines = lines if whole else lines[:-1]  # the last one may be cut
+    lines = lines if complete else lines[:-1]  # the last one may be cut
     repairs = []
     if skip:
         repairs.append(Repair("byte_order_mark", INFO, f"a byte order mark says {encoding}"))
@@ -139,7 +139,7 @@ def _source(label: str, open_: Callable[[], IO[bytes]], start: bytes) -> Source:
         text = f"is not UTF-8; it was read as {encoding}"
         repairs.append(Repair("encoding", INFO, text))
     head = tuple(line.rstrip("\r") for line in lines)
-    return Source(label, open_, encoding, skip, old_mac, head, whole, tuple(repairs))
+    return Source(label, open_, encoding, skip, old_mac, head, complete, tuple(repairs))
 
 
 def encoding_of(start: bytes) -> tuple[str, int]:
@@ -223,9 +223,9 @@ def several_times(names: Sequence[str]) -> str:
 
 def wanted_names(mapping: Mapping) -> set[str]:
     """Names of columns that a mapping uses, with and without their stream."""
-    found = {name for channel in mapping.channels.values() for name in channel.columns}
-    found |= {name.rpartition("/")[2] for name in found}
-    return found | ({*mapping.time.columns} if mapping.time else set())
+    names = {name for channel in mapping.channels.values() for name in channel.columns}
+    names |= {name.rpartition("/")[2] for name in names}
+    return names | ({*mapping.time.columns} if mapping.time else set())
 
 
 def number(text: str, decimal: str = ".", thousands: str = "") -> float | None:
@@ -296,38 +296,38 @@ def heading(text: str) -> tuple[str, str]:
 
 
 def headings(
-    cells: Sequence[str], given: Sequence[str] = (), keep: Collection[str] = ()
+    cells: Sequence[str], units_below: Sequence[str] = (), keep: Collection[str] = ()
 ) -> list[tuple[str, str]]:
     """Names and units of all columns.
 
     Args:
         cells: the header, cell by cell.
-        given: units of a row below, empty where there is none.
+        units_below: units of a row below, empty where there is none.
         keep: names that a mapping uses; a heading that is one of them stays whole.
     """
-    found = []
+    heads = []
     for i, cell in enumerate(cells):
         full = " ".join(cell.split())
         name, unit = heading(full)
-        below = given[i].strip(" ()[]{}<>") if i < len(given) else ""
+        below = units_below[i].strip(" ()[]{}<>") if i < len(units_below) else ""
         if below:
             name, unit = full, below
         elif full in keep:
             name = full
-        found.append((name or f"column_{i + 1}", unit, full))
-    names = [name for name, _, _ in found]
+        heads.append((name or f"column_{i + 1}", unit, full))
+    names = [name for name, _, _ in heads]
     # two headings that differ in their unit alone stay whole
-    return [(full if names.count(name) > 1 and full else name, unit) for name, unit, full in found]
+    return [(full if names.count(name) > 1 and full else name, unit) for name, unit, full in heads]
 
 
 def about_of(lines: Sequence[str]) -> dict[str, str]:
     """What lines above a table say: ``key: value``, ``key = value`` or ``key,value``."""
-    found: dict[str, str] = {}
+    about: dict[str, str] = {}
     for line in lines:
         text = line.strip().lstrip("#%/!").strip().strip('"')
         match = re.match(r"([^:=,;\t]{1,60}?)\s*[:=,;\t]\s*(.+)", text)
         if match:
-            found.setdefault(match[1].strip(' "'), match[2].strip(' ",;\t')[:400])
+            about.setdefault(match[1].strip(' "'), match[2].strip(' ",;\t')[:400])
         elif text.strip(",;\t "):
-            found.setdefault(f"remark {len(found) + 1}", text.strip(",;\t ")[:400])
-    return found
+            about.setdefault(f"remark {len(about) + 1}", text.strip(",;\t ")[:400])
+    return about
