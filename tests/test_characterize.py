@@ -3,20 +3,29 @@
 import json
 import math
 import re
+from dataclasses import replace
 
 import pytest
 
 import simcompare
 from simcompare import notation
+from simcompare.characterization.behaviour import (
+    BounceBehaviour,
+    ForceBehaviour,
+    FrictionBehaviour,
+    JointBehaviour,
+)
 from simcompare.characterization.force import CASES
-from simcompare.characterization.result import Characterization
 from simcompare.engine.calibration import cache
+from simcompare.model.plain import of_plain, plain
 from simcompare.model.settings import CONTACT_LEVELS
 from simcompare.reports.characterization import figures, findings, words
 from simcompare.reports.characterization import page as characterized
 from simcompare.reports.characterization import tables as characterized_tables
 from simcompare.reports.render import tables
 from simcompare.reports.render.figures import MOST_PANELS
+from simcompare.results.records.characterization import Characterization, Trial
+from simcompare.results.records.run import Software
 from simcompare.verbs import characterize
 from tests.present import need
 
@@ -44,15 +53,15 @@ def pymunk(tmp_path_factory):
 
 
 def test_every_experiment_is_answered_at_every_level(pymunk):
-    asked = {(a["experiment"], a["contact"]) for a in pymunk.record["answers"]}
+    asked = {(trial.experiment, trial.contact) for trial in pymunk.answers}
     assert asked == {(e, c) for e in characterize.EXPERIMENTS for c in ("default", "tuned")}
-    assert {answer["status"] for answer in pymunk.record["answers"]} == {"ok"}
+    assert {trial.status for trial in pymunk.answers} == {"ok"}
     assert pymunk.exit_code == 0
 
 
 def test_what_is_stored_is_plain_json(pymunk):
     stored = json.loads((pymunk.folder / "characterization.json").read_text(encoding="utf-8"))
-    assert stored == json.loads(json.dumps(pymunk.record, allow_nan=False))
+    assert stored == json.loads(json.dumps(plain(pymunk), allow_nan=False))
     assert stored["step_s"] == 1e-3
 
 
@@ -68,7 +77,7 @@ def test_the_page_leads_with_what_there_is_to_see_and_loads_nothing(pymunk, tmp_
 
 
 def test_pictures_are_written_for_a_paper(pymunk, tmp_path):
-    bounces = Characterization({**pymunk.record, "experiments": ["bounce"]})
+    bounces = replace(pymunk, experiments=("bounce",))
     written = characterized.write_figures(bounces, tmp_path, "png")
     assert {path.name for path in written} == {
         f"characterization-{name}.png" for name in ("speed", "off_speed", "phase", "step")
@@ -78,7 +87,7 @@ def test_pictures_are_written_for_a_paper(pymunk, tmp_path):
 
 @pytest.mark.parametrize("name", characterize.EXPERIMENTS)
 def test_tables_fit_a_terminal(pymunk, name):
-    table = characterized_tables.of(pymunk.record, name)
+    table = characterized_tables.of(pymunk, name)
     assert [len(group.rows) for group in table.groups] == [1, 1]
     assert max(map(len, tables.lines(table, 80))) <= 80
 
@@ -92,7 +101,7 @@ def test_nothing_is_asked_twice(pymunk, monkeypatch):
     again = simcompare.characterize(
         engine="pymunk", contact="default,tuned", progress=lambda *a: asked.append(a)
     )
-    assert again.record["answers"] == pymunk.record["answers"]
+    assert [plain(trial) for trial in again.answers] == [plain(trial) for trial in pymunk.answers]
     assert len(asked) == 8
 
 
@@ -125,8 +134,24 @@ def bounce_of(engine, level, **more):
             "found": found}  # fmt: skip
 
 
+KINDS = {
+    "bounce": BounceBehaviour,
+    "friction": FrictionBehaviour,
+    "joint": JointBehaviour,
+    "force": ForceBehaviour,
+}
+
+
+def trial_of(answer):
+    found = answer["found"]
+    return Trial(
+        answer["engine"], "1", answer["experiment"], answer["contact"], answer["status"],
+        found=None if found is None else of_plain(KINDS[answer["experiment"]], found),
+    )  # fmt: skip
+
+
 def said(*answers):
-    return "\n".join(one["text"] for one in findings.sentences(answers, 1e-3))
+    return "\n".join(one.text for one in findings.sentences(list(map(trial_of, answers)), 1e-3))
 
 
 def with_row(speed_m_s, **row):
@@ -189,14 +214,14 @@ def test_a_ball_that_runs_away_is_neither_right_nor_dead(level):
 
 
 def test_what_runs_away_has_no_cell_and_no_deviation():
-    gone = {"ratio": None, "jitter": None}
+    gone = {"ratio": None, "jitter": None, "u": None}
     right = {case: {"ratio": 1.0, "jitter": 0.0, "u": 0.0} for case in CASES}
     found = {"cases": {**right, "weld_rest": gone}}
     answer = {"engine": "a", "experiment": "force", "contact": "tuned", "status": "ok",
-              "found": {**found, "lacks": {}}}  # fmt: skip
+              "found": {**found, "lacks": {}, "over_step": []}}  # fmt: skip
     assert "the force on a weld at rest runs away in a" in said(answer)
     assert characterized_tables.of(record_of([answer]), "force").groups
-    assert characterized_tables._small(characterized_tables._times(1e3, None), 1e-6) == "–"
+    assert characterized_tables._small(math.nan, 1e-6) == "–"
 
 
 def test_a_variant_without_helps_is_not_shown_with_them(call):
@@ -226,7 +251,11 @@ def test_the_table_tells_both_ways_of_being_off():
 
 def record_of(answers):
     levels = [level for level in CONTACT_LEVELS if level in {a["contact"] for a in answers}]
-    return {"answers": answers, "contact": levels, "step_s": 1e-3}
+    return Characterization(
+        created="2026-01-01T00:00:00+00:00", step_s=1e-3, experiments=(), contact=tuple(levels),
+        engines_asked="all", sentences=(), answers=tuple(map(trial_of, answers)),
+        software=Software("1", "3", "2"),
+    )  # fmt: skip
 
 
 def bouncing_with(level, mean):
@@ -270,6 +299,7 @@ def friction_of(engine, **more):
         "lets_go_at": 1.0,
         "creep": [{**lies, **{k: v for k, v in more.items() if k in lies}}],
         "braking": [{"speed_m_s": 1.0, "braking": more.get("braking", 1.0)}],
+        "over_step": [],
     }
     found |= {k: v for k, v in more.items() if k == "lets_go_at"}
     return {"engine": engine, "experiment": "friction", "contact": "default", "status": "ok",
@@ -324,7 +354,7 @@ def test_a_hinge_is_told_in_words():
     def hinge(engine, **more):
         right = dict.fromkeys(("damping", "inertia", "frequency", "damping_ratio"), 1.0)
         return {"engine": engine, "experiment": "joint", "contact": "tuned", "status": "ok",
-                "found": {**right, "lacks": {}, **more}}  # fmt: skip
+                "found": {**right, "lacks": {}, "over_step": [], **more}}  # fmt: skip
 
     text = said(hinge("a"), hinge("b", damping=None), hinge("c", damping_ratio=0.8))
     assert text == (
@@ -339,7 +369,8 @@ def test_forces_are_told_in_words():
         right = {case: {"ratio": 1.0, "jitter": 0.0, "u": 0.0} for case in CASES}
         cases = {case: one for case, one in {**right, **more}.items() if case not in lacks}
         return {"engine": engine, "experiment": "force", "contact": "tuned", "status": "ok",
-                "found": {"cases": cases, "lacks": dict.fromkeys(lacks, "why")}}  # fmt: skip
+                "found": {"cases": cases, "lacks": dict.fromkeys(lacks, "why"),
+                          "over_step": []}}  # fmt: skip
 
     text = said(
         forces("a", contact_slides={"ratio": 0.94, "jitter": 3.7, "u": 0.01}),

@@ -19,7 +19,7 @@ STEP_S = 1e-3
 
 @pytest.fixture(autouse=True)
 def _nothing_kept(monkeypatch):
-    monkeypatch.setattr(cache, "kept", lambda backend, asked, find: find())
+    monkeypatch.setattr(cache, "kept", lambda backend, question, kind, find: find())
 
 
 class Coulomb:
@@ -52,36 +52,34 @@ class Coulomb:
 def test_friction_of_an_exact_block_is_found(factor, step_s):
     found = FrictionQuestion(TUNED, step_s)(Coulomb(factor))
     # halving 4 µN twelve times leaves a thousandth, rounded samples of the start half as much
-    assert found["lets_go_at"] == pytest.approx(factor, abs=2e-3)
-    for one in found["braking"]:
-        if math.isfinite(one["braking"]):  # where it does not stop before it can be read
-            assert one["braking"] == pytest.approx(factor, rel=1e-6)
-            assert one["braking_scatter"] == pytest.approx(0, abs=1e-9)
-        assert not one["stops_at_once"]
-    assert math.isfinite(found["braking"][-1]["braking"])
-    assert [one["lets_go_at"] for one in found["over_step"]] == pytest.approx(
-        [factor] * 6, abs=2e-3
-    )
+    assert found.lets_go_at == pytest.approx(factor, abs=2e-3)
+    for one in found.braking:
+        if math.isfinite(one.braking):  # where it does not stop before it can be read
+            assert one.braking == pytest.approx(factor, rel=1e-6)
+            assert one.braking_scatter == pytest.approx(0, abs=1e-9)
+        assert not one.stops_at_once
+    assert math.isfinite(found.braking[-1].braking)
+    assert [one.lets_go_at for one in found.over_step] == pytest.approx([factor] * 6, abs=2e-3)
 
 
 def test_creep_is_no_sliding():
     found = FrictionQuestion(TUNED, STEP_S)(Coulomb(creep_m_s=0.002))
-    assert found["lets_go_at"] == pytest.approx(1, abs=2e-3)
-    assert [one["creep_m_s"] for one in found["creep"]] == pytest.approx([0.002] * 3)
+    assert found.lets_go_at == pytest.approx(1, abs=2e-3)
+    assert [one.creep_m_s for one in found.creep] == pytest.approx([0.002] * 3)
 
 
 def test_a_block_that_nothing_moves_or_that_stops_at_once_is_told():
     found = FrictionQuestion(TUNED, STEP_S)(Coulomb(1e6))
-    assert found["lets_go_at"] is None
-    assert all(one["stops_at_once"] for one in found["braking"])
+    assert found.lets_go_at is None
+    assert all(one.stops_at_once for one in found.braking)
 
 
 @pytest.mark.engines("pymunk")
 def test_friction_of_a_real_engine_is_coulombs():
     found = FrictionQuestion(TUNED, STEP_S)(engines.get("pymunk"))
-    assert found["lets_go_at"] == pytest.approx(1, abs=2e-3)
-    for one in found["braking"]:
-        assert one["braking"] == pytest.approx(1, rel=1e-3)
+    assert found.lets_go_at == pytest.approx(1, abs=2e-3)
+    for one in found.braking:
+        assert one.braking == pytest.approx(1, rel=1e-3)
 
 
 @pytest.mark.parametrize("step_s", [0.25e-3, 1e-3, 8e-3])
@@ -107,22 +105,22 @@ IMPLICIT = {"mujoco": True, "dart": True, "pymunk": False, "ode": False}
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.engines(n)) for n in IMPLICIT])
 def test_a_damper_decays_as_the_engines_step_does(name):
     found = JointQuestion(TUNED, STEP_S)(engines.get(name))
-    for one in found["over_step"]:
-        x = joint.DECAY * one["step_s"]
+    for one in found.over_step:
+        x = joint.DECAY * one.step_s
         wanted = math.log1p(x) / x if IMPLICIT[name] else -math.log1p(-x) / x
         # rounding of a fit through logarithms
-        assert one["damping"] == pytest.approx(wanted, rel=1e-6)
-        assert one["damping_with_armature"] == pytest.approx(wanted, rel=1e-6)
-        assert one["inertia"] == pytest.approx(1, rel=1e-6)
+        assert one.damping == pytest.approx(wanted, rel=1e-6)
+        assert one.damping_with_armature == pytest.approx(wanted, rel=1e-6)
+        assert one.inertia == pytest.approx(1, rel=1e-6)
 
 
 @pytest.mark.engines("pymunk")
 def test_a_spring_that_acts_at_the_old_place_loses_damping():
     found = JointQuestion(TUNED, STEP_S)(engines.get("pymunk"))
-    for one in found["over_step"][:4]:
+    for one in found.over_step[:4]:
         # positions first: the spring lags by a step, which takes ω·dt/2 from the damping ratio
-        lost = joint.OMEGA * one["step_s"] / 2
-        assert one["damping_ratio"] == pytest.approx(1 - lost / joint.ZETA, abs=0.01)
+        lost = joint.OMEGA * one.step_s / 2
+        assert one.damping_ratio == pytest.approx(1 - lost / joint.ZETA, abs=0.01)
 
 
 @pytest.mark.engines("mujoco")
@@ -130,7 +128,7 @@ def test_with_our_helps_a_hinge_follows_its_closed_form():
     found = JointQuestion(ASSISTED, STEP_S)(engines.get("mujoco"))
     for name in ("damping", "inertia", "frequency", "damping_ratio"):
         # second order in ω·dt = 0.04
-        assert found[name] == pytest.approx(1, abs=2e-3)
+        assert getattr(found, name) == pytest.approx(1, abs=2e-3)
 
 
 def test_jitter_is_what_is_no_level_and_no_sine():
@@ -139,32 +137,32 @@ def test_jitter_is_what_is_no_level_and_no_sine():
     noise = 0.03 * rng.standard_normal(4000)
     level = force.of_level(2 + noise, 2.0)
     # a mean over 4000 samples scatters by 2 % of its jitter
-    assert level["ratio"] == pytest.approx(1, abs=1e-3)
-    assert level["jitter"] == pytest.approx(0.015, rel=0.05)
+    assert level.ratio == pytest.approx(1, abs=1e-3)
+    assert level.jitter == pytest.approx(0.015, rel=0.05)
     sine = force.of_sine(time_s, 1.5 * np.sin(2 * math.pi * 10 * time_s + 0.4) + noise, 1.5)
-    assert sine["ratio"] == pytest.approx(1, abs=2e-3)
-    assert sine["jitter"] == pytest.approx(0.02, rel=0.05)
+    assert sine.ratio == pytest.approx(1, abs=2e-3)
+    assert sine.jitter == pytest.approx(0.02, rel=0.05)
 
 
 @pytest.mark.engines("mujoco")
 def test_forces_of_a_real_engine_are_newtons():
     found = ForceQuestion(TUNED, STEP_S)(engines.get("mujoco"))
-    assert set(found["cases"]) == set(force.CASES)
+    assert set(found.cases) == set(force.CASES)
     for case in ("contact_rest", "weld_rest", "weld_pushed", "weld_shaken"):
         # what the solver of contacts iterates to
-        assert found["cases"][case]["ratio"] == pytest.approx(1, abs=1e-6)
-        assert found["cases"][case]["jitter"] < 1e-6
+        assert found.cases[case].ratio == pytest.approx(1, abs=1e-6)
+        assert found.cases[case].jitter < 1e-6
 
 
 @pytest.mark.engines("box2d")
 def test_a_force_that_is_not_told_has_its_reason():
     found = ForceQuestion(TUNED, STEP_S)(engines.get("box2d"))
-    assert "no contact forces" in found["lacks"]["contact_rest"]
-    assert found["cases"]["weld_rest"]["ratio"] == pytest.approx(1, abs=1e-3)
+    assert "no contact forces" in found.lacks["contact_rest"]
+    assert found.cases["weld_rest"].ratio == pytest.approx(1, abs=1e-3)
 
 
 def test_a_block_does_not_tip_before_the_largest_load():
-    made = FrictionQuestion(TUNED, STEP_S).scene(STEP_S, 0.1, friction.MOST_LOAD)
+    made = FrictionQuestion(TUNED, STEP_S).scene(STEP_S, 0.1, friction.MAX_LOAD)
     pull, _, down = made.world.gravity_m_s2
     length, _, height = made.bodies["block"].shapes[0].size_m
     assert pull / -down < length / height

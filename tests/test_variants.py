@@ -286,8 +286,8 @@ def test_the_cache_keeps_variants_apart(tmp_path, monkeypatch):
     asked = {"drop": 1}
     for i, name in enumerate(["mujoco", "mujoco:rk4", "mujoco:implicit"]):
         need("mujoco")
-        assert cache.kept(engines.get(name), asked, lambda i=i: {"found": i}) == {"found": i}
-    assert cache.kept(engines.get("mujoco:rk4"), asked, dict) == {"found": 1}
+        assert cache.kept(engines.get(name), asked, int, lambda i=i: i) == i
+    assert cache.kept(engines.get("mujoco:rk4"), asked, int, lambda: 9) == 1
 
 
 @pytest.mark.parametrize(

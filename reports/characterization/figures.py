@@ -4,16 +4,32 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from operator import attrgetter
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
+from simcompare.characterization.behaviour import (
+    BounceBehaviour,
+    BrakingAtSpeed,
+    ForceBehaviour,
+    ForceReading,
+    ForcesAtStep,
+    FrictionAtStep,
+    FrictionBehaviour,
+    HingeAtStep,
+    JointBehaviour,
+    Spread,
+    SpreadAtSpeed,
+    SpreadAtStep,
+)
 from simcompare.characterization.bounce import PHASES, BounceQuestion
 from simcompare.characterization.force import CASES
 from simcompare.characterization.friction import LOAD
 from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED
 from simcompare.model.trajectory import Array
-from simcompare.reports.characterization.words import Found, by_engine, capital
+from simcompare.reports.characterization.words import by_engine, capital
 from simcompare.reports.render.figures import (
     MOST_PANELS,
     Band,
@@ -24,9 +40,9 @@ from simcompare.reports.render.figures import (
     spread,
     style_of,
 )
+from simcompare.results.records.characterization import Characterization
 
-Record = Mapping[str, Any]
-Row = Mapping[str, Any]
+Row = TypeVar("Row")
 
 #: titles of panels
 LEVELS = {
@@ -41,15 +57,16 @@ _SEEN = 0.01
 #: deviations that a panel shows [%]; what is off by more leaves it
 _SHOWN_PERCENT = 6.0
 #: what is smaller is drawn there, on a logarithmic axis: creep [mm/s], and parts of a force [%]
-_LEAST_CREEP, _LEAST_PERCENT = 1e-6, 1e-7
+_MIN_CREEP, _MIN_PERCENT = 1e-6, 1e-7
 #: what a panel about 1 shows at least
-_LEAST_RANGE = (Band(0.95, 1.05, ""),)
+_MIN_RANGE = (Band(0.95, 1.05, ""),)
 #: sideways shift of one engine against the next on a logarithmic axis [decades]
 _APART = 0.09
 _STEP, _SPEED = "Step (ms)", "Impact speed (m/s)"
 
 
-class _Curve(NamedTuple):
+@dataclass(frozen=True)
+class _Curve(Generic[Row]):
     """What is drawn of a row: where, how high, and half its bar; NaN where there is nothing."""
 
     x: Callable[[Row], float]
@@ -57,36 +74,44 @@ class _Curve(NamedTuple):
     u: Callable[[Row], float] | None = None
 
 
-def of_bounce(record: Record) -> list[Figure]:
+class _AtStep(Protocol):
+    @property
+    def reason(self) -> str:
+        """Why there is nothing at this step."""
+
+
+Step = TypeVar("Step", bound=_AtStep)
+
+
+def of_bounce(result: Characterization) -> list[Figure]:
     """Restitution over speeds; where that is near, its deviation over speeds, phases and steps."""
-    speeds = list(_over_speed(record, _levels(record, _SEEN)))
-    levels = _levels(record, _WANTED / 2)
+    speeds = list(_over_speed(result, _levels(result, _SEEN)))
+    levels = _levels(result, _WANTED / 2)
     if not levels:
         return speeds
     return [
         *speeds,
-        _off_over_speed(record, levels),
-        _over_phase(record, levels),
-        *_over_step(record, levels),
+        _off_over_speed(result, levels),
+        _over_phase(result, levels),
+        *_over_step(result, levels),
     ]
 
 
-def _levels(record: Record, least: float) -> list[str]:
+def _levels(result: Characterization, least: float) -> list[str]:
     """Levels at which anything bounces with more than this, so that there is something to draw."""
     found = []
-    for level in record["contact"]:
-        ones = by_engine(record["answers"], "bounce", level).values()
-        means = [row["mean"] or 0.0 for one in ones for row in one["over_speed"]]
+    for level in result.contact:
+        ones = by_engine(result.answers, BounceBehaviour, level).values()
+        means = [row.mean for one in ones for row in one.over_speed if math.isfinite(row.mean)]
         found += [level] if max(means, default=0.0) > least else []
     return found
 
 
-def _over_speed(record: Record, levels: Sequence[str]) -> Iterator[Figure]:
-    curve = _Curve(
-        lambda row: row["speed_m_s"], lambda row: _or_nan(row["mean"]),
-        lambda row: _or_nan(row["scatter"]),
-    )  # fmt: skip
-    lines = {level: _series(record, "bounce", level, curve, "over_speed") for level in levels}
+def _over_speed(result: Characterization, levels: Sequence[str]) -> Iterator[Figure]:
+    curve = _Curve[SpreadAtSpeed](
+        lambda row: row.speed_m_s, lambda row: row.mean, lambda row: row.scatter
+    )
+    lines = {level: _bounces_over_speed(result, level, curve) for level in levels}
     panels = [
         Panel(
             LEVELS[level], _SPEED, "Restitution", lines[level], _wanted(_WANTED), log_x=True,
@@ -96,15 +121,22 @@ def _over_speed(record: Record, levels: Sequence[str]) -> Iterator[Figure]:
     ]  # fmt: skip
     caption = (
         f"Mean of {PHASES} drops that fall at even phases of a step of"
-        f" {1e3 * record['step_s']:g} ms; the bars are their standard deviation. At 0 the bounce is"
+        f" {1e3 * result.step_s:g} ms; the bars are their standard deviation. At 0 the bounce is"
         " dead; above 1 the ball gains energy and never stops."
     )
     return _in_rows("speed", "How much comes back, over impact speeds", caption, panels)
 
 
-def _off_over_speed(record: Record, levels: Sequence[str]) -> Figure:
-    curve = _Curve(lambda row: row["speed_m_s"], _off, _off_scatter)
-    lines = {level: _series(record, "bounce", level, curve, "over_speed") for level in levels}
+def _bounces_over_speed(
+    result: Characterization, level: str, curve: _Curve[SpreadAtSpeed]
+) -> tuple[Series, ...]:
+    answers = by_engine(result.answers, BounceBehaviour, level)
+    return _series({name: one.over_speed for name, one in answers.items()}, curve)
+
+
+def _off_over_speed(result: Characterization, levels: Sequence[str]) -> Figure:
+    curve = _Curve[SpreadAtSpeed](lambda row: row.speed_m_s, _off, _off_scatter)
+    lines = {level: _bounces_over_speed(result, level, curve) for level in levels}
     panels = tuple(_off_panel(LEVELS[level], _SPEED, lines[level]) for level in levels)
     caption = (
         f"The same as a deviation from the {_WANTED:g} that is wanted, enlarged; dead bounces are"
@@ -115,12 +147,12 @@ def _off_over_speed(record: Record, levels: Sequence[str]) -> Figure:
                   share_y=True)  # fmt: skip
 
 
-def _over_phase(record: Record, levels: Sequence[str]) -> Figure:
+def _over_phase(result: Characterization, levels: Sequence[str]) -> Figure:
     panels = []
     for level in levels:
-        found = by_engine(record["answers"], "bounce", level)
+        found = by_engine(result.answers, BounceBehaviour, level)
         series = tuple(
-            _line(name, np.array(one["phases"]), _percents(one["over_phase"]))
+            _line(name, np.array(one.phases), _percents(one.over_phase))
             for name, one in found.items()
         )
         panels.append(
@@ -137,17 +169,21 @@ def _over_phase(record: Record, levels: Sequence[str]) -> Figure:
                   share_y=True)  # fmt: skip
 
 
-def _over_step(record: Record, levels: Sequence[str]) -> Iterator[Figure]:
-    curve = _Curve(lambda row: 1e3 * row["step_s"], _off, _off_scatter)
+def _over_step(result: Characterization, levels: Sequence[str]) -> Iterator[Figure]:
+    curve = _Curve[SpreadAtStep](lambda row: 1e3 * row.step_s, _off, _off_scatter)
     panels = []
     for level in levels:
         title = f"{LEVELS[level]}, held" if level == TUNED else LEVELS[level]
-        panels.append(_off_panel(title, _STEP, _series(record, "bounce", level, curve)))
+        answers = by_engine(result.answers, BounceBehaviour, level)
+        held = {name: _answered(one.over_step) for name, one in answers.items()}
+        panels.append(_off_panel(title, _STEP, _series(held, curve)))
     if TUNED in levels:
-        again = _series(record, "bounce", TUNED, curve, "retuned")
+        answers = by_engine(result.answers, BounceBehaviour, TUNED)
+        retuned = {name: _answered(one.retuned) for name, one in answers.items()}
+        again = _series(retuned, curve)
         panels.insert(levels.index(TUNED) + 1, _off_panel("Tuned at each step", _STEP, again))
     caption = (
-        f"Impacts at {_FIRST_M_S:g} m/s. Held: the number of {1e3 * record['step_s']:g} ms is kept"
+        f"Impacts at {_FIRST_M_S:g} m/s. Held: the number of {1e3 * result.step_s:g} ms is kept"
         " at other steps, as when it is copied from somewhere; tuned at each step: found anew,"
         " where there is one. What is off by more leaves the panel; points are shifted sideways a"
         " little so that their bars stand apart."
@@ -171,23 +207,26 @@ def _off_panel(title: str, x_label: str, series: tuple[Series, ...]) -> Panel:
     )  # fmt: skip
 
 
-def of_friction(record: Record) -> list[Figure]:
+def of_friction(result: Characterization) -> list[Figure]:
     """What holds, creeps and brakes, over steps, for each level."""
-    return [figure for level in record["contact"] for figure in _friction(record, level)]
+    return [figure for level in result.contact for figure in _friction(result, level)]
 
 
-def _friction(record: Record, level: str) -> Iterator[Figure]:
-    def at(y: Callable[[Row], float]) -> tuple[Series, ...]:
-        return _series(record, "friction", level, _Curve(lambda row: 1e3 * row["step_s"], y))
+def _friction(result: Characterization, level: str) -> Iterator[Figure]:
+    answers = by_engine(result.answers, FrictionBehaviour, level)
+    steps = {name: _answered(one.over_step) for name, one in answers.items()}
 
-    holds = at(lambda row: _or_nan(row["lets_go_at"]))
+    def at(y: Callable[[FrictionAtStep], float]) -> tuple[Series, ...]:
+        return _series(steps, _Curve(lambda row: 1e3 * row.step_s, y))
+
+    holds = at(lambda row: math.nan if row.lets_go_at is None else row.lets_go_at)
     if not holds:
         return
-    creeps = at(lambda row: max(1e3 * abs(_or_nan(row["creep_m_s"])), _LEAST_CREEP))
+    creeps = at(lambda row: max(1e3 * abs(row.creep_m_s), _MIN_CREEP))
     brakes = _series(
-        record, "friction", level,
-        _Curve(lambda row: row["speed_m_s"], lambda row: _or_nan(row["braking"])), "braking",
-    )  # fmt: skip
+        {name: one.braking for name, one in answers.items()},
+        _Curve[BrakingAtSpeed](lambda row: row.speed_m_s, lambda row: row.braking),
+    )
     panels = (
         _over_truth("Lets go at", _STEP, "Load ÷ µ·N", holds),
         Panel("Creeps", _STEP, "Speed (mm/s)", creeps, log_x=True, log_y=True),
@@ -197,24 +236,25 @@ def _friction(record: Record, level: str) -> Iterator[Figure]:
         "By Coulomb a block sticks up to a load along the plane of µ·N, the coefficient of friction"
         " times the normal force, and one that slides is braked by µ·g. Creep is the speed of a"
         f" block that should stick, under {LOAD:g} of that load; what is below"
-        f" {_LEAST_CREEP:g} mm/s is drawn there."
+        f" {_MIN_CREEP:g} mm/s is drawn there."
     )
     yield Figure(f"friction_{level}", f"{LEVELS[level]}: a block on a plane", caption, panels)
 
 
-def of_joint(record: Record) -> list[Figure]:
+def of_joint(result: Characterization) -> list[Figure]:
     """Damping, frequency and damping ratio over steps, for each level."""
-    return [figure for level in record["contact"] for figure in _joint(record, level)]
+    return [figure for level in result.contact for figure in _joint(result, level)]
 
 
-def _joint(record: Record, level: str) -> Iterator[Figure]:
+def _joint(result: Characterization, level: str) -> Iterator[Figure]:
     titles = {"damping": "Damper", "frequency": "Spring: frequency",
               "damping_ratio": "Spring: damping ratio"}  # fmt: skip
+    answers = by_engine(result.answers, JointBehaviour, level)
+    steps = {name: _answered(one.over_step) for name, one in answers.items()}
     panels = []
-    for name, title in titles.items():
-        curve = _Curve(lambda row: 1e3 * row["step_s"], lambda row, n=name: _or_nan(row.get(n)))  # type: ignore[misc]
-        series = _series(record, "joint", level, curve)
-        panels.append(_over_truth(title, _STEP, "Over the truth", series))
+    for quantity, title in titles.items():
+        curve = _Curve[HingeAtStep](lambda row: 1e3 * row.step_s, attrgetter(quantity))
+        panels.append(_over_truth(title, _STEP, "Over the truth", _series(steps, curve)))
     if any(panel.series for panel in panels):
         caption = (
             "A hinge that turns and is braked by a damper, and one on a spring with a damper, over"
@@ -225,30 +265,33 @@ def _joint(record: Record, level: str) -> Iterator[Figure]:
         )  # fmt: skip
 
 
-def of_force(record: Record) -> list[Figure]:
+def of_force(result: Characterization) -> list[Figure]:
     """Errors and jitter of forces over steps, for each level."""
-    return [figure for level in record["contact"] for figure in _force(record, level)]
+    return [figure for level in result.contact for figure in _force(result, level)]
 
 
-def _force(record: Record, level: str) -> Iterator[Figure]:
-    def panel(case: str, label: str, part: Callable[[Row], float]) -> Panel:
-        def y(row: Row) -> float:
-            one = row.get("cases", {}).get(case)
-            return math.nan if one is None else max(100 * abs(part(one)), _LEAST_PERCENT)
+def _force(result: Characterization, level: str) -> Iterator[Figure]:
+    answers = by_engine(result.answers, ForceBehaviour, level)
+    steps = {name: _answered(one.over_step) for name, one in answers.items()}
 
-        series = _series(record, "force", level, _Curve(lambda row: 1e3 * row["step_s"], y))
+    def panel(case: str, label: str, part: Callable[[ForceReading], float]) -> Panel:
+        def y(row: ForcesAtStep) -> float:
+            one = row.cases.get(case)
+            return math.nan if one is None else max(100 * abs(part(one)), _MIN_PERCENT)
+
+        series = _series(steps, _Curve(lambda row: 1e3 * row.step_s, y))
         title = capital(CASES[case])
         return Panel(title, _STEP, f"{label} (%)", series, log_x=True, log_y=True)
 
     panels = (
-        panel("contact_rest", "Jitter", lambda one: float(one["jitter"])),
-        panel("contact_slides", "Jitter", lambda one: float(one["jitter"])),
-        panel("weld_shaken", "Amplitude off by", lambda one: float(one["ratio"]) - 1),
+        panel("contact_rest", "Jitter", lambda one: one.jitter),
+        panel("contact_slides", "Jitter", lambda one: one.jitter),
+        panel("weld_shaken", "Amplitude off by", lambda one: one.ratio - 1),
     )
     if any(panel.series for panel in panels):
         caption = (
             "Jitter is the standard deviation of the force over its mean value by Newton; what is"
-            f" below {_LEAST_PERCENT:g} % is drawn there."
+            f" below {_MIN_PERCENT:g} % is drawn there."
         )
         yield Figure(f"force_{level}", f"{LEVELS[level]}: forces", caption, panels)
 
@@ -257,20 +300,22 @@ def _over_truth(title: str, x_label: str, y_label: str, series: tuple[Series, ..
     """A panel about 1, in which less than some per cent does not look like much."""
     return Panel(
         title, x_label, y_label, series, _wanted(1.0), log_x=True,
-        y_range=fitted_range(series, _LEAST_RANGE),
+        y_range=fitted_range(series, _MIN_RANGE),
     )  # fmt: skip
 
 
-def _series(
-    record: Record, experiment: str, level: str, curve: _Curve, part: str = "over_step"
-) -> tuple[Series, ...]:
+def _answered(rows: Sequence[Step]) -> list[Step]:
+    """Rows of steps at which there is something."""
+    return [row for row in rows if not row.reason]
+
+
+def _series(found: Mapping[str, Sequence[Row]], curve: _Curve[Row]) -> tuple[Series, ...]:
     """One line for each engine that has something to show."""
-    found: Found = by_engine(record["answers"], experiment, level)
     lines = []
-    for i, (name, one) in enumerate(found.items()):
-        rows = [row for row in one[part] if not row.get("reason")]
+    for i, (name, rows) in enumerate(found.items()):
         x = np.array([curve.x(row) for row in rows]) * 10 ** spread(i, len(found), _APART)
         y = np.array([curve.y(row) for row in rows], dtype=float)
+        y[~np.isfinite(y)] = math.nan
         u = None if curve.u is None else np.array([curve.u(row) for row in rows], dtype=float)
         if np.isfinite(y).any():
             lines.append(_line(name, x, y, u))
@@ -289,20 +334,18 @@ def _right() -> tuple[Band, ...]:
     return (Band(-1.0, 1.0, "within 1 %", 0.0),)
 
 
-def _or_nan(value: float | None) -> float:
-    return math.nan if value is None else float(value)
-
-
-def _off(row: Row) -> float:
+def _off(row: Spread) -> float:
     """Deviation of the mean [%]; nothing where the bounce is dead."""
-    return 100 * (_or_nan(row["mean"]) / _WANTED - 1) if row["mean"] else math.nan
+    return _percent(row.mean)
 
 
-def _off_scatter(row: Row) -> float:
-    return 100 * _or_nan(row["scatter"]) / _WANTED
+def _off_scatter(row: Spread) -> float:
+    return 100 * row.scatter / _WANTED
 
 
-def _percents(values: Sequence[float | None]) -> Array:
-    return np.array(
-        [100 * (_or_nan(value) / _WANTED - 1) if value else math.nan for value in values]
-    )
+def _percents(values: Sequence[float]) -> Array:
+    return np.array(list(map(_percent, values)))
+
+
+def _percent(restitution: float) -> float:
+    return 100 * (restitution / _WANTED - 1) if restitution else math.nan

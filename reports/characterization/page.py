@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from simcompare.characterization.result import Characterization
 from simcompare.model.settings import CONTACT_LEVELS
 from simcompare.reports import builder
 from simcompare.reports.characterization import figures as characterized_figures
@@ -16,9 +16,12 @@ from simcompare.reports.render import output
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.sections.base import Block, Filled, Section
 from simcompare.reports.sections.parts import parts_of
+from simcompare.results.records.characterization import Characterization
+from simcompare.results.records.run import Software
 from simcompare.results.run import Run
+from simcompare.running.jobs import MISSING
 
-_FIGURES: Mapping[str, Callable[[Mapping[str, Any]], list[Figure]]] = {
+_FIGURES: Mapping[str, Callable[[Characterization], list[Figure]]] = {
     "bounce": characterized_figures.of_bounce,
     "friction": characterized_figures.of_friction,
     "joint": characterized_figures.of_joint,
@@ -42,6 +45,18 @@ _LEVELS = {
 }
 
 
+@dataclass(frozen=True)
+class _Head:
+    """What the head of a page shows; a characterization has no preset and no measurement."""
+
+    title: str
+    question: str
+    created: str
+    software: Software
+    preset: None = None
+    against: None = None
+
+
 class _Part(Section):
     """A section that is filled without a run."""
 
@@ -59,7 +74,7 @@ def write_html(result: Characterization, path: Path) -> Path:
     Raises:
         OutputError: it cannot be written, or plotly's script is not installed.
     """
-    return output.write(Path(path), builder.html_of([_block(result.record)]).encode("utf-8"))
+    return output.write(Path(path), builder.html_of([_block(result)]).encode("utf-8"))
 
 
 def write_figures(result: Characterization, folder: Path, format: str) -> list[Path]:
@@ -74,41 +89,37 @@ def write_figures(result: Characterization, folder: Path, format: str) -> list[P
         UnknownName: another format.
         OutputError: a file cannot be written.
     """
-    return builder.write_figures_of([_block(result.record)], folder, format)
+    return builder.write_figures_of([_block(result)], folder, format)
 
 
-def _block(record: Mapping[str, Any]) -> Block:
-    figures = {name: _FIGURES[name](record) for name in record["experiments"]}
+def _block(result: Characterization) -> Block:
+    figures = {name: _FIGURES[name](result) for name in result.experiments}
     first = next(filter(None, figures.values()), [])
     lead = [figure for figure in first if figure.title.startswith(first[0].title)]
     del first[: len(lead)]
-    parts = [_answer(record, lead)]
-    parts += [_experiment(record, name, drawn) for name, drawn in figures.items()]
-    return Block(
-        "c1",
-        "characterization",
-        {**record, "preset": None, "against": None},
-        [*parts, _how(record)],
-    )
+    parts = [_answer(result, lead)]
+    parts += [_experiment(result, name, drawn) for name, drawn in figures.items()]
+    head = _Head(result.title, result.question, result.created, result.software)
+    return Block("c1", "characterization", head, [*parts, _how(result)])
 
 
-def _answer(record: Mapping[str, Any], lead: list[Figure]) -> Filled:
+def _answer(result: Characterization, lead: list[Figure]) -> Filled:
     """What leads, with the first picture, which may go on; the rest is in the sections."""
-    leading = [one["text"] for one in record["sentences"] if one["leads"]]
-    answer = leading or [one["text"] for one in record["sentences"]]
-    missing = {a["engine"]: a["reason"] for a in record["answers"] if a["status"] == "missing"}
+    leading = [one.text for one in result.sentences if one.leads]
+    answer = leading or [one.text for one in result.sentences]
+    missing = {t.engine: t.reason for t in result.answers if t.status == MISSING}
     answer += [f"Did not run: {reason}" for reason in missing.values()]
     context = {"answer": list(map(tied, answer)), **parts_of(lead, [])}
     return Filled(_Part("answer", "Answer", "real_answer.html"), context)
 
 
-def _experiment(record: Mapping[str, Any], name: str, figures: list[Figure]) -> Filled:
-    sentences = [one["text"] for one in record["sentences"] if one["experiment"] == name]
+def _experiment(result: Characterization, name: str, figures: list[Figure]) -> Filled:
+    sentences = [one.text for one in result.sentences if one.experiment == name]
     context = parts_of(
         figures,
-        [tables.of(record, name)],
+        [tables.of(result, name)],
         *sentences,
-        *tables.reasons(record, name),
+        *tables.reasons(result, name),
     )
     context["notes"] = list(map(tied, context["notes"]))
     return Filled(_Part(name, _TITLES[name]), context)
@@ -119,15 +130,15 @@ def tied(text: str) -> str:
     return re.sub(r"(?<=±) |(?<=\d) (?=±)| (?=(?:%|ms|mm/s|m/s)(?:\W|$))", "\u00a0", text)
 
 
-def _how(record: Mapping[str, Any]) -> Filled:
-    versions = {answer["engine"]: answer["version"] for answer in record["answers"]}
+def _how(result: Characterization) -> Filled:
+    versions = {trial.engine: trial.version for trial in result.answers}
     engines = ", ".join(f"{name} {version}" for name, version in versions.items() if version)
-    notes = [_LEVELS[level] for level in CONTACT_LEVELS if level in record["contact"]]
+    notes = [_LEVELS[level] for level in CONTACT_LEVELS if level in result.contact]
     notes += [
         f"Engines: {engines}." if engines else "No engine ran.",
-        f"Made on {record['created']} with simcompare {record['software']['simcompare']}:"
-        f" simcompare characterize {','.join(record['experiments'])}"
-        f" --contact {','.join(record['contact'])} --step {1e3 * record['step_s']:g}ms"
-        f" --engine {record['engines_asked']}",
+        f"Made on {result.created} with simcompare {result.software.simcompare}:"
+        f" simcompare characterize {','.join(result.experiments)}"
+        f" --contact {','.join(result.contact)} --step {1e3 * result.step_s:g}ms"
+        f" --engine {result.engines_asked}",
     ]
     return Filled(_Part("how", "How it was made"), parts_of([], [], *notes))

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+from operator import itemgetter
+from typing import TypeVar
 
 from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED
-from simcompare.running.jobs import OK
+from simcompare.reports.run.listing import joined
+from simcompare.results.records.characterization import Trial
 
-#: engine -> what was found of it
-Found = Mapping[str, Mapping[str, Any]]
+Kind = TypeVar("Kind")
+Value = TypeVar("Value", float, tuple[float, float])
+
 #: how a sentence about a level begins
 HEADS = {
     DEFAULT: "by default",
@@ -20,27 +23,21 @@ HEADS = {
 }
 
 
-def by_engine(answers: Sequence[Mapping[str, Any]], experiment: str, level: str) -> Found:
-    """What engines answered to an experiment at a level."""
+def by_engine(trials: Iterable[Trial], kind: type[Kind], level: str) -> dict[str, Kind]:
+    """What engines did in an experiment at a level."""
     return {
-        answer["engine"]: answer["found"]
-        for answer in answers
-        if (answer["experiment"], answer["contact"], answer["status"]) == (experiment, level, OK)
+        trial.engine: trial.found
+        for trial in trials
+        if isinstance(trial.found, kind) and trial.contact == level
     }
 
 
-def listed(names: Iterable[str]) -> str:
-    """``a``, ``a and b``, ``a, b and c``."""
-    every = list(names)
-    return every[0] if len(every) == 1 else f"{', '.join(every[:-1])} and {every[-1]}"
-
-
-def amounts(values: Mapping[str, Any], text: Callable[[Any], str]) -> str:
+def amounts(values: Mapping[str, Value], text: Callable[[Value], str]) -> str:
     """``−2 % in mujoco, +3 % in dart and pybullet``, the smallest first."""
     groups: dict[str, list[str]] = {}
-    for name, value in sorted(values.items(), key=lambda item: item[1]):
+    for name, value in sorted(values.items(), key=itemgetter(1)):
         groups.setdefault(text(value), []).append(name)
-    return ", ".join(f"{said} in {listed(names)}" for said, names in groups.items())
+    return ", ".join(f"{said} in {joined(names)}" for said, names in groups.items())
 
 
 def rounded(value: float, digits: int = 2) -> str:

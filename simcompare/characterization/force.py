@@ -1,18 +1,18 @@
-"""Which forces an engine tells, at rest and in motion; the truth is Newton's second law."""
+"""Which forces an engine gives, at rest and in motion; the truth is Newton's second law."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from simcompare.characterization.behaviour import ForceBehaviour, ForceReading, Forces, ForcesAtStep
 from simcompare.characterization.friction import FrictionQuestion
 from simcompare.characterization.grids import STEPS_S
-from simcompare.characterization.question import Question
 from simcompare.characterization.scenes import G_M_S2, over_steps, run, scene
 from simcompare.engine.backend import Backend
+from simcompare.engine.calibration.question import Question
 from simcompare.errors import BackendError, Unsupported
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array
@@ -38,21 +38,28 @@ CASES = {
 
 
 @dataclass(frozen=True)
-class ForceQuestion(Question):
-    """Which forces an engine tells at one contact level."""
+class ForceQuestion(Question[ForceBehaviour]):
+    """Which forces an engine gives at one contact level.
 
-    name = "force"
+    Attributes:
+        level: contact level.
+        step_s: the engine's step.
+    """
 
-    def answer(self, backend: Backend) -> dict[str, Any]:
+    kind = ForceBehaviour
+    level: str
+    step_s: float
+
+    def answer(self, backend: Backend) -> ForceBehaviour:
         """Each case at the step, and over steps."""
-        return {
-            **self._at_step(backend, self.step_s),
-            "over_step": over_steps(STEPS_S, lambda step_s: self._at_step(backend, step_s)),
-        }
+        return ForceBehaviour(
+            **vars(self._at_step(backend, self.step_s)),
+            over_step=over_steps(ForcesAtStep, STEPS_S, lambda dt: self._at_step(backend, dt)),
+        )
 
-    def _at_step(self, backend: Backend, step_s: float) -> dict[str, Any]:
+    def _at_step(self, backend: Backend, step_s: float) -> Forces:
         """Per case the force over its truth and its jitter; or the reason why there is none."""
-        cases: dict[str, Any] = {}
+        cases: dict[str, ForceReading] = {}
         lacks: dict[str, str] = {}
         for name in CASES:
             try:
@@ -61,9 +68,9 @@ class ForceQuestion(Question):
                 lacks[name] = str(error)
         if not cases:
             raise Unsupported(next(iter(lacks.values())))
-        return {"cases": cases, "lacks": lacks}
+        return Forces(cases=cases, lacks=lacks)
 
-    def _case(self, backend: Backend, step_s: float, name: str) -> dict[str, float]:
+    def _case(self, backend: Backend, step_s: float, name: str) -> ForceReading:
         found = run(backend, scene_of(name, step_s), self.level)
         signal = "cell.normal_force_N" if name.startswith("contact") else "cell.force_N"
         if signal in found.lacks:
@@ -116,16 +123,13 @@ def _welded(case: str, step_s: float) -> Scenario:
     )  # fmt: skip
 
 
-def of_level(force: Array, truth: float) -> dict[str, float]:
+def of_level(force: Array, truth: float) -> ForceReading:
     """Mean over the truth, and the standard deviation about it as jitter."""
-    return {
-        "ratio": float(force.mean()) / truth,
-        "jitter": float(force.std()) / truth,
-        "u": _of_mean(force) / truth,
-    }
+    jitter = float(force.std()) / truth
+    return ForceReading(float(force.mean()) / truth, jitter, _of_mean(force) / truth)
 
 
-def of_sine(time_s: Array, force: Array, truth: float) -> dict[str, float]:
+def of_sine(time_s: Array, force: Array, truth: float) -> ForceReading:
     """Amplitude over the truth; what is no sine of that frequency is jitter."""
     turn = 2 * math.pi * _FREQUENCY_HZ * time_s
     waves = np.column_stack((np.sin(turn), np.cos(turn), np.ones(len(turn))))
@@ -133,7 +137,7 @@ def of_sine(time_s: Array, force: Array, truth: float) -> dict[str, float]:
     rest = force - waves @ parts
     amplitude = float(math.hypot(*parts[:2]))
     jitter = float(rest.std()) / truth
-    return {"ratio": amplitude / truth, "jitter": jitter, "u": _of_mean(rest) / truth}
+    return ForceReading(amplitude / truth, jitter, _of_mean(rest) / truth)
 
 
 def _of_mean(force: Array) -> float:

@@ -4,14 +4,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from simcompare.characterization.behaviour import (
+    Braking,
+    BrakingAtSpeed,
+    Creep,
+    CreepAtLoad,
+    Friction,
+    FrictionAtStep,
+    FrictionBehaviour,
+)
 from simcompare.characterization.grids import STEPS_S
-from simcompare.characterization.question import Question
 from simcompare.characterization.scenes import G_M_S2, over_steps, run, scene
 from simcompare.engine.backend import Backend
+from simcompare.engine.calibration.question import Question
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array, Trajectory
 
@@ -26,45 +34,51 @@ SPEEDS_M_S, SPEED_M_S, MASSES_KG = (0.1, 0.3, 1.0, 3.0), 1.0, (0.05, 0.5, 5.0)
 #: how long a block lies under a load [s]
 _LIES_S = 0.4
 #: loads between which it is sought where the block lets go, and halvings of what lies between
-MOST_LOAD, _HALVINGS = 4.0, 12
+MAX_LOAD, _HALVINGS = 4.0, 12
 #: the block slides on if it gets faster by more than what this part of µ·N too much would do
 _SLIDES_PART = 0.005
 #: part of the first speed below which a block stands
 _STANDS = 0.1
 #: fewest steps from which a deceleration is read, and most in which a block stops at once
-_LEAST, _AT_ONCE = 6, 2
+_MIN_STEPS, _AT_ONCE = 6, 2
 
 
 @dataclass(frozen=True)
-class FrictionQuestion(Question):
+class FrictionQuestion(Question[FrictionBehaviour]):
     """How friction holds and brakes at one contact level.
 
     Attributes:
+        level: contact level.
+        step_s: the engine's step.
         friction: Coulomb's coefficient µ [1]; none that an engine has by default.
     """
 
-    name = "friction"
+    kind = FrictionBehaviour
+    level: str
+    step_s: float
     friction: float = 0.4
 
-    def answer(self, backend: Backend) -> dict[str, Any]:
+    def answer(self, backend: Backend) -> FrictionBehaviour:
         """Where it lets go, how it creeps and brakes, and both over steps."""
-        lets_go = self.lets_go_at(backend, self.step_s)
-        return {
-            "lets_go_at": lets_go,
-            "creep": [{"load": load, **self.lies(backend, self.step_s, load)} for load in LOADS],
-            "braking": [
-                {"speed_m_s": speed, **self.braking(backend, self.step_s, speed)}
+        return FrictionBehaviour(
+            lets_go_at=self.lets_go_at(backend, self.step_s),
+            creep=tuple(
+                CreepAtLoad(load=load, **vars(self.creep(backend, self.step_s, load)))
+                for load in LOADS
+            ),
+            braking=tuple(
+                BrakingAtSpeed(speed_m_s=speed, **vars(self.braking(backend, self.step_s, speed)))
                 for speed in SPEEDS_M_S
-            ],
-            "over_step": over_steps(STEPS_S, lambda step_s: self._at_step(backend, step_s)),
-        }
+            ),
+            over_step=over_steps(FrictionAtStep, STEPS_S, lambda dt: self._at_step(backend, dt)),
+        )
 
-    def _at_step(self, backend: Backend, step_s: float) -> dict[str, Any]:
-        return {
-            "lets_go_at": self.lets_go_at(backend, step_s),
-            **self.lies(backend, step_s, LOAD),
-            **self.braking(backend, step_s, SPEED_M_S),
-        }
+    def _at_step(self, backend: Backend, step_s: float) -> Friction:
+        return Friction(
+            lets_go_at=self.lets_go_at(backend, step_s),
+            **vars(self.creep(backend, step_s, LOAD)),
+            **vars(self.braking(backend, step_s, SPEED_M_S)),
+        )
 
     def scene(
         self, step_s: float, duration_s: float, load: float = 0.0, speed_m_s: float = 0.0,
@@ -89,17 +103,13 @@ class FrictionQuestion(Question):
     def _lies(self, backend: Backend, step_s: float, load: float) -> Trajectory:
         return run(backend, self.scene(step_s, _LIES_S, load), self.level)
 
-    def lies(self, backend: Backend, step_s: float, load: float) -> dict[str, float]:
-        """Creep of a block that should stick, over the second half of the time, and how it sinks.
-
-        Creep is a mean speed along the plane [m/s]; a block that sinks by more than its height has
-        fallen through the floor [m].
-        """
+    def creep(self, backend: Backend, step_s: float, load: float) -> Creep:
+        """Creep of a block that should stick, over the second half of the time; how it sinks."""
         found = self._lies(backend, step_s, load)
         along, half = _along(found), len(found.time_s) // 2
         creep = (along[-1] - along[half]) / (found.time_s[-1] - found.time_s[half])
         sinks_m = SIZE_M[2] / 2 - found.signals["block.position_m"][-1, 2]
-        return {"creep_m_s": float(creep), "sinks_m": float(sinks_m)}
+        return Creep(creep_m_s=float(creep), sinks_m=float(sinks_m))
 
     def slides(self, backend: Backend, step_s: float, load: float) -> bool:
         """Whether a block that is let go gets faster from the second quarter to the fourth."""
@@ -113,7 +123,7 @@ class FrictionQuestion(Question):
 
     def lets_go_at(self, backend: Backend, step_s: float) -> float | None:
         """Load up to which the block sticks [µ·N]; ``None`` if the largest does not move it."""
-        low, high = 0.0, MOST_LOAD
+        low, high = 0.0, MAX_LOAD
         if not self.slides(backend, step_s, high):
             return None
         for _ in range(_HALVINGS):
@@ -125,7 +135,7 @@ class FrictionQuestion(Question):
         # it is seen to slide only where the load is too large by this
         return max((low + high) / 2 - _SLIDES_PART, 0.0)
 
-    def braking(self, backend: Backend, step_s: float, speed_m_s: float) -> dict[str, Any]:
+    def braking(self, backend: Backend, step_s: float, speed_m_s: float) -> Braking:
         """Deceleration over µ·g: mean and scatter over masses; infinite where it stops at once."""
         found = []
         for mass_kg in MASSES_KG:
@@ -134,11 +144,11 @@ class FrictionQuestion(Question):
             found.append(_deceleration(run(backend, slides, self.level), speed_m_s))
         parts = np.array(found) / (self.friction * G_M_S2)
         moves = bool(np.isfinite(parts).all())
-        return {
-            "braking": float(parts.mean()),
-            "braking_scatter": float(parts.std()) if moves else math.nan,
-            "stops_at_once": bool(np.isinf(parts).any()),
-        }
+        return Braking(
+            braking=float(parts.mean()),
+            braking_scatter=float(parts.std()) if moves else math.nan,
+            stops_at_once=bool(np.isinf(parts).any()),
+        )
 
 
 def _along(found: Trajectory) -> Array:
@@ -154,6 +164,6 @@ def _deceleration(found: Trajectory, speed_m_s: float) -> float:
     moves = np.diff(along) > _STANDS * speed_m_s * np.diff(time_s)
     count = len(moves) if moves.all() else int(np.argmin(moves))
     # the first sample is where the start was put, and may not belong to the engine's own steps
-    if count < _LEAST:
-        return math.inf if count <= _AT_ONCE and len(moves) >= _LEAST else math.nan
+    if count < _MIN_STEPS:
+        return math.inf if count <= _AT_ONCE and len(moves) >= _MIN_STEPS else math.nan
     return float(-2 * np.polyfit(time_s[1 : count + 1], along[1 : count + 1], 2)[0])

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from simcompare.characterization.behaviour import Hinge, HingeAtStep, JointBehaviour
 from simcompare.characterization.grids import STEPS_S
-from simcompare.characterization.question import Question
 from simcompare.characterization.scenes import over_steps, run, scene
 from simcompare.engine.backend import Backend
+from simcompare.engine.calibration.question import Question
 from simcompare.errors import BackendError
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array
@@ -30,21 +30,28 @@ _APART = 0.4
 
 
 @dataclass(frozen=True)
-class JointQuestion(Question):
-    """How a hinge moves at one contact level."""
+class JointQuestion(Question[JointBehaviour]):
+    """How a hinge moves at one contact level.
 
-    name = "joint"
+    Attributes:
+        level: contact level.
+        step_s: the engine's step.
+    """
 
-    def answer(self, backend: Backend) -> dict[str, Any]:
+    kind = JointBehaviour
+    level: str
+    step_s: float
+
+    def answer(self, backend: Backend) -> JointBehaviour:
         """Each quantity at the step, and over steps."""
-        return {
-            **self._at_step(backend, self.step_s),
-            "over_step": over_steps(STEPS_S, lambda step_s: self._at_step(backend, step_s)),
-        }
+        return JointBehaviour(
+            **vars(self._at_step(backend, self.step_s)),
+            over_step=over_steps(HingeAtStep, STEPS_S, lambda dt: self._at_step(backend, dt)),
+        )
 
-    def _at_step(self, backend: Backend, step_s: float) -> dict[str, Any]:
+    def _at_step(self, backend: Backend, step_s: float) -> Hinge:
         """Each quantity over its truth; where an engine has not what it needs, the reason."""
-        looks: dict[str, Callable[[], dict[str, Any]]] = {
+        looks: dict[str, Callable[[], dict[str, float]]] = {
             "damping": lambda: {"damping": self.decay(backend, step_s, 0.0)},
             "damping_with_armature": lambda: {
                 "damping_with_armature": self.decay(backend, step_s, _ARMATURE)
@@ -52,15 +59,17 @@ class JointQuestion(Question):
             "inertia": lambda: {"inertia": self.inertia(backend, step_s)},
             "spring": lambda: self.swing(backend, step_s),
         }
-        found: dict[str, Any] = {"lacks": {}}
+        parts: dict[str, float] = {}
+        errors: dict[str, BackendError] = {}
         for name, look in looks.items():
             try:
-                found |= look()
+                parts |= look()
             except BackendError as error:
-                found["lacks"][name] = str(error)
-        if len(found["lacks"]) == len(looks):
-            looks["damping"]()  # nothing at all: the engine's own sentence says why
-        return found
+                errors[name] = error
+        if len(errors) == len(looks):
+            raise errors["damping"]  # nothing at all: the engine's own sentence says why
+        lacks = {name: str(error) for name, error in errors.items()}
+        return Hinge(**parts, lacks=lacks)
 
     def decay(self, backend: Backend, step_s: float, armature: float) -> float:
         """Rate at which a spin dies away, over d/(J + armature)."""
@@ -95,12 +104,18 @@ class JointQuestion(Question):
 
 
 def hinge_scene(
-    step_s: float, duration_s: float, hinge: dict[str, Any], armature: float, **parts: object
+    step_s: float, duration_s: float, hinge: Mapping[str, float], armature: float, **parts: object
 ) -> Scenario:
     """A body that turns about its centre on a fixed frame, without gravity."""
     body = {"mass_kg": 0.5, "inertia_kg_m2": [6e-4, _INERTIA, 6e-4]}
     bodies = {"frame": {"fixed": True}, "body": body}
-    joint = {"type": "hinge", "parent": "frame", "child": "body", "axis": [0, 1, 0], **hinge}
+    joint: dict[str, object] = {
+        "type": "hinge",
+        "parent": "frame",
+        "child": "body",
+        "axis": [0, 1, 0],
+        **hinge,
+    }
     if armature:
         joint["armature"] = armature
     return scene(

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import TypeVar
 
 from simcompare.engine.backend import Backend
 from simcompare.errors import BackendError
@@ -12,13 +12,15 @@ from simcompare.model.scenario import Scenario
 from simcompare.model.settings import Settings
 from simcompare.model.trajectory import Trajectory
 
+Row = TypeVar("Row")
+
 #: standard gravity [m/s²]
 G_M_S2 = 9.80665
 
 
 def scene(
     name: str,
-    bodies: Mapping[str, Any],
+    bodies: Mapping[str, object],
     duration_s: float,
     step_s: float,
     gravity: tuple[float, float, float],
@@ -37,13 +39,19 @@ def run(backend: Backend, scenario: Scenario, level: str) -> Trajectory:
 
 
 def over_steps(
-    steps_s: tuple[float, ...], look: Callable[[float], dict[str, Any]]
-) -> list[dict[str, Any]]:
-    """What is found at each step; where the engine refuses a step, the reason."""
+    row: Callable[..., Row], steps_s: Sequence[float], look: Callable[[float], object]
+) -> tuple[Row, ...]:
+    """What an engine does at each step; where it refuses a step, the reason.
+
+    Args:
+        row: makes the record of a step.
+        steps_s: the steps.
+        look: tries it at a step; its record has the fields of ``row`` but ``step_s``.
+    """
     found = []
     for step_s in steps_s:
         try:
-            found.append({"step_s": step_s, "reason": "", **look(step_s)})
+            found.append(row(step_s=step_s, **vars(look(step_s))))
         except BackendError as error:
-            found.append({"step_s": step_s, "reason": str(error)})
-    return found
+            found.append(row(step_s=step_s, reason=str(error)))
+    return tuple(found)

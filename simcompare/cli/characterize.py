@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import typer
 
 from simcompare.cli import complete
+from simcompare.errors import UnknownName
 
 if TYPE_CHECKING:
-    from simcompare.characterization.result import Characterization
+    from simcompare.results.records.characterization import Characterization
 
 
 def characterize(
@@ -42,7 +43,7 @@ def characterize(
     """Show how engines bounce, stick, swing and tell forces, over speeds and steps."""
     import simcompare
     from simcompare.cli import console
-    from simcompare.errors import UnknownName
+    from simcompare.model.plain import plain
     from simcompare.reports.builder import FIGURE_FORMATS
 
     if figures is not None and figures not in FIGURE_FORMATS:
@@ -59,7 +60,7 @@ def characterize(
         )
     written = _write(result, figures, report=report)
     if as_json:
-        console.print_json({**result.record, "exit_code": result.exit_code})
+        console.print_json({**plain(result), "exit_code": result.exit_code})
     else:
         _print(result, written, details=details)
     raise typer.Exit(result.exit_code)
@@ -83,12 +84,12 @@ def _print(result: Characterization, written: list[Path], *, details: bool) -> N
     from simcompare.reports.characterization import page
     from simcompare.reports.characterization import tables as characterized_tables
 
-    sentences = [one["text"] for one in result.record["sentences"] if one["leads"]]
+    sentences = [one.text for one in result.sentences if one.leads]
     console.print_wrapped(map(page.tied, sentences))
-    for name in result.record["experiments"]:
+    for name in result.experiments:
         if details:
             _print_table(result, name)
-        console.print_wrapped(characterized_tables.reasons(result.record, name))
+        console.print_wrapped(characterized_tables.reasons(result, name))
     typer.echo(f"Stored in {result.folder}")
     for path in written[-1:]:
         typer.echo(f"Report: {path}")
@@ -100,6 +101,6 @@ def _print_table(result: Characterization, name: str) -> None:
     from simcompare.reports.render import tables
 
     width = min(console.width(), 100)
-    typer.echo(f"\n{name}, at {1e3 * result.record['step_s']:g} ms")
-    for line in tables.lines(characterized_tables.of(result.record, name), width):
+    typer.echo(f"\n{name}, at {1e3 * result.step_s:g} ms")
+    for line in tables.lines(characterized_tables.of(result, name), width):
         typer.echo(line)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import typer
 
 from simcompare.cli import complete
+from simcompare.errors import InputError
 
 
 def tune(
@@ -48,7 +49,7 @@ def tune(
 ) -> None:
     """What to type into engines for a restitution, or what comes of what was typed in."""
     from simcompare.cli import console, tune_tables
-    from simcompare.errors import InputError
+    from simcompare.model.plain import plain
     from simcompare.running.jobs import exit_code_of
     from simcompare.tuning import typed_numbers
     from simcompare.verbs import tune as verb
@@ -67,7 +68,7 @@ def tune(
             progress=progress,
         )  # fmt: skip
     if as_json:
-        console.print_json(tune_tables.plain(rows))
+        console.print_json({"answers": [plain(row) for row in rows]})
     elif snippet:
         tune_tables.show_snippets(rows)
     else:
@@ -84,8 +85,6 @@ def _own_options(first: str | None, rest: list[str]) -> tuple[str | None, dict[s
         first: the first word that the parser could not place; it takes it for the scenario.
         rest: all others, in order.
     """
-    from simcompare.errors import InputError
-
     words = [*rest] if first is None else [first, *rest]
     scenario, options = None, dict[str, str]()
     while words:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
-from typing import Any
 
 import typer
 
@@ -19,7 +17,7 @@ from simcompare.running.jobs import OK
 from simcompare.tuning.bench import STATED
 from simcompare.tuning.request import Request
 from simcompare.tuning.statement import Range, Statement
-from simcompare.verbs.tune import Tuned
+from simcompare.verbs.tune import TuneResult
 
 _LEGEND = (
     "restitution: lowest and highest mean over where in a step the impact falls; ± the largest"
@@ -30,13 +28,13 @@ _LEGEND = (
 _LATE = ("late by: how much later the next impact comes than after a bounce that takes no time.",)
 
 
-def show(rows: Sequence[Tuned]) -> None:
+def show(rows: Sequence[TuneResult]) -> None:
     """Prints the answer for people."""
     for asked in dict.fromkeys((row.about, row.request) for row in rows):
         _show_request([row for row in rows if (row.about, row.request) == asked])
 
 
-def show_snippets(rows: Sequence[Tuned]) -> None:
+def show_snippets(rows: Sequence[TuneResult]) -> None:
     """Prints the lines to copy, those of each engine below its name; settings where there are none.
 
     What is no line of a program goes to stderr.
@@ -53,12 +51,7 @@ def show_snippets(rows: Sequence[Tuned]) -> None:
             typer.echo("\n".join(_settings(row)), err=True)
 
 
-def plain(rows: Sequence[Tuned]) -> dict[str, Any]:
-    """All of it as plain values for JSON; what has no value is null."""
-    return {"answers": [notation.finite(asdict(row)) for row in rows]}
-
-
-def _show_request(rows: Sequence[Tuned]) -> None:
+def _show_request(rows: Sequence[TuneResult]) -> None:
     console.print_wrapped([_headline(rows)])
     _show_table(rows)
     console.print_wrapped(sentence for row in rows for sentence in _remarks(row))
@@ -71,7 +64,7 @@ def _show_request(rows: Sequence[Tuned]) -> None:
         typer.echo("--snippet prints the lines to copy, --engine NAME all speeds.")
 
 
-def _show_alone(row: Tuned) -> None:
+def _show_alone(row: TuneResult) -> None:
     """All speeds, and what is typed in."""
     if row.statement is None:
         return
@@ -85,14 +78,14 @@ def _show_alone(row: Tuned) -> None:
         typer.echo("\n".join(f"  {line}" for line in _settings(row)))
 
 
-def _settings(row: Tuned) -> Iterator[str]:
+def _settings(row: TuneResult) -> Iterator[str]:
     assert row.statement is not None
     for one in row.statement.typed:
         note = f" ({one.note})" if one.note else ""
         yield f"{one.parameter}: {one.value:.10g} {one.unit}".rstrip() + note
 
 
-def _headline(rows: Sequence[Tuned]) -> str:
+def _headline(rows: Sequence[TuneResult]) -> str:
     request = rows[0].request
     where = f"{_speeds(request)} at a step of {1e3 * request.step_s:.4g} ms"
     if request.restitution is None:
@@ -111,7 +104,7 @@ def _headline(rows: Sequence[Tuned]) -> str:
     return f"{told}{', '.join(holding)}{counted}."
 
 
-def _found(row: Tuned, where: str) -> str:
+def _found(row: TuneResult, where: str) -> str:
     """Which restitution numbers are, in a sentence."""
     rest = "all else as tuned sets it" if row.request.level == TUNED else "all else as it comes"
     given = ", ".join(f"{value:.7g}" for value in row.request.numbers)
@@ -130,7 +123,7 @@ def _speeds(request: Request) -> str:
     return f"at {low:.3g} m/s" if low == high else f"from {low:g} to {high:g} m/s"
 
 
-def _show_table(rows: Sequence[Tuned]) -> None:
+def _show_table(rows: Sequence[TuneResult]) -> None:
     """Two or three lines for each engine, so that all of it fits into 80 columns."""
     made = console.table("engine", "type in", "restitution", "holds at", "sinks, lasts")
     for row in rows:
@@ -189,7 +182,7 @@ def _plain(value: float, digits: int = 3) -> str:
     return f"{rounded:.{max(0, digits - 1 - math.floor(math.log10(abs(rounded) or 1)))}f}"
 
 
-def _remarks(row: Tuned) -> Iterator[str]:
+def _remarks(row: TuneResult) -> Iterator[str]:
     """What a user of the numbers must know: where they do not hold, and why."""
     found = row.statement
     if found is None:

@@ -123,9 +123,7 @@ def of_run(
         tolerances=nominal.tolerances,
         answer=nominal.answer,
         scenario_sha256=sha256_of(file),
-        software=Software(
-            installed_version("simcompare"), platform.python_version(), installed_version("numpy")
-        ),
+        software=software(),
         machine=Machine(platform.platform(), _processor(), sys.implementation.name),
         sources=tuple(sources),
         scores=tuple(scores),
@@ -175,6 +173,13 @@ def _wall(walls: Sequence[Mapping[str, float]]) -> Wall:
         statistics.median(wall.get(stage, 0.0) for wall in walls) for stage in ("build", "step")
     )
     return Wall(walls[0].get("import"), build, step)
+
+
+def software() -> Software:
+    """Versions of what is no engine."""
+    return Software(
+        installed_version("simcompare"), platform.python_version(), installed_version("numpy")
+    )
 
 
 def _processor() -> str:

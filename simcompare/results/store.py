@@ -6,10 +6,11 @@ disk or Ctrl-C leaves nothing half-written behind.
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import itertools
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,6 @@ from simcompare.errors import InputError, OutputError
 from simcompare.model.settings import OLD_LEVELS
 from simcompare.model.trajectory import Trajectory
 from simcompare.results.records import stored
-from simcompare.results.records.run import Record
 from simcompare.results.run import Run, Stored
 
 RECORD, TRAJECTORIES, SCORES = "run.json", "trajectories.parquet", "scores.csv"
@@ -52,23 +52,42 @@ def save(run: Run, folder: Path) -> Run:
     Raises:
         OutputError: it cannot be written; nothing is left behind.
     """
-    partial = None
-    try:
-        place, partial = _reserve(folder, run.record)
+    with new_folder(folder, run.record.created, run.record.scenario) as (place, partial):
         record = replace(run.record, run=str(place))
         (partial / RECORD).write_text(stored.text(record, indent=1) + "\n", encoding="utf-8")
         _write_scores(partial / SCORES, run.scores)
         _write_trajectories(partial / TRAJECTORIES, run.trajectories)
+    return replace(run, record=record, folder=place)
+
+
+@contextlib.contextmanager
+def new_folder(
+    folder: Path, created: str, name: str, what: str = "run"
+) -> Iterator[tuple[Path, Path]]:
+    """A free place for results, and the hidden folder to write them in, which is then renamed.
+
+    Args:
+        folder: in which both lie.
+        created: date and time, ISO 8601.
+        name: what the place is called after the time.
+        what: what is written, for the message.
+
+    Raises:
+        OutputError: it cannot be written; nothing is left behind.
+    """
+    partial = None
+    try:
+        place, partial = _reserve(folder, created, name)
+        yield place, partial
         partial.rename(place)
     except OSError as error:
         raise OutputError(
-            f"{folder}: the run cannot be written ({error.strerror or error});"
+            f"{folder}: the {what} cannot be written ({error.strerror or error});"
             " nothing was kept, free some space or choose another --out"
         ) from None
     finally:
         if partial is not None:
             shutil.rmtree(partial, ignore_errors=True)
-    return replace(run, record=record, folder=place)
 
 
 def load(place: Path) -> Run:
@@ -85,10 +104,10 @@ def load(place: Path) -> Run:
     return Run(record, tuple(_read_trajectories(place / TRAJECTORIES, versions)), place)
 
 
-def _reserve(folder: Path, record: Record) -> tuple[Path, Path]:
-    """A free place for the run and the hidden folder, made by this call alone, to write it in."""
-    stamp = record.created[:19].replace("-", "").replace(":", "").replace("T", "-")
-    base = f"{stamp}-{record.scenario}"
+def _reserve(folder: Path, created: str, name: str) -> tuple[Path, Path]:
+    """The place and the hidden folder, made by this call alone."""
+    stamp = created[:19].replace("-", "").replace(":", "").replace("T", "-")
+    base = f"{stamp}-{name}"
     folder.mkdir(parents=True, exist_ok=True)
     for number in itertools.count(1):
         place = folder / (base if number == 1 else f"{base}-{number}")

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
+from simcompare.model.plain import Finite
 from simcompare.model.tuning import AtSpeed
 
 
@@ -51,7 +50,8 @@ class Statement:
     """What numbers do, measured on drops at 50 phases of the step.
 
     Attributes:
-        restitution: what they stand for: what was asked for, or what was found [1].
+        restitution: what they stand for: what was asked for, or what was found; NaN where nothing
+            bounces [1].
         numbers: the engine's numbers.
         typed: all that is typed in, the numbers first.
         at: what bounces do at speeds of the range that was asked for, the slowest first.
@@ -66,7 +66,7 @@ class Statement:
         drops: how many drops it took.
     """
 
-    restitution: float
+    restitution: Finite
     numbers: tuple[float, ...]
     typed: tuple[Typed, ...]
     at: tuple[AtSpeed, ...]
@@ -81,25 +81,3 @@ class Statement:
     def bounces(self) -> tuple[AtSpeed, ...]:
         """Those of ``at`` in which every impact is followed by a flight."""
         return tuple(one for one in self.at if math.isfinite(one.restitution))
-
-    def to_plain(self) -> dict[str, Any]:
-        """As plain values, for JSON."""
-        return asdict(self)
-
-    @classmethod
-    def from_plain(cls, plain: Mapping[str, Any]) -> Statement:
-        """From the plain values of :meth:`to_plain`, also out of JSON."""
-        return cls(
-            **{
-                **plain,
-                "numbers": tuple(plain["numbers"]),
-                "typed": tuple(Typed(**one) for one in plain["typed"]),
-                "at": tuple(AtSpeed(**one) for one in plain["at"]),
-                "holds_at_m_s": _range(plain["holds_at_m_s"]),
-                "holds_with_s": _range(plain["holds_with_s"]),
-            }
-        )
-
-
-def _range(plain: Mapping[str, Any] | None) -> Range | None:
-    return None if plain is None else Range(**plain)

@@ -3,38 +3,38 @@
 from __future__ import annotations
 
 import datetime
-import json
-import platform
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from simcompare import notation
 from simcompare.characterization.bounce import BounceQuestion
 from simcompare.characterization.force import ForceQuestion
 from simcompare.characterization.friction import FrictionQuestion
 from simcompare.characterization.joint import JointQuestion
-from simcompare.characterization.result import Characterization
 from simcompare.compare.repeats import one_step_s
 from simcompare.engine import engines
-from simcompare.engine.library import installed_version
-from simcompare.errors import BackendError, InputError, OutputError, UnknownName
+from simcompare.engine.calibration.question import Question
+from simcompare.errors import BackendError, InputError, UnknownName
 from simcompare.model.settings import CONTACT_LEVELS, OLD_LEVELS
 from simcompare.reports.characterization import findings
-from simcompare.running.jobs import MISSING, OK, Inquiry, Reply
+from simcompare.results import store
+from simcompare.results.records import stored
+from simcompare.results.records.characterization import Characterization, Trial
+from simcompare.results.run_record import software
+from simcompare.running.jobs import MISSING, Inquiry, Reply
 from simcompare.running.runner import TIME_LIMIT_S, Progress, check_time_limit, run_jobs
 
 #: experiment -> the question that is asked at a contact level and a step
-EXPERIMENTS: Mapping[str, Callable[[str, float], Callable[[Any], dict[str, Any]]]] = {
+EXPERIMENTS: Mapping[str, Callable[[str, float], Question[Any]]] = {
     "bounce": BounceQuestion,
     "friction": FrictionQuestion,
     "joint": JointQuestion,
     "force": ForceQuestion,
 }
 #: steps between which the experiments can be read [s]
-SHORTEST_S, LONGEST_S = 0.1e-3, 10e-3
-FILE, FORMAT = "characterization.json", 1
+MIN_STEP_S, MAX_STEP_S = 0.1e-3, 10e-3
+FILE = "characterization.json"
 
 
 def characterize(
@@ -81,22 +81,20 @@ def characterize(
         for level in levels
     ]
     check_time_limit(time_limit_s)
-    folder = None if out is None else _place(Path(out))
-    try:
-        answers = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
-        _refuse_nothing(answers)
-    except BaseException:
-        if folder is not None:
-            folder.rmdir()
-        raise
-    record = _record(answers, names, levels, step_s, engine)
-    result = Characterization(record)
-    return result if folder is None else _saved(result, folder)
+    if out is not None:
+        store.check_writable(Path(out))
+    replies = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
+    _refuse_nothing(replies)
+    answers = tuple(map(_trial, replies))
+    result = Characterization(
+        created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        step_s=step_s, experiments=tuple(names), contact=tuple(levels), engines_asked=engine,
+        sentences=tuple(findings.sentences(answers, step_s)), answers=answers, software=software(),
+    )  # fmt: skip
+    return result if out is None else _saved(result, Path(out))
 
 
-def _chosen(
-    kind: str, asked: str | Sequence[str], known: Sequence[str] | Mapping[str, Any]
-) -> list[str]:
+def _chosen(kind: str, asked: str | Sequence[str], known: Iterable[str]) -> list[str]:
     """Names out of a text with commas or a list, each once.
 
     Raises:
@@ -104,8 +102,9 @@ def _chosen(
     """
     words = asked.split(",") if isinstance(asked, str) else asked
     names = [OLD_LEVELS.get(word.strip(), word.strip()) for word in words]
+    known = list(known)
     if "all" in names:
-        return list(known)
+        return known
     for name in names or [""]:
         if name not in known:
             raise UnknownName(kind, name, known)
@@ -114,89 +113,37 @@ def _chosen(
 
 def _step_s(step: str | float) -> float:
     step_s = one_step_s(step)
-    if not SHORTEST_S <= step_s <= LONGEST_S:
+    if not MIN_STEP_S <= step_s <= MAX_STEP_S:
         raise InputError(
             "--step",
             [
                 f"{step_s:g} s is not a step at which the experiments can be read; use"
-                f" {1e3 * SHORTEST_S:g} ms to {1e3 * LONGEST_S:g} ms"
+                f" {1e3 * MIN_STEP_S:g} ms to {1e3 * MAX_STEP_S:g} ms"
             ],
         )
     return step_s
 
 
-def _refuse_nothing(answers: Sequence[Reply]) -> None:
+def _refuse_nothing(replies: Sequence[Reply]) -> None:
     """Raises the first reason where no engine is there at all."""
-    if all(answer.status == MISSING for answer in answers):
-        reasons = dict.fromkeys(str(answer.reason) for answer in answers)
+    if all(reply.status == MISSING for reply in replies):
+        reasons = dict.fromkeys(str(reply.reason) for reply in replies)
         raise BackendError("\n".join(reasons))
 
 
-def _record(
-    answers: Sequence[Reply], names: list[str], levels: list[str], step_s: float, asked: str
-) -> dict[str, Any]:
-    found = [_plain(answer) for answer in answers]
-    return {
-        "format": FORMAT,
-        "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-        "title": "How engines behave",
-        "question": "What does each engine make of a bounce, of friction, of a joint and of a"
-        " force, at which step and speed?",
-        "step_s": step_s,
-        "experiments": names,
-        "contact": levels,
-        "engines_asked": asked,
-        "sentences": findings.sentences(found, step_s),
-        "answers": found,
-        "software": {
-            "simcompare": installed_version("simcompare"),
-            "python": platform.python_version(),
-            "numpy": installed_version("numpy"),
-        },
-    }
+def _trial(reply: Reply) -> Trial:
+    name, level = reply.job.about.split()
+    return Trial(
+        reply.job.engine, reply.version, name, level, reply.status, reply.reason, reply.value
+    )
 
 
-def _plain(answer: Reply) -> dict[str, Any]:
-    """An answer as plain values, numbers that are not finite as ``None``."""
-    name, level = answer.job.about.split()
-    return {
-        "engine": answer.job.engine,
-        "version": answer.version,
-        "experiment": name,
-        "contact": level,
-        "status": answer.status,
-        "reason": answer.reason,
-        "found": notation.finite(answer.value) if answer.status == OK else None,
-    }
-
-
-def _place(folder: Path) -> Path:
-    """A new folder for the results, made before anything is asked."""
-    stamp = datetime.datetime.now(datetime.UTC).strftime("%Y%m%d-%H%M%S")
-    base, number = f"{stamp}-characterization", 1
-    while True:
-        place = folder / (base if number == 1 else f"{base}-{number}")
-        try:
-            place.mkdir(parents=True)
-        except FileExistsError:
-            number += 1
-            if not folder.is_dir():
-                raise _not_writable(folder, "is no folder") from None
-        except OSError as error:
-            raise _not_writable(folder, error.strerror or str(error)) from None
-        else:
-            return place
-
-
-def _saved(result: Characterization, place: Path) -> Characterization:
-    record = {**result.record, "folder": str(place)}
-    text = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
-    try:
-        (place / FILE).write_text(text + "\n", encoding="utf-8")
-    except OSError as error:
-        raise _not_writable(place, error.strerror or str(error)) from None
-    return replace(result, record=record, folder=place)
-
-
-def _not_writable(folder: Path, why: str) -> OutputError:
-    return OutputError(f"--out {folder}: cannot be written to ({why}); choose another folder")
+def _saved(result: Characterization, folder: Path) -> Characterization:
+    with store.new_folder(folder, result.created, "characterization", "results") as (
+        place,
+        partial,
+    ):
+        stored_result = replace(result, folder=place)
+        text = stored.text(stored_result, indent=1)
+        (partial / FILE).write_text(text + "\n", encoding="utf-8")
+    return stored_result

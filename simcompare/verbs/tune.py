@@ -18,7 +18,7 @@ from simcompare.model.settings import COEFFICIENTS, TUNED
 from simcompare.running.jobs import OK, UNSUPPORTED, Inquiry, Reply
 from simcompare.running.runner import TIME_LIMIT_S, Progress, run_jobs
 from simcompare.scenarios import catalogue
-from simcompare.tuning.asking import Ask, read
+from simcompare.tuning.question import StatementQuestion
 from simcompare.tuning.request import Request
 from simcompare.tuning.statement import Statement
 from simcompare.tuning.typed_numbers import check_numbers
@@ -34,7 +34,7 @@ LEVELS = (COEFFICIENTS, TUNED)
 
 
 @dataclass(frozen=True)
-class Tuned:
+class TuneResult:
     """One engine's answer to one request.
 
     Attributes:
@@ -78,7 +78,7 @@ def tune(
     preset: str | None = None,
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
-) -> list[Tuned]:
+) -> list[TuneResult]:
     """Finds what to type into engines for a restitution, or the restitution of what is typed in.
 
     Args:
@@ -291,15 +291,15 @@ def _answered(
     questions: Sequence[_Question],
     time_limit_s: float,
     progress: Progress | None,
-) -> list[Tuned]:
+) -> list[TuneResult]:
     """Answers from the cache, and from engines where it has none."""
-    rows: dict[tuple[str, int], Tuned] = {}
+    rows: dict[tuple[str, int], TuneResult] = {}
     open_ones = []
     for name in chosen:
         for i, question in enumerate(questions):
             row = _from_cache(name, question.request)
             if row is None:
-                open_ones.append((Inquiry(name, Ask(question.request)), i))
+                open_ones.append((Inquiry(name, StatementQuestion(question.request)), i))
             else:
                 rows[name, i] = replace(row, about=question.about, notes=question.notes)
     jobs = [job for job, _ in open_ones]
@@ -310,29 +310,30 @@ def _answered(
     return [rows[name, i] for i in range(len(questions)) for name in chosen]
 
 
-def _from_cache(name: str, request: Request) -> Tuned | None:
+def _from_cache(name: str, request: Request) -> TuneResult | None:
     try:
         backend = engines.get(name)
-        plain, version = Ask(request).known(backend), backend.version()
+        version = backend.version()
+        statement = StatementQuestion(request).known(backend)
     except (EngineMissing, EngineBroken):  # the row says so
         return None
-    if plain is None:
-        return None
-    try:
-        statement = read(plain)
     except CannotCalibrate as error:
-        return Tuned(name, version, request, UNSUPPORTED, str(error))
-    return _told(backend, Tuned(name, version, request, OK, None, statement))
+        return TuneResult(name, version, request, UNSUPPORTED, str(error))
+    if statement is None:
+        return None
+    return _with_snippet(backend, TuneResult(name, version, request, OK, None, statement))
 
 
-def _row(found: Reply, request: Request) -> Tuned:
-    row = Tuned(found.job.engine, found.version, request, found.status, found.reason, found.value)
+def _row(found: Reply, request: Request) -> TuneResult:
+    row = TuneResult(
+        found.job.engine, found.version, request, found.status, found.reason, found.value
+    )
     if found.status != OK:
         return row
-    return _told(engines.get(found.job.engine), row)
+    return _with_snippet(engines.get(found.job.engine), row)
 
 
-def _told(backend: Backend, row: Tuned) -> Tuned:
+def _with_snippet(backend: Backend, row: TuneResult) -> TuneResult:
     """The row with the lines to copy, where the engine has some for all that is set."""
     found, request = row.statement, row.request
     template = getattr(backend, "snippet", "") if request.level == TUNED else ""

@@ -11,11 +11,17 @@ import hashlib
 import json
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol, TypeVar
 
 import platformdirs
+
+from simcompare.engine.calibration.calibration import CannotCalibrate
+from simcompare.model.plain import Finite, of_plain, plain
+
+Answer = TypeVar("Answer")
 
 
 class Versioned(Protocol):
@@ -29,38 +35,66 @@ class Versioned(Protocol):
         """Version of the engine."""
 
 
+@dataclass(frozen=True)
+class _Refusal:
+    """That there is no answer, why, and the longest step with which there is one [s]."""
+
+    cannot: str
+    longest_step_s: Finite
+
+
 def folder() -> Path:
     """Where answers are kept; SIMCOMPARE_CACHE names another folder."""
     own = os.environ.get("SIMCOMPARE_CACHE") or platformdirs.user_cache_dir("simcompare")
     return Path(own) / "calibrations"
 
 
-def known(backend: Versioned, asked: Mapping[str, Any]) -> dict[str, Any] | None:
-    """The answer to a question where the cache has it."""
-    key = _key(backend, asked)
+def known(backend: Versioned, question: object, kind: type[Answer]) -> Answer | None:
+    """The answer to a question where the cache has it.
+
+    Raises:
+        CannotCalibrate: it says that there is none.
+    """
+    path = _path(backend, question)
+    stored = None
     # what is not there, or damaged, is found again
     with contextlib.suppress(OSError, ValueError, TypeError, KeyError, AttributeError):
-        return None if key is None else _read(folder() / f"{key}.json")
-    return None
+        stored = None if path is None else _read(path, kind)
+    if isinstance(stored, _Refusal):
+        raise CannotCalibrate(stored.cannot, stored.longest_step_s)
+    return stored
 
 
 def kept(
-    backend: Versioned, asked: Mapping[str, Any], find: Callable[[], dict[str, Any]]
-) -> dict[str, Any]:
+    backend: Versioned, question: object, kind: type[Answer], find: Callable[[], Answer]
+) -> Answer:
     """The answer to a question about an engine, from the cache where it is there.
 
     Args:
         backend: the engine's backend.
-        asked: the question, as plain values.
-        find: finds the answer, as plain values.
+        question: what is asked, a frozen record.
+        kind: the type of its answer.
+        find: finds the answer.
+
+    Raises:
+        CannotCalibrate: there is none; that takes longest to find out, so it is kept, too.
     """
-    before = known(backend, asked)
+    before = known(backend, question, kind)
     if before is not None:
         return before
-    found, key = plain(find()), _key(backend, asked)
-    if key is None:
-        return found
-    path = folder() / f"{key}.json"
+    path = _path(backend, question)
+    try:
+        found = plain(find())
+    except CannotCalibrate as error:
+        _write(path, plain(_Refusal(str(error), error.longest_step_s)))
+        raise
+    _write(path, found)
+    return of_plain(kind, found)  # as it comes out of the cache
+
+
+def _write(path: Path | None, found: object) -> None:
+    if path is None:
+        return
     with contextlib.suppress(OSError):  # where nothing can be kept, it is found again
         path.parent.mkdir(parents=True, exist_ok=True)
         part = path.with_suffix(f".{os.getpid()}")
@@ -70,29 +104,24 @@ def kept(
             part.replace(path)
         except OSError:
             part.unlink()
-    return found
 
 
-def plain(found: dict[str, Any]) -> dict[str, Any]:
-    """The same as it comes out of the cache: tuples are lists there."""
-    again: dict[str, Any] = json.loads(json.dumps(found))
-    return again
-
-
-def _read(path: Path) -> dict[str, Any]:
+def _read(path: Path, kind: type[Answer]) -> Answer | _Refusal:
     digest, _, text = path.read_text(encoding="utf-8").partition("\n")
     if digest != _digest(text):  # changed, or cut off
         raise ValueError(path)
-    found: dict[str, Any] = json.loads(text)
-    return found
+    found = json.loads(text)
+    if isinstance(found, dict) and "cannot" in found:
+        return of_plain(_Refusal, found)
+    return of_plain(kind, found)
 
 
 def _digest(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _key(backend: Versioned, asked: Mapping[str, Any]) -> str | None:
-    """What an answer depends on: the question; engine and all our code.
+def _path(backend: Versioned, question: object) -> Path | None:
+    """The file of an answer, named after what it depends on: question, engine and all our code.
 
     ``None`` where the backend has no file, so that a change of it would not be seen.
     """
@@ -103,8 +132,8 @@ def _key(backend: Versioned, asked: Mapping[str, Any]) -> str | None:
     # beside a module that is in no package may lie anything
     adapter = Path(own).parent if getattr(module, "__package__", "") else Path(own)
     code = [_code(adapter), _code(Path(__file__).parents[2])]
-    parts = [backend.name, backend.version(), *code, json.dumps(asked)]
-    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:32]
+    key = _digest("\n".join([backend.name, backend.version(), *code, repr(question)]))
+    return folder() / f"{key[:32]}.json"
 
 
 @functools.cache

@@ -8,9 +8,8 @@ first impact. One with a spring and damper gets the stiffest that bounces alike 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -42,6 +41,10 @@ class CannotCalibrate(Unsupported):
         self.longest_step_s = longest_step_s
         super().__init__(sentence)
 
+    def of(self, engine: str) -> CannotCalibrate:
+        """The same with the engine's name before it."""
+        return CannotCalibrate(f"{engine}: {self}", self.longest_step_s)
+
 
 @dataclass(frozen=True)
 class Calibration:
@@ -63,17 +66,6 @@ class Calibration:
     checks: tuple[AtSpeed, ...] = ()
     stall_speed_m_s: float = 0.0
     drops: int = 0
-
-
-def from_plain(plain: Mapping[str, Any]) -> Calibration:
-    """A calibration from the plain values of ``dataclasses.asdict``, also out of JSON."""
-    at, checks = (
-        tuple(AtSpeed(**{name: float(value) for name, value in one.items()}) for one in plain[part])
-        for part in ("at", "checks")
-    )
-    numbers = tuple(float(value) for value in plain["numbers"])
-    restitution, stall_m_s = float(plain["restitution"]), float(plain["stall_speed_m_s"])
-    return Calibration(restitution, numbers, at, checks, stall_m_s, int(plain["drops"]))
 
 
 class Counted:

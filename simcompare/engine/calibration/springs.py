@@ -64,7 +64,7 @@ class _Spring:
 
 
 @dataclass(frozen=True)
-class _Search:
+class _SpringSearch:
     """What is looked for, and where."""
 
     drops: Drops
@@ -74,7 +74,7 @@ class _Search:
     depth_m: float
     scatter: float = SCATTER
 
-    def on(self, drops: Drops, step_s: float) -> _Search:
+    def on(self, drops: Drops, step_s: float) -> _SpringSearch:
         return replace(self, drops=drops, step_s=step_s)
 
     def spring(self, omega: float, factor: float = 1.0) -> _Spring | None:
@@ -189,7 +189,7 @@ def calibrate_spring(
             f"no spring and damper is calibrated for a restitution of {e:g}, below {LEAST:g}"
         )
     counted = Counted(drops)
-    search = _Search(counted, e, float(speeds_m_s[0]), step_s, DEPTH * smallest_size_m)
+    search = _SpringSearch(counted, e, float(speeds_m_s[0]), step_s, DEPTH * smallest_size_m)
     spring = _in_engine(search, gravity_m_s2)
     if spring is not None:
         return verified(counted, e, spring.numbers, speeds_m_s, step_s)
@@ -230,7 +230,7 @@ def find_spring(
         scatter_part: largest standard deviation over the phases, as part of ``e``.
         steadiest: the one that scatters least, instead of the stiffest.
     """
-    search = _Search(drops, e, speed_m_s, step_s, depth_m, scatter_part)
+    search = _SpringSearch(drops, e, speed_m_s, step_s, depth_m, scatter_part)
     found = search.steadiest() if steadiest else _in_engine(search, gravity_m_s2)
     return None if found is None else found.numbers
 
@@ -245,13 +245,13 @@ def damped_for(
     """
     omega = math.sqrt(-numbers[0])
     part = -numbers[1] / (2 * damping_ratio(e) * omega)
-    found = _Search(drops, e, speed_m_s, step_s, math.inf).spring(omega, part)
+    found = _SpringSearch(drops, e, speed_m_s, step_s, math.inf).spring(omega, part)
     if found is None:
         raise CannotCalibrate(f"no damper gives a restitution of {e:g} with that stiffness")
     return found.numbers
 
 
-def _in_engine(search: _Search, gravity_m_s2: float) -> _Spring | None:
+def _in_engine(search: _SpringSearch, gravity_m_s2: float) -> _Spring | None:
     """The spring found without the engine, made softer until it is steady in the engine too."""
     model = search.on(SteppedDashpot(search.step_s, gravity_m_s2), search.step_s)
     guess = model.stiffest()
@@ -269,7 +269,7 @@ def _in_engine(search: _Search, gravity_m_s2: float) -> _Spring | None:
 
 
 def _longest_step(
-    search: _Search, gravity_m_s2: float, drops_at: Callable[[float], Drops] | None
+    search: _SpringSearch, gravity_m_s2: float, drops_at: Callable[[float], Drops] | None
 ) -> float:
     """The longest step with a steady spring, to two digits [s]; NaN if there is none."""
 

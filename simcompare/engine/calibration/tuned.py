@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, replace
+from dataclasses import replace
 from types import ModuleType
 
 from simcompare.engine.calibration import cache, calibration
@@ -48,8 +48,7 @@ def tuned(
         try:
             found = _cached(backend, engine, plan)
         except CannotCalibrate as error:
-            sentence = f"{backend.name}: {error}"
-            raise CannotCalibrate(sentence, error.longest_step_s) from None
+            raise error.of(backend.name) from None
         numbers += [PairNumbers(pair, found.numbers) for pair in open_pairs]
         rows.append(_row(plan, found))
     return replace(settings, numbers=tuple(numbers)), tuple(rows)
@@ -116,6 +115,5 @@ def _longest_step_s(
 
 
 def _cached(backend: Tunable, engine: ModuleType, plan: DropPlan) -> Calibration:
-    asked = {**asdict(plan), "pairs": None, "notes": None}  # whatever the pairs are called
-    plain = cache.kept(backend, asked, lambda: asdict(calibrate(backend, engine, plan)))
-    return calibration.from_plain(plain)
+    question = replace(plan, pairs=(), notes=())  # whatever the pairs are called
+    return cache.kept(backend, question, Calibration, lambda: calibrate(backend, engine, plan))

@@ -221,7 +221,7 @@ def _table(
         row = (
             f"{one.name} [{score.unit}]",
             notation.number(score.truth),
-            notation.number(score.value, score.u),
+            notation.number(score.value, score.scatter),
         )
         rows.append((one.name, value, row))
     wide, narrow = (max((len(row[i]) for *_, row in rows), default=0) for i in (0, 1))

@@ -44,7 +44,9 @@ def _exactly(bench: Bench, restitution: float) -> Numbers:
         return (restitution,)  # what hardly loses anything is typed in as it stands
     if bench.kind != SPRING:
         refuse_extremes(restitution)
-    search: _Search = _Spring(bench) if bench.kind == SPRING else _Coefficient(bench)
+    search: _NumberSearch = (
+        _SpringNumbers(bench) if bench.kind == SPRING else _CoefficientNumbers(bench)
+    )
     numbers, target = search.first(restitution), restitution
     if len(bench.request.speeds_m_s) == 1:
         return numbers
@@ -68,7 +70,7 @@ def _middle(bench: Bench, numbers: Numbers) -> float:
     return (min(means) + max(means)) / 2 if means else math.nan
 
 
-class _Search(Protocol):
+class _NumberSearch(Protocol):
     def first(self, restitution: float) -> Numbers:
         """Numbers that are right at one speed of the range."""
 
@@ -76,7 +78,7 @@ class _Search(Protocol):
         """The same for another restitution."""
 
 
-class _Coefficient:
+class _CoefficientNumbers:
     """One coefficient, whose mean restitution grows with it."""
 
     def __init__(self, bench: Bench) -> None:
@@ -90,7 +92,7 @@ class _Coefficient:
         return self.first(restitution)
 
 
-class _Spring:
+class _SpringNumbers:
     """A spring and damper: the stiffest within the scatter, or the steadiest within the depth."""
 
     def __init__(self, bench: Bench) -> None:

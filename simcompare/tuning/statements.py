@@ -14,16 +14,16 @@ from simcompare.model.settings import SPRING
 from simcompare.model.tuning import AtSpeed
 from simcompare.tuning.bench import STATED, Bench, Numbers
 from simcompare.tuning.nearest import nearest
+from simcompare.tuning.number_search import numbers_for
 from simcompare.tuning.ranges import speed_range, step_range
 from simcompare.tuning.request import Request
-from simcompare.tuning.seek import numbers_for
 from simcompare.tuning.statement import Statement, Typed
 
 #: how the core calls what is set for a restitution
 _RESTITUTION = " restitution"
 
 
-def answer(backend: Tunable, engine: ModuleType, request: Request) -> Statement:
+def statement_for(backend: Tunable, engine: ModuleType, request: Request) -> Statement:
     """The numbers for a restitution, or the restitution of numbers, and where they hold.
 
     Raises:
