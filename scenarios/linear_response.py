@@ -13,53 +13,33 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from simcompare.model.signals import Ramp, Signal, SineSteps, Step, Table
+from simcompare.model.signals import Signal
 from simcompare.model.trajectory import Array
+from simcompare.scenarios.instants import CLOSE_S, corners_of, grid
 
 #: Gauss points of one piece
 POINTS = 8
-#: times that are closer than this are one [s]
-CLOSE_S = 1e-11
 _Values = NDArray[Any]
 
 
-def edges_of(time_s: Array, signals: Sequence[Signal], longest_s: float) -> Array:
-    """Where pieces end: at the wanted times, at corners of the signals, and often enough between.
+def edges_of(
+    time_s: Array, signals: Sequence[Signal], longest_s: float
+) -> tuple[Array, NDArray[np.intp]]:
+    """Where pieces end, and which of these edges the wanted times are.
 
     Args:
         time_s: wanted times from 0 on (n,), increasing [s].
         signals: what drives the system.
         longest_s: longest piece, about two time constants [s].
     """
-    end = float(time_s[-1])
-    corners = np.concatenate([np.zeros(1), time_s, *(corners_of(s, end) for s in signals)])
-    corners = np.unique(corners[(corners >= 0) & (corners <= end)])
-    corners = corners[np.concatenate(([True], np.diff(corners) > CLOSE_S))]
-    lengths = np.diff(corners)
-    parts = np.maximum(np.ceil(lengths / longest_s).astype(int), 1)
-    first = np.repeat(np.cumsum(parts) - parts, parts)
-    share = (np.arange(parts.sum()) - first) / np.repeat(parts, parts)
-    inside = np.repeat(corners[:-1], parts) + share * np.repeat(lengths, parts)
-    return np.append(inside, corners[-1])
-
-
-def places(edges: Array, time_s: Array) -> NDArray[np.intp]:
-    """Indices of the wanted times among the edges."""
-    return np.searchsorted(edges, time_s - CLOSE_S)
-
-
-def corners_of(signal: Signal, end_s: float) -> Array:
-    """Times at which a signal is not smooth."""
-    if isinstance(signal, Table):
-        return np.asarray(signal.time_s, dtype=float)
-    if isinstance(signal, Step):
-        return np.array((signal.time_s,))
-    if isinstance(signal, Ramp):
-        return np.array((signal.start_s, signal.end_s))
-    if isinstance(signal, SineSteps):
-        last = min(len(signal.frequencies_Hz), int(end_s / signal.dwell_s) + 1)
-        return np.asarray(np.arange(last + 1) * signal.dwell_s, dtype=float)
-    return np.zeros(0)
+    corners = np.concatenate([np.empty(0), *map(corners_of, signals)])
+    coarse, _ = grid(time_s, corners, np.inf)
+    lengths = np.diff(coarse)
+    parts = np.maximum(np.ceil(lengths / longest_s), 1).astype(int)
+    number = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
+    share = number / np.repeat(parts, parts)
+    edges = np.append(np.repeat(coarse[:-1], parts) + share * np.repeat(lengths, parts), coarse[-1])
+    return edges, np.searchsorted(edges, time_s - CLOSE_S)
 
 
 class Pieces:

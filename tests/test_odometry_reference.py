@@ -18,7 +18,7 @@ from simcompare.model.settings import Settings
 from simcompare.model.signals import Chirp, Constant, Ramp, Sine, SineSteps, Step, Table
 from simcompare.model.trajectory import Trajectory
 from simcompare.scenarios import catalogue
-from simcompare.scenarios.linear_response import corners_of
+from simcompare.scenarios.instants import corners_of
 from simcompare.scenarios.odometry.reference import driven, reference, robot_of
 
 LOG = "odometry_plaza/Plaza1_.mat"
@@ -80,7 +80,7 @@ def stepped(parameters, signals, times):
         r * (left + right) / 2, r * (right - left) / track, 0.0, 0.0,
     ]  # fmt: skip
     end = float(times[-1])
-    corners = np.unique(np.concatenate([[0.0, end], *(corners_of(s, end) for s in signals)]))
+    corners = np.unique(np.concatenate([[0.0, end], *(corners_of(s) for s in signals)]))
     corners = corners[(corners >= 0) & (corners <= end)]
     found = [state]
     for start, stop in itertools.pairwise(corners):

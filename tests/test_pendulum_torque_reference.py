@@ -13,6 +13,7 @@ from simcompare.engine.drives import laws_of
 from simcompare.engine.simulation import sample_times
 from simcompare.model.signals import Chirp, Constant, Ramp, Sine, SineSteps, Step, Table
 from simcompare.scenarios import catalogue
+from simcompare.scenarios.instants import corners_of
 from simcompare.scenarios.pendulum_torque import reference as pendulum
 from simcompare.scenarios.pendulum_torque.reference import Pendulum, motion
 
@@ -36,7 +37,7 @@ FREE = Pendulum(inertia=0.15, weight=3.0, damping=0.05, friction=0.0, gain=0.9)
 
 def integrated(body, start, times, signal):
     """DOP853 from corner to corner of the signal, for a pendulum without Coulomb friction."""
-    corners = np.concatenate(([0.0], pendulum.corners(signal), [times[-1]]))
+    corners = np.concatenate(([0.0], corners_of(signal), [times[-1]]))
     corners = np.unique(np.clip(corners, 0, times[-1]))
     found = np.empty((2, len(times)))
     state = np.array(start)

@@ -25,10 +25,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from simcompare.model.signals import SineSteps
 from simcompare.model.trajectory import Array
+from simcompare.scenarios.instants import grid
 
 #: frequencies of the dwells over the natural one, as the scenario has them
 RATIOS = (0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0)
@@ -94,7 +94,7 @@ def motion(
     stiffer = 1 + seismic / base
     spring = Oscillator(omega * math.sqrt(stiffer), parameters["damping_ratio"] * omega * stiffer)
     fastest = max(2 * math.pi * highest_Hz, spring.rate_rad_s, spring.decay_1_s)
-    times, kept = pieces(time_s, changes_s, LARGEST_PHASE / fastest)
+    times, kept = grid(time_s, changes_s, LARGEST_PHASE / fastest, 0.0)
     x, v = (part[kept] for part in spring.driven(times, lambda t: -force(t) / base))
     center, speed = (
         part[kept] for part in FREE.driven(times, lambda t: force(t) / (base + seismic))
@@ -158,14 +158,3 @@ class Oscillator:
 
 
 FREE = Oscillator(0.0, 0.0)
-
-
-def pieces(time_s: Array, changes_s: Array, longest_s: float) -> tuple[Array, NDArray[np.intp]]:
-    """Times that hold ``time_s`` and all changes, at most so far apart, and where ``time_s`` is."""
-    inside = changes_s[(changes_s > time_s[0]) & (changes_s < time_s[-1])]
-    edges = np.unique(np.concatenate((time_s, inside)))
-    parts = np.maximum(np.ceil(np.diff(edges) / longest_s), 1).astype(int)
-    starts = np.repeat(edges[:-1], parts)
-    place = np.arange(len(starts)) - np.repeat(np.cumsum(parts) - parts, parts)
-    times = np.append(starts + place * np.repeat(np.diff(edges) / parts, parts), edges[-1])
-    return times, np.searchsorted(times, time_s).astype(np.intp)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from simcompare.model.trajectory import Array
+from simcompare.scenarios.body_signals import unturned
 
 
 def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array]:
@@ -22,11 +23,9 @@ def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array
     g, up = parameters["gravity_m_s2"], parameters["speed_up_m_s"]
     still, forward = np.zeros_like(time_s), parameters["speed_forward_m_s"]
     height = up * time_s - g * time_s**2 / 2
-    none = np.zeros((len(time_s), 3))
+    position = np.column_stack((forward * time_s, still, height))
+    velocity = np.column_stack((still + forward, still, up - g * time_s))
     return {
-        "base.position_m": np.column_stack((forward * time_s, still, height)),
-        "base.velocity_m_s": np.column_stack((still + forward, still, up - g * time_s)),
-        "base.orientation_wxyz": np.tile((1.0, 0.0, 0.0, 0.0), (len(time_s), 1)),
-        "base.rate_rad_s": none,
-        "cell.force_N": none,
+        **unturned("base", position, velocity),
+        "cell.force_N": np.zeros((len(time_s), 3)),
     }

@@ -12,7 +12,8 @@ import numpy as np
 
 from simcompare.model.signals import SineSteps, Step
 from simcompare.model.trajectory import Array
-from simcompare.scenarios.accelerometer.reference import FREE, pieces
+from simcompare.scenarios.accelerometer.reference import FREE
+from simcompare.scenarios.instants import grid
 
 #: what the scenario shakes with [Hz], how long each [s], and when it is pushed after that [s]
 FREQUENCIES_HZ, DWELL_S, PUSH_S = (10.0, 20.0, 50.0), 0.1, 0.3
@@ -38,7 +39,7 @@ def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array
         return np.asarray(shaking.at(at_s) + push.at(at_s))
 
     changes = DWELL_S * np.arange(1.0, len(FREQUENCIES_HZ) + 1)
-    times, kept = pieces(time_s, changes, 1 / (2 * np.pi * max(FREQUENCIES_HZ)))
+    times, kept = grid(time_s, changes, 1 / (2 * np.pi * max(FREQUENCIES_HZ)), 0.0)
     position, velocity = (part[kept] for part in FREE.driven(times, acceleration))
     felt = np.zeros((len(time_s), 3))
     felt[:, 0], felt[:, 2] = acceleration(time_s), parameters["gravity_m_s2"]

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from simcompare.model.trajectory import Array
+from simcompare.scenarios.instants import piece_at
 
 #: corners of the torque, in times of one flank, and its values over that of speeding up
 CORNERS = (0.0, 1.0, 4.0, 5.0, 8.0, 9.0, 15.0, 16.0)
@@ -56,7 +57,7 @@ def motion(parameters: Mapping[str, float], time_s: Array) -> tuple[Array, Array
     rates = np.concatenate(([0.0], np.cumsum(spans * (values[1:] + values[:-1]) / 2)))
     turned = rates[:-1] * spans + values[:-1] * spans**2 / 2 + slopes * spans**3 / 6
     angles = np.concatenate(([0.0], np.cumsum(turned)))
-    piece = np.clip(np.searchsorted(corners, time_s, side="right") - 1, 0, len(spans) - 1)
+    piece = piece_at(corners[:-1], time_s)
     t = time_s - corners[piece]
     start, slope = values[piece], slopes[piece]
     rate = rates[piece] + start * t + slope * t**2 / 2

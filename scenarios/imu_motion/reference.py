@@ -31,7 +31,7 @@ from simcompare.errors import InputError
 from simcompare.model.rotations import conjugate, multiply, rotate
 from simcompare.model.signals import Signal
 from simcompare.model.trajectory import Array
-from simcompare.scenarios.linear_response import Pieces, edges_of, places
+from simcompare.scenarios.linear_response import Pieces, edges_of
 
 STAGES, RINGS = ("x", "y", "z"), ("yaw", "pitch", "roll")
 #: moments of inertia of the rings and the carriage over that of the carriage
@@ -41,7 +41,7 @@ J_1, J_2 = I_1 + I_2 + I_3, I_2 + I_3
 LONGEST_IN_LAGS = 1.5
 #: of the iteration, as a part of ω² times the largest angle: a thousandth of what tests ask for
 TOLERANCE = 1e-12
-MOST_ROUNDS = 100
+MAX_ROUNDS = 100
 
 
 @dataclass(frozen=True)
@@ -95,9 +95,8 @@ def motions(
     """How every axis moves."""
     omega, zeta = 2 * math.pi * parameters["bandwidth_Hz"], parameters["damping_ratio"]
     goals = {name: inputs[f"{name}_goal"] for name in (*STAGES, *RINGS)}
-    edges = edges_of(time_s, tuple(goals.values()), LONGEST_IN_LAGS / omega)
+    edges, at = edges_of(time_s, tuple(goals.values()), LONGEST_IN_LAGS / omega)
     pieces = Pieces(edges)
-    at = places(edges, time_s)
     shape = pieces.inside.shape
     inside = {n: goal.at(pieces.inside.ravel()).reshape(shape) for n, goal in goals.items()}
     start = {
@@ -145,7 +144,7 @@ def _rings(
     # what the other axes do to each is not known yet
     pushes = [np.zeros(shape) for _ in RINGS]
     scale = max(1.0, *(float(np.abs(goal).max()) for goal in goals))
-    for _ in range(MOST_ROUNDS):
+    for _ in range(MAX_ROUNDS):
         with np.errstate(over="ignore", invalid="ignore"):
             both = [servo.response(*given) for given in zip(goals, pushes, start, strict=True)]
             inside = [ring for ring, _ in both]

@@ -14,6 +14,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from simcompare.model.trajectory import Array
+from simcompare.scenarios.body_signals import unturned
 
 
 def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array]:
@@ -37,9 +38,8 @@ def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array
         "support.normal_force_N": np.full(count, parameters["device_mass_kg"] * gravity),
     }
     for body, height in (("held", 10.0), ("lying", 0.5)):
-        found[f"{body}.position_m"] = always(0.0, 0.0, height * parameters["device_height_m"])
-        found[f"{body}.orientation_wxyz"] = always(1.0, 0.0, 0.0, 0.0)
-        found[f"{body}.velocity_m_s"] = found[f"{body}.rate_rad_s"] = always(0.0, 0.0, 0.0)
+        place = always(0.0, 0.0, height * parameters["device_height_m"])
+        found |= unturned(body, place, always(0.0, 0.0, 0.0))
     return found
 
 

@@ -9,7 +9,7 @@ at rest the shaft stays while |k·V/R| ≤ τ_c.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,12 +17,12 @@ import numpy as np
 from simcompare.errors import InputError
 from simcompare.model.signals import Constant, Ramp, Signal, Step, Table
 from simcompare.model.trajectory import Array
-from simcompare.scenarios.pendulum_torque.reference import corners
+from simcompare.scenarios.instants import corners_of, crossing, piece_at
 
 #: halvings in which an instant is looked for
 HALVINGS = 80
 #: pieces between two corners of the voltage, of which there are hardly ever more than two
-MOST_PIECES = 10
+MAX_PIECES = 10
 
 
 def reference(
@@ -82,8 +82,7 @@ def motion(parameters: Mapping[str, float], time_s: Array, supply: Signal) -> tu
     """Angle [rad] and rate [rad/s] at the given times (n,)."""
     pieces, lasting = _pieces(parameters, float(time_s[-1]) if len(time_s) else 0.0, supply)
     table = np.array([(p.start_s, p.angle, p.a, p.b, p.c) for p in pieces])
-    place = np.clip(np.searchsorted(table[:, 0], time_s, side="right") - 1, 0, None)
-    start, angle, a, b, c = table[place].T
+    start, angle, a, b, c = table[piece_at(table[:, 0], time_s)].T
     t = time_s - start
     angle = angle + a * t + b * t**2 / 2 - c * lasting * np.expm1(-t / lasting)
     return angle, a + b * t + c * np.exp(-t / lasting)
@@ -97,7 +96,7 @@ def _pieces(
     friction = parameters["friction_N_m"]
     fall = k * k / resistance + parameters["damping_N_m_s_rad"]
     lasting = parameters["inertia_kg_m2"] / fall
-    bends = corners(supply)
+    bends = corners_of(supply)
     bends = bends[(bends > 0) & (bends < until_s)]
     starts = np.concatenate(([0.0], bends))
     ends = np.append(bends, max(until_s, float(starts[-1])) + lasting)
@@ -124,7 +123,7 @@ def _through(
     """Adds the pieces between two corners of the voltage; angle and rate at the second one."""
     torque, growth, fall, friction = given
     now, end = span
-    for _ in range(MOST_PIECES):
+    for _ in range(MAX_PIECES):
         drive = torque + growth * (now - span[0])
         way = math.copysign(1.0, state[1]) if state[1] else _way(drive, growth, friction)
         if not way:
@@ -164,7 +163,7 @@ def _leaves(drive: float, growth: float, friction: float) -> float:
 def _stops(piece: Piece, way: float, length: float, lasting: float) -> float | None:
     """When the rate becomes 0, ``None`` where it does not."""
 
-    def left(t: float) -> float:
+    def forward(t: float) -> float:
         return way * piece.rate_at(t, lasting)
 
     # the rate has one extremum at most, where b = (c/T)·exp(-t/T)
@@ -172,19 +171,8 @@ def _stops(piece: Piece, way: float, length: float, lasting: float) -> float | N
     if piece.b and piece.c / piece.b > 0:
         found = lasting * math.log(piece.c / (lasting * piece.b)) if piece.c else 0.0
         extremum = found if 0 < found < length else None
-    if extremum is not None and way * piece.c > 0 and left(extremum) < 0:
-        return _crossing(left, 0.0, extremum)
-    if left(length) < 0:
-        return _crossing(left, extremum or 0.0, length)
+    if extremum is not None and way * piece.c > 0 and forward(extremum) < 0:
+        return crossing(forward, 0.0, extremum, HALVINGS)
+    if forward(length) < 0:
+        return crossing(forward, extremum or 0.0, length, HALVINGS)
     return None
-
-
-def _crossing(value: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function that is positive at first and negative at the end crosses 0."""
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        if value(middle) > 0:
-            low = middle
-        else:
-            high = middle
-    return high

@@ -25,10 +25,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from simcompare.model.rotations import quaternions_of
 from simcompare.model.signals import Signal
 from simcompare.model.trajectory import Array
-from simcompare.scenarios.linear_response import Pieces, edges_of, places
+from simcompare.scenarios.body_signals import Vehicle
+from simcompare.scenarios.linear_response import Pieces, edges_of
 
 #: longest piece in time constants: errors below 1e-13
 LONGEST_IN_LAGS = 2.0
@@ -80,18 +80,9 @@ def reference(
     robot = robot_of(parameters)
     goals = (inputs["left_rate"], inputs["right_rate"])
     x, y, heading, speed, yaw_rate, way = driven(parameters, robot, time_s, goals)
-    zero = np.zeros(len(time_s))
-    ahead = np.column_stack((np.cos(heading), np.sin(heading), zero))
-    aside = np.column_stack((-np.sin(heading), np.cos(heading), zero))
-    middle = np.column_stack((x, y, np.full(len(time_s), robot.radius_m)))
-    turned = quaternions_of(np.column_stack((zero, zero, heading)))
-    found: dict[str, Array] = {}
-    for body, forward in (("chassis", 0.0), ("mark", parameters["mark_ahead_m"])):
-        across = (yaw_rate * forward)[:, None] * aside
-        found[f"{body}.position_m"] = middle + forward * ahead
-        found[f"{body}.velocity_m_s"] = speed[:, None] * ahead + across
-        found[f"{body}.orientation_wxyz"] = turned
-        found[f"{body}.rate_rad_s"] = np.column_stack((zero, zero, yaw_rate))
+    vehicle = Vehicle(x, y, heading, speed, yaw_rate)
+    found = vehicle.body("chassis", 0.0, 0.0, robot.radius_m)
+    found |= vehicle.body("mark", parameters["mark_ahead_m"], 0.0, robot.radius_m)
     turned_by = heading - parameters["start_heading_rad"]
     for side, half in (("left", -robot.track_m / 2), ("right", robot.track_m / 2)):
         found[f"{side}.angle_rad"] = (way + half * turned_by) / robot.radius_m
@@ -105,7 +96,8 @@ def driven(
     """x, y, heading, speed, yaw rate and way of the axle's middle at the given times, (n,) each."""
     r, track = robot.radius_m, robot.track_m
     first, second = parameters["start_left_rate_rad_s"], parameters["start_right_rate_rad_s"]
-    edges = edges_of(time_s, goals, LONGEST_IN_LAGS * min(robot.speed_lag_s, robot.turn_lag_s))
+    longest_s = LONGEST_IN_LAGS * min(robot.speed_lag_s, robot.turn_lag_s)
+    edges, at = edges_of(time_s, goals, longest_s)
     pieces = Pieces(edges)
     left, right = (goal.at(pieces.inside.ravel()).reshape(pieces.inside.shape) for goal in goals)
     speed, speed_at = pieces.lagged(
@@ -118,5 +110,4 @@ def driven(
     _, x = pieces.integral(speed * np.cos(heading), parameters["start_x_m"])
     _, y = pieces.integral(speed * np.sin(heading), parameters["start_y_m"])
     _, way = pieces.integral(speed, 0.0)
-    at = places(edges, time_s)
     return tuple(values[at] for values in (x, y, heading_at, speed_at, turn_at, way))

@@ -19,9 +19,9 @@ from dataclasses import dataclass
 from operator import mul
 
 import numpy as np
-from numpy.typing import NDArray
 
 from simcompare.model.trajectory import Array
+from simcompare.scenarios.instants import piece_at
 
 #: terms of a series
 TERMS = 26
@@ -83,9 +83,7 @@ def motion(parameters: Mapping[str, float], time_s: Array) -> tuple[Array, Array
         (parameters["start_angle_rad"], parameters["start_rate_rad_s"]),
         float(time_s[-1]) if len(time_s) else 0.0,
     )
-    place = np.searchsorted(starts, time_s, side="right") - 1
-    place = np.clip(place, 0, len(starts) - 1)
-    return evaluated(np.array(series).T, place, time_s - np.array(starts)[place])
+    return evaluated(np.array(series).T, np.array(starts), time_s)
 
 
 def _developed(
@@ -186,8 +184,10 @@ def _turn(coefficients: list[float], step: float, direction: int) -> float:
     return late
 
 
-def evaluated(series: Array, place: NDArray[np.intp], since_s: Array) -> tuple[Array, Array]:
+def evaluated(series: Array, starts_s: Array, time_s: Array) -> tuple[Array, Array]:
     """Angles and rates from the coefficients (terms, steps), each sample in its own step."""
+    place = piece_at(starts_s, time_s)
+    since_s = time_s - starts_s[place]
     angle, rate = np.zeros(len(place)), np.zeros(len(place))
     for coefficients in series[::-1]:
         rate = rate * since_s + angle

@@ -100,10 +100,9 @@ def motion(parameters: Mapping[str, float], time_s: Array) -> tuple[Array, Array
         time += step
         if time > until_s:
             break
-    place = np.clip(np.searchsorted(starts, time_s, side="right") - 1, 0, len(starts) - 1)
-    since_s = time_s - np.array(starts)[place]
-    found = [evaluated(one, place, since_s) for one in np.array(series).transpose(1, 2, 0)]
-    return np.array([one[0] for one in found]), np.array([one[1] for one in found])
+    links_of_steps = np.array(series).transpose(1, 2, 0)
+    links_at = [evaluated(link, np.array(starts), time_s) for link in links_of_steps]
+    return np.array([angle for angle, _ in links_at]), np.array([rate for _, rate in links_at])
 
 
 def energy_of(parameters: Mapping[str, float], angles: Array, rates: Array) -> Array:

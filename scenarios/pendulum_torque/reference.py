@@ -15,13 +15,14 @@ upper rest every error grows, by e^(ω·t).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from simcompare.model.signals import Ramp, Signal, SineSteps, Step, Table
+from simcompare.model.signals import Signal
 from simcompare.model.trajectory import Array
+from simcompare.scenarios.instants import corners_of, crossing, grid
 
 #: longest step [s], and longest step in radians of the fastest natural frequency
 LONGEST_STEP_S = 0.001
@@ -29,9 +30,9 @@ LONGEST_STEP_RAD = 0.0067
 #: two corners that are nearer than this are one [s]
 SAME_S = 1e-9
 #: halvings of a step in which an instant is looked for: 1 ms to 1e-18 s
-MOST_HALVINGS = 50
+MAX_HALVINGS = 50
 #: turns in one step, of which there are hardly ever two
-MOST_TURNS = 10
+MAX_TURNS = 10
 #: torque in a step as c0 + c1·x + c2·x², x the time since it began
 Parabola = tuple[float, float, float]
 #: Gauss' points in a step, as fractions: inside, so that a jump at its end is not seen
@@ -91,63 +92,39 @@ def reference(
 
 
 def motion(
-    pendulum: Pendulum, start: tuple[float, float], time_s: Array, given: Signal
+    pendulum: Pendulum, start: tuple[float, float], time_s: Array, drive: Signal
 ) -> tuple[Array, Array]:
     """Angle and rate (n,) at the times, from angle and rate at time 0."""
     angle, rate = np.empty(len(time_s)), np.empty(len(time_s))
-    places = _places(pendulum, time_s, given)
-    wanted = np.searchsorted(places, time_s - SAME_S)
+    places, wanted = grid(time_s, corners_of(drive), _longest_s(pendulum), SAME_S)
     angle[wanted == 0], rate[wanted == 0] = start
     i = int(np.searchsorted(wanted, 1))
     state = start
     # what the step's end is to the samples: the next one of them, or none
     ends = wanted.tolist()
-    for step, (length, drive) in enumerate(_steps(pendulum, places, given), start=1):
-        state = _through(pendulum, state, length, drive)
+    for step, (length, torque) in enumerate(_steps(pendulum, places, drive), start=1):
+        state = _through(pendulum, state, length, torque)
         while i < len(ends) and ends[i] == step:
             angle[i], rate[i] = state
             i += 1
     return angle, rate
 
 
-def corners(given: Signal) -> Array:
-    """Times at which a signal jumps or bends [s]."""
-    if isinstance(given, Table):
-        return np.array(given.time_s)
-    if isinstance(given, Step):
-        return np.array([given.time_s])
-    if isinstance(given, Ramp):
-        return np.array([given.start_s, given.end_s])
-    if isinstance(given, SineSteps):
-        ends = given.dwell_s * np.arange(1, len(given.frequencies_Hz) + 1)
-        return np.asarray(ends, dtype=float)
-    return np.empty(0)
-
-
-def _places(pendulum: Pendulum, time_s: Array, given: Signal) -> Array:
-    """Ends of all steps: samples and corners, with more between where they lie far apart."""
-    bends = corners(given)
-    bends = bends[(bends > 0) & (bends < time_s[-1])]
-    every = np.unique(np.concatenate(([0.0], time_s, bends)))
-    every = every[np.concatenate(([True], np.diff(every) > SAME_S))]
+def _longest_s(pendulum: Pendulum) -> float:
+    """Longest step [s]: a hair more than a whole number of them is that number."""
     fastest = math.sqrt((pendulum.weight + pendulum.stiffness) / pendulum.inertia)
     longest = min(LONGEST_STEP_S, LONGEST_STEP_RAD / fastest) if fastest else LONGEST_STEP_S
-    gaps = np.diff(every)
-    # a hair more than a whole number of steps is that number
-    parts = np.maximum(1, np.ceil(gaps / longest - 1e-6)).astype(int)
-    begin, width = np.repeat(every[:-1], parts), np.repeat(gaps / parts, parts)
-    number = np.arange(len(begin)) - np.repeat(np.cumsum(parts) - parts, parts)
-    return np.asarray(np.append(begin + number * width, every[-1]), dtype=float)
+    return longest * (1 + 1e-6)
 
 
-def _steps(pendulum: Pendulum, places: Array, given: Signal) -> Iterator[tuple[float, Parabola]]:
+def _steps(pendulum: Pendulum, places: Array, drive: Signal) -> Iterator[tuple[float, Parabola]]:
     """Length of every step, and the torque of the drive in it: a parabola.
 
     It goes through the signal at three points inside the step.
     """
     lengths = np.diff(places)
     first, middle, last = (
-        pendulum.gain * given.at(places[:-1] + part * lengths) for part in _INSIDE
+        pendulum.gain * drive.at(places[:-1] + part * lengths) for part in _INSIDE
     )
     reach = _INSIDE[2] - 0.5
     slope = (last - first) / (2 * reach)
@@ -164,7 +141,7 @@ def _through(
 ) -> tuple[float, float]:
     """Angle and rate after a step, in which the pendulum may turn back, stop and set off again."""
     begun = 0.0
-    for _ in range(MOST_TURNS):
+    for _ in range(MAX_TURNS):
         way = (
             math.copysign(1.0, state[1])
             if state[1]
@@ -231,13 +208,17 @@ def _turns_after(
     drive: Parabola,
 ) -> float:
     """Time until the rate is 0, where it has changed its sign after ``length``."""
-    return _crossing(lambda x: way * _slide(pendulum, state, way, begun, x, drive)[1], length)
+
+    def onward(x: float) -> float:
+        return way * _slide(pendulum, state, way, begun, x, drive)[1]
+
+    return crossing(onward, 0.0, length, MAX_HALVINGS)
 
 
 def _driven(pendulum: Pendulum, angle: float, x: float, drive: Parabola) -> float:
     """What would set the pendulum in motion from rest [N·m]."""
-    given = drive[0] + x * (drive[1] + x * drive[2])
-    return given - pendulum.weight * math.sin(angle) - pendulum.stiffness * angle
+    torque = drive[0] + x * (drive[1] + x * drive[2])
+    return torque - pendulum.weight * math.sin(angle) - pendulum.stiffness * angle
 
 
 def _way_from_rest(
@@ -258,16 +239,4 @@ def _rests_until(
 
     if spare(length - begun) >= 0:
         return length
-    return begun + _crossing(spare, length - begun)
-
-
-def _crossing(value: Callable[[float], float], end: float) -> float:
-    """Where a function that is positive at first and negative at the end crosses 0."""
-    low, high = 0.0, end
-    for _ in range(MOST_HALVINGS):
-        middle = 0.5 * (low + high)
-        if value(middle) > 0:
-            low = middle
-        else:
-            high = middle
-    return high
+    return begun + crossing(spare, 0.0, length - begun, MAX_HALVINGS)

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from simcompare.model.trajectory import Array
+from simcompare.scenarios.body_signals import unturned
 from simcompare.scenarios.robot.straight import Forces, Straight
 
 #: (time [s], torque of each wheel [N·m]) where a torque begins or bends
@@ -96,12 +97,7 @@ def body_signals(name: str, motion: Motion, start_m: Sequence[float]) -> dict[st
     position, velocity = np.tile(start_m, (count, 1)), np.zeros((count, 3))
     position[:, 0] += motion.distance_m
     velocity[:, 0] = motion.speed_m_s
-    return {
-        f"{name}.position_m": position,
-        f"{name}.velocity_m_s": velocity,
-        f"{name}.orientation_wxyz": np.tile((1.0, 0.0, 0.0, 0.0), (count, 1)),
-        f"{name}.rate_rad_s": np.zeros((count, 3)),
-    }
+    return unturned(name, position, velocity)
 
 
 def wheel_signals(
@@ -160,15 +156,7 @@ def _pieces(robot: Straight, knots: Knots) -> Iterator[_Piece]:
             share = (end_s - start_s) / (high - low) if high > low else math.nan
             first = start_s + (one - low) * share if one > low else start_s
             last = start_s + (two - low) * share if two < high else end_s
-            yield _Piece(first, last, begin, _growth(begin, end, last - first))
+            # both ends may be taken at a threshold: the forces are continuous there
+            yield _Piece(first, last, begin, begin.change_to(end, last - first))
     start_s, torque = knots[-1]
     yield _Piece(start_s, math.inf, robot.forces(torque), Forces(0.0, 0.0, 0.0))
-
-
-def _growth(begin: Forces, end: Forces, duration_s: float) -> Forces:
-    """Both ends of a piece may be taken at a threshold: the forces are continuous there."""
-    return Forces(
-        (end.acceleration_m_s2 - begin.acceleration_m_s2) / duration_s,
-        (end.spin_rad_s2 - begin.spin_rad_s2) / duration_s,
-        (end.caster_N - begin.caster_N) / duration_s,
-    )

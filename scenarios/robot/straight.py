@@ -19,6 +19,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from simcompare.errors import InputError
 
 
@@ -33,6 +35,14 @@ class Forces:
     acceleration_m_s2: float
     spin_rad_s2: float
     caster_N: float
+
+    def change_to(self, end: Forces, over: float = 1.0) -> Forces:
+        """What it takes to become others, for one unit of what changes by ``over`` meanwhile."""
+        return Forces(
+            (end.acceleration_m_s2 - self.acceleration_m_s2) / over,
+            (end.spin_rad_s2 - self.spin_rad_s2) / over,
+            (end.caster_N - self.caster_N) / over,
+        )
 
 
 @dataclass(frozen=True)
@@ -124,8 +134,6 @@ class Straight:
         Raises:
             InputError: the tyres are too weak to pull the caster along.
         """
-        import numpy as np
-
         r, length, friction = self.radius_m, self.caster_m, self.tyre_friction
         inertia, m = self.wheel_inertia_kg_m2, self.mass_kg
         weight = m * self.gravity_m_s2

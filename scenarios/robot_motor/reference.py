@@ -109,13 +109,7 @@ class _Linear:
 def _linear(forces: Callable[[float], Forces], drive: Drive) -> _Linear:
     """Forces of rolling or of sliding wheels over the rate ω at which they turn."""
     begin = forces(drive.stall_N_m)
-    one = forces(drive.stall_N_m - drive.damping_N_m_s_rad)
-    change = Forces(
-        one.acceleration_m_s2 - begin.acceleration_m_s2,
-        one.spin_rad_s2 - begin.spin_rad_s2,
-        one.caster_N - begin.caster_N,
-    )
-    return _Linear(begin, change)
+    return _Linear(begin, begin.change_to(forces(drive.stall_N_m - drive.damping_N_m_s_rad)))
 
 
 def _rolling(
@@ -166,12 +160,12 @@ def _grip_s(robot: Straight, drive: Drive) -> float:
 
     # the lead grows as long as tyres gain speed faster than the robot does, and falls afterwards
     begin, change, r = linear.begin, linear.change, robot.radius_m
-    most_rate = (r * begin.spin_rad_s2 - begin.acceleration_m_s2) / (
+    max_rate = (r * begin.spin_rad_s2 - begin.acceleration_m_s2) / (
         change.acceleration_m_s2 - r * change.spin_rad_s2
     )
     fall = -change.spin_rad_s2
-    most_s = -math.log1p(-most_rate * fall / begin.spin_rad_s2) / fall
-    late_s = 2 * most_s
+    max_s = -math.log1p(-max_rate * fall / begin.spin_rad_s2) / fall
+    late_s = 2 * max_s
     while ahead(late_s) > 0:
         late_s *= 2
-    return float(brentq(ahead, most_s, late_s, xtol=1e-15, rtol=1e-14))
+    return float(brentq(ahead, max_s, late_s, xtol=1e-15, rtol=1e-14))

@@ -26,6 +26,7 @@ import numpy as np
 from simcompare.errors import InputError
 from simcompare.model.rotations import multiply, quaternions_of
 from simcompare.model.trajectory import Array
+from simcompare.scenarios.body_signals import Vehicle
 
 #: of the integration, relative and absolute: a thousandth of what the tests ask for
 TOLERANCE = 1e-12
@@ -42,31 +43,17 @@ def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array
     """
     x, y, heading, speed, yaw_rate, left, right = integrated(parameters, time_s)
     count, r = len(time_s), parameters["wheel_radius_m"]
-    zero = np.zeros(count)
-    ahead = np.column_stack((np.cos(heading), np.sin(heading), zero))
-    aside = np.column_stack((-np.sin(heading), np.cos(heading), zero))
-    turned = quaternions_of(np.column_stack((zero, zero, heading)))
-    middle, up = np.column_stack((x, y, zero)), np.array((0.0, 0.0, 1.0))
-
-    def carried(forward_m: float, left_m: float, height_m: float) -> tuple[Array, Array]:
-        """Position and velocity of a point of the body."""
-        position = middle + forward_m * ahead + left_m * aside + height_m * up
-        along, across = speed - yaw_rate * left_m, yaw_rate * forward_m
-        return position, along[:, None] * ahead + across[:, None] * aside
-
-    found: dict[str, Array] = {}
-    place = (-parameters["center_behind_m"], 0.0, parameters["center_height_m"])
-    found["chassis.position_m"], found["chassis.velocity_m_s"] = carried(*place)
-    found["chassis.orientation_wxyz"] = turned
-    found["chassis.rate_rad_s"] = yaw_rate[:, None] * up
+    zero, vehicle = np.zeros(count), Vehicle(x, y, heading, speed, yaw_rate)
+    behind_m, height_m = parameters["center_behind_m"], parameters["center_height_m"]
+    found = vehicle.body("chassis", -behind_m, 0.0, height_m)
     for side, sign, angle in (("left", 1, left), ("right", -1, right)):
         half = sign * parameters["track_m"] / 2
         rate = (speed - yaw_rate * half) / r
         wheel = f"{side}_wheel"
-        found[f"{wheel}.position_m"], found[f"{wheel}.velocity_m_s"] = carried(0.0, half, r)
+        found |= vehicle.body(wheel, 0.0, half, r)
         rolled = quaternions_of(np.column_stack((zero, angle, zero)))
-        found[f"{wheel}.orientation_wxyz"] = multiply(turned, rolled)
-        found[f"{wheel}.rate_rad_s"] = yaw_rate[:, None] * up + rate[:, None] * aside
+        found[f"{wheel}.orientation_wxyz"] = multiply(vehicle.orientation_wxyz, rolled)
+        found[f"{wheel}.rate_rad_s"] += rate[:, None] * vehicle.aside
         found[f"{side}.angle_rad"], found[f"{side}.rate_rad_s"] = angle, rate
         found[f"{side}_motor.torque_N_m"] = np.full(count, parameters[f"{side}_torque_N_m"])
     return {**found, **_loads(parameters, speed, yaw_rate)}

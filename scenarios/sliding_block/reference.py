@@ -13,6 +13,7 @@ import numpy as np
 
 from simcompare.errors import InputError
 from simcompare.model.trajectory import Array
+from simcompare.scenarios.body_signals import unturned
 
 
 def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array]:
@@ -37,14 +38,8 @@ def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array
     moved, speed = motion(parameters, time_s)
     zero = np.zeros(len(time_s))
     height = np.full(len(time_s), parameters["height_m"] / 2)
-    upright = np.zeros((len(time_s), 4))
-    upright[:, 0] = 1.0
-    return {
-        "block.position_m": np.column_stack((parameters["start_position_m"] + moved, zero, height)),
-        "block.velocity_m_s": np.column_stack((speed, zero, zero)),
-        "block.orientation_wxyz": upright,
-        "block.rate_rad_s": np.zeros((len(time_s), 3)),
-    }
+    position = np.column_stack((parameters["start_position_m"] + moved, zero, height))
+    return unturned("block", position, np.column_stack((speed, zero, zero)))
 
 
 def motion(parameters: Mapping[str, float], time_s: Array) -> tuple[Array, Array]:
