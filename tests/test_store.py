@@ -111,6 +111,14 @@ def test_what_is_read_is_what_was_written_to_the_last_bit(tmp_path):
     ]
 
 
+def test_a_folder_may_be_called_as_a_pattern_of_files_is(tmp_path):
+    run = synthetic()
+    (tmp_path / "runs b").mkdir()  # what the pattern would find
+    saved = store.save(run, tmp_path / "it's runs [ab]?*")
+    assert saved.folder is not None
+    assert_same(store.load(saved.folder), run)
+
+
 def test_a_run_of_an_engine_is_read_back_too(made, tmp_path):
     saved = store.save(made, tmp_path)
     assert saved.folder is not None

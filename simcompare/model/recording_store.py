@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from simcompare.errors import InputError, OutputError
+from simcompare.model import parquet
 from simcompare.model.recording import (
     Channel,
     Clock,
@@ -41,7 +42,7 @@ _OURS = re.compile(r"recording\.json|stream-\d{3,}\.parquet")
 _U, _SATURATED = "u:", "saturated:"
 #: version 2 stores bytes of equal weight together, which packs measured numbers better and faster
 #: than looking for repeated ones
-_PARQUET = "format parquet, parquet_version v2, compression zstd, dictionary_size_limit 1"
+_PACKED = ", parquet_version v2, dictionary_size_limit 1"
 
 
 def save(recording: Recording, folder: Path) -> Path:
@@ -86,11 +87,9 @@ def _check_place(folder: Path, place: Path) -> None:
 
 
 def _write(recording: Recording, folder: Path) -> None:
-    import duckdb
-
     streams = {}
     # one for all: a log may have thousands of streams
-    with duckdb.connect() as connection:
+    with parquet.connect() as connection:
         # each thread holds a group of rows of every column: one keeps a long log small
         connection.execute("set threads=1")
         for number, (name, stream) in enumerate(recording.streams.items(), start=1):
@@ -146,7 +145,7 @@ def load(folder: Path) -> Recording:
                 str(path), [f"format {head['format']!r} is not known; expected {FORMAT}"]
             )
         streams = {
-            name: _stream(one, _read_table(folder / one["table"]))
+            name: _stream(one, parquet.read(folder / one["table"]))
             for name, one in head["streams"].items()
         }
         return Recording(streams, _provenance(head["provenance"]), _events(head["events"]))
@@ -210,45 +209,18 @@ def _stream_head(stream: Stream, names: Mapping[str, Mapping[str, str]]) -> dict
 
 
 def _write_table(
-    connection: Any,  # noqa: ANN401  (duckdb has few types)
+    connection: parquet.Connection,
     path: Path,
     stream: Stream,
     names: Mapping[str, Mapping[str, str]],
 ) -> None:
-    import duckdb
-
-    columns: dict[str, Any] = {TIME: np.asarray(stream.time_s)}
+    columns = {TIME: np.asarray(stream.time_s)}
     for name, channel in stream.channels.items():
         for what, column in names[name].items():
             columns[column] = np.asarray(getattr(channel, what))
-    # numbered in the query: names of channels may hold anything
-    numbered = {f"c{i}": values for i, values in enumerate(columns.values())}
-    chosen = ", ".join(
-        (f"nullif(c{i}, 'nan'::double)" if values.dtype == np.float64 else f"c{i}")
-        + ' as "{}"'.format(name.replace('"', '""'))
-        for i, (name, values) in enumerate(columns.items())
-    )
-    try:
-        connection.register("samples", numbered)
-        connection.execute(f"copy (select {chosen} from samples) to '{_quoted(path)}' ({_PARQUET})")
-        connection.unregister("samples")
-    except duckdb.Error as error:
-        message = str(error).splitlines()[0].partition(": {")[0]
-        raise OSError(f"writing {path.name}: {message}") from None
-
-
-def _read_table(path: Path) -> dict[str, Any]:
-    import duckdb
-
-    try:
-        with duckdb.connect() as connection:
-            columns = connection.execute(f"select * from '{_quoted(path)}'").fetchnumpy()
-    except duckdb.Error as error:
-        raise InputError(str(path), [f"cannot be read: {str(error).splitlines()[0]}"]) from None
-    return {
-        name: np.ma.filled(values, np.nan) if values.dtype == np.float64 else np.ma.filled(values)
-        for name, values in columns.items()
-    }
+    selected = ", ".join(parquet.register(connection, "samples", columns))
+    parquet.copy(connection, f"select {selected} from samples", path, _PACKED)
+    connection.unregister("samples")
 
 
 def _stream(head: Mapping[str, Any], columns: Mapping[str, Array]) -> Stream:
@@ -292,7 +264,3 @@ def _numbers(row: Mapping[str, float | None]) -> dict[str, float]:
 
 def _events(rows: list[Mapping[str, Any]]) -> tuple[Event, ...]:
     return tuple(Event(**row) for row in rows)
-
-
-def _quoted(path: Path) -> str:
-    return str(path).replace("'", "''")

@@ -19,6 +19,7 @@ import numpy as np
 
 from simcompare.compare.comparison import Score
 from simcompare.errors import InputError, OutputError
+from simcompare.model import parquet
 from simcompare.model.settings import OLD_LEVELS
 from simcompare.model.trajectory import Trajectory
 from simcompare.results.records import stored
@@ -139,36 +140,26 @@ def _write_trajectories(path: Path, entries: tuple[Stored, ...]) -> None:
     """
     if not entries:
         return
-    import duckdb
-
     blocks = [item.trajectory.to_columns() for item in entries]
     names = list(dict.fromkeys(name for block in blocks for name in block))
     lengths = [len(item.trajectory.time_s) for item in entries]
-    labels = [(item.source, item.contact, item.repeat) for item in entries]
-    table: dict[str, np.ndarray[Any, Any]] = {
+    table = {
         "entry": np.repeat(np.arange(len(entries)), lengths),
         **{name: _column(blocks, lengths, name) for name in names},
     }
+    labels = [(i, item.source, item.contact, item.repeat) for i, item in enumerate(entries)]
     rows = ", ".join(["(?, ?, ?, ?)"] * len(labels))
-    values = [value for i, label in enumerate(labels) for value in (i, *label)]
-    columns = ", ".join(f'nullif("{name}", \'nan\'::double) as "{name}"' for name in names)
-    try:
-        with duckdb.connect() as connection:
-            connection.register("samples", table)
-            connection.execute(
-                "create table labels as select * from"
-                f" (values {rows}) t(entry, source, contact, repeat)",
-                values,
-            )
-            connection.execute(
-                f"copy (select source, contact, repeat, {columns}"
-                " from samples join labels using (entry)"
-                f" order by entry, time_s) to '{_quoted(path)}' (format parquet, compression zstd)"
-            )
-    except duckdb.Error as error:
-        # DuckDB appends the same again as JSON
-        message = str(error).splitlines()[0].partition(": {")[0]
-        raise OSError(f"writing {path.name}: {message}") from None
+    with parquet.connect() as connection:
+        _, *columns = parquet.register(connection, "samples", table)
+        connection.execute(
+            f"create table labels as from (values {rows}) t(entry, source, contact, repeat)",
+            [value for label in labels for value in label],
+        )
+        query = (
+            f"select source, contact, repeat, {', '.join(columns)} from samples join labels"
+            " on samples.c0 = labels.entry order by entry, time_s"
+        )
+        parquet.copy(connection, query, path)
 
 
 def _column(blocks: list[dict[str, Any]], lengths: list[int], name: str) -> np.ndarray[Any, Any]:
@@ -179,14 +170,7 @@ def _column(blocks: list[dict[str, Any]], lengths: list[int], name: str) -> np.n
 def _read_trajectories(path: Path, versions: Mapping[Any, str]) -> list[Stored]:
     if not path.is_file():
         return []
-    import duckdb
-
-    try:
-        with duckdb.connect() as connection:
-            query = f"select * from '{_quoted(path)}'"
-            columns = connection.execute(query).fetchnumpy()
-    except duckdb.Error as error:
-        raise InputError(str(path), [f"cannot be read: {str(error).splitlines()[0]}"]) from None
+    columns = parquet.read(path)
     lacking = [name for name in (*_INDEX, "time_s") if name not in columns]
     if lacking:
         raise InputError(str(path), [f"is not of a run: it has no column {', '.join(lacking)}"])
@@ -197,7 +181,7 @@ def _read_trajectories(path: Path, versions: Mapping[Any, str]) -> list[Stored]:
     for start, end in zip(starts, [*starts[1:], len(keys)], strict=True):
         source, contact, repeat = keys[start]
         contact = OLD_LEVELS.get(contact, contact)
-        block = {name: np.ma.filled(columns[name][start:end], np.nan) for name in signals}
+        block = {name: columns[name][start:end] for name in signals}
         trajectory = _from_columns(source, contact, block)
         trajectory = replace(trajectory, version=versions.get((source, contact), ""))
         entries.append(Stored(source, contact, int(repeat), trajectory))
@@ -218,7 +202,3 @@ def _from_columns(source: str, contact: str, columns: dict[str, Any]) -> Traject
         for name, parts in signals.items()
     }
     return Trajectory(source, columns["time_s"], stacked, contact=contact)
-
-
-def _quoted(path: Path) -> str:
-    return str(path).replace("'", "''")
