@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypeAlias
+
+#: an object of JSON, or a mapping of YAML, where it is read or written: it may hold anything
+Plain: TypeAlias = dict[str, Any]
 
 
 def number(value: float | None, u: float | None = None) -> str:

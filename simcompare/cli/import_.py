@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
 if TYPE_CHECKING:
     from simcompare.model.recording import Provenance, Recording
+    from simcompare.notation import Plain
 
 #: rows of a repair that are printed; recording.json has all
 _SHOWN = 5
@@ -46,28 +47,28 @@ def import_(
     """Read a log of a real device; everything noticed or repaired is recorded."""
     from simcompare.cli import console
     from simcompare.hardware import importing
-    from simcompare.model import recording_store
+    from simcompare.notation import finite
     from simcompare.verbs.import_log import import_log
 
     if template:
         typer.echo(importing.template(log, kind=kind), nl=False)
         return
     place = out or Path(f"{log.stem or log.name}.rec")
-    found = import_log(
+    recording = import_log(
         log, kind=kind, mapping=mapping, strict=strict, assume_units=assume_units, out=place
     )
     if as_json:
-        console.print_json(recording_store.plain({"recording": str(place), **as_plain(found)}))
+        console.print_json(finite({"recording": str(place), **_plain(recording)}))
         return
-    _print(found)
+    _print(recording)
     typer.echo(f"Stored in {place}")
 
 
-def as_plain(found: Recording) -> dict[str, Any]:
+def _plain(recording: Recording) -> Plain:
     """What a recording holds, without its samples."""
     return {
-        "provenance": asdict(found.provenance),
-        "events": [asdict(event) for event in found.events],
+        "provenance": asdict(recording.provenance),
+        "events": [asdict(event) for event in recording.events],
         "streams": {
             name: {
                 "samples": len(stream.time_s),
@@ -76,21 +77,21 @@ def as_plain(found: Recording) -> dict[str, Any]:
                 "gaps": len(stream.gaps),
                 "channels": {c: channel.unit for c, channel in stream.channels.items()},
             }
-            for name, stream in found.streams.items()
+            for name, stream in recording.streams.items()
         },
     }
 
 
-def _print(found: Recording) -> None:
+def _print(recording: Recording) -> None:
     import numpy as np
 
     from simcompare import units
     from simcompare.cli import console
 
-    about = found.provenance
+    about = recording.provenance
     typer.echo(f"{about.file}: {about.importer}, {about.size_bytes / 1e6:.3g} MB")
     made = console.table("stream", "samples", "seconds", "channel", "unit", "from", "range")
-    for name, stream in found.streams.items():
+    for name, stream in recording.streams.items():
         start = [name, str(len(stream.time_s)), f"{stream.time_s[-1]:.6g}"]
         for channel, content in stream.channels.items():
             known = content.values[np.isfinite(content.values)]
@@ -99,20 +100,20 @@ def _print(found: Recording) -> None:
             made.add_row(*start, channel, "" if unit == "1" else unit, content.raw, span)
             start = ["", "", ""]
     console.show_table(made)
-    if found.events:
-        typer.echo(f"{len(found.events)} events: " + _times(found))
+    if recording.events:
+        typer.echo(f"{len(recording.events)} events: " + _times(recording))
     for row in about.conversions:
         if not row.channel:
             typer.echo(f"left out: {row.raw}: {row.reason}")
-    print_repairs(about)
+    _print_repairs(about)
 
 
-def _times(found: Recording) -> str:
-    shown = [f"{event.name} {event.time_s:.4f} s" for event in found.events[:_SHOWN]]
-    return ", ".join(shown) + (" …" if len(found.events) > _SHOWN else "")
+def _times(recording: Recording) -> str:
+    shown = [f"{event.name} {event.time_s:.4f} s" for event in recording.events[:_SHOWN]]
+    return ", ".join(shown) + (" …" if len(recording.events) > _SHOWN else "")
 
 
-def print_repairs(about: Provenance) -> None:
+def _print_repairs(about: Provenance) -> None:
     """Everything noticed or changed, a line each."""
     for repair in about.repairs:
         where = "/".join(part for part in (repair.stream, repair.channel) if part)

@@ -8,29 +8,27 @@ of these names may be the same. What is missing is NULL.
 from __future__ import annotations
 
 import json
-import math
 import re
 import shutil
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from simcompare.errors import InputError, OutputError
 from simcompare.model import parquet
 from simcompare.model.recording import (
     Channel,
     Clock,
-    Conversion,
     Event,
     Provenance,
     Recording,
-    Repair,
     Stream,
 )
-from simcompare.model.trajectory import Array
+from simcompare.notation import finite
 
 HEAD = "recording.json"
 #: version of what recording.json holds
@@ -86,6 +84,46 @@ def _check_place(folder: Path, place: Path) -> None:
         )
 
 
+@dataclass(frozen=True)
+class _ChannelHead:
+    """What recording.json says of a channel.
+
+    Attributes:
+        unit: and what follows: as the channel has it; ``u`` where it is one number.
+        columns: "values", "u" and "saturated" -> column of the table; the first recordings that
+            were stored do not name them.
+    """
+
+    unit: str
+    frame: str
+    u: float | None
+    sensor: str
+    kind: str
+    raw: str
+    columns: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class _StreamHead:
+    """What recording.json says of a stream: its table, and what that does not hold."""
+
+    table: str
+    samples: int
+    clock: Clock
+    gaps: tuple[int, ...]
+    channels: Mapping[str, _ChannelHead]
+
+
+@dataclass(frozen=True)
+class _Head:
+    """What recording.json holds."""
+
+    format: int
+    provenance: Provenance
+    events: tuple[Event, ...]
+    streams: Mapping[str, _StreamHead]
+
+
 def _write(recording: Recording, folder: Path) -> None:
     streams = {}
     # one for all: a log may have thousands of streams
@@ -93,12 +131,11 @@ def _write(recording: Recording, folder: Path) -> None:
         # each thread holds a group of rows of every column: one keeps a long log small
         connection.execute("set threads=1")
         for number, (name, stream) in enumerate(recording.streams.items(), start=1):
-            table = f"stream-{number:03}.parquet"
-            names = _column_names(stream)
-            _write_table(connection, folder / table, stream, names)
-            streams[name] = {"table": table, **_stream_head(stream, names)}
-    head = plain(_head(recording, streams))
-    text = json.dumps(head, indent=1, ensure_ascii=False, allow_nan=False)
+            head = _stream_head(stream, f"stream-{number:03}.parquet")
+            _write_table(connection, folder / head.table, stream, head)
+            streams[name] = head
+    whole = _Head(FORMAT, recording.provenance, recording.events, streams)
+    text = json.dumps(finite(asdict(whole)), indent=1, ensure_ascii=False, allow_nan=False)
     (folder / HEAD).write_text(text + "\n", encoding="utf-8")
 
 
@@ -117,15 +154,6 @@ def _put(made: Path, place: Path) -> None:
     shutil.rmtree(old, ignore_errors=True)
 
 
-def plain(value: Any) -> Any:  # noqa: ANN401  (whatever JSON may hold)
-    """The same without numbers that JSON does not have: they become null."""
-    if isinstance(value, Mapping):
-        return {key: plain(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(one) for one in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
 def is_recording(path: Path) -> bool:
     """Whether a folder holds a stored recording."""
     return (path / HEAD).is_file()
@@ -139,43 +167,35 @@ def load(folder: Path) -> Recording:
     """
     path = folder / HEAD
     try:
-        head = json.loads(path.read_text(encoding="utf-8"))
-        if head["format"] != FORMAT:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        if content["format"] != FORMAT:
             raise InputError(
-                str(path), [f"format {head['format']!r} is not known; expected {FORMAT}"]
+                str(path), [f"format {content['format']!r} is not known; expected {FORMAT}"]
             )
+        head = TypeAdapter(_Head).validate_python(content)
         streams = {
-            name: _stream(one, parquet.read(folder / one["table"]))
-            for name, one in head["streams"].items()
+            name: _stream(one, parquet.read(folder / one.table))
+            for name, one in head.streams.items()
         }
-        return Recording(streams, _provenance(head["provenance"]), _events(head["events"]))
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        return Recording(streams, head.provenance, head.events)
+    except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(
             str(path), [f"cannot be read ({type(error).__name__}: {error}); import the log again"]
         ) from None
 
 
-def _head(recording: Recording, streams: Mapping[str, Any]) -> dict[str, Any]:
-    return {
-        "format": FORMAT,
-        "provenance": asdict(recording.provenance),
-        "events": [asdict(event) for event in recording.events],
-        "streams": streams,
-    }
-
-
 def _column_names(stream: Stream) -> dict[str, dict[str, str]]:
     """Columns of each channel in its table; no two are alike, whatever channels are called."""
     taken = {TIME}
-    found: dict[str, dict[str, str]] = {}
+    names: dict[str, dict[str, str]] = {}
     for name, channel in stream.channels.items():
         wanted = {"values": name}
         if isinstance(channel.u, np.ndarray):
             wanted["u"] = _U + name
         if channel.saturated is not None:
             wanted["saturated"] = _SATURATED + name
-        found[name] = {what: _free(text, taken) for what, text in wanted.items()}
-    return found
+        names[name] = {part: _free(text, taken) for part, text in wanted.items()}
+    return names
 
 
 def _free(wanted: str, taken: set[str]) -> str:
@@ -187,80 +207,38 @@ def _free(wanted: str, taken: set[str]) -> str:
     return name
 
 
-def _stream_head(stream: Stream, names: Mapping[str, Mapping[str, str]]) -> dict[str, Any]:
-    channels = {}
-    for name, channel in stream.channels.items():
-        u = None if isinstance(channel.u, np.ndarray) else channel.u
-        channels[name] = {
-            "unit": channel.unit,
-            "frame": channel.frame,
-            "u": u,
-            "sensor": channel.sensor,
-            "kind": channel.kind,
-            "raw": channel.raw,
-            "columns": dict(names[name]),
-        }
-    return {
-        "samples": len(stream.time_s),
-        "clock": asdict(stream.clock),
-        "gaps": [int(i) for i in stream.gaps],
-        "channels": channels,
-    }
+def _stream_head(stream: Stream, table: str) -> _StreamHead:
+    columns = _column_names(stream)
+    channels = {
+        name: _ChannelHead(
+            channel.unit, channel.frame, None if isinstance(channel.u, np.ndarray) else channel.u,
+            channel.sensor, channel.kind, channel.raw, columns[name],
+        )
+        for name, channel in stream.channels.items()
+    }  # fmt: skip
+    gaps = tuple(int(i) for i in stream.gaps)
+    return _StreamHead(table, len(stream.time_s), stream.clock, gaps, channels)
 
 
 def _write_table(
-    connection: parquet.Connection,
-    path: Path,
-    stream: Stream,
-    names: Mapping[str, Mapping[str, str]],
+    connection: parquet.Connection, path: Path, stream: Stream, head: _StreamHead
 ) -> None:
     columns = {TIME: np.asarray(stream.time_s)}
     for name, channel in stream.channels.items():
-        for what, column in names[name].items():
-            columns[column] = np.asarray(getattr(channel, what))
+        for part, column in head.channels[name].columns.items():
+            columns[column] = np.asarray(getattr(channel, part))
     selected = ", ".join(parquet.register(connection, "samples", columns))
     parquet.copy(connection, f"select {selected} from samples", path, _PACKED)
     connection.unregister("samples")
 
 
-def _stream(head: Mapping[str, Any], columns: Mapping[str, Array]) -> Stream:
+def _stream(head: _StreamHead, columns: Mapping[str, Any]) -> Stream:
     channels = {}
-    for name, about in head["channels"].items():
-        # the first recordings that were stored do not name their columns
-        names = about.get("columns") or {
-            "values": name,
-            "u": _U + name,
-            "saturated": _SATURATED + name,
-        }
-        u = columns.get(names.get("u", ""), about["u"])
-        saturated: Any = columns.get(names.get("saturated", ""))
+    for name, about in head.channels.items():
+        names = about.columns or {"values": name, "u": _U + name, "saturated": _SATURATED + name}
         channels[name] = Channel(
-            columns[names["values"]], about["unit"], about["frame"], u, about["sensor"],
-            about["kind"], about["raw"], saturated,
+            columns[names["values"]], about.unit, about.frame,
+            columns.get(names.get("u", ""), about.u), about.sensor, about.kind, about.raw,
+            columns.get(names.get("saturated", "")),
         )  # fmt: skip
-    return Stream(columns[TIME], channels, Clock(**head["clock"]), tuple(head["gaps"]))
-
-
-def _provenance(head: Mapping[str, Any]) -> Provenance:
-    conversions = tuple(Conversion(**row) for row in head["conversions"])
-    repairs = tuple(
-        Repair(
-            **{
-                **row,
-                "rows": tuple((first, last) for first, last in row["rows"]),
-                "before": _numbers(row["before"]),
-                "after": _numbers(row["after"]),
-            }
-        )
-        for row in head["repairs"]
-    )
-    return Provenance(**{**head, "conversions": conversions, "repairs": repairs})
-
-
-def _numbers(row: Mapping[str, float | None]) -> dict[str, float]:
-    """Numbers of a repair; null stands for one that is not finite."""
-    return {name: math.nan if value is None else value for name, value in row.items()}
-
-
-def _events(rows: list[Mapping[str, Any]]) -> tuple[Event, ...]:
-    return tuple(Event(**row) for row in rows)
+    return Stream(columns[TIME], channels, head.clock, head.gaps)
