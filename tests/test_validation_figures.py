@@ -10,7 +10,6 @@ from simcompare.model.trajectory import Trajectory
 from simcompare.reports.sections.validation import Timings
 from simcompare.reports.validation import events as real_events
 from simcompare.reports.validation import gap_figures, tables, waveforms
-from simcompare.results.run import Stored
 from tests import validated
 from tests.validated import NOISE_RAD, cells, changed, plain, streams
 
@@ -203,7 +202,7 @@ def test_a_noisy_measurement_does_not_fill_the_panel(fitted):
         return next(s.style.width for s in figure.panels[0].series if s.label == "measured")
 
     noisy = tuple(
-        Stored(s.source, s.contact, s.repeat, rough(s.trajectory)) if s.source == "measured" else s
+        replace(s, trajectory=rough(s.trajectory)) if s.source == "measured" else s
         for s in fitted.trajectories
     )
     assert width(fitted) > 3 * width(replace(fitted, trajectories=noisy))

@@ -160,7 +160,7 @@ def test_the_record_is_plain_and_says_how_far_it_holds(swing_fit):
     assert low == pytest.approx(-1.1, abs=0.1)
     assert high == pytest.approx(1.2, abs=0.05)
     assert np.shape(record["closed_form"]["correlation"]) == (3, 3)
-    stretches = {one.repeat for one in swing_fit.trajectories if one.source == "measured"}
+    stretches = {one.segment for one in swing_fit.trajectories if one.source == "measured"}
     assert stretches == {0, 1, 2, 3}
 
 

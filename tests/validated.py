@@ -9,7 +9,6 @@ import simcompare
 from simcompare.inference.reference_model import model_of
 from simcompare.model import plain as json_values
 from simcompare.results.records.validation import Validation
-from simcompare.results.run import Stored
 from simcompare.scenarios import catalogue
 from tests import records
 
@@ -94,7 +93,7 @@ def streams(run, count):
         several[key] = [renamed(row, "log", name) for name in names for row in found[key]]
     for i, row in enumerate(several["waveforms"]):
         row["nrmse"] = 0.01 * (1 + i // len(found["waveforms"]))
-    trajectories = tuple(Stored(s.source, s.contact, i, s.trajectory)
+    trajectories = tuple(replace(s, segment=i)
                          for i in range(count) for s in run.trajectories)  # fmt: skip
     several["alignments"] = [None] * count
     return replace(changed(run, **several), trajectories=trajectories)

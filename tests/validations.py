@@ -96,7 +96,8 @@ def record(**more):
         "compare": {"angle_rad": compared("Angle from hanging")},
         "cases": [segment()], "waveforms": [waveform()], "gaps": [gap()], "values": [value()],
     }  # fmt: skip
-    return Validation(**(found | more))
+    rows = {k: tuple(v) if isinstance(v, list) else v for k, v in (found | more).items()}
+    return Validation(**rows)
 
 
 def held_out(**more):

@@ -34,17 +34,17 @@ def is_fitted(run: Run) -> bool:
     return validation(run).fit is not None
 
 
-def stored(run: Run, source: str, variant: str, case: int) -> Trajectory | None:
-    """One trajectory of a case."""
+def stored(run: Run, source: str, parameters: str, segment: int) -> Trajectory | None:
+    """One trajectory of a segment."""
     for one in run.trajectories:
-        if (one.source, one.contact, one.repeat) == (source, variant, case):
+        if (one.source, one.parameters, one.segment) == (source, parameters, segment):
             return one.trajectory
     return None
 
 
-def truth(run: Run, variant: str, case: int) -> Trajectory | None:
-    """The reference of a case."""
-    return stored(run, TRUTH, variant, case)
+def truth(run: Run, parameters: str, segment: int) -> Trajectory | None:
+    """The reference of a segment."""
+    return stored(run, TRUTH, parameters, segment)
 
 
 def judged_probes(run: Run) -> list[str]:

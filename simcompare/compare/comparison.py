@@ -41,11 +41,12 @@ class Score:
         unit: unit of value, scatter, u, truth and tolerance.
         repeats: number of repeats in the mean.
         truth: value of the closed form, for the nominal parameters.
-        tolerance: half-width of the accepted band around the truth.
+        tolerance: half-width of the accepted band around the truth, or around what was measured.
         verdict: "pass", "fail" or "info" (simple acceptance, JCGM 106:2012, 8.2).
         low: lowest value of the repeats that could be measured, ``None`` where none could.
         high: highest of them.
         lacking: why it could not be measured, where the source does not give a signal.
+        measured: value that was measured on a real device.
     """
 
     source: str
@@ -64,6 +65,7 @@ class Score:
     low: float | None = None
     high: float | None = None
     lacking: str = ""
+    measured: float | None = None
 
 
 @dataclass(frozen=True)

@@ -13,12 +13,23 @@ from simcompare.running.jobs import exit_code_of
 
 @dataclass(frozen=True)
 class Stored:
-    """One trajectory of a run with its place in it."""
+    """One trajectory of a run with its place in it.
+
+    Attributes:
+        source: name of the source.
+        contact: its contact level, empty where it has none.
+        repeat: number of the repeat.
+        trajectory: what it gave.
+        parameters: which ones, "best", "nominal" or "fitted", where there is a recording.
+        segment: number of the segment of the recording, first is 0.
+    """
 
     source: str
     contact: str
     repeat: int
     trajectory: Trajectory
+    parameters: str = ""
+    segment: int = 0
 
 
 @dataclass(frozen=True)

@@ -23,11 +23,14 @@ from simcompare.model import parquet
 from simcompare.model.settings import OLD_LEVELS
 from simcompare.model.trajectory import Trajectory
 from simcompare.results.records import stored
+from simcompare.results.records.run import Record
 from simcompare.results.run import Run, Stored
 
 RECORD, TRAJECTORIES, SCORES = "run.json", "trajectories.parquet", "scores.csv"
 #: columns that say whose sample a row is
-_INDEX = ("source", "contact", "repeat")
+_INDEX = ("source", "contact", "repeat", "parameters", "segment")
+#: those that version 0.1 did not have
+_NEW = ("parameters", "segment")
 
 
 def check_writable(folder: Path) -> None:
@@ -101,8 +104,7 @@ def load(place: Path) -> Run:
     if not path.is_file():
         raise InputError(str(place), [f"is not a stored run: it holds no {RECORD}"])
     record = stored.read(path)
-    versions = {(source.name, source.contact): source.version or "" for source in record.sources}
-    return Run(record, tuple(_read_trajectories(place / TRAJECTORIES, versions)), place)
+    return Run(record, tuple(_read_trajectories(place / TRAJECTORIES, record)), place)
 
 
 def _reserve(folder: Path, created: str, name: str) -> tuple[Path, Path]:
@@ -133,7 +135,7 @@ def _write_scores(path: Path, scores: tuple[Score, ...]) -> None:
 
 
 def _write_trajectories(path: Path, entries: tuple[Stored, ...]) -> None:
-    """One table: source, contact, repeat, time and one column per component.
+    """One table: whose sample it is, time, and one column per component.
 
     Raises:
         OSError: DuckDB could not write; its own message is kept.
@@ -147,16 +149,18 @@ def _write_trajectories(path: Path, entries: tuple[Stored, ...]) -> None:
         "entry": np.repeat(np.arange(len(entries)), lengths),
         **{name: _column(blocks, lengths, name) for name in names},
     }
-    labels = [(i, item.source, item.contact, item.repeat) for i, item in enumerate(entries)]
-    rows = ", ".join(["(?, ?, ?, ?)"] * len(labels))
+    labels = [(i, *(getattr(item, name) for name in _INDEX)) for i, item in enumerate(entries)]
+    row = f"({', '.join('?' * (1 + len(_INDEX)))})"
+    index = ", ".join(_INDEX)
     with parquet.connect() as connection:
         _, *columns = parquet.register(connection, "samples", table)
         connection.execute(
-            f"create table labels as from (values {rows}) t(entry, source, contact, repeat)",
+            "create table labels as from"
+            f" (values {', '.join([row] * len(labels))}) t(entry, {index})",
             [value for label in labels for value in label],
         )
         query = (
-            f"select source, contact, repeat, {', '.join(columns)} from samples join labels"
+            f"select {index}, {', '.join(columns)} from samples join labels"
             " on samples.c0 = labels.entry order by entry, time_s"
         )
         parquet.copy(connection, query, path)
@@ -167,25 +171,37 @@ def _column(blocks: list[dict[str, Any]], lengths: list[int], name: str) -> np.n
     return np.concatenate([block.get(name, nan) for block, nan in zip(blocks, empty, strict=True)])
 
 
-def _read_trajectories(path: Path, versions: Mapping[Any, str]) -> list[Stored]:
+def _read_trajectories(path: Path, record: Record) -> list[Stored]:
     if not path.is_file():
         return []
     columns = parquet.read(path)
-    lacking = [name for name in (*_INDEX, "time_s") if name not in columns]
+    lacking = [name for name in (*_INDEX, "time_s") if name not in columns and name not in _NEW]
     if lacking:
         raise InputError(str(path), [f"is not of a run: it has no column {', '.join(lacking)}"])
+    if not set(_NEW) <= set(columns):
+        columns |= _new_columns(columns, record)
     keys = list(zip(*(columns[name].tolist() for name in _INDEX), strict=True))
     signals = [name for name in columns if name not in _INDEX]
     starts = [i for i, key in enumerate(keys) if i == 0 or key != keys[i - 1]]
+    versions = {(source.name, source.contact): source.version or "" for source in record.sources}
     entries = []
     for start, end in zip(starts, [*starts[1:], len(keys)], strict=True):
-        source, contact, repeat = keys[start]
+        source, contact, repeat, parameters, segment = keys[start]
         contact = OLD_LEVELS.get(contact, contact)
         block = {name: columns[name][start:end] for name in signals}
         trajectory = _from_columns(source, contact, block)
         trajectory = replace(trajectory, version=versions.get((source, contact), ""))
-        entries.append(Stored(source, contact, int(repeat), trajectory))
+        entries.append(Stored(source, contact, repeat, trajectory, parameters, segment))
     return entries
+
+
+def _new_columns(columns: Mapping[str, Any], record: Record) -> dict[str, Any]:
+    """What version 0.1 stored of a recording: parameters as contact, and segments as repeats."""
+    contact, repeat = columns["contact"], columns["repeat"]
+    if record.kind == "run":
+        return {"parameters": np.full_like(contact, ""), "segment": np.zeros_like(repeat)}
+    found = {"parameters": contact, "segment": repeat, "repeat": np.zeros_like(repeat)}
+    return found if record.kind == "fit" else {**found, "contact": np.full_like(contact, "")}
 
 
 def _from_columns(source: str, contact: str, columns: dict[str, Any]) -> Trajectory:

@@ -266,7 +266,7 @@ def _gather(
         FitRecord, file, [scene], None, sources, scores, fit=_plain(fitted), **told
     )
     trajectories = [
-        Stored(one.engine, FITTED, drop, run)
+        Stored(one.engine, FITTED, 0, run, FITTED, drop)
         for one in found
         for drop, (_, run) in enumerate(one.runs)
     ]

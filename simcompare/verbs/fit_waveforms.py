@@ -165,7 +165,7 @@ def _stored(
     found: Sequence[EngineWaves],
     step_s: float | None,
 ) -> list[Stored]:
-    """Measured, reference and engines, by probe; the repeat is the number of the stretch."""
+    """Measured, reference and engines, by probe."""
     stored = []
     every = dict(zip(setup.every, fitted.solution.values.tolist(), strict=True))
     own = [{**every, **start} for start in fitted.solution.starts]
@@ -173,10 +173,10 @@ def _stored(
         values = own[number] if number < len(own) else fitted.estimate.as_dict()
         scene = model.scenario(case, values, step_s)
         truth = of_probes(scene, model.truth(scene), case.watched)
-        stored.append(Stored(MEASURED, "", number, as_trajectory(case)))
-        stored.append(Stored(TRUTH, FITTED, number, truth))
+        stored.append(Stored(MEASURED, "", 0, as_trajectory(case), segment=number))
+        stored.append(Stored(TRUTH, "", 0, truth, FITTED, number))
     for one in found:
         for (number, variant), run in sorted(one.runs.items()):
             if variant == BEST:
-                stored.append(Stored(one.engine, FITTED, number, run))
+                stored.append(Stored(one.engine, FITTED, 0, run, FITTED, number))
     return stored

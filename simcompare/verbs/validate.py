@@ -150,28 +150,32 @@ def _run_of(request: ValidateRequest, file: ScenarioFile, done: Compared) -> Run
         recording_asked=str(request.recording),
         command=request.command(),
     )
-    return Run(record, tuple(_stored(done.segments, done.engines)))
+    return Run(record, tuple(_stored(done.segments, done.engines, request.contact)))
 
 
 def _score(row: ValueRecord, contact: str) -> Score:
     return Score(
         row.source, contact, row.measure, row.probe, None, row.simulated, None, row.u_simulated,
-        row.unit, 1, row.measured, 2 * row.u_val if row.e_n is not None else None, INFO,
+        row.unit, 1, None, 2 * row.u_val if row.e_n is not None else None, INFO,
+        measured=row.measured,
     )  # fmt: skip
 
 
-def _stored(segments: Sequence[Evaluated], engines: Sequence[Engine]) -> Iterator[Stored]:
-    """Measured, reference and engines; the repeat is the number of the segment."""
+def _stored(
+    segments: Sequence[Evaluated], engines: Sequence[Engine], contact: str
+) -> Iterator[Stored]:
+    """Measured, reference and engines."""
     for number, one in enumerate(segments):
         if one.case.seen:
-            yield Stored(MEASURED, "", number, as_trajectory(one.case))
+            yield Stored(MEASURED, "", 0, as_trajectory(one.case), segment=number)
         if one.truth is not None:
             bands = {f"u({probe})": one.u_input(probe) for probe in one.case.seen}
             signals = {**one.truth.signals, **{k: v for k, v in bands.items() if v is not None}}
-            yield Stored(TRUTH, BEST, number, Trajectory(TRUTH, one.truth.time_s, signals))
+            truth = Trajectory(TRUTH, one.truth.time_s, signals)
+            yield Stored(TRUTH, "", 0, truth, BEST, number)
         if one.nominal is not None:
-            yield Stored(TRUTH, NOMINAL, number, one.nominal)
+            yield Stored(TRUTH, "", 0, one.nominal, NOMINAL, number)
     for engine in engines:
         for (number, variant), run in engine.runs.items():
             if variant in (BEST, NOMINAL):
-                yield Stored(engine.name, variant, number, run)
+                yield Stored(engine.name, contact, 0, run, variant, number)

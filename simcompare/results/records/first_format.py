@@ -18,7 +18,7 @@ def of_today(data: Mapping[str, Any], today: int) -> Row:
     kind = next((name for name in ("fit", "validation") if data.get(name)), "run")
     found = {**data, "format": today, "kind": kind}
     _rows(found, "sources", _level)
-    _rows(found, "scores", _run_score if kind == "run" else _score)
+    _rows(found, "scores", _SCORES[kind])
     if isinstance(data.get("against"), Mapping):
         found["against"] = dict(data["against"])
         _rows(found["against"], "matches", _match)
@@ -45,6 +45,11 @@ def _score(row: Row) -> Row:
     return {"scatter": None, **_level(row)}
 
 
+def _measured_score(row: Row) -> Row:
+    """What was called truth was measured."""
+    return {**_score(row), "truth": None, "measured": row.get("truth")}
+
+
 def _run_score(row: Row) -> Row:
     """What was called u is the scatter of single repeats; that of their mean follows from it."""
     scatter, repeats = row.get("u"), row.get("repeats")
@@ -52,3 +57,6 @@ def _run_score(row: Row) -> Row:
     if isinstance(scatter, float | int) and isinstance(repeats, int):
         u = scatter / math.sqrt(max(repeats, 1))
     return {**_level(row), "scatter": scatter, "u": u}
+
+
+_SCORES = {"run": _run_score, "fit": _score, "validation": _measured_score}
