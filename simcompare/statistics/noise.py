@@ -84,3 +84,21 @@ def autocovariance(values: Array) -> Array:
     size = 1 << (2 * len(values) - 1).bit_length()  # so that its end does not meet its start
     power = np.abs(np.fft.rfft(values, size)) ** 2
     return np.asarray(np.fft.irfft(power, size)[: len(values)] / len(values))
+
+
+def correlation_length(residuals: Array) -> float:
+    """Integrated autocorrelation of residuals in samples, at least 1.
+
+    1 + 2·Σρ_k up to the first lag at which ρ is below 0 (initial positive sequence).
+
+    Args:
+        residuals: in order of time (n,).
+    """
+    centred = residuals - residuals.mean()
+    correlation = autocovariance(np.asarray(centred))[: len(centred) // 2]
+    if correlation[0] <= 0:
+        return 1.0
+    rho = correlation / correlation[0]
+    negative = np.flatnonzero(rho < 0)
+    end = int(negative[0]) if len(negative) else len(rho)
+    return max(1.0, float(1 + 2 * rho[1:end].sum()))

@@ -15,7 +15,8 @@ from simcompare.inference.estimate import Estimate, estimate
 from simcompare.inference.evaluated import Evaluated, evaluate
 from simcompare.inference.plan import Plan
 from simcompare.inference.reference_model import Model, model_of
-from simcompare.inference.segments import as_trajectory, cases_of
+from simcompare.inference.segment_reader import cases_of
+from simcompare.inference.segments import as_trajectory
 from simcompare.inference.simulated import BEST, NOMINAL, Engine, simulate
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS
 from simcompare.model.trajectory import TRUTH, Trajectory

@@ -15,8 +15,8 @@ from simcompare.errors import SimcompareError
 from simcompare.fitting.waveforms.reference import Fitted
 from simcompare.fitting.waveforms.setup import Setup
 from simcompare.inference.defect_correction import Corrected, correct, simulate
-from simcompare.inference.estimate import Block, residuals_of, solve
 from simcompare.inference.reference_model import Model
+from simcompare.inference.residuals import Block, residuals_of, solve
 from simcompare.inference.segments import Case
 from simcompare.inference.simulated import BEST, HALF, of_probes
 from simcompare.model.resampling import interpolated

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from simcompare.fitting.waveforms.setup import Setup
-from simcompare.inference.estimate import Block, Estimate, Solution, blocks_of, estimate, solve
+from simcompare.inference.estimate import Estimate, estimate
 from simcompare.inference.reference_model import Model
+from simcompare.inference.residuals import Block, Solution, blocks_of, solve
 from simcompare.model.trajectory import Array
 
 #: singular values of the scaled Jacobian below this part of the largest tell nothing

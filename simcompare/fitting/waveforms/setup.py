@@ -10,7 +10,8 @@ from simcompare.errors import InputError, UnknownName
 from simcompare.inference import plan as plans
 from simcompare.inference import sources
 from simcompare.inference.plan import Plan
-from simcompare.inference.segments import Case, cases_of
+from simcompare.inference.segment_reader import cases_of
+from simcompare.inference.segments import Case
 from simcompare.inference.sources import Source
 from simcompare.scenarios.scenario_file import ScenarioFile
 

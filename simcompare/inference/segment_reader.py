@@ -1,0 +1,270 @@
+"""Segments read from a recording: channels on the clock of a scenario, and starts read off."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from simcompare import measures, units
+from simcompare.errors import InputError, UnknownName
+from simcompare.inference.plan import Plan, ReadOff
+from simcompare.inference.segments import DURATION, Case, Seen
+from simcompare.model.recording import Channel, Recording, Stream
+from simcompare.model.signals import Signal, Table
+from simcompare.model.trajectory import Array
+from simcompare.scenarios.scenario_file import ScenarioFile
+
+#: samples of a channel below which nothing can be said of it
+MIN_SAMPLES = 10
+#: samples that may be missing in a row in an input
+_MAX_HOLE = 20
+
+
+def cases_of(
+    file: ScenarioFile,
+    plan: Plan,
+    recording: Recording,
+    streams: Sequence[str],
+    given: Mapping[str, float],
+    most_s: float | None = None,
+) -> list[Case]:
+    """The cases of some streams, in their order.
+
+    Args:
+        file: the scenario.
+        plan: which channel is what.
+        recording: the recording.
+        streams: streams; all that have the leading channel where empty.
+        given: parameters that the user sets, which replace those of the plan.
+        most_s: longest duration [s].
+
+    Raises:
+        UnknownName: a channel or stream that does not exist.
+        InputError: a stretch without samples.
+    """
+    chosen = list(streams) or _streams_of(plan, recording)
+    for name in chosen:
+        if name not in recording.streams:
+            raise UnknownName("stream of the recording", name, recording.streams)
+    return [_case(file, plan, recording, name, given, most_s) for name in chosen]
+
+
+def _streams_of(plan: Plan, recording: Recording) -> list[str]:
+    """Streams that have the leading channel, or the events."""
+    if plan.compare:
+        return _streams_with(recording, next(iter(plan.compare.values())).channel)
+    assert plan.events is not None
+    found = [event.stream for event in recording.events if event.name == plan.events.event]
+    if not found:
+        known = {event.name for event in recording.events}
+        raise UnknownName("event of the recording", plan.events.event, known)
+    return list(dict.fromkeys(found))
+
+
+def _streams_with(recording: Recording, channel: str) -> list[str]:
+    found = [name for name, stream in recording.streams.items() if _channel(stream, name, channel)]
+    if not found:
+        recording.find(channel)  # says which channels there are
+    return found
+
+
+def _channel(stream: Stream, name: str, channel: str) -> Channel | None:
+    wanted, _, short = channel.rpartition("/")
+    if wanted and wanted != name:
+        return None
+    full = units.find_name(short, stream.channels)
+    return None if full is None else stream.channels[full]
+
+
+@dataclass(frozen=True)
+class _Reader:
+    """Channels of a recording on the clock of one case."""
+
+    recording: Recording
+    stream: str
+    start_s: float
+
+    def read(self, channel: str) -> tuple[Array, Channel]:
+        """Times from the start of the case, and the channel."""
+        own = self.recording.streams[self.stream]
+        found = _channel(own, self.stream, channel)
+        if found is not None:
+            return own.time_s - self.start_s, found
+        other, name = self.recording.find(channel)
+        stream = self.recording.streams[other]
+        shift = stream.clock.first_s - own.clock.first_s
+        return stream.time_s + shift - self.start_s, stream.channels[name]
+
+
+def _case(
+    file: ScenarioFile,
+    plan: Plan,
+    recording: Recording,
+    stream: str,
+    given: Mapping[str, float],
+    most_s: float | None,
+) -> Case:
+    own = recording.streams[stream]
+    start_s = plan.window.start_s
+    left = float(own.time_s[-1]) - start_s
+    duration_s = min(d for d in (plan.window.duration_s, most_s, left) if d is not None)
+    if duration_s <= 0:
+        raise InputError(
+            f"stream {stream}",
+            [f"lasts {own.time_s[-1]:g} s, but the window begins at {start_s:g} s"],
+        )
+    reader = _Reader(recording, stream, start_s)
+    values = {name: known.value for name, known in plan.parameters.items()}
+    u = {name: known.u for name, known in plan.parameters.items()}
+    for name, read_off in plan.start.items():
+        values[name], u[name] = _read_off(reader, read_off)
+    if DURATION in file.parameters:
+        values[DURATION], u[DURATION] = duration_s, 0.0
+    values.update(given)
+    u.update(dict.fromkeys(given, 0.0))
+    inputs: dict[str, Signal] = {
+        name: _table(reader, driven.channel, duration_s) for name, driven in plan.inputs.items()
+    }
+    u_inputs = {
+        name: float(stated)
+        for name, driven in plan.inputs.items()
+        if isinstance(stated := reader.read(driven.channel)[1].u, float)
+    }
+    faults = unit_faults(file, plan, reader)
+    if faults:
+        raise InputError(f"stream {stream}", faults)
+    seen = {
+        probe: _seen(reader, compared.channel, compared.u, compared.offset, duration_s)
+        for probe, compared in plan.compare.items()
+    }
+    events = tuple(
+        replace(event, time_s=event.time_s - start_s)
+        for event in recording.events
+        if plan.events is not None
+        and (event.stream, event.name) == (stream, plan.events.event)
+        and 0 <= event.time_s - start_s <= duration_s
+    )
+    watched = tuple(dict.fromkeys((*plan.compare, *event_probes(file, plan))))
+    short = plan.window.duration_s is not None and left < 0.99 * plan.window.duration_s
+    return Case(
+        stream, start_s, duration_s, values, u, inputs, seen, events, watched, u_inputs, short
+    )
+
+
+def unit_faults(file: ScenarioFile, plan: Plan, reader: _Reader) -> list[str]:
+    """Channels that are of another unit than what they are held against, or read off as."""
+    found = []
+    probes = file.resolve().probes
+    wanted = [(f"probe {n}", probes[n].unit, c.channel) for n, c in plan.compare.items()]
+    wanted += [
+        (f"parameter {name}", units.unit_of(name), read_off.channel)
+        for name, read_off in plan.start.items()
+        if not read_off.derivative
+    ]
+    for what, unit, channel in wanted:
+        own = reader.read(channel)[1].unit
+        if own != units.si_of(unit, what)[2]:
+            found.append(
+                f"{what} is in {units.symbol(unit)}, but channel {channel} in"
+                f" {units.symbol(own)}; compare the right channel, or mend its unit with --map"
+            )
+    return found
+
+
+def event_probes(file: ScenarioFile, plan: Plan) -> list[str]:
+    """Probes that the measure of the plan's events looks at."""
+    if plan.events is None:
+        return []
+    for measure in file.resolve().measures:
+        names = measures.load(measure.function).series
+        if plan.events.series in [measure.names.get(name, name) for name in names]:
+            return [measure.probe, *measure.also.values()]
+    known = [n for m in file.resolve().measures for n in measures.load(m.function).series]
+    raise UnknownName(f"series of {file.name}", plan.events.series, known)
+
+
+def _seen(reader: _Reader, name: str, u: float | None, offset: float, duration_s: float) -> Seen:
+    time_s, channel = reader.read(name)
+    inside = (time_s >= 0) & (time_s <= duration_s)
+    known = inside & np.isfinite(channel.values)
+    whole = known if channel.saturated is None else known & ~channel.saturated
+    if np.count_nonzero(whole) < MIN_SAMPLES:
+        raise InputError(
+            f"stream {reader.stream}, channel {name}",
+            [
+                f"has {np.count_nonzero(whole)} usable samples in the window of {duration_s:g} s;"
+                f" expected at least {MIN_SAMPLES}"
+            ],
+        )
+    own = channel.u if u is None else u
+    return Seen(
+        time_s[whole],
+        channel.values[whole] + offset,
+        own[whole] if isinstance(own, np.ndarray) else own,
+        int(np.count_nonzero(inside & ~known)),
+        int(np.count_nonzero(known & ~whole)),
+    )
+
+
+def _table(reader: _Reader, name: str, duration_s: float) -> Table:
+    time_s, channel = reader.read(name)
+    step_s = float(np.median(np.diff(time_s)))
+    inside = (time_s >= -2 * step_s) & (time_s <= duration_s + 2 * step_s)
+    known = inside & np.isfinite(channel.values)
+    holes = np.diff(time_s[known]) if np.count_nonzero(known) > 2 else np.zeros(1)
+    if holes.max() > _MAX_HOLE * step_s:
+        at = float(time_s[known][int(np.argmax(holes))])
+        raise InputError(
+            f"stream {reader.stream}, channel {name}",
+            [
+                f"an input has a hole of {holes.max():.3g} s at {at:.4g} s of the window, where"
+                " nothing is known of it; choose a window without it"
+            ],
+        )
+    if np.count_nonzero(known) < 2:
+        raise InputError(
+            f"stream {reader.stream}, channel {name}",
+            ["holds nothing in the window; an input needs at least two samples"],
+        )
+    return Table(
+        signal="table",
+        time_s=tuple(time_s[known].tolist()),
+        value=tuple(channel.values[known].tolist()),
+    )
+
+
+def _read_off(reader: _Reader, wanted: ReadOff) -> tuple[float, float]:
+    """Value or rate at the start, and its standard uncertainty, from a parabola or a cubic.
+
+    It is laid through the samples on both sides of the start where the record has them.
+    """
+    time_s, channel = reader.read(wanted.channel)
+    back_s = min(wanted.over_s / 2, max(0.0, -float(time_s[0])))
+    near = (time_s >= -back_s) & (time_s <= wanted.over_s - back_s) & np.isfinite(channel.values)
+    if channel.saturated is not None:
+        near &= ~channel.saturated
+    times, values = time_s[near], channel.values[near]
+    # a rate at the edge of its window wants one order more
+    degree = min(2 + wanted.derivative, len(times) - 2)
+    if degree < wanted.derivative or degree < 0:
+        raise InputError(
+            f"stream {reader.stream}, channel {wanted.channel}",
+            [
+                f"has {len(times)} usable samples within {wanted.over_s:g} s of the start; too few"
+                " to read a start off, use a longer over_s"
+            ],
+        )
+    scale = wanted.over_s  # so that powers of short times do not vanish
+    design = np.vander(times / scale, degree + 1, increasing=True)
+    found, *_ = np.linalg.lstsq(design, values, rcond=None)
+    left = values - design @ found
+    free = len(times) - degree - 1
+    own = float(np.mean(channel.u[near])) if isinstance(channel.u, np.ndarray) else channel.u or 0.0
+    # samples that stand still show no scatter, and are not exact for that
+    spread = max(float(left @ left) / max(free, 1), own**2 if wanted.derivative else 0.0)
+    k = wanted.derivative
+    u = np.sqrt(np.linalg.pinv(design.T @ design)[k, k] * spread) / scale**k
+    common = own if k == 0 else 0.0
+    return float(found[k]) / scale**k + wanted.offset, float(np.hypot(u, common))
