@@ -10,14 +10,14 @@ from simcompare.reports.validation import answer_basis, answer_gap, answer_value
 from simcompare.results.records.validation import SAME, Validation, ValueRecord
 
 
-def with_words(found: Validation) -> Validation:
+def with_words(validation: Validation) -> Validation:
     """The record with a verdict on every value and the answer in sentences.
 
     Args:
-        found: the record of the validation.
+        validation: the record of the validation.
     """
-    values = tuple(replace(row, words=verdict(row, found.basis)) for row in found.values)
-    return replace(found, values=values, sentences=tuple(sentences(found)))
+    values = tuple(replace(row, words=verdict(row, validation.basis)) for row in validation.values)
+    return replace(validation, values=values, sentences=tuple(sentences(validation)))
 
 
 def verdict(row: ValueRecord, basis: str) -> str:
@@ -31,54 +31,56 @@ def verdict(row: ValueRecord, basis: str) -> str:
     return "within the noise level"
 
 
-def sentences(found: Validation) -> list[str]:
+def sentences(validation: Validation) -> list[str]:
     """The answer of a validation.
 
     Args:
-        found: the record of the validation.
+        validation: the record of the validation.
     """
-    if not found.waveforms and not found.timings:
+    if not validation.waveforms and not validation.timings:
         return ["No engine ran, so nothing can be said."]
     return [
-        *_clocks(found),
-        *_cut(found),
-        *answer_gap.sentences(found),
-        *answer_values.sentences(found),
-        *answer_basis.sentences(found),
-        *_log(found),
-        *answer_basis.advice(found),
+        *_clocks(validation),
+        *_cut(validation),
+        *answer_gap.sentences(validation),
+        *answer_values.sentences(validation),
+        *answer_basis.sentences(validation),
+        *_log(validation),
+        *answer_basis.advice(validation),
     ]
 
 
-def _clocks(found: Validation) -> Iterator[str]:
+def _clocks(validation: Validation) -> Iterator[str]:
     """Whether the clocks could be aligned in more than one way."""
-    pairs = zip(found.cases, found.alignments, strict=False)
+    pairs = zip(validation.cases, validation.alignments, strict=False)
     streams = [case.stream for case, one in pairs if one is not None and one.ambiguous]
     if streams:
-        on = f" ({', '.join(streams)})" if len(found.cases) > 1 else ""
+        on = f" ({', '.join(streams)})" if len(validation.cases) > 1 else ""
         yield (
             f"The clocks are not aligned with certainty{on}: another offset fits about as well, so"
             " everything that compares times may be wrong."
         )
 
 
-def _cut(found: Validation) -> Iterator[str]:
+def _cut(validation: Validation) -> Iterator[str]:
     """Windows that are shorter than was asked for."""
-    cut = [case for case in found.cases if case.short]
+    cut = [case for case in validation.cases if case.short]
     if not cut:
         return
     lengths = phrases.size_span([case.duration_s for case in cut], "s")
-    if len(found.cases) > 1:
+    if len(validation.cases) > 1:
         lengths += f" of {', '.join(case.stream for case in cut)}"
     yield f"The log ends before the window that was asked for: only {lengths} are judged."
 
 
-def _log(found: Validation) -> Iterator[str]:
+def _log(validation: Validation) -> Iterator[str]:
     """Defects of the log that a reader of the answer must know of."""
     defects = []
     for severity, words in ((REPAIR, "repaired"), (WARNING, "left and marked")):
         rules = dict.fromkeys(
-            phrases.spaced(one.rule) for one in found.provenance.repairs if one.severity == severity
+            phrases.spaced(one.rule)
+            for one in validation.provenance.repairs
+            if one.severity == severity
         )
         if rules:
             defects.append(f"{words}: {', '.join(rules)}")

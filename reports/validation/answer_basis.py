@@ -28,24 +28,26 @@ _MOST = 0.5
 _NAMED = 5
 
 
-def sentences(found: Validation) -> Iterator[str]:
+def sentences(validation: Validation) -> Iterator[str]:
     """Where the parameters come from."""
-    if found.fit is None:
-        yield _known(found)
+    if validation.fit is None:
+        yield _known(validation)
         return
-    yield " ".join([_fitted(found, found.fit), *_read_off(found), *_alike(found.fit)])
+    yield " ".join(
+        [_fitted(validation, validation.fit), *_read_off(validation), *_alike(validation.fit)]
+    )
 
 
 # where the parameters come from
 
 
-def _names(found: Validation, kind: str) -> list[str]:
-    return [row.name for row in found.parameters if row.kind == kind and row.name != DURATION]
+def _names(validation: Validation, kind: str) -> list[str]:
+    return [row.name for row in validation.parameters if row.kind == kind and row.name != DURATION]
 
 
-def _known(found: Validation) -> str:
-    said = list(_read_off(found))
-    by_user, known, default = (_names(found, kind) for kind in ("given", "known", "scenario"))
+def _known(validation: Validation) -> str:
+    said = list(_read_off(validation))
+    by_user, known, default = (_names(validation, kind) for kind in ("given", "known", "scenario"))
     if by_user:
         said.append(f"{_were(by_user)} given by the user.")
     if known and not said and not default:
@@ -68,20 +70,20 @@ def _were(names: Sequence[str]) -> str:
     return f"The {phrases.parameters(names)} {'was' if len(names) == 1 else 'were'}"
 
 
-def _read_off(found: Validation) -> Iterator[str]:
-    names = _names(found, "read off")
+def _read_off(validation: Validation) -> Iterator[str]:
+    names = _names(validation, "read off")
     if names:
-        of_each = "each stretch of it" if len(found.cases) > 1 else "it"
+        of_each = "each stretch of it" if len(validation.cases) > 1 else "it"
         yield (f"{_were(names)} read off the recording that is judged, at the start of {of_each}.")
 
 
-def _fitted(found: Validation, fit: CalibrationRecord) -> str:
-    names = [row.name for row in found.parameters if row.fitted is not None]
+def _fitted(validation: Validation, fit: CalibrationRecord) -> str:
+    names = [row.name for row in validation.parameters if row.fitted is not None]
     fitted = f"{phrases.parameters(names)} {'were' if len(names) > 1 else 'was'} fitted to"
     fitted = phrases.first_up(fitted)
     streams = phrases.places(fit.recording, fit.streams)
-    judged = phrases.places(found.recording, [case.stream for case in found.cases])
-    if found.basis == SAME:
+    judged = phrases.places(validation.recording, [case.stream for case in validation.cases])
+    if validation.basis == SAME:
         return (
             f"{fitted} {streams}, which is also what was judged: this is a fit, not a validation."
         )
@@ -124,39 +126,39 @@ def _same_pairs(fit: CalibrationRecord) -> list[tuple[str, str, float]]:
 # what to do next
 
 
-def advice(found: Validation) -> Iterator[str]:
+def advice(validation: Validation) -> Iterator[str]:
     """What to do first to learn more."""
-    step = _advice(found)
+    step = _advice(validation)
     if step:
         yield f"Next: {step}"
 
 
-def _advice(found: Validation) -> str:
-    bound = [] if found.fit is None else found.fit.at_bound
+def _advice(validation: Validation) -> str:
+    bound = [] if validation.fit is None else validation.fit.at_bound
     if bound:
         return (
             f"ask why the fit pushed the {phrases.parameters(bound)} to its bound; the model may"
             " lack something."
         )
-    if found.basis == SAME:
+    if validation.basis == SAME:
         return "judge stretches that were not fitted."
-    part = _largest_part(found.gaps)
+    part = _largest_part(validation.gaps)
     if part == "numerical":
         return "a shorter step, since numerical error is most of what is left."
     if part == "noise":
         return "a quieter sensor or a longer record; this one holds no more about the model."
     if part is None:
         return ""
-    return _about_parameters(found) or (
+    return _about_parameters(validation) or (
         "a better model; neither a shorter step nor a quieter sensor would close this gap. What is"
-        f" left over time shows where to look.{_also(found)}"
+        f" left over time shows where to look.{_also(validation)}"
     )
 
 
-def _also(found: Validation) -> str:
+def _also(validation: Validation) -> str:
     """The parameter that most of the uncertainty of the values comes from."""
-    name = _leading(found.values)
-    judged = answer_values.judged(found.values)
+    name = _leading(validation.values)
+    judged = answer_values.judged(validation.values)
     if not name or answer_values.dominant(judged)[0] != "u_input":
         return ""
     return (
@@ -171,28 +173,28 @@ def _leading(values: Sequence[ValueRecord]) -> str:
     return name if share >= _MOST else ""
 
 
-def _about_parameters(found: Validation) -> str:
+def _about_parameters(validation: Validation) -> str:
     """What to do about parameters; empty where they are not what is lacking."""
-    name = _leading(found.values)
-    if answer_gap.is_covered(found.gaps):
+    name = _leading(validation.values)
+    if answer_gap.is_covered(validation.gaps):
         what = "the parameters" if not name else f"the {phrases.parameter(name)}"
         return (
             f"measure {what} better; until then the uncertainty of the parameters hides what else"
             " is wrong with the model."
         )
-    if name in _names(found, "read off"):
+    if name in _names(validation, "read off"):
         return (
             f"measure the {phrases.parameter(name)} better, apart from this recording; it was read"
             " off, and most of the parameters' uncertainty is its own."
         )
-    if found.fit is None:
+    if validation.fit is None:
         return (
             "fit the parameters to one part of the recordings and judge another (calibrate:), to"
             " tell wrong parameters from a wrong model."
         )
-    pairs = _same_pairs(found.fit)
-    residual = _residual(found, found.fit)
-    worse = any(row.shares.removed < -_WORSE for row in found.gaps)
+    pairs = _same_pairs(validation.fit)
+    residual = _residual(validation, validation.fit)
+    worse = any(row.shares.removed < -_WORSE for row in validation.gaps)
     if not pairs or (residual <= _FAR and not worse):
         return ""
     first, second, _ = pairs[0]
@@ -204,12 +206,12 @@ def _about_parameters(found: Validation) -> str:
     )
 
 
-def _residual(found: Validation, fit: CalibrationRecord) -> float:
+def _residual(validation: Validation, fit: CalibrationRecord) -> float:
     """What the fit leaves on its own data over the noise of a sample; 0 where unknown."""
-    probe = next((name for name, one in found.compare.items() if one.judged), None)
+    probe = next((name for name, one in validation.compare.items() if one.judged), None)
     if probe is None:
         return 0.0
-    u = [phrases.noise_of(found, case.stream, probe) for case in found.cases]
+    u = [phrases.noise_of(validation, case.stream, probe) for case in validation.cases]
     known = [one for one in u if one]
     return fit.rms / (math.fsum(known) / len(known)) if known else 0.0
 

@@ -32,9 +32,9 @@ _MANY = 2
 _ALL = 0.95
 
 
-def sentences(found: Validation) -> list[str]:
+def sentences(validation: Validation) -> list[str]:
     """How large, and what it is made of."""
-    return [*_how_large(found), *_made_of(found)]
+    return [*_how_large(validation), *_made_of(validation)]
 
 
 def is_covered(rows: Sequence[GapRecord]) -> bool:
@@ -46,70 +46,73 @@ def is_covered(rows: Sequence[GapRecord]) -> bool:
 # how large
 
 
-def _how_large(found: Validation) -> Iterator[str]:
-    rows = [row for row in found.waveforms if row.judged]
+def _how_large(validation: Validation) -> Iterator[str]:
+    rows = [row for row in validation.waveforms if row.judged]
     probes = list(dict.fromkeys(row.probe for row in rows))
     by_probe = {probe: [row for row in rows if row.probe == probe] for probe in probes}
     if len(probes) > _MANY:
-        yield " ".join([_sizes(found, by_probe), *_numerical(found.gaps), *_spread(found, rows)])
+        yield " ".join(
+            [_sizes(validation, by_probe), *_numerical(validation.gaps), *_spread(validation, rows)]
+        )
         return
     for probe, own in by_probe.items():
-        gaps = [row for row in found.gaps if row.probe == probe]
-        yield " ".join([_size(found, own), *_numerical(gaps), *_spread(found, own)])
+        gaps = [row for row in validation.gaps if row.probe == probe]
+        yield " ".join([_size(validation, own), *_numerical(gaps), *_spread(validation, own)])
 
 
-def _sizes(found: Validation, by_probe: Mapping[str, Sequence[WaveformRecord]]) -> str:
+def _sizes(validation: Validation, by_probe: Mapping[str, Sequence[WaveformRecord]]) -> str:
     """One sentence for many quantities."""
-    mains = {probe: _main(found, own) for probe, own in by_probe.items()}
+    mains = {probe: _main(validation, own) for probe, own in by_probe.items()}
     shown = "; ".join(
-        f"{phrases.label(found, probe)} {_off(found, main)}" for probe, main in mains.items()
+        f"{phrases.label(validation, probe)} {_off(validation, main)}"
+        for probe, main in mains.items()
     ).replace(" of the measured range", "")
-    still = [any(phrases.is_constant(found, row) for row in main) for main in mains.values()]
+    still = [any(phrases.is_constant(validation, row) for row in main) for main in mains.values()]
     if all(still):
         how = "root mean square; what was measured varies no more than its noise"
     else:
         how = "root mean square, in shares of the measured range"
         how += " where it varies" if any(still) else ""
-    return f"With {_whose(found)}, the simulated signals are off by ({how}): {shown}."
+    return f"With {_whose(validation)}, the simulated signals are off by ({how}): {shown}."
 
 
-def _whose(found: Validation) -> str:
-    return "the parameters known before" if found.fit is None else "fitted parameters"
+def _whose(validation: Validation) -> str:
+    return "the parameters known before" if validation.fit is None else "fitted parameters"
 
 
-def _main(found: Validation, rows: Sequence[WaveformRecord]) -> list[WaveformRecord]:
+def _main(validation: Validation, rows: Sequence[WaveformRecord]) -> list[WaveformRecord]:
     """Rows with the parameters that are judged, on aligned clocks where there are any."""
-    wanted = KNOWN if found.fit is None else FITTED
+    wanted = KNOWN if validation.fit is None else FITTED
     last = [row for row in rows if row.parameters == wanted]
     aligned = any(row.aligned for row in last)
     return [row for row in last if row.aligned == aligned]
 
 
-def _size(found: Validation, rows: Sequence[WaveformRecord]) -> str:
-    main = _main(found, rows)
+def _size(validation: Validation, rows: Sequence[WaveformRecord]) -> str:
+    main = _main(validation, rows)
     worst = max(main, key=lambda row: row.rmse)
     text = (
-        f"With {_whose(found)}, the simulated {phrases.label(found, worst.probe)} is"
-        f" {_off(found, main)} off (root mean square)"
+        f"With {_whose(validation)}, the simulated {phrases.label(validation, worst.probe)} is"
+        f" {_off(validation, main)} off (root mean square)"
     )
-    if found.fit is not None:
+    if validation.fit is not None:
         same = main[0].aligned
         before = [r for r in rows if r.parameters == KNOWN and r.aligned == same]
-        text += f"; before the fit it was {_off(found, before)}" if before else ""
+        text += f"; before the fit it was {_off(validation, before)}" if before else ""
     if main[0].aligned:
         wanted = main[0].parameters
         raw = [r for r in rows if r.parameters == wanted and not r.aligned]
-        text += f"; with the clocks as recorded it would be {_off(found, raw)}" if raw else ""
+        text += f"; with the clocks as recorded it would be {_off(validation, raw)}" if raw else ""
     size, most = _sizes_of(worst)
-    who = _largest(found, main, worst)
+    who = _largest(validation, main, worst)
     return f"{text}. The largest: {who}, {size}, and {most} at one instant."
 
 
-def _largest(found: Validation, rows: Sequence[WaveformRecord], worst: WaveformRecord) -> str:
+def _largest(validation: Validation, rows: Sequence[WaveformRecord], worst: WaveformRecord) -> str:
     """Who has the largest gap: all engines where theirs are the same in what is told."""
     there = [row for row in rows if row.stream == worst.stream]
     alike = [row.source for row in there if _sizes_of(row) == _sizes_of(worst)]
-    return phrases.whose(alike, phrases.engines_of(there)) + phrases.where(found, worst)
+    return phrases.whose(alike, phrases.engines_of(there)) + phrases.where(validation, worst)
 
 
 def _sizes_of(row: WaveformRecord) -> tuple[str, str]:
@@ -117,9 +120,9 @@ def _sizes_of(row: WaveformRecord) -> tuple[str, str]:
     return phrases.sized(row.rmse, row.unit), phrases.sized(row.max_abs, row.unit)
 
 
-def _off(found: Validation, rows: Sequence[WaveformRecord]) -> str:
+def _off(validation: Validation, rows: Sequence[WaveformRecord]) -> str:
     """A share of the measured range; a size where that range is nothing but noise."""
-    if any(phrases.is_constant(found, row) for row in rows):
+    if any(phrases.is_constant(validation, row) for row in rows):
         return phrases.size_span([row.rmse for row in rows], rows[0].unit)
     return f"{phrases.span([row.nrmse or 0.0 for row in rows])} of the measured range"
 
@@ -139,13 +142,13 @@ def _numerical(gaps: Sequence[GapRecord]) -> Iterator[str]:
     yield f"{whose} is {most}{phrases.percent(share)} of that."
 
 
-def _spread(found: Validation, waveforms: Sequence[WaveformRecord]) -> Iterator[str]:
+def _spread(validation: Validation, waveforms: Sequence[WaveformRecord]) -> Iterator[str]:
     """How far the engines are from each other, beside how far they are from reality."""
     sizes: dict[tuple[str, str], list[float]] = {}
-    for row in _main(found, waveforms):
+    for row in _main(validation, waveforms):
         sizes.setdefault((row.stream, row.probe), []).append(row.rmse)
     ratios = []
-    for one in found.spread:
+    for one in validation.spread:
         own = sizes.get((one.stream, one.probe))
         if own and max(own) > 0:
             ratios.append(one.rms * len(own) / sum(own))
@@ -163,37 +166,40 @@ def _spread(found: Validation, waveforms: Sequence[WaveformRecord]) -> Iterator[
 # what it is made of
 
 
-def _made_of(found: Validation) -> Iterator[str]:
-    probes = list(dict.fromkeys(row.probe for row in found.gaps))
+def _made_of(validation: Validation) -> Iterator[str]:
+    probes = list(dict.fromkeys(row.probe for row in validation.gaps))
     if len(probes) > _MANY:
-        yield _many_parts(found, probes)
+        yield _many_parts(validation, probes)
         return
     for probe in probes:
-        rows = [row for row in found.gaps if row.probe == probe]
-        label = phrases.label(found, probe)
-        text = _split(found, rows, label) if found.fit is not None else _unsplit(rows, label)
+        rows = [row for row in validation.gaps if row.probe == probe]
+        label = phrases.label(validation, probe)
+        text = (
+            _split(validation, rows, label) if validation.fit is not None else _unsplit(rows, label)
+        )
         yield text + _explained(rows)
 
 
-def _many_parts(found: Validation, probes: Sequence[str]) -> str:
+def _many_parts(validation: Validation, probes: Sequence[str]) -> str:
     """One sentence for many quantities."""
     shown = []
     for probe in probes:
-        shares = [r.shares.model_form for r in found.gaps if r.probe == probe]
-        shown.append(f"{phrases.label(found, probe)} {phrases.span(shares)}")
-    if found.fit is None:
+        shares = [r.shares.model_form for r in validation.gaps if r.probe == probe]
+        shown.append(f"{phrases.label(validation, probe)} {phrases.span(shares)}")
+    if validation.fit is None:
         return (
             "Of the mean square of each gap this is neither noise nor numerical error:"
             f" {'; '.join(shown)}. Nothing was fitted, so it may come from the parameters or from"
-            " the model." + _explained(found.gaps)
+            " the model." + _explained(validation.gaps)
         )
     return (
         "Of the mean square of each gap before the fit this is neither taken away by the fit nor"
-        f" noise nor numerical error (model form): {'; '.join(shown)}." + _explained(found.gaps)
+        f" noise nor numerical error (model form): {'; '.join(shown)}."
+        + _explained(validation.gaps)
     )
 
 
-def _split(found: Validation, rows: Sequence[GapRecord], label: str) -> str:
+def _split(validation: Validation, rows: Sequence[GapRecord], label: str) -> str:
     shares = {key: [getattr(row.shares, key) for row in rows] for key in _PARTS}
     order = sorted(_PARTS, key=lambda key: -max(shares[key]))
     parts = [
@@ -212,7 +218,7 @@ def _split(found: Validation, rows: Sequence[GapRecord], label: str) -> str:
             " they do not carry over, and the parts sum to more than 100 %."
         )
     if max(shares["model_form"]) > _MOST and not is_covered(rows):
-        fitted = "there" if found.basis == SAME else "elsewhere"
+        fitted = "there" if validation.basis == SAME else "elsewhere"
         text += (
             f" Model form is what parameters fitted {fitted} leave: it may lie in the equations, in"
             " what drives them, or in parameters that suit only what they were fitted to."

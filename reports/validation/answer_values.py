@@ -37,16 +37,16 @@ def judged(values: Sequence[ValueRecord]) -> list[ValueRecord]:
     return [row for row in values if row.e_n is not None]
 
 
-def sentences(found: Validation) -> list[str]:
+def sentences(validation: Validation) -> list[str]:
     """When things happened, and how sure single values are."""
-    return [*_when(found), *_how_sure(found)]
+    return [*_when(validation), *_how_sure(validation)]
 
 
 # events
 
 
-def _when(found: Validation) -> Iterator[str]:
-    rows = found.timings
+def _when(validation: Validation) -> Iterator[str]:
+    rows = validation.timings
     if not rows:
         return
     text = ""
@@ -55,8 +55,8 @@ def _when(found: Validation) -> Iterator[str]:
             "Fewer than half of the events belong together, so either the clocks are not aligned or"
             " other things happened; the errors of the rest say little. "
         )
-    text += f"{phrases.first_up(phrases.spaced(rows[0].series))}: {_pairs(found, rows)}."
-    if any(row.matched for row in rows) and found.align.by == "events":
+    text += f"{phrases.first_up(phrases.spaced(rows[0].series))}: {_pairs(validation, rows)}."
+    if any(row.matched for row in rows) and validation.align.by == "events":
         text += " The clocks were aligned by these very events, so that only intervals are judged."
     yield " ".join([text, *_intervals(rows)])
 
@@ -65,13 +65,13 @@ def _is_lost(row: TimingRecord) -> bool:
     return max(row.missed, row.extra) > row.matched
 
 
-def _pairs(found: Validation, rows: Sequence[TimingRecord]) -> str:
+def _pairs(validation: Validation, rows: Sequence[TimingRecord]) -> str:
     """How many events belong together, engines with the same numbers as one."""
     groups = _grouped(rows, lambda row: (row.stream, row.matched, row.missed, row.extra))
     if len(groups) <= _MAX_NAMED:
-        return "; ".join(_paired(found, rows, group) for group in groups)
+        return "; ".join(_paired(validation, rows, group) for group in groups)
     worst = min(groups, key=lambda group: group[0].matched / max(_counts(group[0])))
-    return f"{_paired(found, rows, worst)} (the worst; the table has all)"
+    return f"{_paired(validation, rows, worst)} (the worst; the table has all)"
 
 
 def _counts(row: TimingRecord) -> tuple[int, int]:
@@ -79,13 +79,15 @@ def _counts(row: TimingRecord) -> tuple[int, int]:
     return max(row.matched + row.missed, 1), max(row.matched + row.extra, 1)
 
 
-def _paired(found: Validation, rows: Sequence[TimingRecord], group: Sequence[TimingRecord]) -> str:
+def _paired(
+    validation: Validation, rows: Sequence[TimingRecord], group: Sequence[TimingRecord]
+) -> str:
     row = group[0]
     there = [one for one in rows if one.stream == row.stream]
     names = phrases.whose(phrases.engines_of(group), phrases.engines_of(there))
     both = row.matched
     text = (
-        f"in {names}{phrases.where(found, row)} {both} of {both + row.missed} measured events"
+        f"in {names}{phrases.where(validation, row)} {both} of {both + row.missed} measured events"
         f" belong to {both} of {both + row.extra} simulated ones"
     )
     sizes = [one.rmse_s for one in group if one.rmse_s is not None]
@@ -106,26 +108,26 @@ def _intervals(rows: Sequence[TimingRecord]) -> Iterator[str]:
 # single values
 
 
-def _how_sure(found: Validation) -> Iterator[str]:
-    if not found.values:
-        if found.waveforms:
+def _how_sure(validation: Validation) -> Iterator[str]:
+    if not validation.values:
+        if validation.waveforms:
             yield "No single value of the scenario can be read off this recording."
         return
     scores = [
         _Judged(row.source, row.stream, row.measure, row.e_n, bool(row.within_noise))
-        for row in found.values
+        for row in validation.values
         if row.e_n is not None
     ]
     if not scores:
         yield "No single value can be judged, because a part of its uncertainty is not known."
         return
-    text = _agreeing(scores, "single value") + _differing(found, scores)
+    text = _agreeing(scores, "single value") + _differing(validation, scores)
     if not all(score.within_noise for score in scores):
-        text += f"; the furthest is the {_furthest(found, scores)}"
-    elif found.basis != SAME:
+        text += f"; the furthest is the {_furthest(validation, scores)}"
+    elif validation.basis != SAME:
         text += "; that shows no fault, and proves no model"
-    rows = judged(found.values)
-    yield " ".join([f"{text}.", _budget(rows), *_steps(found, rows)])
+    rows = judged(validation.values)
+    yield " ".join([f"{text}.", _budget(rows), *_steps(validation, rows)])
 
 
 def _grouped(rows: Sequence[R], key: Callable[[R], Hashable]) -> list[list[R]]:
@@ -171,21 +173,23 @@ def _is_mixed(cell: Sequence[_Judged]) -> bool:
     return len({row.within_noise for row in cell}) > 1
 
 
-def _differing(found: Validation, rows: Sequence[_Judged]) -> str:
+def _differing(validation: Validation, rows: Sequence[_Judged]) -> str:
     """Engines that do not agree where others do."""
     places = []
     for cell in _cells(rows):
         if _is_mixed(cell):
             beyond = [row.source for row in cell if not row.within_noise]
             measure = phrases.spaced(cell[0].measure)
-            places.append(f"{phrases.listed(beyond)} in {measure}{phrases.where(found, cell[0])}")
+            places.append(
+                f"{phrases.listed(beyond)} in {measure}{phrases.where(validation, cell[0])}"
+            )
     if not places:
         return ""
     more = f" and {len(places) - _MAX_NAMED} more" if len(places) > _MAX_NAMED else ""
     return f"; beyond it where others agree: {', '.join(places[:_MAX_NAMED])}{more}"
 
 
-def _furthest(found: Validation, rows: Sequence[_Judged]) -> str:
+def _furthest(validation: Validation, rows: Sequence[_Judged]) -> str:
     worst = max(rows, key=lambda row: abs(row.e_n))
     # one just outside must not look like one just inside
     digits = 2 if abs(worst.e_n) < 2 else 1
@@ -194,7 +198,7 @@ def _furthest(found: Validation, rows: Sequence[_Judged]) -> str:
     alike = [row.source for row in same if _e_n(row.e_n, digits) == e_n]
     names = phrases.whose(alike, phrases.engines_of(same))
     measure = phrases.spaced(worst.measure)
-    return f"{measure} of {names}{phrases.where(found, worst)}, E_n = {e_n}"
+    return f"{measure} of {names}{phrases.where(validation, worst)}, E_n = {e_n}"
 
 
 def _e_n(value: float, digits: int) -> str:
@@ -251,7 +255,7 @@ def leading_parameter(rows: Sequence[ValueRecord]) -> tuple[str, float]:
     return name, parts[name] / count
 
 
-def _steps(found: Validation, rows: Sequence[ValueRecord]) -> Iterator[str]:
+def _steps(validation: Validation, rows: Sequence[ValueRecord]) -> Iterator[str]:
     """The value in which the engines' own error weighs most."""
     worst = max(rows, key=lambda row: (row.u_num or 0.0) / (row.u_val or 1.0))
     if not worst.u_num or worst.u_num <= _WORTH * worst.u_val:
@@ -259,5 +263,5 @@ def _steps(found: Validation, rows: Sequence[ValueRecord]) -> Iterator[str]:
     u_num, u_val = (phrases.sized(size, worst.unit) for size in (worst.u_num, worst.u_val))
     yield (
         f"Numerical error weighs most in the {phrases.spaced(worst.measure)} of"
-        f" {worst.source}{phrases.where(found, worst)}: u = {u_num} of {u_val}."
+        f" {worst.source}{phrases.where(validation, worst)}: u = {u_num} of {u_val}."
     )

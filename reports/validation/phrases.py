@@ -34,16 +34,16 @@ class OfEngine(Protocol):
         """Its engine."""
 
 
-def label(found: Validation, probe: str) -> str:
+def label(validation: Validation, probe: str) -> str:
     """The label of a compared quantity, in lower case unless it begins with an abbreviation."""
-    text = found.compare[probe].label
+    text = validation.compare[probe].label
     # DC and E_n stay as they are
     return text[:1].lower() + text[1:] if text[1:2].islower() else text
 
 
-def where(found: Validation, row: OfStream) -> str:
+def where(validation: Validation, row: OfStream) -> str:
     """The stretch of a row where there are several."""
-    return f" on {row.stream}" if len(found.streams) > 1 else ""
+    return f" on {row.stream}" if len(validation.streams) > 1 else ""
 
 
 def engines_of(rows: Iterable[OfEngine]) -> list[str]:
@@ -124,24 +124,24 @@ def size_span(values: Sequence[float], unit: str) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def noise_of(found: Validation, stream: str, probe: str) -> float | None:
+def noise_of(validation: Validation, stream: str, probe: str) -> float | None:
     """Standard uncertainty of a sample; ``None`` where it is not known."""
-    for case in found.cases:
+    for case in validation.cases:
         if case.stream == stream:
             return case.probes[probe].u if probe in case.probes else None
     return None
 
 
-def is_constant(found: Validation, row: WaveformRecord) -> bool:
+def is_constant(validation: Validation, row: WaveformRecord) -> bool:
     """Whether a measured signal spans no more than its noise, so that its range has no meaning.
 
     Args:
-        found: the record of the validation.
+        validation: the record of the validation.
         row: of its waveforms.
     """
     if row.nrmse is None:
         return True
-    u = noise_of(found, row.stream, row.probe)
+    u = noise_of(validation, row.stream, row.probe)
     if not u or not row.nrmse:
         return False
     # the range of n normal deviates is about 2·√(2·ln n) standard deviations
