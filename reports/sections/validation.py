@@ -137,8 +137,8 @@ class Source(Section):
     def context(self, run: Run) -> dict[str, Any]:
         """Provenance, repairs, stretches and conversions."""
         repairs = source.repairs(run)
-        whole = not any(not table.folded for table in repairs)
+        unharmed = not any(not table.folded for table in repairs)
         tables = [*repairs, source.stretches(run), source.events(run),
                   source.conversions(run)]  # fmt: skip
-        note = "No defect was found in the log: nothing was repaired." if whole else ""
+        note = "No defect was found in the log: nothing was repaired." if unharmed else ""
         return {"facts": source.facts(run), **_parts([], tables, note)}

@@ -46,21 +46,21 @@ def _names(validation: Validation, kind: str) -> list[str]:
 
 
 def _known(validation: Validation) -> str:
-    said = list(_read_off(validation))
+    parts = list(_read_off(validation))
     by_user, known, default = (_names(validation, kind) for kind in ("given", "known", "scenario"))
     if by_user:
-        said.append(f"{_were(by_user)} given by the user.")
-    if known and not said and not default:
+        parts.append(f"{_were(by_user)} given by the user.")
+    if known and not parts and not default:
         return "All parameters were known before the measurement was looked at."
     if known:
-        said.append(f"{_were(known)} known before the measurement was looked at.")
+        parts.append(f"{_were(known)} known before the measurement was looked at.")
     if default:
         others = "All parameters are"
-        if said:
+        if parts:
             count = len(default)
             others = "One more parameter is" if count == 1 else f"The other {count} parameters are"
-        said.append(f"{others} the scenario's own, with no uncertainty.")
-    return " ".join(said)
+        parts.append(f"{others} the scenario's own, with no uncertainty.")
+    return " ".join(parts)
 
 
 def _were(names: Sequence[str]) -> str:

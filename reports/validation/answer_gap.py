@@ -55,14 +55,16 @@ def _how_large(validation: Validation) -> Iterator[str]:
             [_sizes(validation, by_probe), *_numerical(validation.gaps), *_spread(validation, rows)]
         )
         return
-    for probe, own in by_probe.items():
+    for probe, of_probe in by_probe.items():
         gaps = [row for row in validation.gaps if row.probe == probe]
-        yield " ".join([_size(validation, own), *_numerical(gaps), *_spread(validation, own)])
+        yield " ".join(
+            [_size(validation, of_probe), *_numerical(gaps), *_spread(validation, of_probe)]
+        )
 
 
 def _sizes(validation: Validation, by_probe: Mapping[str, Sequence[WaveformRecord]]) -> str:
     """One sentence for many quantities."""
-    mains = {probe: _main(validation, own) for probe, own in by_probe.items()}
+    mains = {probe: _main(validation, of_probe) for probe, of_probe in by_probe.items()}
     shown = "; ".join(
         f"{phrases.label(validation, probe)} {_off(validation, main)}"
         for probe, main in mains.items()
@@ -82,8 +84,8 @@ def _whose(validation: Validation) -> str:
 
 def _main(validation: Validation, rows: Sequence[WaveformRecord]) -> list[WaveformRecord]:
     """Rows with the parameters that are judged, on aligned clocks where there are any."""
-    wanted = KNOWN if validation.fit is None else FITTED
-    last = [row for row in rows if row.parameters == wanted]
+    parameters = KNOWN if validation.fit is None else FITTED
+    last = [row for row in rows if row.parameters == parameters]
     aligned = any(row.aligned for row in last)
     return [row for row in last if row.aligned == aligned]
 
@@ -100,8 +102,8 @@ def _size(validation: Validation, rows: Sequence[WaveformRecord]) -> str:
         before = [r for r in rows if r.parameters == KNOWN and r.aligned == same]
         text += f"; before the fit it was {_off(validation, before)}" if before else ""
     if main[0].aligned:
-        wanted = main[0].parameters
-        raw = [r for r in rows if r.parameters == wanted and not r.aligned]
+        parameters = main[0].parameters
+        raw = [r for r in rows if r.parameters == parameters and not r.aligned]
         text += f"; with the clocks as recorded it would be {_off(validation, raw)}" if raw else ""
     size, most = _sizes_of(worst)
     who = _largest(validation, main, worst)
@@ -149,9 +151,9 @@ def _spread(validation: Validation, waveforms: Sequence[WaveformRecord]) -> Iter
         sizes.setdefault((row.stream, row.probe), []).append(row.rmse)
     ratios = []
     for one in validation.spread:
-        own = sizes.get((one.stream, one.probe))
-        if own and max(own) > 0:
-            ratios.append(one.rms * len(own) / sum(own))
+        rmses = sizes.get((one.stream, one.probe))
+        if rmses and max(rmses) > 0:
+            ratios.append(one.rms * len(rmses) / sum(rmses))
     if not ratios:
         return
     if max(ratios) < _SAME:

@@ -131,10 +131,10 @@ def _how_sure(validation: Validation) -> Iterator[str]:
 
 
 def _grouped(rows: Sequence[R], key: Callable[[R], Hashable]) -> list[list[R]]:
-    found: dict[Hashable, list[R]] = {}
+    groups: dict[Hashable, list[R]] = {}
     for row in rows:
-        found.setdefault(key(row), []).append(row)
-    return list(found.values())
+        groups.setdefault(key(row), []).append(row)
+    return list(groups.values())
 
 
 def _cells(rows: Sequence[_Judged]) -> list[list[_Judged]]:

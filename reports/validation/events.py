@@ -47,15 +47,15 @@ def figure(run: Run) -> Figure | None:
 
 
 def _points(rows: Sequence[TimingRecord]) -> list[Series]:
-    found = []
+    series = []
     for i, row in enumerate(rows):
         spans = row.intervals
         x = np.array([one.number for one in spans]) + spread(i, len(rows), 0.5)
         y = np.array([one.simulated_s - one.measured_s for one in spans])
         u = np.array([2 * _u(one) for one in spans])
         name = row.source
-        found.append(Series(name, x, y, style_of(name), u, points=True, line=False))
-    return found
+        series.append(Series(name, x, y, style_of(name), u, points=True, line=False))
+    return series
 
 
 def _u(interval: Interval) -> float:
@@ -75,11 +75,13 @@ def summary(run: Run) -> Table | None:
                Column("RMS error"), Column("Largest")]  # fmt: skip
     groups = []
     for stream in _streams(rows):
-        own = [row for row in rows if row.stream == stream]
-        scale = scale_of(row.rmse_s for row in own)
+        of_stream = [row for row in rows if row.stream == stream]
+        scale = scale_of(row.rmse_s for row in of_stream)
         where = validations.stretch(run, stream)
-        title = runs.measure_words(own[0].series) + (f", {where}" if where else "")
-        groups.append(Group(title + scale.unit("s"), tuple(_summary(row, scale) for row in own)))
+        title = runs.measure_words(of_stream[0].series) + (f", {where}" if where else "")
+        groups.append(
+            Group(title + scale.unit("s"), tuple(_summary(row, scale) for row in of_stream))
+        )
     note = (
         "Errors are simulated minus measured times of events that belong together. Missed: measured"
         " and not simulated; extra: simulated and not measured."

@@ -54,17 +54,17 @@ def gap_figures(run: Run) -> list[Figure]:
     """How large the gap of each engine is and what it is made of."""
     rows = [row for row in validations.validation(run).gaps if row.total > 0]
     panels = [
-        _gap_panel(run, probe, own)
+        _gap_panel(run, probe, of_probe)
         for probe in validations.judged_probes(run)
-        if (own := [row for row in rows if row.probe == probe])
+        if (of_probe := [row for row in rows if row.probe == probe])
     ]
     parts = [panels[i : i + _PANELS] for i in range(0, len(panels), _PANELS)]
-    found = [_gap_figure(run, number, tuple(part)) for number, part in enumerate(parts, start=1)]
-    if len(found) == 1:
-        return found
+    figures = [_gap_figure(run, number, tuple(part)) for number, part in enumerate(parts, start=1)]
+    if len(figures) == 1:
+        return figures
     return [
-        replace(figure, title=f"{figure.title} ({number} of {len(found)})")
-        for number, figure in enumerate(found, start=1)
+        replace(figure, title=f"{figure.title} ({number} of {len(figures)})")
+        for number, figure in enumerate(figures, start=1)
     ]
 
 
@@ -108,12 +108,12 @@ def _gap_panel(run: Run, probe: str, rows: Sequence[GapRecord]) -> Panel:
 def by_segment(rows: Sequence[R], name: Callable[[R], str]) -> list[tuple[str, R | None]]:
     """Names and rows for an axis: under the name of each segment, as a row of its own, its rows."""
     streams = list(dict.fromkeys(row.stream for row in rows))
-    found: list[tuple[str, R | None]] = []
+    places: list[tuple[str, R | None]] = []
     for stream in streams:
         if len(streams) > 1:
-            found.append((f"{validations.short(stream)}:", None))
-        found += [(name(row), row) for row in rows if row.stream == stream]
-    return found
+            places.append((f"{validations.short(stream)}:", None))
+        places += [(name(row), row) for row in rows if row.stream == stream]
+    return places
 
 
 def _drawn(row: GapRecord) -> dict[str, float]:
@@ -173,10 +173,10 @@ def e_n_figure(run: Run) -> Figure | None:
     engines = list(dict.fromkeys(row.source for row in rows))
     series = []
     for i, engine in enumerate(engines):
-        own = [row for row in rows if row.source == engine]
-        x = np.clip([row.e_n or 0.0 for row in own], -_FAR, _FAR)
+        of_engine = [row for row in rows if row.source == engine]
+        x = np.clip([row.e_n or 0.0 for row in of_engine], -_FAR, _FAR)
         shift = spread(i, len(engines), 0.7)
-        y = np.array([index[row.stream, row.measure] + shift for row in own])
+        y = np.array([index[row.stream, row.measure] + shift for row in of_engine])
         series.append(Series(engine, x, y, style_of(engine), points=True, line=False))
     reach = max(1.6, *(1.1 * float(np.abs(one.x).max()) for one in series))
     panel = Panel(
@@ -255,8 +255,8 @@ def _scatter(
             moved = values[fit.names.index(names[i])] - (row.fitted or 0.0)
             x.append(moved / (row.u_fitted or 1.0))
             y.append(i + spread(number, len(fit.single)))
-    alone = Series("one stretch alone", np.array(x), np.array(y), _ALONE, points=True, line=False)
-    yield Panel(_SINGLE, "(alone − together) ÷ u of the fit", "", (alone,),
+    single = Series("one stretch alone", np.array(x), np.array(y), _ALONE, points=True, line=False)
+    yield Panel(_SINGLE, "(alone − together) ÷ u of the fit", "", (single,),
                 spans=(_ONE_BAND, Span(0.0, 0.0)), y_ticks=ticks,
                 x_limits=_about_zero(np.array(x), np.zeros(len(x))))  # fmt: skip
 

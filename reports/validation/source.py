@@ -17,19 +17,19 @@ _SEVERITIES = {REPAIR: "repaired", WARNING: "left and marked", INFO: "noted"}
 
 def facts(run: Run) -> dict[str, str]:
     """Where the recording comes from and how it was read."""
-    found = validations.validation(run)
-    file = found.provenance
-    align = found.align
+    validation = validations.validation(run)
+    file = validation.provenance
+    align = validation.align
     how = "taken as they are" if align.by == "none" else align.by
-    texts = (one.text for one in found.alignments if one is not None)
+    texts = (one.text for one in validation.alignments if one is not None)
     clocks = [how, *([align.reason] if align.reason else []), *texts]
-    inputs = ", ".join(f"{name} follows channel {c}" for name, c in found.inputs.items())
+    inputs = ", ".join(f"{name} follows channel {c}" for name, c in validation.inputs.items())
     compared = ", ".join(
         f"{one.label} with channel {one.channel}" + ("" if one.judged else " (not judged)")
-        for one in found.compare.values()
+        for one in validation.compare.values()
     )
     shown = {
-        **found.about,
+        **validation.about,
         "file": f"{file.file}, {file.size_bytes} bytes",
         "SHA-256": file.sha256,
         "read by": f"importer {file.importer} of simcompare {file.version}, mode {file.mode}",
@@ -46,12 +46,12 @@ def repairs(run: Run) -> list[Table]:
     serious = [row for row in rows if row.severity != INFO]
     serious.sort(key=lambda row: row.severity != REPAIR)
     harmless = [row for row in rows if row.severity == INFO]
-    found = []
+    tables = []
     if serious:
-        found.append(_repairs("Defects of the log", serious))
+        tables.append(_repairs("Defects of the log", serious))
     if harmless:
-        found.append(_repairs("Decided on the way, harmless", harmless)._replace(folded=True))
-    return found
+        tables.append(_repairs("Decided on the way, harmless", harmless)._replace(folded=True))
+    return tables
 
 
 def _repairs(title: str, rows: Sequence[Repair]) -> Table:
@@ -65,13 +65,13 @@ def _repairs(title: str, rows: Sequence[Repair]) -> Table:
 
 def _merged(rows: Sequence[Repair]) -> list[list[Repair]]:
     """What was noticed alike in several streams, as one row."""
-    found: dict[tuple[str | int, ...], list[Repair]] = {}
+    merged: dict[tuple[str | int, ...], list[Repair]] = {}
     for i, row in enumerate(rows):
         # rows of a log can only be named for one stream at a time
-        own = i if row.rows or row.before else -1
-        key = (row.severity, row.rule, row.text, row.channel, own)
-        found.setdefault(key, []).append(row)
-    return list(found.values())
+        number = i if row.rows or row.before else -1
+        key = (row.severity, row.rule, row.text, row.channel, number)
+        merged.setdefault(key, []).append(row)
+    return list(merged.values())
 
 
 def _repair(rows: Sequence[Repair]) -> tuple[str, ...]:
@@ -145,8 +145,8 @@ def stretches(run: Run) -> Table | None:
 
 def conversions(run: Run) -> Table | None:
     """How every column of the log became SI."""
-    found = validations.validation(run).provenance.conversions
-    if not found:
+    conversions_ = validations.validation(run).provenance.conversions
+    if not conversions_:
         return None
     columns = (
         Column("Column", text=True), Column("Unit", text=True, whole=True),
@@ -158,15 +158,15 @@ def conversions(run: Run) -> Table | None:
             row.raw, row.raw_unit, row.channel or "left out", row.unit,
             f"{row.factor:.9g}", f"{row.offset:.9g}", row.reason,
         )
-        for row in found
+        for row in conversions_
     )  # fmt: skip
     return Table("How every column became SI", columns, (Group("", rows),), folded=True)
 
 
 def events(run: Run) -> Table | None:
     """Events of the recording within the stretches."""
-    found = validations.validation(run)
-    streams = {case.stream for case in found.cases}
+    validation = validations.validation(run)
+    streams = {case.stream for case in validation.cases}
     rows = tuple(
         (
             row.name,
@@ -174,7 +174,7 @@ def events(run: Run) -> Table | None:
             numbers.with_u(row.time_s, row.u_s, digits=7),
             numbers.plain(row.value, 4),
         )
-        for row in found.events
+        for row in validation.events
         if row.stream in streams
     )
     if not rows:

@@ -28,8 +28,8 @@ R = TypeVar("R", GapRecord, ValueRecord, WaveformRecord)
 def _grouped(rows: Sequence[R], second: Callable[[R], str]) -> Iterator[tuple[str, str, list[R]]]:
     """Stream, the second name, and their rows."""
     for stream, other in dict.fromkeys((row.stream, second(row)) for row in rows):
-        found = [row for row in rows if (row.stream, second(row)) == (stream, other)]
-        yield stream, other, found
+        group = [row for row in rows if (row.stream, second(row)) == (stream, other)]
+        yield stream, other, group
 
 
 def _title(run: Run, stream: str, words: str) -> str:
@@ -48,13 +48,13 @@ def waveforms(run: Run) -> Table:
     fitted = validations.is_fitted(run)
     aligned = any(row.aligned for row in rows)
     groups = []
-    for stream, probe, own in _grouped(rows, lambda row: row.probe):
-        scale = scale_of(row.rmse for row in own)
+    for stream, probe, group in _grouped(rows, lambda row: row.probe):
+        scale = scale_of(row.rmse for row in group)
         groups.append(
             Group(
                 _title(run, stream, validations.label(run, probe))
                 + scale.unit(validations.unit(run, probe)),
-                tuple(_waveform(run, own, e, scale) for e in _sources(own)),
+                tuple(_waveform(run, group, e, scale) for e in _sources(group)),
             )
         )
     still = [phrases.is_constant(validations.validation(run), row) for row in rows]
@@ -101,11 +101,11 @@ def _sources(rows: Sequence[WaveformRecord]) -> list[str]:
 def _waveform(
     run: Run, rows: Sequence[WaveformRecord], engine: str, scale: Scale
 ) -> tuple[str, ...]:
-    own = [row for row in rows if row.source == engine]
-    is_aligned = any(row.aligned for row in own)
+    of_engine = [row for row in rows if row.source == engine]
+    is_aligned = any(row.aligned for row in of_engine)
 
     def one(parameters: str, aligned: bool) -> WaveformRecord | None:
-        for row in own:
+        for row in of_engine:
             if row.parameters == parameters and row.aligned == aligned:
                 return row
         return None
@@ -143,15 +143,15 @@ def _gap_sizes(run: Run, rows: Sequence[GapRecord]) -> Table:
     covered = any(row.covered is not None for row in rows)
     columns += [Column("Covered (%)", spare=True)] if covered else []
     groups = []
-    for stream, probe, own in _grouped(rows, lambda row: row.probe):
-        scale = scale_of(v for row in own for v in (row.total, row.remaining))
+    for stream, probe, group in _grouped(rows, lambda row: row.probe):
+        scale = scale_of(v for row in group for v in (row.total, row.remaining))
         unit = scale.unit(validations.unit(run, probe))
         groups.append(
             Group(
                 _title(run, stream, validations.label(run, probe)) + unit,
                 tuple(
                     (*_gap(row, scale, fitted=fitted), *_covered(row, wanted=covered))
-                    for row in own
+                    for row in group
                 ),
             )
         )
@@ -204,10 +204,10 @@ def _gap_shares(run: Run, rows: Sequence[GapRecord]) -> Table:
             tuple(
                 (row.source, *(percent(getattr(row.shares, key), 2) for key in keys),
                  percent(sum(getattr(row.shares, key) for key in keys), 2))
-                for row in own
+                for row in group
             ),
         )
-        for stream, probe, own in _grouped(rows, lambda row: row.probe)
+        for stream, probe, group in _grouped(rows, lambda row: row.probe)
     ]  # fmt: skip
     note = (
         "Shares of the mean square of the gap, in per cent. What parameters and the rest share is"
@@ -229,16 +229,16 @@ def values(run: Run) -> Table | None:
         Column("In words", text=True, whole=True),
     ]  # fmt: skip
     groups = []
-    for stream, measure, own in _grouped(rows, lambda row: row.measure):
-        symbol = units.symbol(own[0].unit)
+    for stream, measure, group in _grouped(rows, lambda row: row.measure):
+        symbol = units.symbol(group[0].unit)
         unit = "" if symbol == "1" else f" {symbol}"
-        measured = numbers.with_u(own[0].measured, own[0].u_data or None)
-        power = _thousands(max(abs(v) for row in own for v in (row.error, row.u_val)))
+        measured = numbers.with_u(group[0].measured, group[0].u_data or None)
+        power = _thousands(max(abs(v) for row in group for v in (row.error, row.u_val)))
         of_power = f" 10{numbers.raised(power)}{unit}" if power else unit
         title = f"{_title(run, stream, runs.measure_words(measure))}: measured {measured}{unit}"
         title += f"; error and u in{of_power}" if of_power else ""
-        scales = [_budget_scale(power, column) for column in zip(*map(_sizes, own), strict=True)]
-        groups.append(Group(title, tuple(_value(row, scales) for row in own)))
+        scales = [_budget_scale(power, column) for column in zip(*map(_sizes, group), strict=True)]
+        groups.append(Group(title, tuple(_value(row, scales) for row in group)))
     note = (
         "Standard uncertainties: numerical from runs with two and four times the step (grid"
         " convergence index) and not below the deviation from the reference, parameters from what"
@@ -261,8 +261,8 @@ def _thousands(size: float) -> int:
 
 def _budget_scale(power: int, column: Sequence[float | None]) -> Scale:
     """Three digits of the smallest value, but no more than two places of a number up to 999."""
-    wanted = scale_of(column, 3)
-    places = wanted.places - wanted.power + power
+    scale = scale_of(column, 3)
+    places = scale.places - scale.power + power
     return Scale(power, min(max(places, 0), 2 if power else 5))
 
 
@@ -351,8 +351,8 @@ def single_fits(run: Run) -> Table | None:
         for name, scale in zip(fit.names, scales, strict=True)
     ]
     rows = [
-        (validations.short(stream), *(s.text(v) for s, v in zip(scales, found, strict=True)))
-        for stream, found in fit.single.items()
+        (validations.short(stream), *(s.text(v) for s, v in zip(scales, values, strict=True)))
+        for stream, values in fit.single.items()
     ]
     rows.append(("u of all together", *(s.text(v) for s, v in zip(scales, u, strict=True))))
     columns = (Column("Stretch", text=True, whole=True), *map(Column, heads))
@@ -361,8 +361,8 @@ def single_fits(run: Run) -> Table | None:
 
 def _scale_beside(values: Sequence[float], u: float | None) -> Scale:
     """The scale on which values have two digits of the uncertainty beside them."""
-    wanted = scale_of(values, 4)
+    scale = scale_of(values, 4)
     if not u:
-        return wanted
-    places = 1 - math.floor(math.log10(u)) + wanted.power
-    return Scale(wanted.power, min(max(places, 0), 9))
+        return scale
+    places = 1 - math.floor(math.log10(u)) + scale.power
+    return Scale(scale.power, min(max(places, 0), 9))

@@ -91,14 +91,14 @@ def last_parameters(run: Run) -> str:
 def drawn_cases(run: Run) -> list[tuple[int, str]]:
     """Number and name of the stretches that are drawn: all, or the best and the worst of many."""
     streams = [case.stream for case in validation(run).cases]
-    found = list(enumerate(streams))
-    if len(found) <= _max_drawn(run):
-        return found
+    numbered = list(enumerate(streams))
+    if len(numbered) <= _max_drawn(run):
+        return numbered
     sizes = {stream: 0.0 for stream in streams}
     for row in validation(run).waveforms:
         if row.judged and row.parameters == last_parameters(run):
             sizes[row.stream] = max(sizes[row.stream], row.nrmse or 0.0)
-    order = sorted(found, key=lambda pair: sizes[pair[1]])
+    order = sorted(numbered, key=lambda pair: sizes[pair[1]])
     return sorted([order[0], order[-1]][-_max_drawn(run) :])
 
 
@@ -118,10 +118,10 @@ def chosen_words(run: Run) -> str:
 
 def event_times(run: Run, case: int) -> list[float]:
     """Events of the recording within a stretch, on the clock of the scenario [s]."""
-    found = validation(run)
-    about = found.cases[case]
-    times = np.array([e.time_s for e in found.events if e.stream == about.stream]) - about.start_s
-    alignment = found.alignments[case] if case < len(found.alignments) else None
+    record = validation(run)
+    about = record.cases[case]
+    times = np.array([e.time_s for e in record.events if e.stream == about.stream]) - about.start_s
+    alignment = record.alignments[case] if case < len(record.alignments) else None
     if alignment is not None:
         times = alignment.to_reference(times)
     return [float(time) for time in times if 0 <= time <= about.duration_s]

@@ -39,21 +39,21 @@ EVENT, ZOOMED = "event", "enlarged"
 
 def overlay_figures(run: Run, probe: str) -> list[Figure]:
     """What was measured with the engines over it: a figure for each stretch that is drawn."""
-    found = [_overlay(run, probe, case, name) for case, name in validations.drawn_cases(run)]
-    return [figure for figure in found if figure is not None]
+    figures = [_overlay(run, probe, case, name) for case, name in validations.drawn_cases(run)]
+    return [figure for figure in figures if figure is not None]
 
 
 def _overlay(run: Run, probe: str, case: int, name: str) -> Figure | None:
     measured = validations.stored(run, validations.MEASURED, "", case)
     if measured is None or probe not in measured.signals:
         return None
-    whole = list(_layers(run, probe, case))
+    layers = list(_layers(run, probe, case))
     zoom = zoom_window(measured, probe, [row for _, row in _residuals(run, probe, case, measured)])
     events = _events(run, case)
     spans = (*events, *([Span(*zoom, ZOOMED)] if zoom else []))
-    panels = [Panel("whole stretch", TIME, _axis(run, probe), _dotted(whole), spans=spans)]
+    panels = [Panel("whole stretch", TIME, _axis(run, probe), _dotted(layers), spans=spans)]
     if zoom is not None:
-        near = [cut for series in whole for cut in _cut(series, *zoom)]
+        near = [cut for series in layers for cut in _cut(series, *zoom)]
         scale = scale_of([zoom[1] - zoom[0]], 2)
         inside = tuple(one for one in events if zoom[0] <= one.low <= zoom[1])
         panels.append(
@@ -76,15 +76,15 @@ def _axis(run: Run, probe: str) -> str:
 
 
 def _overlay_caption(run: Run, case: int) -> str:
-    told = ["Grey: what was measured. Thin lines: the engines, which often hide each other."]
+    parts = ["Grey: what was measured. Thin lines: the engines, which often hide each other."]
     if validations.truth(run, validations.BEST, case) is not None:
-        told.append(
+        parts.append(
             f"Shaded: the {TRUTH} with twice the standard uncertainty that it has from its"
             " parameters."
         )
     if validations.is_fitted(run):
-        told.append(f"Dotted: the {TRUTH} with what was known before any fit.")
-    return " ".join(told) + _event_words(run, case) + validations.chosen_words(run)
+        parts.append(f"Dotted: the {TRUTH} with what was known before any fit.")
+    return " ".join(parts) + _event_words(run, case) + validations.chosen_words(run)
 
 
 def _layers(run: Run, probe: str, case: int) -> Iterator[Series]:
@@ -104,9 +104,9 @@ def _layers(run: Run, probe: str, case: int) -> Iterator[Series]:
     if nominal is not None and probe in nominal.signals and validations.is_fitted(run):
         yield Series(KNOWN, nominal.time_s, nominal.signals[probe], _NOMINAL)
     for name in runs.names(run):
-        found = validations.stored(run, name, validations.BEST, case)
-        if found is not None and probe in found.signals:
-            yield Series(name, found.time_s, found.signals[probe], _thin(name))
+        run_of_engine = validations.stored(run, name, validations.BEST, case)
+        if run_of_engine is not None and probe in run_of_engine.signals:
+            yield Series(name, run_of_engine.time_s, run_of_engine.signals[probe], _thin(name))
 
 
 def _measured_style(values: Array) -> Style:
@@ -183,8 +183,8 @@ def residual_figure(run: Run, probe: str) -> Figure | None:
     panels = [
         _residual_panel(run, probe, case, name) for case, name in validations.drawn_cases(run)
     ]
-    found = tuple(panel for panel in panels if panel is not None)
-    if not found:
+    shown = tuple(panel for panel in panels if panel is not None)
+    if not shown:
         return None
     caption = (
         "Grey band: noise of a single sample, twice its standard uncertainty. Shaded: the same with"
@@ -197,7 +197,7 @@ def residual_figure(run: Run, probe: str) -> Figure | None:
     )
     return Figure(
         f"residual-{probe}", f"{validations.label(run, probe)}: what is left",
-        caption + events + validations.chosen_words(run), found,
+        caption + events + validations.chosen_words(run), shown,
     )  # fmt: skip
 
 
@@ -237,13 +237,13 @@ def _residuals(
     run: Run, probe: str, case: int, measured: Trajectory
 ) -> list[tuple[str, Array]]:  # fmt: skip
     """Engine and simulated minus measured at the samples of the measurement; NaN where neither."""
-    found = []
+    residuals = []
     for name in runs.names(run):
         one = validations.stored(run, name, validations.BEST, case)
         if one is not None and probe in one.signals:
             at = interpolated(one.time_s, one.signals[probe], measured.time_s)
-            found.append((name, at - measured.signals[probe]))
-    return found
+            residuals.append((name, at - measured.signals[probe]))
+    return residuals
 
 
 def _events(run: Run, case: int) -> tuple[Span, ...]:

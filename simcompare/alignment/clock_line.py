@@ -172,6 +172,6 @@ def _scatter(reference_s: Array, log_s: Array) -> float:
     slope = float(arm @ gap) / float(arm @ arm) if fits else 0.0
     residuals = gap - gap.mean() - slope * arm
     dof = max(1, n - 2 if fits else n - 1)
-    found = math.sqrt(float(residuals @ residuals) / dof) * float(stats.t.ppf(0.975, dof)) / 1.96
+    u_s = math.sqrt(float(residuals @ residuals) / dof) * float(stats.t.ppf(0.975, dof)) / 1.96
     # times are doubles: nothing is known better than their last digits
-    return max(found, 1e-9)
+    return max(u_s, 1e-9)

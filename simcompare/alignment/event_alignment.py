@@ -93,14 +93,14 @@ def _candidates(reference: Array, log: Array, tolerance: float) -> list[_Candida
     low = max(0, (len(log) - _MAX_LOG) // 2)
     voters, events = reference[pick], log[low : low + _MAX_LOG]
     differences = events[None, :] - voters[:, None]
-    found: list[tuple[int, float, float]] = []
+    places: list[tuple[int, float, float]] = []
     for skew in _skews(reference, tolerance):
         offsets = np.sort((differences - skew * (voters - centre)[:, None]).ravel())
-        found += _densest(offsets, float(skew), tolerance)
+        places += _densest(offsets, float(skew), tolerance)
     # many votes first; of equals the smaller skew
-    found.sort(key=lambda entry: (-entry[0], abs(entry[2])))
+    places.sort(key=lambda entry: (-entry[0], abs(entry[2])))
     candidates: list[_Candidate] = []
-    for _, offset, skew in found:
+    for _, offset, skew in places:
         if len(candidates) == 12:
             break
         if all(abs(offset - known.offset_s) > 3 * tolerance for known in candidates):
@@ -123,14 +123,14 @@ def _densest(offsets: Array, skew: float, tolerance: float) -> list[tuple[int, f
     """The crowded places among sorted offsets: (votes, middle, skew)."""
     end = np.searchsorted(offsets, offsets + 2 * tolerance, side="right")
     votes = end - np.arange(len(offsets))
-    found: list[tuple[int, float, float]] = []
+    places: list[tuple[int, float, float]] = []
     for k in np.argsort(-votes, kind="stable")[:200]:
         middle = float(np.median(offsets[k : end[k]]))
-        if all(abs(middle - other) > 3 * tolerance for _, other, _ in found):
-            found.append((int(votes[k]), middle, skew))
-        if len(found) == 8:
+        if all(abs(middle - other) > 3 * tolerance for _, other, _ in places):
+            places.append((int(votes[k]), middle, skew))
+        if len(places) == 8:
             break
-    return found
+    return places
 
 
 def _choose(candidates: list[_Candidate], tolerance: float) -> tuple[_Candidate, list[_Candidate]]:
@@ -187,14 +187,14 @@ def _near(reference: Array, log: Array, each: Array | None) -> Array:
 
     if len(reference) < 3:
         return np.ones(len(reference), dtype=bool)
-    left = log - reference
-    left = left - _slope(reference, left) * (reference - reference.mean())
-    left = np.abs(left - np.median(left))
-    made = MAD_TO_SD * float(np.median(left)) * np.sqrt(len(left) / (len(left) - 2))
+    distances = log - reference
+    distances = distances - _slope(reference, distances) * (reference - reference.mean())
+    distances = np.abs(distances - np.median(distances))
+    made = MAD_TO_SD * float(np.median(distances)) * np.sqrt(len(distances) / (len(distances) - 2))
     if each is not None:
-        return np.asarray(left <= stats.norm.isf(0.5 / _ONE_OF) * np.maximum(each, made))
+        return np.asarray(distances <= stats.norm.isf(0.5 / _ONE_OF) * np.maximum(each, made))
     # the fewer the pairs, the less is known of their scatter
-    return np.asarray(left <= stats.t.isf(0.5 / _ONE_OF, len(left) - 2) * max(made, 1e-9))
+    return np.asarray(distances <= stats.t.isf(0.5 / _ONE_OF, len(distances) - 2) * max(made, 1e-9))
 
 
 def _slope(x: Array, y: Array) -> float:
@@ -203,10 +203,10 @@ def _slope(x: Array, y: Array) -> float:
     a, b = np.triu_indices(len(pick), 1)
     run = x[pick][b] - x[pick][a]
     rise = y[pick][b] - y[pick][a]
-    whole = run > 0
-    if not whole.any():
+    apart = run > 0
+    if not apart.any():
         return 0.0
-    return float(np.clip(np.median(rise[whole] / run[whole]), -2 * MAX_SKEW, 2 * MAX_SKEW))
+    return float(np.clip(np.median(rise[apart] / run[apart]), -2 * MAX_SKEW, 2 * MAX_SKEW))
 
 
 def _without(matching: Matching, kept: Array) -> Matching:
@@ -231,14 +231,14 @@ def _alignment(
     others: list[_Candidate],
     known: bool,
 ) -> Alignment:
-    found = Alignment(
+    alignment = Alignment(
         0.0, 0.0, 0.0, 0.0, "events",
         matched=matching.pairs, missed=matching.missed, extra=matching.extra,
         text=_text(reference, log, matching, fitted, others, known),
         residual=rms(fitted.residuals_s),
         ambiguous=bool(others),
     )  # fmt: skip
-    return from_centre(fitted.centre_s, fitted.offset_s, fitted.skew, fitted.covariance, found)
+    return from_centre(fitted.centre_s, fitted.offset_s, fitted.skew, fitted.covariance, alignment)
 
 
 def _text(
@@ -250,27 +250,27 @@ def _text(
     known: bool,
 ) -> str:
     n = len(matching.pairs)
-    said = [
+    parts = [
         f"{n} of {len(reference)} events of the reference matched to {n} of {len(log)} of the log."
     ]
     if fitted.fitted:
-        said.append("Offset and skew fitted by least squares.")
+        parts.append("Offset and skew fitted by least squares.")
     else:
-        said.append(
+        parts.append(
             "The events tell less about the skew than is known of quartz clocks, so a skew of "
             "0 ± 50 ppm was assumed beside them."
         )
     if not known:
-        said.append("The uncertainty of the events' times was taken from their scatter.")
+        parts.append("The uncertainty of the events' times was taken from their scatter.")
     elif fitted.scale > 1.3:
-        said.append(
+        parts.append(
             f"They scatter {fitted.scale:.1f} times as much as their uncertainties say; "
             "the uncertainties were widened by that."
         )
     if others:
         near = ", ".join(f"{one.offset_s:.4g} s ({one.count} events)" for one in others[:3])
-        said.append(
+        parts.append(
             f"Ambiguous: the events repeat, and other offsets match about as many: {near}. "
             "A longer window of the recording may settle it."
         )
-    return " ".join(said)
+    return " ".join(parts)

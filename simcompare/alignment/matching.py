@@ -52,8 +52,8 @@ def match(reference_s: ArrayLike, log_s: ArrayLike, tolerance_s: float) -> Match
         raise InputError("matching", [f"the tolerance is {tolerance_s} s; it must be positive"])
     pairs: list[tuple[int, int]] = []
     for rows, columns in _clusters(reference, log, tolerance_s):
-        found = _best(reference[rows], log[columns], tolerance_s)
-        pairs += [(rows.start + i, columns.start + j) for i, j in found]
+        matched = _best(reference[rows], log[columns], tolerance_s)
+        pairs += [(rows.start + i, columns.start + j) for i, j in matched]
     ours, theirs = {i for i, _ in pairs}, {j for _, j in pairs}
     i, j = (np.array(side, dtype=int) for side in (zip(*pairs, strict=True) if pairs else ((), ())))
     return Matching(
@@ -96,13 +96,13 @@ def _clusters(reference: Array, log: Array, tolerance_s: float) -> list[tuple[sl
     cuts = np.flatnonzero(np.diff(times[order]) > tolerance_s) + 1
     ours = np.concatenate(([0], np.cumsum(order < len(reference))))
     edges = np.concatenate(([0], cuts, [len(times)]))
-    found = []
+    clusters = []
     for low, high in pairwise(edges):
         rows = slice(int(ours[low]), int(ours[high]))
         columns = slice(int(low - ours[low]), int(high - ours[high]))
         if rows.start < rows.stop and columns.start < columns.stop:
-            found.append((rows, columns))
-    return found
+            clusters.append((rows, columns))
+    return clusters
 
 
 def _best(reference: Array, log: Array, tolerance_s: float) -> list[tuple[int, int]]:

@@ -82,8 +82,8 @@ def _closest(fits: list[Alignment], step: float) -> Alignment:
 
 def _thin(wave: Wave, other: Wave) -> Wave:
     """A signal that is much faster than needed, averaged over whole numbers of samples."""
-    wanted = max(wave.step_s, 0.2 * other.step_s, np.ptp(wave.time_s) / _MAX_SAMPLES)
-    many = int(wanted / wave.step_s + 1e-9)
+    step_s = max(wave.step_s, 0.2 * other.step_s, np.ptp(wave.time_s) / _MAX_SAMPLES)
+    many = int(step_s / wave.step_s + 1e-9)
     if many < 2:
         return wave
     count = len(wave.time_s) // many * many
@@ -163,11 +163,11 @@ class _Fit:
             _, slopes = self._model(p * unit, times, centre)
             return np.asarray(np.vstack((slopes, [0.0, weight])) * unit)
 
-        found = least_squares(
+        solution = least_squares(
             residuals, x / unit, jac=jacobian, xtol=1e-10, ftol=1e-12, gtol=1e-12,
             max_nfev=60,
         )  # fmt: skip
-        fitted = np.asarray(found.x * unit)
+        fitted = np.asarray(solution.x * unit)
         modelled, slopes = self._model(fitted, times, centre)
         return _Solution(fitted, modelled - values, slopes, used)
 
@@ -201,15 +201,17 @@ class _Fit:
         self, centre: float, solution: _Solution, covariance: Array, free: bool
     ) -> Alignment:
         size = rms(solution.residuals)
-        said = [f"Least squares on {len(solution.residuals)} samples leave an rms of {size:.3g}."]
+        parts = [f"Least squares on {len(solution.residuals)} samples leave an rms of {size:.3g}."]
         if not free:
-            said.append(
+            parts.append(
                 "The signal tells less about the skew than is known of quartz clocks, so a skew of "
                 "0 ± 50 ppm was assumed beside it."
             )
-        found = Alignment(0.0, 0.0, 0.0, 0.0, "least squares", text=" ".join(said), residual=size)
+        alignment = Alignment(
+            0.0, 0.0, 0.0, 0.0, "least squares", text=" ".join(parts), residual=size
+        )
         offset, skew = solution.x.tolist()
-        return from_centre(centre, offset, skew, covariance, found)
+        return from_centre(centre, offset, skew, covariance, alignment)
 
 
 @dataclass(frozen=True)
@@ -302,5 +304,5 @@ def sandwich(J: Array, residuals: Array, variance: float, least: float) -> Array
 
 
 def _autocorrelation(values: Array) -> Array:
-    found = autocovariance(values)
-    return np.asarray(found / found[0]) if found[0] > 0 else np.zeros(len(values))
+    covariance = autocovariance(values)
+    return np.asarray(covariance / covariance[0]) if covariance[0] > 0 else np.zeros(len(values))

@@ -92,12 +92,12 @@ def validate(
 def _print(result: Run, written: Path | None) -> None:
     from simcompare.reports.validation import events, tables, validations
 
-    found = validations.validation(result)
+    validation = validations.validation(result)
     for key in ("title", "citation"):
-        if found.about.get(key):
-            _say(found.about[key])
+        if validation.about.get(key):
+            _say(validation.about[key])
     _show(tables.parameters(result, chosen=True))
-    if found.waveforms:
+    if validation.waveforms:
         _show(tables.waveforms(result))
     _show(events.summary(result))
     _show(tables.values(result))
@@ -105,7 +105,7 @@ def _print(result: Run, written: Path | None) -> None:
         if source.status != "ok":
             _say(f"{source.name}, {source.contact}: {source.reason}")
     typer.echo("")
-    for sentence in found.sentences:
+    for sentence in validation.sentences:
         _say(sentence)
     if result.record.interrupted:
         typer.echo("Interrupted: what had finished is kept.", err=True)

@@ -113,19 +113,19 @@ def compare_events(
     """
     shortest = min(_shortest(simulated_s), _shortest(measured_s))
     near = _NEAR * shortest if math.isfinite(shortest) else _NEAR_S
-    found = match(simulated_s, measured_s, near)
-    errors = -np.asarray(found.errors_s)
+    matching = match(simulated_s, measured_s, near)
+    errors = -np.asarray(matching.errors_s)
     some = len(errors) > 0
     return EventComparison(
-        matched=len(found.pairs),
-        missed=len(found.extra),
-        extra=len(found.missed),
+        matched=len(matching.pairs),
+        missed=len(matching.extra),
+        extra=len(matching.missed),
         bias_s=float(errors.mean()) if some else None,
         rmse_s=rms(errors) if some else None,
         max_abs_s=float(np.max(np.abs(errors))) if some else None,
         times_s=tuple(simulated_s.tolist()),
         measured_s=tuple(measured_s.tolist()),
-        intervals=tuple(_intervals(found.pairs, simulated_s, recorded_s, u)),
+        intervals=tuple(_intervals(matching.pairs, simulated_s, recorded_s, u)),
     )
 
 
@@ -142,12 +142,12 @@ def _intervals(
             continue  # an event between them is missing in one of both
         number += 1
         u_num, u_input, u_data = u.of_interval(i, j)
-        found = vv20(
+        value = vv20(
             float(simulated_s[i_next] - simulated_s[i]),
             float(recorded_s[j_next] - recorded_s[j]),
             u_num=u_num, u_input=u_input, u_data=u_data,
         )  # fmt: skip
-        yield Interval(number, found.simulated, found.measured, u_data, u_num, u_input, found.e_n)
+        yield Interval(number, value.simulated, value.measured, u_data, u_num, u_input, value.e_n)
 
 
 def event_times(scene: Scenario, run: Trajectory, series: str) -> Array:

@@ -43,7 +43,7 @@ def value_pairs(
         probes: those that were measured.
     """
     view = observing(scene, probes)
-    found = {}
+    pairs = {}
     for measure in scene.measures:
         if not {measure.probe, *measure.also.values()} <= set(probes):
             continue
@@ -58,8 +58,8 @@ def value_pairs(
             if value is not None and name in theirs.values:
                 shown = measure.names.get(name, name)
                 scatter = theirs.u.get(name, 0.0)
-                found[shown] = ValuePair(value, true, ours.units[name], measure.probe, scatter)
-    return found
+                pairs[shown] = ValuePair(value, true, ours.units[name], measure.probe, scatter)
+    return pairs
 
 
 def observing(scene: Scenario, probes: Sequence[str]) -> Scenario:

@@ -65,7 +65,7 @@ def compared_values(engine: Engine, number: int, one: Evaluated) -> Iterator[Com
     truth = {} if one.truth is None else _pairs(one, one.truth, measured)
     shifted = {name: _pairs(one, run, measured) for name, run in one.shifted}
     for name, pair in pairs[BEST].items():
-        by_step = {v: own[name].simulated for v, own in pairs.items() if name in own}
+        by_step = {v: by_name[name].simulated for v, by_name in pairs.items() if name in by_name}
         u_num, how = _u_num(by_step, truth[name].simulated if name in truth else None)
         budget = None
         if name in truth:
@@ -75,7 +75,7 @@ def compared_values(engine: Engine, number: int, one: Evaluated) -> Iterator[Com
                 if name in moved
             }
         u_input = None if budget is None else math.hypot(*budget.values())
-        found = vv20(
+        value = vv20(
             pair.simulated, pair.measured, u_num=u_num, u_input=u_input, u_data=u_data[name]
         )
         yield ComparedValue(
@@ -85,7 +85,7 @@ def compared_values(engine: Engine, number: int, one: Evaluated) -> Iterator[Com
             u_simulated=math.hypot(u_num or 0.0, u_input or 0.0),
             step_error=how,
             budget=budget or {},
-            **vars(found),
+            **vars(value),
         )
 
 
@@ -103,15 +103,15 @@ def _u_num(by_step: Mapping[str, float], exact: float | None) -> tuple[float | N
     least = 0.0 if exact is None else abs(simulated - exact)
     if DOUBLE in by_step:
         longer = [by_step[v] for v in (DOUBLE, FOURFOLD) if v in by_step]
-        found = gci(simulated, *longer)
-        if found.observed is not None and found.observed > _MAX_ORDER:
-            found = gci(simulated, longer[0])
-        return max(found.u_num, least), found.text
+        index = gci(simulated, *longer)
+        if index.observed is not None and index.observed > _MAX_ORDER:
+            index = gci(simulated, longer[0])
+        return max(index.u_num, least), index.text
     if HALF in by_step:
         # the error of the longer one of two steps is that of the shorter one times their ratio
-        found = gci(by_step[HALF], simulated)
-        text = f"{found.text} A longer step than the scenario's cannot be run."
-        return max(2 * found.u_num, least), text
+        index = gci(by_step[HALF], simulated)
+        text = f"{index.text} A longer step than the scenario's cannot be run."
+        return max(2 * index.u_num, least), text
     return (None, None) if exact is None else (least, "deviation from the reference")
 
 

@@ -11,6 +11,7 @@ from simcompare.inference.reference_model import Model
 from simcompare.inference.residuals import Block, Solution, blocks_of, of_probe, residuals_of, solve
 from simcompare.inference.segments import Case
 from simcompare.model.trajectory import Array
+from simcompare.statistics.agreement import rms
 from simcompare.statistics.noise import correlation_length
 
 #: part of its standard uncertainty by which what was known is moved
@@ -83,37 +84,39 @@ def estimate(
     Raises:
         InputError: a parameter without bounds, or nothing that changes with a parameter.
     """
-    names, wanted = (*names, *nuisance), len(names)
+    names, count = (*names, *nuisance), len(names)
     blocks = blocks_of(cases, (probe,) if isinstance(probe, str) else probe)
     together = solve(model, blocks, names, starts=starts)
     single = {}
     if len(cases) > 1:
         for case in cases:
-            own = [block for block in blocks if block.case is case]
-            single[case.stream] = solve(model, own, names, together.values, starts=starts).values
+            blocks_of_case = [block for block in blocks if block.case is case]
+            single[case.stream] = solve(
+                model, blocks_of_case, names, together.values, starts=starts
+            ).values
     covariance, how = _covariance(blocks, together, single)
     leading = [
-        left / block.weight
-        for block, left in zip(blocks, together.residuals, strict=True)
+        residuals / block.weight
+        for block, residuals in zip(blocks, together.residuals, strict=True)
         if block.probe == blocks[0].probe
     ]
     return Estimate(
-        names[:wanted], together.values[:wanted], covariance[:wanted, :wanted],
+        names[:count], together.values[:count], covariance[:count, :count],
         tuple(case.stream for case in cases),
-        float(np.sqrt(np.mean(np.concatenate(leading) ** 2))), how,
-        {name: values[:wanted] for name, values in single.items()}, together.bound,
-        {n: moved[:wanted] for n, moved in _follows(model, blocks, names, together, known or {})},
+        rms(np.concatenate(leading)), how,
+        {name: values[:count] for name, values in single.items()}, together.bound,
+        {n: moved[:count] for n, moved in _follows(model, blocks, names, together, known or {})},
     )  # fmt: skip
 
 
 def _follows(
-    model: Model, blocks: Sequence[Block], names: Sequence[str], found: Solution,
+    model: Model, blocks: Sequence[Block], names: Sequence[str], solution: Solution,
     known: Mapping[str, float],
 ) -> Iterator[tuple[str, Array]]:  # fmt: skip
     """-J⁺·∂r/∂k·u_k for every parameter k that was known (implicit function theorem)."""
-    values = dict(zip(names, found.values.tolist(), strict=True))
+    values = dict(zip(names, solution.values.tolist(), strict=True))
     here = np.concatenate(residuals_of(model, blocks, values)) if known else np.zeros(0)
-    inverse = np.linalg.pinv(found.jacobian)
+    inverse = np.linalg.pinv(solution.jacobian)
     for name, u in known.items():
         before = blocks[0].case.values[name]
         step = _SMALL * u  # a whole one would not be straight
@@ -123,18 +126,18 @@ def _follows(
 
 
 def _covariance(
-    blocks: Sequence[Block], found: Solution, single: Mapping[str, Array]
+    blocks: Sequence[Block], solution: Solution, single: Mapping[str, Array]
 ) -> tuple[Array, str]:
     """Covariance of the estimates, and where it comes from in words."""
-    count = found.jacobian.shape[1]
-    size = np.linalg.norm(found.jacobian, axis=0)
-    inverse = np.linalg.pinv((found.jacobian / size).T @ (found.jacobian / size))
+    count = solution.jacobian.shape[1]
+    size = np.linalg.norm(solution.jacobian, axis=0)
+    inverse = np.linalg.pinv((solution.jacobian / size).T @ (solution.jacobian / size))
     inverse /= np.outer(size, size)
     middle, lengths = np.zeros((count, count)), []
     for probe in dict.fromkeys(block.probe for block in blocks):
-        left, rows = of_probe(blocks, found, probe)
-        spread = float(left @ left) / max(len(left) - count, 1)
-        lengths.append(correlation_length(left))
+        residuals, rows = of_probe(blocks, solution, probe)
+        spread = float(residuals @ residuals) / max(len(residuals) - count, 1)
+        lengths.append(correlation_length(residuals))
         middle += rows.T @ rows * spread * lengths[-1]
     covariance = np.asarray(inverse @ middle @ inverse, dtype=float)
     words = " and ".join(f"{length:.0f}" for length in lengths)

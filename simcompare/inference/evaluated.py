@@ -76,18 +76,20 @@ def evaluate(
     truth = at(best)
     shifted = [(name, at(values)) for name, values in moves(model.file, case, fit).items()]
     shifted += [(f"input {name}", at(best, case.with_input_moved(name))) for name in case.u_inputs]
-    found = Evaluated(case, scene, truth, at({}), tuple(shifted))
+    evaluated = Evaluated(case, scene, truth, at({}), tuple(shifted))
     alignment = _aligned(plan, case, scene, truth)
     if alignment is None:
-        return found
-    return replace(found, case=_on_reference(case, alignment), recorded=case, alignment=alignment)
+        return evaluated
+    return replace(
+        evaluated, case=_on_reference(case, alignment), recorded=case, alignment=alignment
+    )
 
 
 def times_of_events(case: Case) -> tuple[Array, Array | None]:
     """When the events of a segment were, and their standard uncertainties where all are known."""
-    found = np.array([event.time_s for event in case.events])
+    times_s = np.array([event.time_s for event in case.events])
     u = [event.u_s for event in case.events]
-    return found, None if None in u else np.array(u, dtype=float)
+    return times_s, None if None in u else np.array(u, dtype=float)
 
 
 def _aligned(plan: Plan, case: Case, scene: Scenario, truth: Trajectory) -> Alignment | None:
@@ -97,8 +99,8 @@ def _aligned(plan: Plan, case: Case, scene: Scenario, truth: Trajectory) -> Alig
     if probe is None:
         return None
     measured = case.seen[probe]
-    found = by_waveform(truth.time_s, truth.signals[probe], measured.time_s, measured.values)
-    return _plausible(case, found)
+    alignment = by_waveform(truth.time_s, truth.signals[probe], measured.time_s, measured.values)
+    return _plausible(case, alignment)
 
 
 def _by_events(case: Case, expected_s: Array) -> Alignment:
@@ -115,22 +117,22 @@ def _by_events(case: Case, expected_s: Array) -> Alignment:
     return by_events(expected_s, measured_s, u)
 
 
-def _plausible(case: Case, found: Alignment) -> Alignment:
+def _plausible(case: Case, alignment: Alignment) -> Alignment:
     """The alignment, where it can be believed.
 
     Raises:
         InputError: a skew that no clock has, or fewer than half of the events matched.
     """
-    events = len(found.matched) + len(found.extra)
-    if abs(found.skew) > MAX_SKEW or (events and len(found.matched) < 0.5 * events):
+    events = len(alignment.matched) + len(alignment.extra)
+    if abs(alignment.skew) > MAX_SKEW or (events and len(alignment.matched) < 0.5 * events):
         raise InputError(
             f"stream {case.stream}, align",
             [
-                f"the clocks cannot be aligned: {found.text} The parameters that are known may be"
-                " too far off; mend them with --set, or calibrate them"
+                f"the clocks cannot be aligned: {alignment.text} The parameters that are known may"
+                " be too far off; mend them with --set, or calibrate them"
             ],
         )
-    return found
+    return alignment
 
 
 def _on_reference(case: Case, alignment: Alignment) -> Case:

@@ -233,8 +233,8 @@ def of_tree(
     try:
         return Plan.model_validate(tree)
     except ValidationError as error:
-        found = {f"{place}.{at}".rstrip("."): text for at, text in faults_of(error).items()}
-        raise InputError(where, describe(found, lines or {})) from None
+        by_place = {f"{place}.{at}".rstrip("."): text for at, text in faults_of(error).items()}
+        raise InputError(where, describe(by_place, lines or {})) from None
 
 
 def choose(entries: Any, scenario: str, where: str) -> Plan:  # noqa: ANN401
@@ -247,9 +247,9 @@ def choose(entries: Any, scenario: str, where: str) -> Plan:  # noqa: ANN401
     if isinstance(entries, Entries):
         entries, where, lines = entries.tree, entries.where, entries.lines
     single = not isinstance(entries, list | tuple)
-    found = [entries] if single else entries
-    names = [e.get("scenario") for e in found if isinstance(e, Mapping)]
-    for i, entry in enumerate(found):
+    plans = [entries] if single else entries
+    names = [e.get("scenario") for e in plans if isinstance(e, Mapping)]
+    for i, entry in enumerate(plans):
         if isinstance(entry, Mapping) and entry.get("scenario") == scenario:
             return of_tree(entry, where, lines, "validate" if single else f"validate.{i}")
     known = ", ".join(str(name) for name in names) or "none"
@@ -264,7 +264,7 @@ def choose(entries: Any, scenario: str, where: str) -> Plan:  # noqa: ANN401
 
 def faults(plan: Plan, scenario: Scenario) -> list[str]:
     """What the plan names and the scenario does not have."""
-    found = []
+    unknown = []
     for kind, names, known in (
         ("parameter", (*plan.parameters, *plan.start), scenario.parameters),
         ("input", plan.inputs, scenario.inputs),
@@ -275,9 +275,9 @@ def faults(plan: Plan, scenario: Scenario) -> list[str]:
             scenario.parameters,
         ),
     ):
-        found += [
+        unknown += [
             str(UnknownName(f"{kind} of {plan.scenario}", n, known))
             for n in names
             if n not in known
         ]
-    return found
+    return unknown

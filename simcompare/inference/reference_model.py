@@ -35,8 +35,8 @@ class Model:
         self, case: Case, values: Mapping[str, float] | None = None, step_s: float | None = None
     ) -> Scenario:
         """The scene of a case, with some parameters changed."""
-        wanted = {**case.values, **(values or {})}
-        scene = self.file.resolve(wanted, step_s=step_s, inputs=case.inputs)
+        settings = {**case.values, **(values or {})}
+        scene = self.file.resolve(settings, step_s=step_s, inputs=case.inputs)
         if DURATION in self.file.parameters:
             return scene
         world = scene.world.model_copy(update={"duration_s": case.duration_s})
@@ -69,15 +69,15 @@ class Model:
     def at(self, case: Case, probe: str, values: Mapping[str, float], time_s: Array) -> Array:
         """A probe of the reference at the times of a measurement."""
         scene = self.scenario(case, values)
-        wanted = scene.probes[probe]
+        observed = scene.probes[probe]
         # from the start on; what the core computes from the motion needs even samples
         times = time_s if time_s[0] == 0 else np.concatenate(([0.0], time_s))
         direct = self.truth(scene, times)
-        if wanted.observe in direct.signals:
-            return measures.observe(direct, wanted)[len(times) - len(time_s) :]
-        whole = self.truth(scene)
-        found = np.interp(time_s, whole.time_s, measures.observe(whole, wanted))
-        return np.asarray(found, dtype=float)
+        if observed.observe in direct.signals:
+            return measures.observe(direct, observed)[len(times) - len(time_s) :]
+        full = self.truth(scene)
+        values_there = np.interp(time_s, full.time_s, measures.observe(full, observed))
+        return np.asarray(values_there, dtype=float)
 
 
 def model_of(file: ScenarioFile) -> Model:

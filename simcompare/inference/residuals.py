@@ -63,16 +63,22 @@ class Solution:
 
 def blocks_of(cases: Sequence[Case], probes: Sequence[str]) -> list[Block]:
     """What is fitted; a weight is 1 over the noise of a sample."""
-    found = []
+    blocks = []
     for case in cases:
         for probe in probes:
-            seen = case.seen[probe]
-            u = noise(seen)[0]
-            every = -(-len(seen.time_s) // MAX_SAMPLES)
-            found.append(
-                Block(case, probe, seen.time_s[::every], seen.values[::every], 1 / (u or 1.0))
+            observed = case.seen[probe]
+            u = noise(observed)[0]
+            stride = -(-len(observed.time_s) // MAX_SAMPLES)
+            blocks.append(
+                Block(
+                    case,
+                    probe,
+                    observed.time_s[::stride],
+                    observed.values[::stride],
+                    1 / (u or 1.0),
+                )
             )
-    return found
+    return blocks
 
 
 def residuals_of(model: Model, blocks: Sequence[Block], values: Mapping[str, float]) -> list[Array]:
@@ -83,12 +89,12 @@ def residuals_of(model: Model, blocks: Sequence[Block], values: Mapping[str, flo
     ]
 
 
-def of_probe(blocks: Sequence[Block], found: Solution, probe: str) -> tuple[Array, Array]:
+def of_probe(blocks: Sequence[Block], solution: Solution, probe: str) -> tuple[Array, Array]:
     """Residuals of one probe in all cases, and the rows of the Jacobian that belong to them."""
-    ends = np.cumsum([len(left) for left in found.residuals])
+    ends = np.cumsum([len(residuals) for residuals in solution.residuals])
     parts = [
-        (left, found.jacobian[end - len(left) : end])
-        for block, left, end in zip(blocks, found.residuals, ends, strict=True)
+        (residuals, solution.jacobian[end - len(residuals) : end])
+        for block, residuals, end in zip(blocks, solution.residuals, ends, strict=True)
         if block.probe == probe
     ]
     return np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
@@ -128,14 +134,14 @@ def solve(
     def slopes(x: Array) -> Array:
         return problem.jacobian(x * size) * size
 
-    found = least_squares(
+    solution = least_squares(
         residuals, begin / size, jac=slopes, bounds=(low / size, high / size), xtol=1e-10,
         max_nfev=60,
     )  # fmt: skip
-    values = np.asarray(found.x * size, dtype=float)
-    jacobian = np.asarray(found.jac, dtype=float) / size
-    own = jacobian[:, : len(names)]
-    dead = [n for n, column in zip(names, own.T, strict=True) if not np.any(column)]
+    values = np.asarray(solution.x * size, dtype=float)
+    jacobian = np.asarray(solution.jac, dtype=float) / size
+    shared_columns = jacobian[:, : len(names)]
+    dead = [n for n, column in zip(names, shared_columns.T, strict=True) if not np.any(column)]
     if dead:
         raise InputError(
             "calibrate.parameters", [f"{name} changes nothing that was measured" for name in dead]
@@ -143,14 +149,14 @@ def solve(
     rest = jacobian[:, len(names) :]
     if rest.shape[1]:  # what a start makes up for tells nothing of a parameter
         scaled = rest / np.linalg.norm(rest, axis=0)
-        own = own - scaled @ (np.linalg.pinv(scaled) @ own)
+        shared_columns = shared_columns - scaled @ (np.linalg.pinv(scaled) @ shared_columns)
     count = len(names)
     near = np.minimum(values - low, high - values)[:count] <= 1e-6 * (high - low)[:count]
     bound = tuple(name for name, is_near in zip(names, near, strict=True) if is_near)
     parts = problem.residuals(values)[: len(blocks)]
     samples = sum(map(len, parts))
     return Solution(
-        values[:count], tuple(parts), np.asarray(own[:samples], dtype=float), bound,
+        values[:count], tuple(parts), np.asarray(shared_columns[:samples], dtype=float), bound,
         tuple(problem.starts_at(values, number) for number in range(len(problem.cases))),
     )  # fmt: skip
 
@@ -166,11 +172,11 @@ class _Problem:
 
     @property
     def cases(self) -> list[Case]:
-        found: list[Case] = []
+        cases: list[Case] = []
         for block in self.blocks:
-            if not any(block.case is case for case in found):
-                found.append(block.case)
-        return found
+            if not any(block.case is case for case in cases):
+                cases.append(block.case)
+        return cases
 
     @property
     def every(self) -> list[str]:
@@ -197,8 +203,8 @@ class _Problem:
     def _values(self, x: Array, case: int) -> dict[str, float]:
         at = len(self.names) + case * len(self.starts)
         held = np.clip(x, self.low, self.high).tolist()
-        own = dict(zip(self.starts, held[at : at + len(self.starts)], strict=True))
-        return {**dict(zip(self.names, held[: len(self.names)], strict=True)), **own}
+        of_case = dict(zip(self.starts, held[at : at + len(self.starts)], strict=True))
+        return {**dict(zip(self.names, held[: len(self.names)], strict=True)), **of_case}
 
     def starts_at(self, x: Array, case: int) -> dict[str, float]:
         """The start of one case."""
@@ -212,7 +218,7 @@ class _Problem:
             x: the numbers that are sought.
             only: number of the case that is looked at; the blocks of the others are empty.
         """
-        found, prior = [], []
+        by_block, prior = [], []
         for number, case in enumerate(self.cases):
             values = self._values(x, number)
             for name in self.starts:
@@ -221,10 +227,10 @@ class _Problem:
         for block in self.blocks:
             number = next(i for i, case in enumerate(self.cases) if case is block.case)
             if only in (None, number):
-                found += residuals_of(self.model, [block], self._values(x, number))
+                by_block += residuals_of(self.model, [block], self._values(x, number))
             else:
-                found.append(np.full(len(block.values), np.nan))
-        return [*found, np.array(prior)]
+                by_block.append(np.full(len(block.values), np.nan))
+        return [*by_block, np.array(prior)]
 
     def jacobian(self, x: Array) -> Array:
         """Differences; a start is moved in its own case alone."""

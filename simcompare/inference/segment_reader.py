@@ -27,7 +27,7 @@ def cases_of(
     plan: Plan,
     recording: Recording,
     streams: Sequence[str],
-    given: Mapping[str, float],
+    overrides: Mapping[str, float],
     most_s: float | None = None,
 ) -> list[Case]:
     """The cases of some streams, in their order.
@@ -37,7 +37,7 @@ def cases_of(
         plan: which channel is what.
         recording: the recording.
         streams: streams; all that have the leading channel where empty.
-        given: parameters that the user sets, which replace those of the plan.
+        overrides: parameters that the user sets, which replace those of the plan.
         most_s: longest duration [s].
 
     Raises:
@@ -48,7 +48,7 @@ def cases_of(
     for name in chosen:
         if name not in recording.streams:
             raise UnknownName("stream of the recording", name, recording.streams)
-    return [_case(file, plan, recording, name, given, most_s) for name in chosen]
+    return [_case(file, plan, recording, name, overrides, most_s) for name in chosen]
 
 
 def _streams_of(plan: Plan, recording: Recording) -> list[str]:
@@ -56,23 +56,25 @@ def _streams_of(plan: Plan, recording: Recording) -> list[str]:
     if plan.compare:
         return _streams_with(recording, next(iter(plan.compare.values())).channel)
     assert plan.events is not None
-    found = [event.stream for event in recording.events if event.name == plan.events.event]
-    if not found:
+    streams = [event.stream for event in recording.events if event.name == plan.events.event]
+    if not streams:
         known = {event.name for event in recording.events}
         raise UnknownName("event of the recording", plan.events.event, known)
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(streams))
 
 
 def _streams_with(recording: Recording, channel: str) -> list[str]:
-    found = [name for name, stream in recording.streams.items() if _channel(stream, name, channel)]
-    if not found:
+    streams = [
+        name for name, stream in recording.streams.items() if _channel(stream, name, channel)
+    ]
+    if not streams:
         recording.find(channel)  # says which channels there are
-    return found
+    return streams
 
 
 def _channel(stream: Stream, name: str, channel: str) -> Channel | None:
-    wanted, _, short = channel.rpartition("/")
-    if wanted and wanted != name:
+    stream_name, _, short = channel.rpartition("/")
+    if stream_name and stream_name != name:
         return None
     full = units.find_name(short, stream.channels)
     return None if full is None else stream.channels[full]
@@ -88,13 +90,13 @@ class _Reader:
 
     def read(self, channel: str) -> tuple[Array, Channel]:
         """Times from the start of the case, and the channel."""
-        own = self.recording.streams[self.stream]
-        found = _channel(own, self.stream, channel)
-        if found is not None:
-            return own.time_s - self.start_s, found
+        log = self.recording.streams[self.stream]
+        own_channel = _channel(log, self.stream, channel)
+        if own_channel is not None:
+            return log.time_s - self.start_s, own_channel
         other, name = self.recording.find(channel)
         stream = self.recording.streams[other]
-        shift = stream.clock.first_s - own.clock.first_s
+        shift = stream.clock.first_s - log.clock.first_s
         return stream.time_s + shift - self.start_s, stream.channels[name]
 
 
@@ -103,17 +105,17 @@ def _case(
     plan: Plan,
     recording: Recording,
     stream: str,
-    given: Mapping[str, float],
+    overrides: Mapping[str, float],
     most_s: float | None,
 ) -> Case:
-    own = recording.streams[stream]
+    log = recording.streams[stream]
     start_s = plan.window.start_s
-    left = float(own.time_s[-1]) - start_s
-    duration_s = min(d for d in (plan.window.duration_s, most_s, left) if d is not None)
+    remaining_s = float(log.time_s[-1]) - start_s
+    duration_s = min(d for d in (plan.window.duration_s, most_s, remaining_s) if d is not None)
     if duration_s <= 0:
         raise InputError(
             f"stream {stream}",
-            [f"lasts {own.time_s[-1]:g} s, but the window begins at {start_s:g} s"],
+            [f"lasts {log.time_s[-1]:g} s, but the window begins at {start_s:g} s"],
         )
     reader = _Reader(recording, stream, start_s)
     values = {name: known.value for name, known in plan.parameters.items()}
@@ -122,8 +124,8 @@ def _case(
         values[name], u[name] = _read_off(reader, read_off)
     if DURATION in file.parameters:
         values[DURATION], u[DURATION] = duration_s, 0.0
-    values.update(given)
-    u.update(dict.fromkeys(given, 0.0))
+    values.update(overrides)
+    u.update(dict.fromkeys(overrides, 0.0))
     inputs: dict[str, Signal] = {
         name: _table(reader, driven.channel, duration_s) for name, driven in plan.inputs.items()
     }
@@ -135,7 +137,7 @@ def _case(
     faults = unit_faults(file, plan, reader)
     if faults:
         raise InputError(f"stream {stream}", faults)
-    seen = {
+    observed = {
         probe: _seen(reader, compared.channel, compared.u, compared.offset, duration_s)
         for probe, compared in plan.compare.items()
     }
@@ -147,30 +149,30 @@ def _case(
         and 0 <= event.time_s - start_s <= duration_s
     )
     watched = tuple(dict.fromkeys((*plan.compare, *event_probes(file, plan))))
-    short = plan.window.duration_s is not None and left < 0.99 * plan.window.duration_s
+    short = plan.window.duration_s is not None and remaining_s < 0.99 * plan.window.duration_s
     return Case(
-        stream, start_s, duration_s, values, u, inputs, seen, events, watched, u_inputs, short
+        stream, start_s, duration_s, values, u, inputs, observed, events, watched, u_inputs, short
     )
 
 
 def unit_faults(file: ScenarioFile, plan: Plan, reader: _Reader) -> list[str]:
     """Channels that are of another unit than what they are held against, or read off as."""
-    found = []
+    faults = []
     probes = file.resolve().probes
-    wanted = [(f"probe {n}", probes[n].unit, c.channel) for n, c in plan.compare.items()]
-    wanted += [
+    expected = [(f"probe {n}", probes[n].unit, c.channel) for n, c in plan.compare.items()]
+    expected += [
         (f"parameter {name}", units.unit_of(name), read_off.channel)
         for name, read_off in plan.start.items()
         if not read_off.derivative
     ]
-    for what, unit, channel in wanted:
-        own = reader.read(channel)[1].unit
-        if own != units.si_of(unit, what)[2]:
-            found.append(
+    for what, unit, channel in expected:
+        measured = reader.read(channel)[1].unit
+        if measured != units.si_of(unit, what)[2]:
+            faults.append(
                 f"{what} is in {units.symbol(unit)}, but channel {channel} in"
-                f" {units.symbol(own)}; compare the right channel, or mend its unit with --map"
+                f" {units.symbol(measured)}; compare the right channel, or mend its unit with --map"
             )
-    return found
+    return faults
 
 
 def event_probes(file: ScenarioFile, plan: Plan) -> list[str]:
@@ -189,22 +191,22 @@ def _seen(reader: _Reader, name: str, u: float | None, offset: float, duration_s
     time_s, channel = reader.read(name)
     inside = (time_s >= 0) & (time_s <= duration_s)
     known = inside & np.isfinite(channel.values)
-    whole = known if channel.saturated is None else known & ~channel.saturated
-    if np.count_nonzero(whole) < MIN_SAMPLES:
+    usable = known if channel.saturated is None else known & ~channel.saturated
+    if np.count_nonzero(usable) < MIN_SAMPLES:
         raise InputError(
             f"stream {reader.stream}, channel {name}",
             [
-                f"has {np.count_nonzero(whole)} usable samples in the window of {duration_s:g} s;"
+                f"has {np.count_nonzero(usable)} usable samples in the window of {duration_s:g} s;"
                 f" expected at least {MIN_SAMPLES}"
             ],
         )
-    own = channel.u if u is None else u
+    stated = channel.u if u is None else u
     return Seen(
-        time_s[whole],
-        channel.values[whole] + offset,
-        own[whole] if isinstance(own, np.ndarray) else own,
+        time_s[usable],
+        channel.values[usable] + offset,
+        stated[usable] if isinstance(stated, np.ndarray) else stated,
         int(np.count_nonzero(inside & ~known)),
-        int(np.count_nonzero(known & ~whole)),
+        int(np.count_nonzero(known & ~usable)),
     )
 
 
@@ -258,13 +260,17 @@ def _read_off(reader: _Reader, wanted: ReadOff) -> tuple[float, float]:
         )
     scale = wanted.over_s  # so that powers of short times do not vanish
     design = np.vander(times / scale, degree + 1, increasing=True)
-    found, *_ = np.linalg.lstsq(design, values, rcond=None)
-    left = values - design @ found
+    coefficients, *_ = np.linalg.lstsq(design, values, rcond=None)
+    residuals = values - design @ coefficients
     free = len(times) - degree - 1
-    own = float(np.mean(channel.u[near])) if isinstance(channel.u, np.ndarray) else channel.u or 0.0
+    stated = (
+        float(np.mean(channel.u[near])) if isinstance(channel.u, np.ndarray) else channel.u or 0.0
+    )
     # samples that stand still show no scatter, and are not exact for that
-    spread = max(float(left @ left) / max(free, 1), own**2 if wanted.derivative else 0.0)
+    spread = max(
+        float(residuals @ residuals) / max(free, 1), stated**2 if wanted.derivative else 0.0
+    )
     k = wanted.derivative
     u = np.sqrt(np.linalg.pinv(design.T @ design)[k, k] * spread) / scale**k
-    common = own if k == 0 else 0.0
-    return float(found[k]) / scale**k + wanted.offset, float(np.hypot(u, common))
+    common = stated if k == 0 else 0.0
+    return float(coefficients[k]) / scale**k + wanted.offset, float(np.hypot(u, common))

@@ -11,6 +11,7 @@ import numpy as np
 from simcompare.model.recording import Event
 from simcompare.model.signals import Signal, Table
 from simcompare.model.trajectory import Array, Trajectory
+from simcompare.statistics.agreement import rms
 from simcompare.statistics.noise import measured_noise
 
 #: parameter of a scenario that says how long it lasts
@@ -75,25 +76,25 @@ class Case:
         return replace(self, inputs={**self.inputs, name: table})
 
 
-def noise(seen: Seen) -> tuple[float, str]:
+def noise(observed: Seen) -> tuple[float, str]:
     """Standard uncertainty of one sample and where it comes from."""
-    if seen.u is not None:
-        return float(np.sqrt(np.mean(np.square(seen.u)))), "stated"
-    found = measured_noise(seen.values)
-    return found.value, found.text
+    if observed.u is not None:
+        return rms(observed.u), "stated"
+    estimated = measured_noise(observed.values)
+    return estimated.value, estimated.text
 
 
-def shares(seen: Seen) -> tuple[float, float]:
+def shares(observed: Seen) -> tuple[float, float]:
     """The part of the uncertainty that scatters from sample to sample, and the common part."""
-    whole = noise(seen)[0]
-    random = min(measured_noise(seen.values).value, whole)
-    return random, math.sqrt(max(0.0, whole**2 - random**2))
+    total = noise(observed)[0]
+    random = min(measured_noise(observed.values).value, total)
+    return random, math.sqrt(max(0.0, total**2 - random**2))
 
 
 def as_trajectory(case: Case) -> Trajectory:
     """What was measured as a trajectory: the probes that have the clock of the leading one."""
-    seen = list(case.seen.values())
-    times = seen[0].time_s
+    observed = list(case.seen.values())
+    times = observed[0].time_s
     same = {
         probe: one.values
         for probe, one in case.seen.items()

@@ -88,8 +88,10 @@ def simulate(
         )
         _collect(runs, shorter, cases, more)
     if fitted is None:  # what was known before is then also the best there is
-        for own in runs.values():
-            own.update({(i, NOMINAL): run for (i, v), run in list(own.items()) if v == BEST})
+        for by_variant in runs.values():
+            by_variant.update(
+                {(i, NOMINAL): run for (i, v), run in list(by_variant.items()) if v == BEST}
+            )
     judged = [o for o in outcomes if planned[o.job.repeat][1] in (NOMINAL, BEST)]
     return [
         Engine(name, [o for o in judged if o.job.engine == name], runs[name]) for name in engines
@@ -116,22 +118,22 @@ def _collect(
     for outcome in outcomes:
         i, variant, scene = planned[outcome.job.repeat]
         if outcome.status == OK and outcome.trajectory is not None:
-            found = of_probes(scene, outcome.trajectory, cases[i].watched)
-            runs[outcome.job.engine][i, variant] = found
+            trajectory = of_probes(scene, outcome.trajectory, cases[i].watched)
+            runs[outcome.job.engine][i, variant] = trajectory
 
 
 def scenes(
     model: Model, case: Case, fitted: Mapping[str, float] | None, step_s: float | None
 ) -> dict[str, Scenario]:
     """Variant -> scene; longer steps are left out where the scene cannot have them."""
-    found = {} if fitted is None else {NOMINAL: model.scenario(case, None, step_s)}
-    found[BEST] = best = model.scenario(case, fitted, step_s)
+    variants = {} if fitted is None else {NOMINAL: model.scenario(case, None, step_s)}
+    variants[BEST] = best = model.scenario(case, fitted, step_s)
     for variant, multiple in _LONGER.items():
         try:
-            found[variant] = model.scenario(case, fitted, best.world.step_s * multiple)
+            variants[variant] = model.scenario(case, fitted, best.world.step_s * multiple)
         except InputError:  # too few samples are left; the step error is then unknown
             break
-    return found
+    return variants
 
 
 def of_probes(scene: Scenario, trajectory: Trajectory, probes: Sequence[str]) -> Trajectory:

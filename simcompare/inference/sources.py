@@ -46,27 +46,27 @@ def find(name: str, *, mapping: str | Path | None = None, strict: bool = False) 
         UnknownName: nothing of that name exists.
         InputError: what is wrong with the files.
     """
-    given = None if mapping is None else mappings.read(Path(mapping))
+    read_plan = None if mapping is None else mappings.read(Path(mapping))
     path = Path(name)
     if name in registry.files() and not recording_store.is_recording(path):
-        return _public(name, given, _entries(given, mapping), strict)
+        return _public(name, read_plan, _entries(read_plan, mapping), strict)
     if not _exists(path):
         raise UnknownName(
             "recording (public data set, stored recording, or log)", name, registry.files()
         )
-    wanted = given or mappings.NOTHING
+    reading = read_plan or mappings.NOTHING
     if recording_store.is_recording(path):
-        found = recording_store.load(path)
+        recording = recording_store.load(path)
     else:
-        found = importing.read(path, wanted, strict=strict)
-    return Source(name, found, _entries(given, mapping) or [], {})
+        recording = importing.read(path, reading, strict=strict)
+    return Source(name, recording, _entries(read_plan, mapping) or [], {})
 
 
-def _entries(given: Any, mapping: str | Path | None) -> Entries | None:  # noqa: ANN401
+def _entries(mapping_: Any, mapping: str | Path | None) -> Entries | None:  # noqa: ANN401
     """What a mapping file says under ``validate:``, with the lines of its parts."""
-    if given is None or mapping is None or not given.validate_:
+    if mapping_ is None or mapping is None or not mapping_.validate_:
         return None
-    return Entries(given.validate_, str(mapping), read_yaml(Path(mapping))[1])
+    return Entries(mapping_.validate_, str(mapping), read_yaml(Path(mapping))[1])
 
 
 def _exists(path: Path) -> bool:
@@ -76,10 +76,10 @@ def _exists(path: Path) -> bool:
         return False
 
 
-def _public(name: str, given: Any, entries: Entries | None, strict: bool) -> Source:  # noqa: ANN401
+def _public(name: str, read_plan: Any, entries: Entries | None, strict: bool) -> Source:  # noqa: ANN401
     data_set = registry.get(name)
     paths = registry.locate(name)
-    wanted = given or mappings.of_tree(dict(data_set.read), f"{name}, read")
+    reading = read_plan or mappings.of_tree(dict(data_set.read), f"{name}, read")
     about = {
         "title": data_set.title,
         "text": data_set.text,
@@ -87,8 +87,8 @@ def _public(name: str, given: Any, entries: Entries | None, strict: bool) -> Sou
         "licence": data_set.licence,
         "source": f"github.com/{data_set.source.repository} at {data_set.source.commit}",
     }
-    found = importing.read(paths[0], wanted, strict=strict, about=about)
-    return Source(name, found, entries or list(data_set.validation), about)
+    recording = importing.read(paths[0], reading, strict=strict, about=about)
+    return Source(name, recording, entries or list(data_set.validation), about)
 
 
 def digest(name: str) -> str:

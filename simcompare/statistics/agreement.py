@@ -230,11 +230,11 @@ def vv20(
     if bad:
         raise InputError("V&V 20", bad)
     error, u_val = simulated - measured, math.hypot(*(part or 0.0 for part in parts.values()))
-    found = VV20(simulated, measured, u_num, u_input, u_data, error, u_val, None, None, None)
+    comparison = VV20(simulated, measured, u_num, u_input, u_data, error, u_val, None, None, None)
     if None in parts.values() or u_val == 0:
-        return found
+        return comparison
     return replace(
-        found,
+        comparison,
         e_n=e_n(simulated, measured, COVERAGE_FACTOR * u_val, 0.0),
         zeta=zeta(simulated, measured, u_val, 0.0),
         within_noise=abs(error) <= COVERAGE_FACTOR * u_val,

@@ -137,13 +137,13 @@ def _correlation(reference: Array, log: Array) -> Array:
 def _local(offsets: Array, height: Array, step: float) -> list[float]:
     """Local maxima that reach near the best one, with the vertex of a parabola each."""
     best = float(height.max())
-    left = np.concatenate(([-np.inf], height[:-1]))
-    right = np.concatenate((height[1:], [-np.inf]))
-    tops = np.flatnonzero((height >= left) & (height > right) & (height > best - 0.15))
-    found = []
+    before = np.concatenate(([-np.inf], height[:-1]))
+    after = np.concatenate((height[1:], [-np.inf]))
+    tops = np.flatnonzero((height >= before) & (height > after) & (height > best - 0.15))
+    offsets_s = []
     for k in tops[np.argsort(-height[tops], kind="stable")][:12]:
-        a, b, c = left[k], height[k], right[k]
+        a, b, c = before[k], height[k], after[k]
         bend = a - 2 * b + c
         shift = 0.5 * (a - c) / bend if np.isfinite(bend) and bend < 0 else 0.0
-        found.append(float(offsets[k] + step * np.clip(shift, -0.5, 0.5)))
-    return found
+        offsets_s.append(float(offsets[k] + step * np.clip(shift, -0.5, 0.5)))
+    return offsets_s

@@ -147,11 +147,11 @@ def split(
     parameter = float(np.mean(by_parameter**2))
     root = math.sqrt(parameter * remaining)
     total = math.sqrt(max(0.0, parameter + cross + remaining))
-    whole = total**2
+    mean_square = total**2
     squares = {
         "parameter": math.sqrt(parameter) ** 2, "model_form": math.sqrt(max(0.0, model)) ** 2,
         "numerical": float(u_num) ** 2, "noise": noise.value**2, "cross": cross,
-        "excess": min(0.0, model), "removed": whole - math.sqrt(remaining) ** 2,
+        "excess": min(0.0, model), "removed": mean_square - math.sqrt(remaining) ** 2,
     }  # fmt: skip
     return Gap(
         n=int(np.count_nonzero(common)),
@@ -170,7 +170,9 @@ def split(
         clipped=model < 0,
         block=size,
         draws=draws,
-        shares=Shares(**{name: s / whole if whole else 0.0 for name, s in squares.items()}),
+        shares=Shares(
+            **{name: s / mean_square if mean_square else 0.0 for name, s in squares.items()}
+        ),
     )
 
 
@@ -233,10 +235,10 @@ def _interval(
     if mean == 0:
         return 0.0, 0.0
     chance = generator if generator is not None else np.random.default_rng(0)
-    whole, half = (_scatter(squares, size, draws, chance) for size in (block, max(1, block // 2)))
+    full, half = (_scatter(squares, size, draws, chance) for size in (block, max(1, block // 2)))
     # what blocks of a length miss is about proportional to 1/length (D. N. Politis and J. P.
     # Romano, J. Time Ser. Anal. 16 (1995) 67)
-    error = math.sqrt(max(whole, 2 * whole - half))
+    error = math.sqrt(max(full, 2 * full - half))
     # few blocks tell their own scatter badly: Student's t with that many degrees of freedom
     reach = float(stats.t.ppf(0.975, max(2, len(squares) // block - 1))) * error
     # an estimated noise is wrong by u as well, in part in the same direction as the mean square:
@@ -257,6 +259,6 @@ def _scatter(squares: Array, block: int, draws: int, generator: np.random.Genera
     sums = total[block:] - total[:-block]
     many = math.ceil(n / block)
     means = sums[generator.integers(0, len(sums), size=(draws, many))].sum(axis=1) / (many * block)
-    found = float(np.var(np.log(np.maximum(means, 1e-12 * squares.mean())), ddof=1))
+    variance = float(np.var(np.log(np.maximum(means, 1e-12 * squares.mean())), ddof=1))
     # the blocks scatter about the mean of the very record that they are taken from
-    return found * n / (n - block)
+    return variance * n / (n - block)

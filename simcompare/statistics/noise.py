@@ -57,13 +57,13 @@ def measured_noise(values: ArrayLike) -> Noise:
     second = second[np.isfinite(second)]
     if len(second) < 5:
         raise InputError("noise", [f"only {len(second)} second differences; expected 5 or more"])
-    found = MAD_TO_SD * float(np.median(np.abs(second))) / math.sqrt(6)
+    sigma = MAD_TO_SD * float(np.median(np.abs(second))) / math.sqrt(6)
     text = "from the median second difference of the measurement"
     least = _quantisation(y[np.isfinite(y)])
-    if least > found:
-        found, text = least, "from the smallest step that the measurement shows (1/√12 of it)"
+    if least > sigma:
+        sigma, text = least, "from the smallest step that the measurement shows (1/√12 of it)"
     # a median absolute deviation has 37 % efficiency; neighbours share samples: 2/3 of them count
-    return Noise(found, found * 1.17 / math.sqrt(max(1.0, 2 * len(second) / 3)), text)
+    return Noise(sigma, sigma * 1.17 / math.sqrt(max(1.0, 2 * len(second) / 3)), text)
 
 
 def _quantisation(y: Array) -> float:

@@ -103,11 +103,13 @@ def basis_of(done: Compared) -> str:
 
 
 def _compared(plan: Plan, one: Evaluated) -> dict[str, ComparedProbe]:
-    found = {}
+    compared_probes = {}
     for name, compared in plan.compare.items():
         probe = one.scene.probes[name]
-        found[name] = ComparedProbe(compared.channel, probe.label, probe.unit, compared.judged)
-    return found
+        compared_probes[name] = ComparedProbe(
+            compared.channel, probe.label, probe.unit, compared.judged
+        )
+    return compared_probes
 
 
 def _parameters(done: Compared) -> list[ParameterRecord]:
@@ -144,10 +146,10 @@ def _parameters(done: Compared) -> list[ParameterRecord]:
 def _fit(fit: Estimate, plan: Plan, source: Source) -> CalibrationRecord:
     size = fit.u[:, None] * fit.u[None, :]
     correlation = fit.covariance / (size + (size == 0))
-    wanted = plan.calibrate
+    calibrate = plan.calibrate
     return CalibrationRecord(
-        recording=(wanted and wanted.recording) or source.name,
-        chosen_knowing=bool(wanted and wanted.chosen_knowing),
+        recording=(calibrate and calibrate.recording) or source.name,
+        chosen_knowing=bool(calibrate and calibrate.chosen_knowing),
         names=fit.names,
         streams=fit.streams,
         rms=fit.rms,

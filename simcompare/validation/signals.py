@@ -47,7 +47,7 @@ def waveforms(
             for case, is_aligned in clocks:
                 measured = case.seen[probe]
                 simulated = _at(one, plan, run, probe, measured.time_s)
-                found = waveform(measured.values, simulated, u=noise(measured)[0] or None)
+                deviation = waveform(measured.values, simulated, u=noise(measured)[0] or None)
                 yield WaveformRecord(
                     source=engine.name,
                     stream=one.case.stream,
@@ -56,7 +56,7 @@ def waveforms(
                     judged=plan.compare[probe].judged,
                     parameters=words,
                     aligned=is_aligned,
-                    **vars(found),
+                    **vars(deviation),
                 )
 
 
@@ -74,10 +74,10 @@ def gaps(engine: Engine, number: int, one: Evaluated, plan: Plan) -> Iterator[Ga
         exact = engine.runs.get((number, DOUBLE)) if one.truth is None else one.truth
         u_num = 0.0 if exact is None else rms(best - at(exact))
         u_input = _u_input(one, probe, measured.time_s)
-        found = split(measured.values, nominal, best, measured.u, u_num)
+        gap = split(measured.values, nominal, best, measured.u, u_num)
         covered = None
         if u_input is not None:
-            u = np.hypot(u_input, math.hypot(found.noise, u_num))
+            u = np.hypot(u_input, math.hypot(gap.noise, u_num))
             covered = coverage(best - measured.values, u)
         yield GapRecord(
             source=engine.name,
@@ -86,7 +86,7 @@ def gaps(engine: Engine, number: int, one: Evaluated, plan: Plan) -> Iterator[Ga
             unit=one.scene.probes[probe].unit,
             input=None if u_input is None else rms(u_input),
             covered=covered,
-            **vars(found),
+            **vars(gap),
         )
 
 

@@ -26,8 +26,10 @@ def timing(engine: Engine, number: int, one: Evaluated, series: str) -> TimingRe
     recorded_s = times_of_events(one.recorded or one.case)[0]
     u_num = _u_num(engine, number, one, series, simulated_s)
     u = EventUncertainty(u_data, u_num, _u_input(one, series))
-    found = compare_events(simulated_s, measured_s, recorded_s, u)
-    return TimingRecord(source=engine.name, stream=one.case.stream, series=series, **vars(found))
+    comparison = compare_events(simulated_s, measured_s, recorded_s, u)
+    return TimingRecord(
+        source=engine.name, stream=one.case.stream, series=series, **vars(comparison)
+    )
 
 
 def _u_num(
@@ -38,11 +40,11 @@ def _u_num(
         other = engine.runs.get((number, variant))
         if other is None:
             continue
-        found = event_times(one.scene, other, series)
-        common = min(len(simulated_s), len(found))
+        other_s = event_times(one.scene, other, series)
+        common = min(len(simulated_s), len(other_s))
         if common:
             # two steps with safety factor 3 (Roache), half of the band
-            return 1.5 * factor * rms(simulated_s[:common] - found[:common])
+            return 1.5 * factor * rms(simulated_s[:common] - other_s[:common])
     return None
 
 

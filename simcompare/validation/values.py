@@ -19,15 +19,17 @@ def values(engine: Engine, number: int, one: Evaluated) -> Iterator[ValueRecord]
         number: of the segment.
         one: the segment.
     """
-    for found in compared_values(engine, number, one):
-        yield ValueRecord(source=engine.name, stream=one.case.stream, **vars(found))
+    for value in compared_values(engine, number, one):
+        yield ValueRecord(source=engine.name, stream=one.case.stream, **vars(value))
 
 
 def agreement(rows: Sequence[ValueRecord]) -> Iterator[AgreementRecord]:
     """Whether the engines agree among themselves within their own step errors (Birge ratio)."""
     for stream, measure in dict.fromkeys((row.stream, row.measure) for row in rows):
-        every = [row for row in rows if (row.stream, row.measure) == (stream, measure)]
-        known = {row.source: (row.simulated, row.u_num) for row in every if row.u_num is not None}
+        of_measure = [row for row in rows if (row.stream, row.measure) == (stream, measure)]
+        known = {
+            row.source: (row.simulated, row.u_num) for row in of_measure if row.u_num is not None
+        }
         if len(known) < 2:
             continue
         # two numbers that are equal to rounding agree
@@ -38,8 +40,8 @@ def agreement(rows: Sequence[ValueRecord]) -> Iterator[AgreementRecord]:
         yield AgreementRecord(
             stream=stream,
             measure=measure,
-            unit=every[0].unit,
+            unit=of_measure[0].unit,
             engines=tuple(known),
-            left_out=tuple(row.source for row in every if row.u_num is None),
+            left_out=tuple(row.source for row in of_measure if row.u_num is None),
             **vars(ratio),
         )

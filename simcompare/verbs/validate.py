@@ -78,15 +78,15 @@ def validate(
     file = catalogue.load(scenario)
     source = sources.find(recording, mapping=mapping, strict=strict)
     plan = _plan(file, source)
-    given = file.read_settings(set or {})
+    overrides = file.read_settings(set or {})
     step_s = None if step is None else units.to_si(step, "s", "--step")
     if out is not None:
         store.check_writable(Path(out))
     model = model_of(file)
-    cases = cases_of(file, plan, source.recording, streams or plan.streams, given)
-    fit = _fit(model, plan, source, given, mapping)
+    cases = cases_of(file, plan, source.recording, streams or plan.streams, overrides)
+    fit = _fit(model, plan, source, overrides, mapping)
     segments = [evaluate(model, plan, case, fit, step_s) for case in cases]
-    found = simulate(
+    simulated = simulate(
         model, cases, None if fit is None else fit.as_dict(), chosen, contact=contact,
         step_s=step_s, time_limit_s=time_limit_s, progress=progress,
     )  # fmt: skip
@@ -94,58 +94,60 @@ def validate(
         scenario=scenario, engine=engine, set=set, step=step, recording=recording, contact=contact,
         mapping=mapping, streams=tuple(streams), strict=strict,
     )  # fmt: skip
-    done = _run_of(request, file, Compared(source, plan, fit, segments, found))
+    done = _run_of(request, file, Compared(source, plan, fit, segments, simulated))
     return done if out is None else store.save(done, Path(out))
 
 
 def _plan(file: ScenarioFile, source: sources.Source) -> Plan:
-    found = plans.choose(source.plans, file.name, source.name)
-    faults = plans.faults(found, file.resolve())
+    plan = plans.choose(source.plans, file.name, source.name)
+    faults = plans.faults(plan, file.resolve())
     if faults:
         raise InputError(f"{source.name}, validate", faults)
-    return found
+    return plan
 
 
 def _fit(
     model: Model,
     plan: Plan,
     source: sources.Source,
-    given: Mapping[str, float],
+    overrides: Mapping[str, float],
     mapping: str | Path | None,
 ) -> Estimate | None:
     """The plan's parameters fitted to its streams; those that the user sets are not fitted."""
-    wanted = plan.calibrate
-    names = [n for n in wanted.parameters if n not in given] if wanted is not None else []
-    if wanted is None or not names:
+    calibrate = plan.calibrate
+    names = [n for n in calibrate.parameters if n not in overrides] if calibrate is not None else []
+    if calibrate is None or not names:
         return None
     other = source
-    own = plan
-    if wanted.recording is not None:
-        other = sources.find(wanted.recording, mapping=mapping)
+    other_plan = plan
+    if calibrate.recording is not None:
+        other = sources.find(calibrate.recording, mapping=mapping)
         # a log that has no plan of its own is read by that of the recording that is judged
-        own = plans.choose(other.plans, plan.scenario, other.name) if other.plans else plan
-        faults = plans.faults(own, model.file.resolve())
+        other_plan = plans.choose(other.plans, plan.scenario, other.name) if other.plans else plan
+        faults = plans.faults(other_plan, model.file.resolve())
         if faults:
             raise InputError(f"{other.name}, validate", faults)
-    cases = cases_of(model.file, own, other.recording, wanted.streams, given, wanted.most_s)
-    probe = tuple(name for name, compared in own.compare.items() if compared.judged)
-    fitted = {*names, *wanted.nuisance}
-    known = {n: one.u for n, one in own.parameters.items() if one.u > 0 and n not in fitted}
-    known = {n: u for n, u in known.items() if n not in given}
-    starts = [name for name in own.start if name not in given]
-    return estimate(model, cases, probe, names, wanted.nuisance, starts=starts, known=known)
+    cases = cases_of(
+        model.file, other_plan, other.recording, calibrate.streams, overrides, calibrate.most_s
+    )
+    probe = tuple(name for name, compared in other_plan.compare.items() if compared.judged)
+    fitted = {*names, *calibrate.nuisance}
+    known = {n: one.u for n, one in other_plan.parameters.items() if one.u > 0 and n not in fitted}
+    known = {n: u for n, u in known.items() if n not in overrides}
+    starts = [name for name in other_plan.start if name not in overrides]
+    return estimate(model, cases, probe, names, calibrate.nuisance, starts=starts, known=known)
 
 
 def _run_of(request: ValidateRequest, file: ScenarioFile, done: Compared) -> Run:
-    found = answer.with_words(records.of_validation(done))
+    validation = answer.with_words(records.of_validation(done))
     record = run_record.of_run(
         ValidationRecord,
         file,
         [done.segments[0].scene],
         None if done.segments[0].truth is None else TRUTH,
         [run_record.of_source(e.name, request.contact, e.outcomes) for e in done.engines],
-        [_score(row, request.contact) for row in found.values],
-        validation=found,
+        [_score(row, request.contact) for row in validation.values],
+        validation=validation,
         engines_asked=request.engine,
         scenario_asked=request.scenario,
         recording_asked=str(request.recording),
