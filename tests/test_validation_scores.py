@@ -14,7 +14,6 @@ from simcompare.statistics.agreement import (
     e_n,
     rms,
     vv20,
-    weighted_mean,
     zeta,
 )
 from simcompare.statistics.grid_convergence import gci
@@ -56,9 +55,9 @@ def test_one_in_twenty_is_outside_when_the_uncertainties_are_right():
 
 
 def test_the_weighted_mean_of_known_numbers():
-    found = weighted_mean([1.0, 3.0], [1.0, 2.0])
-    assert found.value == pytest.approx((1 + 3 / 4) / (1 + 1 / 4))
-    assert found.u == pytest.approx(1 / math.sqrt(1.25))
+    found = birge_ratio([1.0, 3.0], [1.0, 2.0])
+    assert found.mean == pytest.approx((1 + 3 / 4) / (1 + 1 / 4))
+    assert found.u_mean == pytest.approx(1 / math.sqrt(1.25))
 
 
 @given(st.lists(st.tuples(VALUE, SIZE), min_size=2, max_size=8), st.randoms(use_true_random=False))

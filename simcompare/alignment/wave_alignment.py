@@ -14,7 +14,7 @@ from simcompare.errors import InputError
 from simcompare.model.trajectory import Array
 from simcompare.statistics.agreement import rms
 from simcompare.statistics.correlation import GAP, Wave, peaks, wave_of
-from simcompare.statistics.noise import autocovariance, noise_of
+from simcompare.statistics.noise import autocovariance, measured_noise
 
 #: greatest number of samples that least squares look at; longer signals are thinned or averaged
 _MAX_SAMPLES = 60_000
@@ -109,7 +109,7 @@ class _Fit:
 
     def __init__(self, reference: Wave, log: Wave) -> None:
         self.reference, self.log = reference, log
-        self.noise = noise_of(reference.values)
+        self.noise = measured_noise(reference.values).value
         self.curve = _curve(reference, self.noise)
 
     def finish(self, start: Alignment) -> Alignment:

@@ -262,6 +262,18 @@ def choose(entries: Any, scenario: str, where: str) -> Plan:  # noqa: ANN401
     )
 
 
+def checked(plan: Plan, scenario: Scenario, where: str) -> Plan:
+    """The plan, where it suits the scenario.
+
+    Raises:
+        InputError: it names what the scenario does not have.
+    """
+    found = faults(plan, scenario)
+    if found:
+        raise InputError(f"{where}, validate", found)
+    return plan
+
+
 def faults(plan: Plan, scenario: Scenario) -> list[str]:
     """What the plan names and the scenario does not have."""
     unknown = []

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from simcompare.errors import InputError
-from simcompare.model.trajectory import Array
 
 #: coverage factor of expanded uncertainties (JCGM 100:2008, 6)
 COVERAGE_FACTOR = 2.0
@@ -87,34 +86,6 @@ def _over_root(difference: float, parts: tuple[float, float], where: str) -> flo
 
 
 @dataclass(frozen=True)
-class Mean:
-    """A weighted mean.
-
-    Attributes:
-        value: the mean.
-        u: its standard uncertainty, from the uncertainties that went in.
-    """
-
-    value: float
-    u: float
-
-
-def weighted_mean(values: ArrayLike, u: ArrayLike) -> Mean:
-    """Mean with weights 1/u² (ISO 13528:2022, 7.7; JCGM 100:2008, H.5 for independent values).
-
-    Args:
-        values: the values (n,).
-        u: their standard uncertainties (n,), all positive.
-    """
-    x, each = _values_and_u(values, u)
-    # relative weights, so that very small uncertainties do not overflow
-    weight = (each.min() / each) ** 2
-    first = float(x[0])
-    value = first + float(np.sum(weight * (x - first)) / np.sum(weight))
-    return Mean(value, float(each.min() / math.sqrt(np.sum(weight))))
-
-
-@dataclass(frozen=True)
 class Birge:
     """Whether values agree within their uncertainties.
 
@@ -144,8 +115,8 @@ class Birge:
 def birge_ratio(values: ArrayLike, u: ArrayLike) -> Birge:
     """Birge ratio and the χ² test at 95 % of n values with standard uncertainties.
 
-    R. T. Birge, Phys. Rev. 40 (1932) 207; consistency as in M. G. Cox, Metrologia 39 (2002) 589,
-    procedure A.
+    R. T. Birge, Phys. Rev. 40 (1932) 207; the mean with weights 1/u² (ISO 13528:2022, 7.7) and
+    consistency as in M. G. Cox, Metrologia 39 (2002) 589, procedure A.
 
     Args:
         values: the values (n,), two or more.
@@ -153,25 +124,23 @@ def birge_ratio(values: ArrayLike, u: ArrayLike) -> Birge:
     """
     from scipy import stats
 
-    x, each = _values_and_u(values, u)
-    if len(x) < 2:
-        raise InputError("Birge ratio", ["one value alone agrees with nothing; give two or more"])
-    mean, free = weighted_mean(x, each), len(x) - 1
-    chi2 = float(np.sum(((x - mean.value) / each) ** 2))
+    x = np.asarray(values, dtype=float).ravel()
+    each = np.broadcast_to(np.asarray(u, dtype=float), x.shape)
+    if len(x) < 2 or not np.all(np.isfinite(x)):
+        text = f"{len(x)} values, or some are missing; one value alone agrees with nothing"
+        raise InputError("Birge ratio", [text])
+    if not np.all(np.isfinite(each) & (each > 0)):
+        raise InputError("values", ["every value needs a standard uncertainty greater than zero"])
+    # relative weights, so that very small uncertainties do not overflow
+    weight = (each.min() / each) ** 2
+    mean = float(x[0]) + float(np.sum(weight * (x - x[0])) / np.sum(weight))
+    u_mean = float(each.min() / math.sqrt(np.sum(weight)))
+    free = len(x) - 1
+    chi2 = float(np.sum(((x - mean) / each) ** 2))
     limit = float(stats.chi2.ppf(0.95, free))
     half = 1 / math.sqrt(2 * free)
     ratio = math.sqrt(chi2 / free)
-    return Birge(len(x), mean.value, mean.u, ratio, 1 - half, 1 + half, chi2, limit, chi2 <= limit)
-
-
-def _values_and_u(values: ArrayLike, u: ArrayLike) -> tuple[Array, Array]:
-    x = np.asarray(values, dtype=float).ravel()
-    each = np.broadcast_to(np.asarray(u, dtype=float), x.shape)
-    if not len(x) or not np.all(np.isfinite(x)):
-        raise InputError("values", [f"{len(x)} values, of which some are missing; leave them out"])
-    if not np.all(np.isfinite(each) & (each > 0)):
-        raise InputError("values", ["every value needs a standard uncertainty greater than zero"])
-    return x, each
+    return Birge(len(x), mean, u_mean, ratio, 1 - half, 1 + half, chi2, limit, chi2 <= limit)
 
 
 @dataclass(frozen=True)

@@ -99,9 +99,7 @@ def split(
     u_data: ArrayLike | None = None,
     u_num: float = 0.0,
     *,
-    block: int | None = None,
     draws: int = DRAWS,
-    generator: np.random.Generator | None = None,
 ) -> Gap:
     """Splits the gap into parameter, model-form, numerical and noise parts.
 
@@ -120,9 +118,7 @@ def split(
         u_data: standard deviation of the measurement's noise, one number or one per sample;
             estimated from second differences of the measurement where ``None``.
         u_num: rms of the numerical error of the simulation.
-        block: samples in a block; from the autocorrelation where ``None``.
         draws: number of resampled records.
-        generator: source of randomness; seeded with 0 where ``None``.
 
     Raises:
         InputError: lengths differ, fewer than 10 common samples, or an uncertainty is negative.
@@ -141,8 +137,8 @@ def split(
     by_parameter, rest = (s - b)[common], (b - m)[common]
     remaining = float(np.mean(rest**2))
     model = remaining - noise.value**2 - u_num**2
-    size = block or max(block_length(rest**2), block_length(rest), len(rest) // MIN_BLOCKS)
-    low, high = _interval(rest**2, noise, u_num, size, draws, generator)
+    size = max(block_length(rest**2), block_length(rest), len(rest) // MIN_BLOCKS)
+    low, high = _interval(rest**2, noise, u_num, size, draws)
     cross = 2 * float(np.mean(by_parameter * rest))
     parameter = float(np.mean(by_parameter**2))
     root = math.sqrt(parameter * remaining)
@@ -221,12 +217,7 @@ def block_length(values: ArrayLike) -> int:
 
 
 def _interval(
-    squares: Array,
-    noise: Noise,
-    u_num: float,
-    block: int,
-    draws: int,
-    generator: np.random.Generator | None,
+    squares: Array, noise: Noise, u_num: float, block: int, draws: int
 ) -> tuple[float, float]:
     """95 % interval of the model-form part's rms."""
     from scipy import stats
@@ -234,7 +225,7 @@ def _interval(
     mean = float(np.mean(squares))
     if mean == 0:
         return 0.0, 0.0
-    chance = generator if generator is not None else np.random.default_rng(0)
+    chance = np.random.default_rng(0)
     full, half = (_scatter(squares, size, draws, chance) for size in (block, max(1, block // 2)))
     # what blocks of a length miss is about proportional to 1/length (D. N. Politis and J. P.
     # Romano, J. Time Ser. Anal. 16 (1995) 67)

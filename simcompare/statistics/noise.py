@@ -28,15 +28,6 @@ class Noise:
     text: str
 
 
-def noise_of(values: ArrayLike) -> float:
-    """Standard deviation of white noise on a smooth signal, see :func:`measured_noise`.
-
-    Args:
-        values: the samples (n,), evenly spaced; NaN split the signal.
-    """
-    return measured_noise(values).value
-
-
 def measured_noise(values: ArrayLike) -> Noise:
     """Standard deviation of white noise on a smooth signal, by second differences.
 

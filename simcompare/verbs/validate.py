@@ -8,7 +8,7 @@ from pathlib import Path
 from simcompare import units
 from simcompare.compare.comparison import INFO, Score
 from simcompare.engine import engines
-from simcompare.errors import InputError, UnknownName
+from simcompare.errors import UnknownName
 from simcompare.inference import plan as plans
 from simcompare.inference import sources
 from simcompare.inference.estimate import Estimate, estimate
@@ -77,7 +77,8 @@ def validate(
     chosen = engines.select(engine)
     file = catalogue.load(scenario)
     source = sources.find(recording, mapping=mapping, strict=strict)
-    plan = _plan(file, source)
+    plan = plans.choose(source.plans, file.name, source.name)
+    plan = plans.checked(plan, file.resolve(), source.name)
     overrides = file.read_settings(set or {})
     step_s = None if step is None else units.to_si(step, "s", "--step")
     if out is not None:
@@ -98,14 +99,6 @@ def validate(
     return done if out is None else store.save(done, Path(out))
 
 
-def _plan(file: ScenarioFile, source: sources.Source) -> Plan:
-    plan = plans.choose(source.plans, file.name, source.name)
-    faults = plans.faults(plan, file.resolve())
-    if faults:
-        raise InputError(f"{source.name}, validate", faults)
-    return plan
-
-
 def _fit(
     model: Model,
     plan: Plan,
@@ -119,22 +112,20 @@ def _fit(
     if calibrate is None or not names:
         return None
     other = source
-    other_plan = plan
     if calibrate.recording is not None:
         other = sources.find(calibrate.recording, mapping=mapping)
         # a log that has no plan of its own is read by that of the recording that is judged
-        other_plan = plans.choose(other.plans, plan.scenario, other.name) if other.plans else plan
-        faults = plans.faults(other_plan, model.file.resolve())
-        if faults:
-            raise InputError(f"{other.name}, validate", faults)
+        if other.plans:
+            plan = plans.choose(other.plans, plan.scenario, other.name)
+        plans.checked(plan, model.file.resolve(), other.name)
     cases = cases_of(
-        model.file, other_plan, other.recording, calibrate.streams, overrides, calibrate.most_s
+        model.file, plan, other.recording, calibrate.streams, overrides, calibrate.most_s
     )
-    probe = tuple(name for name, compared in other_plan.compare.items() if compared.judged)
+    probe = tuple(name for name, compared in plan.compare.items() if compared.judged)
     fitted = {*names, *calibrate.nuisance}
-    known = {n: one.u for n, one in other_plan.parameters.items() if one.u > 0 and n not in fitted}
+    known = {n: one.u for n, one in plan.parameters.items() if one.u > 0 and n not in fitted}
     known = {n: u for n, u in known.items() if n not in overrides}
-    starts = [name for name in other_plan.start if name not in overrides]
+    starts = [name for name in plan.start if name not in overrides]
     return estimate(model, cases, probe, names, calibrate.nuisance, starts=starts, known=known)
 
 
