@@ -229,9 +229,9 @@ def test_engines_without_a_step_error_are_told_to_be_left_out(fitted):
 
 def test_a_stretch_that_was_cut_is_marked(fitted):
     cases = plain(fitted)["cases"]
-    whole = source.stretches(fitted)
+    whole = source.segments(fitted)
     cases[0]["short"] = True
-    cut = source.stretches(changed(fitted, cases=cases))
+    cut = source.segments(changed(fitted, cases=cases))
     assert cells(cut)[0][2] == f"{cells(whole)[0][2]} (cut)"
     assert not whole.note
     assert cut.note.startswith("Cut: the log ends before")
@@ -241,7 +241,7 @@ def test_where_only_events_were_compared_no_table_is_empty(fitted):
     cases = plain(fitted)["cases"]
     cases[0]["probes"] = {}
     bare = changed(fitted, cases=cases, compare={})
-    assert source.stretches(bare) is None
+    assert source.segments(bare) is None
     assert "compared" not in source.facts(bare)
     assert "compared" in source.facts(fitted)
 

@@ -9,7 +9,7 @@ from typing import Any
 from simcompare import units
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Scale, scale_of
-from simcompare.reports.validation import validations
+from simcompare.reports.validation import phrases, validations
 from simcompare.results.records.fit import FitRecord
 from simcompare.results.run import Run
 
@@ -59,7 +59,7 @@ def other_form(run: Run) -> str:
 def title(name: str) -> str:
     """An unknown as people say it, with its drop."""
     head, _, drop = name.partition("[")
-    return validations.parameter(head) + (f" of drop {drop[:-1]}" if drop else "")
+    return phrases.parameter(head) + (f" of drop {drop[:-1]}" if drop else "")
 
 
 def unit(name: str) -> str:

@@ -8,7 +8,14 @@ from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.tables import Table, printable
 from simcompare.reports.run import runs
 from simcompare.reports.sections.base import Section
-from simcompare.reports.validation import events, gap_figures, source, validations, waveforms
+from simcompare.reports.validation import (
+    events,
+    gap_figures,
+    phrases,
+    source,
+    validations,
+    waveforms,
+)
 from simcompare.reports.validation import tables as real_tables
 from simcompare.results.run import Run
 
@@ -125,7 +132,7 @@ def _fit_words(run: Run) -> str:
 
 def _bound(run: Run) -> str:
     fit = validations.validation(run).fit
-    names = [] if fit is None else [validations.parameter(name) for name in fit.at_bound]
+    names = [] if fit is None else [phrases.parameter(name) for name in fit.at_bound]
     return f"At a bound: {', '.join(names)}; the fit wanted to go further." if names else ""
 
 
@@ -138,7 +145,7 @@ class Source(Section):
         """Provenance, repairs, stretches and conversions."""
         repairs = source.repairs(run)
         unharmed = not any(not table.folded for table in repairs)
-        tables = [*repairs, source.stretches(run), source.events(run),
+        tables = [*repairs, source.segments(run), source.events(run),
                   source.conversions(run)]  # fmt: skip
         note = "No defect was found in the log: nothing was repaired." if unharmed else ""
         return {"facts": source.facts(run), **_parts([], tables, note)}

@@ -31,7 +31,7 @@ def figure(run: Run) -> Figure | None:
         return None
     panels = tuple(
         Panel(
-            validations.stretch(run, stream), "interval between events", "simulated − measured (s)",
+            validations.segment_name(run, stream), "interval between events", "simulated − measured (s)",
             tuple(_points([row for row in rows if row.stream == stream])), whole_x=True,
         )
         for stream in streams
@@ -77,7 +77,7 @@ def summary(run: Run) -> Table | None:
     for stream in _streams(rows):
         of_stream = [row for row in rows if row.stream == stream]
         scale = scale_of(row.rmse_s for row in of_stream)
-        where = validations.stretch(run, stream)
+        where = validations.segment_name(run, stream)
         title = runs.measure_words(of_stream[0].series) + (f", {where}" if where else "")
         groups.append(
             Group(title + scale.unit("s"), tuple(_summary(row, scale) for row in of_stream))
@@ -107,7 +107,7 @@ def intervals(run: Run) -> Table | None:
     )  # fmt: skip
     groups = []
     for row in rows:
-        where = validations.stretch(run, row.stream)
+        where = validations.segment_name(run, row.stream)
         groups.append(
             Group(row.source + (f", {where}" if where else ""),
                   tuple(map(_interval, row.intervals)))

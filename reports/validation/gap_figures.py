@@ -20,7 +20,7 @@ from simcompare.reports.render.figures import (
     style_of,
 )
 from simcompare.reports.run import runs
-from simcompare.reports.validation import answer_values, validations
+from simcompare.reports.validation import answer_values, phrases, validations
 from simcompare.results.records.validation import (
     CalibrationRecord,
     GapRecord,
@@ -150,7 +150,8 @@ def _worse(run: Run) -> Iterator[str]:
     worse = [row for row in rows if row.shares.removed < -0.005]
     if worse:
         places = dict.fromkeys(
-            row.source + (f" on {where}" if (where := validations.stretch(run, row.stream)) else "")
+            row.source
+            + (f" on {where}" if (where := validations.segment_name(run, row.stream)) else "")
             for row in worse
         )
         most = max(-row.shares.removed for row in worse)
@@ -203,7 +204,7 @@ def parameter_figure(run: Run) -> Figure | None:
         return None
     rows = {row.name: row for row in validations.validation(run).parameters}
     names = [name for name in fit.names if name in rows]
-    ticks = tuple(validations.parameter(name) for name in names)
+    ticks = tuple(phrases.parameter(name) for name in names)
     panels = [*_moved(names, rows, ticks), *_scatter(fit, names, rows, ticks)]
     if not panels:
         return None

@@ -1,4 +1,4 @@
-"""Tables of a recording: what was repaired, its stretches, and how columns became SI."""
+"""Tables of a recording: what was repaired, its segments, and how columns became SI."""
 
 from __future__ import annotations
 
@@ -112,8 +112,8 @@ def _changes(before: Mapping[str, float], after: Mapping[str, float]) -> str:
     )
 
 
-def stretches(run: Run) -> Table | None:
-    """The stretches that were judged and how well each quantity was measured there.
+def segments(run: Run) -> Table | None:
+    """The segments that were judged and how well each quantity was measured there.
 
     ``None`` where only events were compared.
     """
@@ -127,7 +127,7 @@ def stretches(run: Run) -> Table | None:
         for probe, measured in case.probes.items():
             rows.append(
                 (
-                    validations.stretch(run, case.stream) or "the whole log",
+                    validations.segment_name(run, case.stream) or "the whole log",
                     numbers.plain(case.start_s, 4),
                     numbers.plain(case.duration_s, 4) + (" (cut)" if case.short else ""),
                     validations.with_unit(run, probe),
@@ -164,13 +164,13 @@ def conversions(run: Run) -> Table | None:
 
 
 def events(run: Run) -> Table | None:
-    """Events of the recording within the stretches."""
+    """Events of the recording within the segments."""
     validation = validations.validation(run)
     streams = {case.stream for case in validation.cases}
     rows = tuple(
         (
             row.name,
-            validations.stretch(run, row.stream),
+            validations.segment_name(run, row.stream),
             numbers.with_u(row.time_s, row.u_s, digits=7),
             numbers.plain(row.value, 4),
         )

@@ -33,7 +33,7 @@ def _grouped(rows: Sequence[R], second: Callable[[R], str]) -> Iterator[tuple[st
 
 
 def _title(run: Run, stream: str, words: str) -> str:
-    where = validations.stretch(run, stream)
+    where = validations.segment_name(run, stream)
     return f"{words}, {where}" if where else words
 
 
@@ -329,7 +329,7 @@ def _parameter(run: Run, row: ParameterRecord) -> tuple[str, ...]:
     before = numbers.with_u(row.known, row.u_known or None)
     if row.known is None and row.kind == "read off":
         before = "each stretch its own"
-    cells = [validations.parameter(row.name), "" if row.unit == "1" else row.unit, before]
+    cells = [phrases.parameter(row.name), "" if row.unit == "1" else row.unit, before]
     if validations.is_fitted(run):
         cells.append("" if row.fitted is None else numbers.with_u(row.fitted, row.u_fitted))
     return (*cells, row.source)
@@ -347,7 +347,7 @@ def single_fits(run: Run) -> Table | None:
         for column, one in zip(zip(*fit.single.values(), strict=True), u, strict=True)
     ]
     heads = [
-        validations.parameter(name) + scale.unit(units.symbol(units.unit_of(name)))
+        phrases.parameter(name) + scale.unit(units.symbol(units.unit_of(name)))
         for name, scale in zip(fit.names, scales, strict=True)
     ]
     rows = [

@@ -15,9 +15,9 @@ MEASURED = "measured"
 BEST, NOMINAL = "best", "nominal"
 #: name of the only stream of a log that has one
 ONLY = "log"
-#: stretches of a recording that are drawn; the tables have all
+#: segments of a recording that are drawn; the tables have all
 MAX_SEGMENTS = 2
-#: judged quantities of which all those stretches are drawn; of more, only the worst one
+#: judged quantities of which all those segments are drawn; of more, only the worst one
 MAX_PROBES = 2
 #: letters of a name that a figure or a cell can hold; names come from files
 _LETTERS = 28
@@ -67,14 +67,9 @@ def with_unit(run: Run, probe: str) -> str:
     return label(run, probe) + runs.unit_words(unit(run, probe))
 
 
-def stretch(run: Run, stream: str) -> str:
-    """The name of a stretch, empty where only one was judged."""
+def segment_name(run: Run, stream: str) -> str:
+    """The name of a segment, empty where only one was judged."""
     return short(stream) if len(validation(run).streams) > 1 else ""
-
-
-def parameter(name: str) -> str:
-    """A parameter as people say it."""
-    return name.removesuffix(units.suffix_of(name)).replace("_", " ")
 
 
 def short(name: str) -> str:
@@ -88,8 +83,8 @@ def last_parameters(run: Run) -> str:
     return FITTED if is_fitted(run) else KNOWN
 
 
-def drawn_cases(run: Run) -> list[tuple[int, str]]:
-    """Number and name of the stretches that are drawn: all, or the best and the worst of many."""
+def drawn_segments(run: Run) -> list[tuple[int, str]]:
+    """Number and name of the segments that are drawn: all, or the best and the worst of many."""
     streams = [case.stream for case in validation(run).cases]
     numbered = list(enumerate(streams))
     if len(numbered) <= _max_drawn(run):
@@ -107,7 +102,7 @@ def _max_drawn(run: Run) -> int:
 
 
 def chosen_words(run: Run) -> str:
-    """Which stretches are drawn, where that is not all of them."""
+    """Which segments are drawn, where that is not all of them."""
     count = len(validation(run).cases)
     if count <= _max_drawn(run):
         return ""
@@ -116,12 +111,12 @@ def chosen_words(run: Run) -> str:
     return f" Of {count} stretches the one with the smallest and the one with the largest gap."
 
 
-def event_times(run: Run, case: int) -> list[float]:
-    """Events of the recording within a stretch, on the clock of the scenario [s]."""
+def event_times(run: Run, segment: int) -> list[float]:
+    """Events of the recording within a segment, on the clock of the scenario [s]."""
     record = validation(run)
-    about = record.cases[case]
+    about = record.cases[segment]
     times = np.array([e.time_s for e in record.events if e.stream == about.stream]) - about.start_s
-    alignment = record.alignments[case] if case < len(record.alignments) else None
+    alignment = record.alignments[segment] if segment < len(record.alignments) else None
     if alignment is not None:
         times = alignment.to_reference(times)
     return [float(time) for time in times if 0 <= time <= about.duration_s]

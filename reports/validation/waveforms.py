@@ -39,7 +39,7 @@ EVENT, ZOOMED = "event", "enlarged"
 
 def overlay_figures(run: Run, probe: str) -> list[Figure]:
     """What was measured with the engines over it: a figure for each stretch that is drawn."""
-    figures = [_overlay(run, probe, case, name) for case, name in validations.drawn_cases(run)]
+    figures = [_overlay(run, probe, case, name) for case, name in validations.drawn_segments(run)]
     return [figure for figure in figures if figure is not None]
 
 
@@ -63,7 +63,7 @@ def _overlay(run: Run, probe: str, case: int, name: str) -> Figure | None:
             )
         )  # fmt: skip
         panels[0] = replace(panels[0], weight=1.3)
-    where = validations.stretch(run, name)
+    where = validations.segment_name(run, name)
     title = f"{validations.label(run, probe)}: measured and simulated" + (
         f", {where}" if where else ""
     )
@@ -181,7 +181,7 @@ def zoom_window(
 def residual_figure(run: Run, probe: str) -> Figure | None:
     """Simulated minus measured over time, one panel for each stretch that is drawn."""
     panels = [
-        _residual_panel(run, probe, case, name) for case, name in validations.drawn_cases(run)
+        _residual_panel(run, probe, case, name) for case, name in validations.drawn_segments(run)
     ]
     shown = tuple(panel for panel in panels if panel is not None)
     if not shown:
@@ -193,7 +193,7 @@ def residual_figure(run: Run, probe: str) -> Figure | None:
         " model or of the measurement."
     )
     events = "".join(
-        dict.fromkeys(_event_words(run, case) for case, _ in validations.drawn_cases(run))
+        dict.fromkeys(_event_words(run, case) for case, _ in validations.drawn_segments(run))
     )
     return Figure(
         f"residual-{probe}", f"{validations.label(run, probe)}: what is left",
@@ -215,7 +215,7 @@ def _residual_panel(run: Run, probe: str, case: int, name: str) -> Panel | None:
     bands = (Band(-2 * u, 2 * u, "noise of a sample ± 2u", 0.0),) if u else ()
     unit = runs.unit_words(validations.unit(run, probe))
     return Panel(
-        validations.stretch(run, name), TIME, f"simulated − measured{unit}",
+        validations.segment_name(run, name), TIME, f"simulated − measured{unit}",
         (*_explained(run, probe, case, u), *lines), bands, spans=_events(run, case),
         y_range=(-reach, reach),
     )  # fmt: skip
