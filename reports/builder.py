@@ -9,14 +9,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from simcompare.errors import UnknownName
-from simcompare.reports.render import output
+from simcompare.reports.render import numbers, output
 from simcompare.reports.render.figures import Figure, style_of
+from simcompare.reports.render.parts import Block
 from simcompare.reports.sections import of_run
-from simcompare.reports.sections.base import Block, Filled
+from simcompare.results.records.run import RunRecord
 from simcompare.results.run import Run
 
 if TYPE_CHECKING:
     from jinja2 import Environment
+    from markupsafe import Markup
 
 _TEMPLATES = Path(__file__).parent / "templates"
 #: formats of figures; kept here so that a wrong one is found without importing matplotlib
@@ -95,8 +97,8 @@ def write_pdf(runs: Sequence[Run], path: Path) -> Path:
     from simcompare.reports import pages
     from simcompare.reports.render import matplotlib_
 
-    found = [page for block in blocks_of(runs) for page in pages.of(block)]
-    return output.write(Path(path), matplotlib_.document(found))
+    drawn = [page for block in blocks_of(runs) for page in pages.of(block)]
+    return output.write(Path(path), matplotlib_.document(drawn))
 
 
 def write_markdown(runs: Sequence[Run], path: Path) -> Path:
@@ -111,19 +113,24 @@ def write_markdown(runs: Sequence[Run], path: Path) -> Path:
 
 def blocks_of(runs: Sequence[Run]) -> list[Block]:
     """What a report shows of each run."""
-    return [
-        Block(
-            f"run{number}",
-            run.record.scenario,
-            run.record,
-            [
-                Filled(section, context)
-                for section in of_run(run.record)
-                if (context := section.context(run)) is not None
-            ],
-        )
-        for number, run in enumerate(runs, start=1)
-    ]
+    return [_block(f"run{number}", run) for number, run in enumerate(runs, start=1)]
+
+
+def _block(anchor: str, run: Run) -> Block:
+    record = run.record
+    parts = (section(run) for section in of_run(record))
+    measured = record.against if isinstance(record, RunRecord) else None
+    against = f"against {measured.file}" if measured is not None else None
+    origin = ", ".join(filter(None, (record.preset, against, record.created)))
+    return Block(
+        anchor,
+        record.scenario,
+        record.title,
+        record.question,
+        origin,
+        record.software.simcompare,
+        tuple(part for part in parts if part is not None),
+    )
 
 
 @functools.cache
@@ -143,8 +150,28 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(figure_json=figure_json, cell=_cell, style=style_of)
+    environment.policies["urlize.rel"] = None  # a link in a file of its own gives nothing away
+    environment.filters.update(
+        figure_json=figure_json, cell=_cell, style=style_of, tied=numbers.tied, marked=_marked
+    )
     return environment
+
+
+#: signs that begin a verdict, and what it is; no verdict is told by its colour alone
+_MARKS = {"✓": "pass", "✗": "fail", "·": "info", "≠": "left", "⇄": "translated"}
+
+
+def _marked(text: str) -> Markup:
+    """Text with every verdict in its colour."""
+    from markupsafe import Markup, escape
+
+    # a dot inside of a text is a product
+    marked = re.sub(
+        r"(^·|[✓✗≠⇄])[^✓✗≠⇄,]*",
+        lambda found: f'<span class="{_MARKS[found[1]]}">{found[0]}</span>',
+        escape(text),
+    )
+    return Markup(marked)
 
 
 def _cell(text: object) -> str:

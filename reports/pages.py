@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from simcompare.reports.render import matplotlib_
+from simcompare.reports.render.parts import Block, Part
 from simcompare.reports.render.tables import Table, printable
-from simcompare.reports.sections.base import Block
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
@@ -56,26 +57,21 @@ def of(block: Block) -> Iterator[Canvas]:
     figures = block.figures
     yield from _first(block, figures[0] if figures else None)
     for i, figure in enumerate(figures[1:]):
-        yield _with_figure(figure, block if i == 0 else None)
-    for name, heading in (("measurement", "Against measurement"), ("scores", "Scores")):
-        context = block.contexts.get(name)
-        if context is not None:
-            lines = _measured_lines(context) if name == "measurement" else _score_lines(context)
-            yield from _table_pages(heading, lines)
-    for filled in block.sections:
-        yield from _table_pages(filled.section.title, _part_lines(filled.context))
-    yield from _table_pages("How it was made", _setup_lines(block.contexts["setup"]))
+        yield _with_figure(figure, block.parts[0] if i == 0 else None)
+    answer, *others = block.parts
+    for part in (replace(answer, answer=(), remarks=()), *others):
+        yield from _text_pages(part.title, list(_lines(part)))
 
 
 def _first(block: Block, figure: Figure | None) -> Iterator[Canvas]:
     """The answer, and below it a figure; on a page of its own where the answer is long."""
-    page = _blank()
-    y = _write(page, _TOP, block.record.title, size=20, weight="bold")
-    y = _write(page, y - 0.01, block.record.question, size=12, colour=_SOFT)
-    for sentence in block.contexts["answer"]["answer"]:
+    page, answer = _blank(), block.parts[0]
+    y = _write(page, _TOP, block.title, size=20, weight="bold")
+    y = _write(page, y - 0.01, block.question, size=12, colour=_SOFT)
+    for sentence in answer.answer:
         y = _write(page, y - 0.008, sentence, size=12)
     if len(block.figures) < _TWO:  # else they have room beside the second
-        y = _remarks(page, y, block)
+        y = _remarks(page, y, answer)
     crowded = y < _ROOM
     if figure is not None and not crowded:
         _place(page, figure, y - 0.02)
@@ -84,16 +80,16 @@ def _first(block: Block, figure: Figure | None) -> Iterator[Canvas]:
         yield _with_figure(figure)
 
 
-def _remarks(page: Canvas, y: float, block: Block) -> float:
-    for sentence in block.contexts["answer"].get("remarks", ()):
+def _remarks(page: Canvas, y: float, part: Part) -> float:
+    for sentence in part.remarks:
         y = _write(page, y - 0.004, sentence, size=10)
     return y
 
 
-def _with_figure(figure: Figure, block: Block | None = None) -> Canvas:
-    """A figure on a page of its own, below the remarks of a block where one is given."""
+def _with_figure(figure: Figure, part: Part | None = None) -> Canvas:
+    """A figure on a page of its own, below the remarks of a part where one is given."""
     page = _blank()
-    y = _TOP if block is None else _remarks(page, _TOP, block) - 0.02
+    y = _TOP if part is None else _remarks(page, _TOP, part) - 0.02
     y = _write(page, y, figure.title, size=16, weight="bold")
     _place(page, figure, y - 0.01)
     return page
@@ -114,9 +110,8 @@ def _place(page: Canvas, figure: Figure, top: float) -> None:
     matplotlib_.draw(grid[1, 1], figure)
 
 
-def _table_pages(heading: str, lines: Sequence[tuple[Cells, bool] | Line]) -> Iterator[Canvas]:
-    """Rows of cells, each with whether it is a heading, on as many pages as they need."""
-    rest = [Line(*line) for line in lines]
+def _text_pages(heading: str, rest: list[Line]) -> Iterator[Canvas]:
+    """Rows of cells on as many pages as they need."""
     while rest:
         page = _blank()
         y = _write(page, _TOP, heading, size=16, weight="bold") - 0.01
@@ -162,18 +157,25 @@ def _row(page: Canvas, y: float, line: Line) -> float:
     return lowest
 
 
-def _part_lines(context: dict[str, Any]) -> list[Line]:
-    """Facts, remarks and tables of a section that has them as plain values."""
-    lines = [Line((f"{key}: {value}",), False) for key, value in context.get("facts", {}).items()]
-    lines += [Line((note,), False) for note in context.get("notes", ())]
-    for table in context.get("grids", ()):
-        lines += _grid_lines(table)
-    return lines
+def _lines(part: Part) -> Iterator[Line]:
+    """Everything that a part and its parts hold beside figures."""
+    if not part.has_text:
+        return
+    texts = [*part.answer, *part.notices, *part.remarks]
+    texts += [f"{key}: {value}" for key, value in part.facts.items()]
+    for text in (*texts, *part.notes, *part.code.splitlines()):
+        yield Line((text,), False)
+    for table in part.tables:
+        yield from _grid_lines(table)
+    for inner in part.parts:
+        if inner.has_text and inner.title:
+            yield Line((inner.title,), True)
+        yield from _lines(inner)
 
 
 def _grid_lines(table: Table) -> Iterator[Line]:
     rows = [row for group in table.groups for row in group.rows]
-    heads = tuple(column.head for column in table.columns)
+    heads = tuple(column.full_head for column in table.columns)
     numbers = frozenset(i for i, column in enumerate(table.columns) if i and not column.text)
     lengths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
     widths = tuple(float(min(max(n, _NARROWEST), _WIDEST)) for n in lengths)
@@ -183,68 +185,12 @@ def _grid_lines(table: Table) -> Iterator[Line]:
     for group in table.groups:
         if group.title:
             yield Line((printable(group.title),), True)
+        if group.note:
+            yield Line((printable(group.note),), False)
         for row in group.rows:
             yield Line(tuple(map(printable, row)), False, widths, numbers)
     if table.note:
         yield Line((table.note,), False)
-
-
-def _score_lines(context: dict[str, Any]) -> list[tuple[Cells, bool]]:
-    lines: list[tuple[Cells, bool]] = []
-    for group in context["groups"]:
-        head = f"{group['title']}{group['unit']}"
-        if group["truth"] is not None:
-            head += f": truth {group['truth']}"
-        if group["tolerance"] is not None:
-            head += f", tolerance ± {group['tolerance']}"
-        lines.append(((head,), True))
-        if group["reason"]:
-            lines.append(((group["reason"],), False))
-        columns = [text for mode, _ in context["modes"] for text in (mode, "verdict")]
-        lines.append((("engine", *columns), False))
-        for row in group["rows"]:
-            cells = [row["name"]]
-            for cell in row["cells"]:
-                cells += ["–", "–"] if cell is None else [cell["value"], cell["words"]]
-            lines.append((cells, False))
-    return lines
-
-
-def _measured_lines(context: dict[str, Any]) -> list[tuple[Cells, bool]]:
-    head = context["head"]
-    lines: list[tuple[Cells, bool]] = [((head.get("title", context["file"]),), True)]
-    told = [key for key in ("citation", "seen", "note") if key in head]
-    lines += [((f"{key}: {head[key]}",), False) for key in told]
-    if context["caution"]:
-        lines.append(((context["caution"],), True))
-    for group in context["groups"]:
-        limits, measured = group["limits"], group["measured"]
-        given = f"stated limits {limits}" if limits else f"measured {measured}"
-        lines.append(((f"{group['title']}: {given}",), True))
-        lines.append((("engine", "value ± s", "E_n", "inside"), False))
-        for row in group["rows"]:
-            inside = f"{row['symbol']} {row['words']}"
-            cells = (f"{row['source']}, {row['mode']}", row["value"], row["e_n"], inside)
-            lines.append((cells, False))
-    return lines
-
-
-def _setup_lines(context: dict[str, Any]) -> list[tuple[Cells, bool]]:
-    lines: list[tuple[Cells, bool]] = [
-        (("To make it again",), True),
-        ((context["command"],), False),
-    ]
-    lines.append((("Settings, versions and machine",), True))
-    lines += [((f"{key}: {value}",), False) for key, value in context["settings"].items()]
-    lines += [((f"{key}: {value}",), False) for key, value in context["software"].items()]
-    lines += [((f"{key}: {value}",), False) for key, value in context["machine"].items()]
-    lines.append((("engine", "version", "mode", "status", "run (ms)"), True))
-    for row in context["sources"]:
-        cells = (row["name"], row["version"], row["mode"], row["status"], row["step"])
-        lines.append((tuple(map(str, cells)), False))
-    for row in context["missing"]:
-        lines.append(((f"{row['name']}, {row['modes']}: {row['reason']}",), False))
-    return lines
 
 
 def _blank() -> Canvas:

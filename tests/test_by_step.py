@@ -9,7 +9,7 @@ from simcompare.reports.run import answer, remarks
 from simcompare.reports.run.by_step import figure
 from simcompare.reports.run.lead import lead_of
 from simcompare.reports.run.lead_table import lead_table
-from simcompare.reports.sections.headline import Headline
+from simcompare.reports.sections.headline import headline
 from tests import records
 from tests.records import with_sources
 from tests.test_headline import ANSWER, changed, level, tuning
@@ -70,7 +70,7 @@ def test_the_table_says_which_tolerance_is_whose():
 
 def test_the_first_picture_has_a_line_for_each_engine_over_the_step():
     run = stepped("tuned", north=(0.81, 0.81), south=(0.79, 0.85))
-    first, *_ = Headline().context(run)["figures"]
+    first, *_ = headline(run).figures
     assert first.name == "answer-steps"
     (panel,) = first.panels
     truth, north, south = panel.series

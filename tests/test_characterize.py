@@ -22,7 +22,7 @@ from simcompare.model.settings import CONTACT_LEVELS
 from simcompare.reports.characterization import figures, findings, words
 from simcompare.reports.characterization import page as characterized
 from simcompare.reports.characterization import tables as characterized_tables
-from simcompare.reports.render import tables
+from simcompare.reports.render import numbers, tables
 from simcompare.reports.render.figures import MOST_PANELS
 from simcompare.results.records.characterization import Characterization, Trial
 from simcompare.results.records.run import Software
@@ -335,9 +335,7 @@ def test_nothing_reads_like_micronewton_or_microgram(pymunk, tmp_path):
 
 @pytest.mark.parametrize("text", ["0.078 ± 0.058", "by ± 1.8 %", "2.9 ms", "0.04 m/s", "5 mm/s"])
 def test_a_number_stays_on_the_line_of_its_scatter_and_unit(text):
-    assert characterized.tied(text).split(" ")[-1] == text.removeprefix("by ").replace(
-        " ", "\u00a0"
-    )
+    assert numbers.tied(text).split(" ")[-1] == text.removeprefix("by ").replace(" ", "\u00a0")
 
 
 def test_long_sentences_are_wrapped(call):

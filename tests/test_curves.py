@@ -9,8 +9,8 @@ from simcompare.compare.comparison import Score
 from simcompare.reports.render import plotly_
 from simcompare.reports.render.figures import style_of
 from simcompare.reports.run import curve_figures, score_figures
-from simcompare.reports.sections.curves import Curves
-from simcompare.reports.sections.headline import Headline
+from simcompare.reports.sections import pictures
+from simcompare.reports.sections.headline import headline
 from tests.records import changed
 from tests.test_reports import make_run
 
@@ -56,7 +56,7 @@ def test_everything_over_one_axis_is_one_figure_with_the_truth_below():
 
 def test_an_axis_of_time_is_called_time_whatever_its_name():
     run = swept(unit="s")
-    figure, deviations = Curves().context(run)["figures"]
+    figure, deviations = pictures.curves(run).figures
     assert figure.title == "Amplitude and phase over time"
     assert deviations.title == "Amplitude and phase over time: deviation from the truth"
     assert {panel.x_label for panel in (*figure.panels, *deviations.panels)} == {"time (s)"}
@@ -71,8 +71,8 @@ def test_no_figure_has_more_panels_than_can_be_read():
     assert [figure.name for figure in found] == ["curves-frequency", "curves-frequency-2"]
     assert found[1].title == "And more and the last over frequency"
     # the first leads the report, the others follow
-    assert Headline().context(run)["figures"][1].name == "curves-frequency"
-    assert Curves().context(run)["figures"][0].name == "curves-frequency-2"
+    assert headline(run).figures[1].name == "curves-frequency"
+    assert pictures.curves(run).figures[0].name == "curves-frequency-2"
 
 
 def test_the_legend_shows_an_engine_as_it_is_with_the_physics_mapped():
@@ -110,12 +110,12 @@ def test_without_a_truth_there_are_no_deviations():
 
 def test_curves_over_anything_but_time_lead_the_report_and_are_not_drawn_twice():
     run = swept()
-    assert [f.name for f in Headline().context(run)["figures"]] == ["answer", "curves-frequency"]
-    assert [f.name for f in Curves().context(run)["figures"]] == ["deviations-frequency"]
+    assert [f.name for f in headline(run).figures] == ["answer", "curves-frequency"]
+    assert [f.name for f in pictures.curves(run).figures] == ["deviations-frequency"]
     over_time = swept(unit="s")
-    leading = Headline().context(over_time)["figures"]
+    leading = headline(over_time).figures
     assert [figure.name for figure in leading] == ["answer", "motion-height_m"]
-    assert [f.name for f in Curves().context(over_time)["figures"]] == [
+    assert [f.name for f in pictures.curves(over_time).figures] == [
         "curves-frequency",
         "deviations-frequency",
     ]
@@ -142,7 +142,7 @@ def test_curves_are_no_events():
 def test_a_run_stored_before_there_were_axes_still_reads():
     run = make_run()  # its JSON has none
     assert not run.record.axes
-    assert Curves().context(run) is None
+    assert pictures.curves(run) is None
 
 
 @pytest.mark.parametrize("library", ["plotly", "matplotlib"])

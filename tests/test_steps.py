@@ -11,7 +11,7 @@ from simcompare.compare.repeats import asked_steps, step_words
 from simcompare.errors import InputError
 from simcompare.reports.run import reproduce, runs
 from simcompare.reports.run.source_styles import look, looks
-from simcompare.reports.sections import scores as scores_section
+from simcompare.reports.sections.scores import scores
 from simcompare.results import store
 from simcompare.results.records.run import Wall
 from tests.present import need
@@ -209,8 +209,8 @@ def test_the_command_that_makes_it_again_names_all_steps(several):
 
 
 def test_a_report_judges_each_step_by_its_own_tolerance(several):
-    group = scores_section.Scores().context(several)["groups"][0]
-    assert group["tolerance"] == "0.0016 or 0.008", "above 1 ms the scenario asks for less"
+    group = scores(several).tables[0].groups[0]
+    assert "tolerance ± 0.0016 or 0.008" in group.note, "above 1 ms the scenario asks for less"
     score = runs.score_of(several, "pymunk@2ms", "tuned", "restitution")
     assert runs.tolerances(several, score.source)["restitution"].absolute == 0.008
     assert score.tolerance == 0.008

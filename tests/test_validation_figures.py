@@ -7,7 +7,7 @@ import pytest
 
 from simcompare.alignment.clock_line import Alignment
 from simcompare.model.trajectory import Trajectory
-from simcompare.reports.sections.validation import Timings
+from simcompare.reports.sections.validation import timings
 from simcompare.reports.validation import events as real_events
 from simcompare.reports.validation import gap_figures, tables, waveforms
 from tests import validated
@@ -182,8 +182,8 @@ def test_events_without_a_partner_are_counted(fitted):
 
 def test_a_run_without_events_has_no_section_on_them(fitted):
     assert real_events.summary(fitted) is None
-    assert Timings().context(fitted) is None
-    assert Timings().context(timed(fitted))["grids"]
+    assert timings(fitted) is None
+    assert timings(timed(fitted)).tables
 
 
 def test_no_quantity_is_left_out_of_the_picture_of_the_gap(fitted):

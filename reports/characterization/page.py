@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from simcompare.model.settings import CONTACT_LEVELS
 from simcompare.reports import builder
@@ -14,11 +11,8 @@ from simcompare.reports.characterization import figures as characterized_figures
 from simcompare.reports.characterization import tables
 from simcompare.reports.render import output
 from simcompare.reports.render.figures import Figure
-from simcompare.reports.sections.base import Block, Filled, Section
-from simcompare.reports.sections.parts import parts_of
+from simcompare.reports.render.parts import Block, Part, part_of
 from simcompare.results.records.characterization import Characterization
-from simcompare.results.records.run import Software
-from simcompare.results.run import Run
 from simcompare.running.jobs import MISSING
 
 _FIGURES: Mapping[str, Callable[[Characterization], list[Figure]]] = {
@@ -43,29 +37,6 @@ _LEVELS = {
     "assisted": "With our helps: the same, and we land on impacts and give efforts at the right"
     " instant; that is our work and not the engine's.",
 }
-
-
-@dataclass(frozen=True)
-class _Head:
-    """What the head of a page shows; a characterization has no preset and no measurement."""
-
-    title: str
-    question: str
-    created: str
-    software: Software
-    preset: None = None
-    against: None = None
-
-
-class _Part(Section):
-    """A section that is filled without a run."""
-
-    def __init__(self, name: str, title: str, template: str = "real_part.html") -> None:
-        self.name, self.title, self.template = name, title, template
-
-    def context(self, run: Run) -> dict[str, Any] | None:
-        """Nothing: it is no part of a run's report."""
-        return None
 
 
 def write_html(result: Characterization, path: Path) -> Path:
@@ -97,40 +68,34 @@ def _block(result: Characterization) -> Block:
     first = next(filter(None, figures.values()), [])
     lead = [figure for figure in first if figure.title.startswith(first[0].title)]
     del first[: len(lead)]
-    parts = [_answer(result, lead)]
-    parts += [_experiment(result, name, drawn) for name, drawn in figures.items()]
-    head = _Head(result.title, result.question, result.created, result.software)
-    return Block("c1", "characterization", head, [*parts, _how(result)])
+    experiments = (_experiment(result, name, drawn) for name, drawn in figures.items())
+    return Block(
+        "c1",
+        "characterization",
+        result.title,
+        result.question,
+        result.created,
+        result.software.simcompare or "",
+        (_answer(result, lead), *experiments, _how(result)),
+    )
 
 
-def _answer(result: Characterization, lead: list[Figure]) -> Filled:
+def _answer(result: Characterization, lead: list[Figure]) -> Part:
     """What leads, with the first picture, which may go on; the rest is in the sections."""
     leading = [one.text for one in result.sentences if one.leads]
     answer = leading or [one.text for one in result.sentences]
     missing = {t.engine: t.reason for t in result.answers if t.status == MISSING}
     answer += [f"Did not run: {reason}" for reason in missing.values()]
-    context = {"answer": list(map(tied, answer)), **parts_of(lead, [])}
-    return Filled(_Part("answer", "Answer", "real_answer.html"), context)
+    return part_of("Answer", "answer", lead, answer=answer)
 
 
-def _experiment(result: Characterization, name: str, figures: list[Figure]) -> Filled:
+def _experiment(result: Characterization, name: str, figures: list[Figure]) -> Part:
     sentences = [one.text for one in result.sentences if one.experiment == name]
-    context = parts_of(
-        figures,
-        [tables.of(result, name)],
-        *sentences,
-        *tables.reasons(result, name),
-    )
-    context["notes"] = list(map(tied, context["notes"]))
-    return Filled(_Part(name, _TITLES[name]), context)
+    notes = [*sentences, *tables.reasons(result, name)]
+    return part_of(_TITLES[name], name, figures, [tables.of(result, name)], notes)
 
 
-def tied(text: str) -> str:
-    """Numbers stay on one line with their sign and unit."""
-    return re.sub(r"(?<=±) |(?<=\d) (?=±)| (?=(?:%|ms|mm/s|m/s)(?:\W|$))", "\u00a0", text)
-
-
-def _how(result: Characterization) -> Filled:
+def _how(result: Characterization) -> Part:
     versions = {trial.engine: trial.version for trial in result.answers}
     engines = ", ".join(f"{name} {version}" for name, version in versions.items() if version)
     notes = [_LEVELS[level] for level in CONTACT_LEVELS if level in result.contact]
@@ -141,4 +106,4 @@ def _how(result: Characterization) -> Filled:
         f" --contact {','.join(result.contact)} --step {1e3 * result.step_s:g}ms"
         f" --engine {result.engines_asked}",
     ]
-    return Filled(_Part("how", "How it was made"), parts_of([], [], *notes))
+    return part_of("How it was made", "how", notes=notes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 #: outside of these powers of ten a number is written as a mantissa and a power
 _PLAIN = (-3, 6)
@@ -97,3 +98,8 @@ def raised(power: int) -> str:
 
 def _minus(text: str) -> str:
     return text.replace("-", "−")
+
+
+def tied(text: str) -> str:
+    """Numbers stay on one line with their sign and unit."""
+    return re.sub(r"(?<=±) |(?<=\d) (?=±)| (?=(?:%|ms|mm/s|m/s)(?:\W|$))", "\u00a0", text)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
@@ -24,12 +25,19 @@ class Column(NamedTuple):
         text: whether it holds words, which begin at the left, and not numbers.
         spare: whether it is left out where there is little room.
         whole: whether its words, such as a name or a unit, stay on one line.
+        over: a head that it shares with the columns beside it, empty for none.
     """
 
     head: str
     text: bool = False
     spare: bool = False
     whole: bool = False
+    over: str = ""
+
+    @property
+    def full_head(self) -> str:
+        """Both heads on one line."""
+        return ", ".join(filter(None, (self.over, self.head)))
 
 
 class Group(NamedTuple):
@@ -38,10 +46,17 @@ class Group(NamedTuple):
     Attributes:
         title: what they share, empty for nothing.
         rows: of cells, one for each column.
+        note: what is said of what they share, behind the title.
     """
 
     title: str
     rows: tuple[tuple[str, ...], ...]
+    note: str = ""
+
+    @property
+    def head(self) -> str:
+        """Title and note on one line."""
+        return ": ".join(filter(None, (self.title, self.note)))
 
 
 class Table(NamedTuple):
@@ -63,6 +78,13 @@ class Table(NamedTuple):
     folded: bool = False
     engines: bool = False
 
+    @property
+    def overs(self) -> list[tuple[str, int]]:
+        """Heads over the heads, each with the number of its columns; none where all are empty."""
+        overs = itertools.groupby(column.over for column in self.columns)
+        found = [(over, len(list(columns))) for over, columns in overs]
+        return found if any(over for over, _ in found) else []
+
     def narrow(self) -> Table:
         """The same without the columns that can be spared."""
         return self._kept([i for i, column in enumerate(self.columns) if not column.spare])
@@ -73,7 +95,7 @@ class Table(NamedTuple):
 
     def _kept(self, keep: Sequence[int]) -> Table:
         groups = tuple(
-            Group(group.title, tuple(tuple(row[i] for i in keep) for row in group.rows))
+            group._replace(rows=tuple(tuple(row[i] for i in keep) for row in group.rows))
             for group in self.groups
         )
         return self._replace(columns=tuple(self.columns[i] for i in keep), groups=groups)
@@ -145,12 +167,12 @@ def lines(table: Table, width: int) -> Iterator[str]:
     if _whole(table, widths) > width:
         table = table.narrow()
         widths = _squeezed(table, width, _LEAST_WORDS)
-    heads = [printable(column.head) for column in table.columns]
+    heads = [printable(column.full_head) for column in table.columns]
     yield from _laid_out(table, heads, widths)
     yield "─" * min(_whole(table, widths), width)
     for group in table.groups:
         if group.title:
-            yield from textwrap.wrap(printable(group.title), width)
+            yield from textwrap.wrap(printable(group.head), width)
         indent = 2 if group.title else 0
         for row in group.rows:
             cells = list(map(printable, row))
@@ -163,7 +185,7 @@ def _widths(table: Table) -> list[int]:
     found = []
     for i, column in enumerate(table.columns):
         cells = [printable(row[i]) for group in table.groups for row in group.rows]
-        longest = max(map(len, [*cells, *column.head.split()]), default=1)
+        longest = max(map(len, [*cells, *column.full_head.split()]), default=1)
         found.append(longest + (indent if i == 0 else 0))
     return found
 

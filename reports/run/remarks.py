@@ -14,6 +14,7 @@ from simcompare.reports.render import numbers
 from simcompare.reports.run import listing, runs
 from simcompare.reports.run.lead import Lead, first_events, groups_of, lead_of
 from simcompare.reports.run.level_phrases import how, merged
+from simcompare.reports.run.not_run import not_run
 from simcompare.results.records.run import SourceRecord
 from simcompare.results.run import Run
 from simcompare.running.jobs import OK
@@ -259,7 +260,7 @@ def _worst(run: Run, mode: str) -> str:
 def _not_run(run: Run) -> list[str]:
     """Engines that did not run at any level, and those that ran at some, by what became of them."""
     heads: dict[str, dict[str, list[str]]] = {}
-    for name in dict.fromkeys(row["name"] for row in runs.not_run(run)):
+    for name in dict.fromkeys(row.name for row in not_run(run)):
         own = [source for source in run.record.sources if source.name == name]
         bad = [source for source in own if source.status != OK]
         levels = listing.joined([runs.mode_words(source.contact) for source in bad])

@@ -72,24 +72,6 @@ def ran(run: Run, mode: str) -> list[str]:
     ]
 
 
-def not_run(run: Run) -> list[dict[str, str]]:
-    """Engine, modes, status and reason of everything that did not run; one row for one reason."""
-    rows: dict[tuple[str, str, str], list[str]] = {}
-    for source in run.record.sources:
-        if source.status != OK:
-            key = (source.name, source.status, source.reason or "no reason is known")
-            rows.setdefault(key, []).append(mode_words(source.contact))
-    return [
-        {
-            "name": name,
-            "status": status,
-            "modes": ", ".join(found),
-            "reason": reason.removeprefix(f"{name}: "),
-        }
-        for (name, status, reason), found in rows.items()
-    ]
-
-
 def measure_words(measure: str) -> str:
     """The name of a measure as people say it."""
     return measure.replace("_", " ")

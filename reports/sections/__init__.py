@@ -1,103 +1,73 @@
-"""Sections of a report: a template name and a dictionary."""
+"""Sections of a report: what each shows of a run, ``None`` where there is nothing to show."""
 
 from __future__ import annotations
 
-from simcompare.reports.sections.assistance import Assistance
-from simcompare.reports.sections.base import Section
-from simcompare.reports.sections.contrast import Contrast
-from simcompare.reports.sections.curves import Curves
-from simcompare.reports.sections.energy import Energy
-from simcompare.reports.sections.events import Events
-from simcompare.reports.sections.fit_bounces import (
-    FitAnswer,
-    FitEngines,
-    FitForms,
-    FitHeldOut,
-    FitKnown,
-    FitMeasured,
-    FitOthers,
-    FitSpeed,
-)
-from simcompare.reports.sections.fit_waveforms import (
-    WavesAnswer,
-    WavesEngines,
-    WavesHeldOut,
-    WavesKnown,
-)
-from simcompare.reports.sections.given import Given
-from simcompare.reports.sections.headline import Headline
-from simcompare.reports.sections.limits import Limits
-from simcompare.reports.sections.measured import Measured
-from simcompare.reports.sections.scores import Scores
-from simcompare.reports.sections.setup import Setup
-from simcompare.reports.sections.signals import Signals
-from simcompare.reports.sections.tuning import Tuning
-from simcompare.reports.sections.validation import (
-    Gap,
-    Parameters,
-    RealAnswer,
-    RealValues,
-    Residuals,
-    Source,
-    Timings,
-)
+from collections.abc import Callable
+
+from simcompare.reports.render.parts import Part
+from simcompare.reports.sections import fit_bounces, fit_waveforms, pictures, validation
+from simcompare.reports.sections.assistance import assistance
+from simcompare.reports.sections.events import events
+from simcompare.reports.sections.given import given
+from simcompare.reports.sections.headline import headline
+from simcompare.reports.sections.limits import limits
+from simcompare.reports.sections.measurement import measurement
+from simcompare.reports.sections.scores import scores
+from simcompare.reports.sections.setup import setup
+from simcompare.reports.sections.tuning import tuning
 from simcompare.results.records.fit import FitRecord
 from simcompare.results.records.run import Record
 from simcompare.results.records.validation import ValidationRecord
+from simcompare.results.run import Run
 
+Section = Callable[[Run], Part | None]
+#: at the end of every report
+_LAST: tuple[Section, ...] = (given, limits, setup)
 #: in the order in which a reader wants them
 SECTIONS: tuple[Section, ...] = (
-    Headline(),
-    Measured(),
-    Assistance(),
-    Curves(),
-    Events(),
-    Energy(),
-    Contrast(),
-    Signals(),
-    Scores(),
-    Tuning(),
-    Given(),
-    Limits(),
-    Setup(),
+    headline,
+    measurement,
+    assistance,
+    pictures.curves,
+    events,
+    pictures.energy,
+    pictures.contrast,
+    pictures.signals,
+    scores,
+    tuning,
+    *_LAST,
 )
 #: the same for simulations held against a recording
 VALIDATION: tuple[Section, ...] = (
-    RealAnswer(),
-    Gap(),
-    Residuals(),
-    Timings(),
-    RealValues(),
-    Parameters(),
-    Source(),
-    Given(),
-    Limits(),
-    Setup(),
+    validation.answer,
+    validation.gap,
+    validation.residuals,
+    validation.timings,
+    validation.values,
+    validation.parameters,
+    validation.recording,
+    *_LAST,
 )
 #: the same for parameters fitted to measured bounces
 FIT: tuple[Section, ...] = (
-    FitAnswer(),
-    FitEngines(),
-    Tuning(),
-    FitForms(),
-    FitSpeed(),
-    FitKnown(),
-    FitHeldOut(),
-    FitOthers(),
-    FitMeasured(),
-    Given(),
-    Limits(),
-    Setup(),
+    fit_bounces.answer,
+    fit_bounces.engines,
+    tuning,
+    fit_bounces.forms,
+    fit_bounces.speed,
+    fit_bounces.identifiability,
+    fit_bounces.holdout,
+    fit_bounces.others,
+    fit_bounces.measured,
+    *_LAST,
 )
 #: the same for parameters fitted to signals over time
 WAVES: tuple[Section, ...] = (
-    WavesAnswer(),
-    WavesEngines(),
-    WavesHeldOut(),
-    WavesKnown(),
-    Given(),
-    Limits(),
-    Setup(),
+    fit_waveforms.answer,
+    fit_waveforms.engines,
+    fit_waveforms.holdout,
+    fit_waveforms.identifiability,
+    *_LAST,
 )
 
 

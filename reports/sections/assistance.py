@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from simcompare.compare.ablation import Ablated, Ablation
 from simcompare.engine.helps import HELPS
 from simcompare.reports.render import numbers
+from simcompare.reports.render.parts import Part
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.reports.run import runs
 from simcompare.reports.run.lead import lead_of
-from simcompare.reports.sections.base import Section
-from simcompare.reports.sections.parts import parts_of
 from simcompare.results.run import Run
 from simcompare.running.jobs import OK
 
@@ -33,6 +31,10 @@ _COLUMNS = (
     Column("Without"),
     Column("Truth"),
 )
+_NOTE = (
+    "The nominal repeat alone, without one help at a time, all others kept. Of each help the change"
+    " that is largest in tolerances."
+)
 #: measures of the leading kind that are shown of each help
 _SHOWN = 4
 #: changes below this part of a tolerance are none
@@ -41,27 +43,21 @@ _NOTHING = 1e-6
 Change = tuple[float, str, Ablated]
 
 
-class Assistance(Section):
-    """Every help that acted, with the nominal repeat that left it out."""
+def assistance(run: Run) -> Part | None:
+    """Every help that acted, with the nominal repeat that left it out; ``None`` where none did.
 
-    name, title, template = "helps", "What our helps change", "real_part.html"
-
-    def context(self, run: Run) -> dict[str, Any] | None:
-        """The largest change by each help, and all of them folded; ``None`` where none acted."""
-        left_out = runs.own_record(run).without
-        if not left_out:
-            return None
-        rows = tuple(
-            _short(run, name, own)
-            for name in HELPS
-            if (own := [item for item in left_out if item.help == name])
-        )
-        note = (
-            "The nominal repeat alone, without one help at a time, all others kept. Of each help"
-            " the change that is largest in tolerances."
-        )
-        short = Table("", _SHORT, (Group("", rows),), note)
-        return parts_of([], [short, _every(run, left_out)])
+    The largest change by each help, and all of them folded.
+    """
+    left_out = runs.own_record(run).without
+    if not left_out:
+        return None
+    rows = tuple(
+        _short(run, name, own)
+        for name in HELPS
+        if (own := [item for item in left_out if item.help == name])
+    )
+    short = Table("", _SHORT, (Group("", rows),), _NOTE)
+    return Part("What our helps change", "helps", tables=(short, _every(run, left_out)))
 
 
 def _short(run: Run, name: str, items: Sequence[Ablation]) -> tuple[str, ...]:

@@ -2,43 +2,46 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+from simcompare.reports.render.parts import Part
+from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.reports.run import runs, score_figures
-from simcompare.reports.sections.base import Section
+from simcompare.reports.sections.pictures import others
 from simcompare.results.run import Run
 
 
-class Events(Section):
-    """Every event with its uncertainty."""
-
-    name, title, template = "events", "Event by event", "events.html"
-
-    def context(self, run: Run) -> dict[str, Any] | None:
-        """A figure and a table for each measure; ``None`` where nothing was measured per event."""
-        measures = score_figures.event_measures(run)
-        if not measures:
-            return None
-        figures = [score_figures.events_figure(run, measure) for measure in measures]
-        return {
-            "figures": figures,
-            "tables": [_table(run, measure) for measure in measures],
-            "repeats": run.record.repeats,
-        }
+def events(run: Run) -> Part | None:
+    """A figure and a table for each measure; ``None`` where nothing was measured per event."""
+    measures = score_figures.event_measures(run)
+    if not measures:
+        return None
+    first, *rest = (score_figures.events_figure(run, measure) for measure in measures)
+    words = ", ".join(map(runs.measure_words, measures[1:]))
+    tables = tuple(_table(run, measure) for measure in measures)
+    numbers = Part("The numbers", notes=(_note(run),), tables=tables, folded=True, brief=False)
+    return Part("Event by event", "events", figures=(first,),
+                parts=(*others(words, tuple(rest)), numbers))  # fmt: skip
 
 
-def _table(run: Run, measure: str) -> dict[str, Any]:
-    rows = score_figures.events_of(run, measure)
-    longest = max(rows.values(), key=len)
-    count = len(longest)
-    return {
-        "title": runs.measure_words(measure) + runs.unit_words(longest[0].unit),
-        "columns": [f"{name}, {runs.mode_words(mode)}" for name, mode in rows],
-        "rows": [
-            [
-                str(k + 1),
-                *(runs.value_words(run, r[k] if k < len(r) else None) for r in rows.values()),
-            ]
-            for k in range(count)
-        ],
-    }
+def _note(run: Run) -> str:
+    repeats = run.record.repeats
+    known = (
+        f"Mean ± standard deviation of {repeats} repeats."
+        if repeats > 1
+        else "A single repeat: no uncertainty is known."
+    )
+    return f"{known} A dash: the engine does not resolve this event in every repeat."
+
+
+def _table(run: Run, measure: str) -> Table:
+    scores = score_figures.events_of(run, measure)
+    longest = max(scores.values(), key=len)
+    columns = [Column(f"{name}, {runs.mode_words(mode)}") for name, mode in scores]
+    rows = [
+        (
+            str(k + 1),
+            *(runs.value_words(run, own[k] if k < len(own) else None) for own in scores.values()),
+        )
+        for k in range(len(longest))
+    ]
+    title = runs.measure_words(measure) + runs.unit_words(longest[0].unit)
+    return Table(title, (Column("Event", text=True), *columns), (Group("", tuple(rows)),))

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator
 
+from simcompare.model.audit import AuditRow
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.reports.render import numbers
+from simcompare.reports.render.parts import Part
+from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.reports.run import runs
 from simcompare.reports.run.audit import LEFT, SAME, TRANSLATED, UNREAD, state_of
-from simcompare.reports.sections.base import Section
 from simcompare.results.records.run import SourceRecord
 from simcompare.results.run import Run
 
@@ -18,68 +20,112 @@ _WORDS = {
     TRANSLATED: "⇄ translated",
     UNREAD: "? cannot be read back",
 }
+_QUANTITY = (
+    Column("Quantity", text=True), Column("Scenario"), Column("Engine's parameter", text=True),
+)  # fmt: skip
+_COLUMNS = (
+    *_QUANTITY, Column("Set"), Column("Held"), Column("Unit", text=True, whole=True),
+    Column("", text=True, whole=True), Column("Note", text=True),
+)  # fmt: skip
+_LEFT_COLUMNS = (
+    Column("Engine", text=True), Column("Mode", text=True), *_QUANTITY, Column("Held"),
+    Column("Unit", text=True, whole=True), Column("Note", text=True),
+)  # fmt: skip
+_NOTE = (
+    "Every value that an engine was given, read back from it; a note says where an engine cannot"
+    " tell. “Translated” means that the mapping rule set this value so that the engine behaves as"
+    " the scenario asks."
+)
 
 
-class Given(Section):
-    """Scenario values beside the values that the engine held."""
-
-    name, title, template = "given", "What each engine was given", "given.html"
-
-    def context(self, run: Run) -> dict[str, Any]:
-        """One table for each engine and mode, and what differs in the engines' defaults."""
-        blocks = [_block(source) for source in run.record.sources]
-        left = [
-            {"source": block["name"], "mode": block["mode"], **row}
-            for block in blocks
-            for row in block["rows"]
-            if row["state"] == LEFT
-        ]
-        # what the scenario asks for, such as the friction of a joint, matters most
-        left.sort(key=lambda row: not row["asked"])
-        return {"blocks": blocks, "left": left}
+def given(run: Run) -> Part:
+    """What differs in the engines' defaults, and one table for each engine and mode."""
+    parts = tuple(map(_source, run.record.sources))
+    left = _left(run)
+    return Part("What each engine was given", "given", notes=(_NOTE,),
+                tables=(left,) if left else (), parts=parts, brief=False)  # fmt: skip
 
 
-def _velocity(offset_s: float | None) -> str:
-    """To which instant stored velocities belong, where it is not that of the sample."""
-    if not offset_s:
-        return ""
-    when = "after" if offset_s > 0 else "before"
-    return (
-        f"Velocities and rates are as the engine stores them: they belong to"
-        f" {numbers.plain(1e3 * abs(offset_s), 3)} ms {when} the time of their sample."
+def _left(run: Run) -> Table | None:
+    """Where engines held values of their own; what the scenario asks for matters most."""
+    rows = [
+        (source, row)
+        for source in run.record.sources
+        for row in source.audit
+        if state_of(row) == LEFT
+    ]
+    rows.sort(key=lambda pair: pair[1].scenario_value is None)
+    cells = tuple(
+        (
+            source.name, runs.mode_words(source.contact), row.quantity,
+            numbers.plain(row.scenario_value), row.engine_parameter,
+            numbers.plain(row.read_value), _unit(row),
+            row.note if row.read_value is None else "",
+        )
+        for source, row in rows
+    )  # fmt: skip
+    title = "Where an engine was left as it comes, it held values of its own"
+    table = Table(title, _LEFT_COLUMNS, (Group("", cells),))
+    if not any(row[-1] for row in cells):
+        table = table.without(["Note"])
+    return table if cells else None
+
+
+def _source(source: SourceRecord) -> Part:
+    notices = (f"{source.status}: {source.reason}",) if source.reason else ()
+    table = Table("", _COLUMNS, (Group("", tuple(map(_row, source.audit))),))
+    return Part(
+        _summary(source),
+        notices=notices,
+        notes=tuple(_notes(source)),
+        code=source.noise,
+        tables=(table,) if source.audit else (),
+        folded=True,
     )
 
 
-def _block(source: SourceRecord) -> dict[str, Any]:
-    rows = []
-    for row in source.audit:
-        state = state_of(row)
-        rows.append(
-            {
-                "quantity": row.quantity,
-                "wanted": numbers.plain(row.scenario_value),
-                "parameter": row.engine_parameter,
-                "given": numbers.plain(row.set_value),
-                "held": numbers.plain(row.read_value),
-                "unit": "" if row.unit == "1" else row.unit,
-                "note": row.note,
-                "read": row.read_value is not None,
-                "asked": row.scenario_value is not None,
-                "state": state,
-                "words": _WORDS[state],
-            }
+def _summary(source: SourceRecord) -> str:
+    """Engine, version and mode, and how much of what it holds is not the scenario's value."""
+    head = f"{source.name} {source.version or ''}".strip()
+    text = f"{head}, {runs.mode_words(source.contact)}: "
+    if not source.audit:
+        return text + source.status
+    states = [state_of(row) for row in source.audit]
+    text += f"{len(states)} values"
+    if own := states.count(LEFT):
+        text += f", ≠ {own} the engine's own"
+    if translated := states.count(TRANSLATED):
+        text += f", ⇄ {translated} translated"
+    return text
+
+
+def _notes(source: SourceRecord) -> Iterator[str]:
+    if source.mapping and source.contact not in SHOWN_LEVELS:
+        yield f"Mapping rule: {source.mapping}"
+    if source.velocity_offset_s:
+        when = "after" if source.velocity_offset_s > 0 else "before"
+        yield (
+            "Velocities and rates are as the engine stores them: they belong to"
+            f" {numbers.plain(1e3 * abs(source.velocity_offset_s), 3)} ms {when} the time of their"
+            " sample."
         )
-    return {
-        "name": source.name,
-        "version": source.version,
-        "mode": runs.mode_words(source.contact),
-        "status": source.status,
-        "reason": source.reason,
-        "mapping": source.mapping if source.contact not in SHOWN_LEVELS else "",
-        "velocity": _velocity(source.velocity_offset_s),
-        "notes": source.notes,
-        "noise": source.noise,
-        "rows": rows,
-        "left": sum(row["state"] == LEFT for row in rows),
-        "translated": sum(row["state"] == TRANSLATED for row in rows),
-    }
+    yield from (f"Note: {note}" for note in source.notes)
+    if source.noise:
+        yield "It printed:"
+
+
+def _row(row: AuditRow) -> tuple[str, ...]:
+    return (
+        row.quantity,
+        numbers.plain(row.scenario_value),
+        row.engine_parameter,
+        numbers.plain(row.set_value),
+        numbers.plain(row.read_value),
+        _unit(row),
+        _WORDS[state_of(row)],
+        row.note,
+    )
+
+
+def _unit(row: AuditRow) -> str:
+    return "" if row.unit == "1" else row.unit

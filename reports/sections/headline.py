@@ -2,42 +2,37 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from simcompare.compare.comparison import FAIL, PASS
 from simcompare.model.settings import DEFAULT, SHOWN_LEVELS, TUNED
-from simcompare.reports.render.figures import Figure, style_of
-from simcompare.reports.run import answer, by_step, curve_figures, motion_figures, remarks, runs
+from simcompare.reports.render.figures import Figure
+from simcompare.reports.render.parts import Part
+from simcompare.reports.render.tables import Column, Group, Table, of_engines
+from simcompare.reports.run import (
+    answer,
+    by_step,
+    curve_figures,
+    motion_figures,
+    not_run,
+    remarks,
+    runs,
+)
 from simcompare.reports.run.lead import Lead, lead_of
 from simcompare.reports.run.lead_figure import lead_figure
-from simcompare.reports.sections.base import Section
+from simcompare.results.records.run import SourceRecord
 from simcompare.results.run import Run
-from simcompare.running.jobs import OK
 
 #: never told by colour alone
-_MARKS = {PASS: "✓", FAIL: "✗"}
+_MARKS = {PASS: " ✓", FAIL: " ✗"}
 
 
-class Headline(Section):
-    """Question, answer and key picture."""
-
-    name, title, template = "answer", "Answer", "headline.html"
-
-    def context(self, run: Run) -> dict[str, Any]:
-        """Answer, leading picture, motion, and a scoreboard."""
-        found = lead_of(run)
-        lead = found.measure if found else None
-        return {
-            "question": run.record.question,
-            "answer": answer.sentences(run),
-            "remarks": remarks.remarks(run),
-            "figures": [figure for figure in _figures(run, found) if figure is not None],
-            "modes": [runs.mode_words(mode) for mode in runs.modes(run)],
-            "lead": runs.measure_words(lead) if lead else None,
-            "lead_unit": _unit(run, lead),
-            "missing": runs.not_run(run),
-            "rows": [_row(run, name, lead) for name in runs.names(run)],
-        }
+def headline(run: Run) -> Part:
+    """Answer, leading picture, motion, and a scoreboard."""
+    lead = lead_of(run)
+    figures = (figure for figure in _figures(run, lead) if figure is not None)
+    missing = Part(tables=not_run.tables(run), brief=False)  # told in "How it was made" as well
+    return Part("Answer", "answer", answer=tuple(answer.sentences(run)), figures=tuple(figures),
+                remarks=tuple(remarks.remarks(run)), tables=(_scoreboard(run, lead),),
+                parts=(missing,))  # fmt: skip
 
 
 def _figures(run: Run, lead: Lead | None) -> tuple[Figure | None, ...]:
@@ -63,34 +58,38 @@ def _second_figure(run: Run) -> Figure | None:
     return motion_figures.motion_figure(run, *probes[0], modes)
 
 
-def _row(run: Run, name: str, lead: str | None) -> dict[str, Any]:
-    cells: list[dict[str, Any]] = []
-    version = None
-    for mode in runs.modes(run):
-        source = runs.source_of(run, name, mode)
-        if source is None:
-            cells.append({"reason": "was not asked for"})
-            continue
-        version = version or source.version
-        if source.status != OK:
-            cells.append({"status": source.status, "reason": source.reason})
-            continue
-        met, of = runs.passed(run, name, mode)
-        score = runs.score_of(run, name, mode, lead) if lead else None
-        cells.append(
-            {
-                "value": runs.value_words(run, score),
-                "mark": _MARKS.get(score.verdict, "") if score else "",
-                "mode": runs.mode_words(mode),
-                "met": None if mode in SHOWN_LEVELS or not of else met,
-                "of": len(runs.judged(run)),
-            }
-        )
-    return {"name": name, "version": version, "style": style_of(name), "cells": cells}
+def _scoreboard(run: Run, lead: Lead | None) -> Table:
+    """Every engine in one row: the leading measure at each level, and what was met."""
+    over = f"{lead.words}{runs.unit_words(lead.unit)}" if lead else ""
+    columns = [Column(runs.mode_words(mode), over=over) for mode in runs.modes(run)]
+    columns += [Column("Tolerances met", text=True), Column("Version", text=True)]
+    return of_engines(columns, [Group("", tuple(_row(run, n, lead) for n in runs.names(run)))])
 
 
-def _unit(run: Run, lead: str | None) -> str:
-    for score in run.scores:
-        if score.measure == lead:
-            return runs.unit_words(score.unit)
-    return ""
+def _row(run: Run, name: str, lead: Lead | None) -> tuple[str, ...]:
+    modes = runs.modes(run)
+    sources = [runs.source_of(run, name, mode) for mode in modes]
+    values = [_value(run, source, lead) for source in sources]
+    met = [_met(run, name, source.contact) for source in sources if source and source.ran]
+    version = next((source.version for source in sources if source and source.version), None)
+    return name, *values, " ".join(filter(None, met)) or "· not judged", version or ""
+
+
+def _value(run: Run, source: SourceRecord | None, lead: Lead | None) -> str:
+    if source is None:
+        return "was not asked for"
+    if not source.ran:
+        return source.status
+    score = runs.score_of(run, source.name, source.contact, lead.measure) if lead else None
+    mark = _MARKS.get(score.verdict, "") if score else ""
+    return f"{runs.value_words(run, score)}{mark}"
+
+
+def _met(run: Run, name: str, mode: str) -> str:
+    """How many tolerances were met at a level; empty where nothing is judged there."""
+    met, of = runs.passed(run, name, mode)
+    if mode in SHOWN_LEVELS or not of:
+        return ""
+    every = len(runs.judged(run))
+    text = f"{'✓' if met == every else '✗'} {runs.mode_words(mode)} {met} of {every}"
+    return text.replace(" ", "\u00a0")

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from simcompare.reports.sections.base import Section
+from simcompare.reports.render.parts import Part
+from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.results.run import Run
 
 
-class Limits(Section):
-    """What a user of an engine will meet."""
-
-    name, title, template = "limits", "Known limits", "limits.html"
-
-    def context(self, run: Run) -> dict[str, Any] | None:
-        """The limits of each engine once; ``None`` where none is known."""
-        engines = {source.name: source.known_limits for source in run.record.sources}
-        found = {name: limits for name, limits in engines.items() if limits}
-        return {"engines": found} if found else None
+def limits(run: Run) -> Part | None:
+    """The limits of each engine once; ``None`` where none is known."""
+    engines = {source.name: source.known_limits for source in run.record.sources}
+    groups = tuple(
+        Group(name, tuple((limit.text, limit.reference) for limit in known))
+        for name, known in engines.items()
+        if known
+    )
+    columns = Column("Limit", text=True), Column("Documented or measured", text=True)
+    table = Table("", columns, groups)
+    return Part("Known limits", "limits", tables=(table,), brief=False) if groups else None

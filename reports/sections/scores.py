@@ -2,60 +2,79 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from simcompare.compare.comparison import FAIL, INFO, PASS, Score
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import TRUTH
 from simcompare.reports.render import numbers
-from simcompare.reports.render.figures import style_of
+from simcompare.reports.render.parts import Part
+from simcompare.reports.render.tables import Column, Group, of_engines
 from simcompare.reports.run import runs
-from simcompare.reports.sections.base import Section
 from simcompare.results.run import Run
-from simcompare.running.jobs import OK
 
 #: never told by colour alone
 _VERDICTS = {PASS: "✓ pass", FAIL: "✗ fail", INFO: "· shown"}
 
 
-class Scores(Section):
-    """Every value of a whole run: value ± u, truth, tolerance, verdict."""
-
-    name, title, template = "scores", "Scores", "scores.html"
-
-    def context(self, run: Run) -> dict[str, Any] | None:
-        """One group of rows for each measure; ``None`` where nothing was measured."""
-        measures = runs.measures(run)
-        if not measures:
-            return None
-        return {
-            "modes": [
-                (runs.mode_words(mode), mode not in SHOWN_LEVELS) for mode in runs.modes(run)
-            ],
-            "groups": [_group(run, measure) for measure in measures],
-            "missing": runs.not_run(run),
-            "repeats": run.record.repeats,
-            "truth": TRUTH if any(s.truth is not None for s in run.scores) else None,
-        }
+def scores(run: Run) -> Part | None:
+    """Every value of a whole run: value ± s, truth, tolerance, verdict; ``None`` without any."""
+    measures = runs.measures(run)
+    if not measures:
+        return None
+    columns = [column for mode in runs.modes(run) for column in _columns(mode)]
+    table = of_engines(columns, [_group(run, measure) for measure in measures])
+    return Part("Scores", "scores", notes=(_note(run),), tables=(table,))
 
 
-def _group(run: Run, measure: str) -> dict[str, Any]:
+def _note(run: Run) -> str:
+    repeats = run.record.repeats
+    text = "There was a single repeat, so no scatter is known."
+    if repeats > 1:
+        text = (
+            f"Each value is the mean over {repeats} repeats, s their standard deviation: how far a"
+            " single run would scatter, not a bound of its error. The standard uncertainty of the"
+            f" mean is u = s/√{repeats}; run.json and scores.csv hold both."
+        )
+    if any(score.truth is not None for score in run.scores):
+        text += f" Deviations are from the {TRUTH}, sampled and measured in the same way."
+    return (
+        f"{text} What an engine does by default is shown and not judged: nobody gave it the"
+        " scenario's physics."
+    )
+
+
+def _columns(mode: str) -> list[Column]:
+    words = runs.mode_words(mode)
+    judged = [
+        Column("deviation ± s", over=words),
+        Column("of tolerance", over=words),
+        Column("verdict", text=True, whole=True, over=words),
+    ]
+    return [Column("value ± s", over=words), *(() if mode in SHOWN_LEVELS else judged)]
+
+
+def _group(run: Run, measure: str) -> Group:
     found = [s for s in run.scores if s.measure == measure and s.index is None]
+    names = [source.name for source in run.record.sources if source.ran]
+    rows = tuple(
+        (name, *(cell for mode in runs.modes(run) for cell in _cells(run, name, mode, measure)))
+        for name in dict.fromkeys(names)
+    )
+    title = runs.measure_words(measure) + runs.unit_words(found[0].unit)
+    return Group(title, rows, _accepted(run, found))
+
+
+def _accepted(run: Run, found: list[Score]) -> str:
+    """The truth of a measure, what is accepted about it, and why."""
     first = found[0]
-    tolerance = run.record.tolerances.get(measure)
     # at other steps there may be other tolerances
     widths = [runs.width(run, score) for score in (found if runs.steps(run) else [first])]
     accepted = dict.fromkeys(numbers.plain(width, 3) for width in widths if width is not None)
-    relative = tolerance.relative if tolerance else None
-    return {
-        "title": runs.measure_words(measure),
-        "unit": runs.unit_words(first.unit),
-        "truth": None if first.truth is None else _truth(run, first),
-        "tolerance": " or ".join(accepted) or None,
-        "relative": None if relative is None else numbers.percent(relative),
-        "reason": tolerance.reason if tolerance else None,
-        "rows": [_row(run, name, measure) for name in runs.names(run) if _ran(run, name)],
-    }
+    text = "" if first.truth is None else f"truth {_truth(run, first)}"
+    tolerance = run.record.tolerances.get(first.measure)
+    if not accepted or tolerance is None:
+        return text
+    part = "" if tolerance.relative is None else f" ({numbers.percent(tolerance.relative)})"
+    return f"{text}, tolerance ± {' or '.join(accepted)}{part}. {tolerance.reason}"
 
 
 def _truth(run: Run, score: Score) -> str:
@@ -63,29 +82,19 @@ def _truth(run: Run, score: Score) -> str:
     return numbers.with_u(score.truth, None, scale=runs.size(run, score), digits=digits)
 
 
-def _ran(run: Run, name: str) -> bool:
-    sources = run.record.sources
-    return any(source.name == name and source.status == OK for source in sources)
-
-
-def _row(run: Run, name: str, measure: str) -> dict[str, Any]:
-    cells = [_cell(run, runs.score_of(run, name, mode, measure)) for mode in runs.modes(run)]
-    return {"name": name, "style": style_of(name), "cells": cells}
-
-
-def _cell(run: Run, score: Score | None) -> dict[str, Any] | None:
+def _cells(run: Run, name: str, mode: str, measure: str) -> list[str]:
+    score = runs.score_of(run, name, mode, measure)
     if score is None:
-        return None
-    deviation = "–"
-    if score.value is not None and score.truth is not None:
-        size, digits = runs.size(run, score), 6 if score.scatter is not None else 4
-        deviation = numbers.with_u(
-            score.value - score.truth, score.scatter, scale=size, digits=digits
-        )
-    return {
-        "value": runs.value_words(run, score),
-        "deviation": deviation,
-        "share": numbers.percent(runs.share_of_tolerance(run, score)),
-        "verdict": score.verdict,
-        "words": _VERDICTS[score.verdict],
-    }
+        cells = ["was not measured", "–", "–", "–"]
+    else:
+        share = numbers.percent(runs.share_of_tolerance(run, score))
+        value, verdict = runs.value_words(run, score), _VERDICTS[score.verdict]
+        cells = [value, _deviation(run, score), share, verdict]
+    return cells[:1] if mode in SHOWN_LEVELS else cells
+
+
+def _deviation(run: Run, score: Score) -> str:
+    if score.value is None or score.truth is None:
+        return "–"
+    size, digits = runs.size(run, score), 6 if score.scatter is not None else 4
+    return numbers.with_u(score.value - score.truth, score.scatter, scale=size, digits=digits)

@@ -2,36 +2,52 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator
 
 from simcompare import units
 from simcompare.reports.render import numbers
-from simcompare.reports.run import runs
+from simcompare.reports.render.parts import Part
+from simcompare.reports.render.tables import Column, Group, Table, of_engines
+from simcompare.reports.run import not_run, runs
 from simcompare.reports.run.reproduce import command, scripts
-from simcompare.reports.sections.base import Section
 from simcompare.results.records.run import SourceRecord
 from simcompare.results.run import Run
 
+_PARAMETERS = (
+    Column("Parameter", text=True), Column("Value"), Column("Unit", text=True, whole=True),
+    Column("Meaning", text=True),
+)  # fmt: skip
+_SOURCES = (
+    Column("Version", text=True), Column("Mode", text=True), Column("Status", text=True),
+    Column("Repeats"), Column("Samples"), Column("Build (ms)"), Column("Run (ms)"),
+    Column("µs per sample"),
+)  # fmt: skip
+_TIMES = (
+    "Times are wall times of one repeat, the mean over the repeats. A sample may hold many inner"
+    " steps of the engine; the notes above say so."
+)
 
-class Setup(Section):
+
+def setup(run: Run) -> Part:
     """Everything that is needed to repeat and to cite the run."""
+    record = run.record
+    parameters = tuple(_parameter(run, name) for name in record.parameters)
+    sources = of_engines(_SOURCES, [Group("", tuple(map(_times, record.sources)))], _TIMES)
+    versions = {**vars(record.software), **vars(record.machine)}
+    facts = {name.replace("_", " "): value or "–" for name, value in versions.items()}
+    return Part("How it was made", "setup", parts=(
+        Part("To make it again", code=command(run), parts=tuple(_scripts(run)),
+             tables=not_run.tables(run)),
+        Part("Parameters", tables=(Table("", _PARAMETERS, (Group("", parameters),)),)),
+        Part("Settings", facts=_settings(run)),
+        Part("Versions and wall times", tables=(sources,), parts=(Part(facts=facts),)),
+    ))  # fmt: skip
 
-    name, title, template = "setup", "How it was made", "setup.html"
 
-    def context(self, run: Run) -> dict[str, Any]:
-        """Plain values of the record."""
-        record = run.record
-        return {
-            "command": command(run),
-            "scripts": scripts(run),
-            "parameters": [_parameter(run, name) for name in record.parameters],
-            "settings": _settings(run),
-            "software": vars(record.software),
-            "machine": vars(record.machine),
-            "dither": _dither(run),
-            "sources": [_times(source) for source in record.sources],
-            "missing": runs.not_run(run),
-        }
+def _scripts(run: Run) -> Iterator[Part]:
+    title = "Each row as a script that needs only its engine and numpy"
+    if commands := scripts(run):
+        yield Part(title, code="\n".join(commands), folded=True)
 
 
 def _dither(run: Run) -> str | None:
@@ -47,18 +63,19 @@ def _dither(run: Run) -> str | None:
     return f"{name.removesuffix(units.suffix_of(name))}, spread over {span}. {dither.reason}"
 
 
-def _parameter(run: Run, name: str) -> dict[str, str]:
+def _parameter(run: Run, name: str) -> tuple[str, ...]:
     unit = units.symbol(units.unit_of(name))
-    return {
-        "name": name.removesuffix(units.suffix_of(name)),
-        "value": numbers.plain(run.record.parameters[name]),
-        "unit": "" if unit == "1" else unit,
-        "text": run.record.parameter_texts.get(name, ""),
-    }
+    return (
+        name.removesuffix(units.suffix_of(name)),
+        numbers.plain(run.record.parameters[name]),
+        "" if unit == "1" else unit,
+        run.record.parameter_texts.get(name, ""),
+    )
 
 
 def _settings(run: Run) -> dict[str, str]:
     record = run.record
+    dither = _dither(run)
     return {
         "scenario": f"{record.scenario} (SHA-256 {record.scenario_sha256[:12]}…)",
         "made": str(record.created),
@@ -69,6 +86,7 @@ def _settings(run: Run) -> dict[str, str]:
         "repeats": str(record.repeats),
         "seed": str(record.seed),
         "truth": str(record.truth or "none"),
+        **({"repeats differ in": dither} if dither else {}),
     }
 
 
@@ -77,20 +95,20 @@ def _samples(run: Run) -> str:
     return " or ".join(dict.fromkeys(map(numbers.plain, each)))
 
 
-def _times(source: SourceRecord) -> dict[str, Any]:
+def _times(source: SourceRecord) -> tuple[str, ...]:
     # times are those of one simulation, like the steps
     wall, total = source.wall_s, source.steps or 0
-    return {
-        "name": source.name,
-        "version": source.version or "–",
-        "mode": runs.mode_words(source.contact),
-        "status": source.status,
-        "steps": source.steps if source.steps is not None else "–",
-        "repeats": source.repeats,
-        "build": _ms(wall.build),
-        "step": _ms(wall.step),
-        "per_step": numbers.plain(1e6 * (wall.step or 0) / total, 3) if total else "–",
-    }
+    return (
+        source.name,
+        source.version or "–",
+        runs.mode_words(source.contact),
+        source.status,
+        str(source.repeats),
+        "–" if source.steps is None else str(source.steps),
+        _ms(wall.build),
+        _ms(wall.step),
+        numbers.plain(1e6 * (wall.step or 0) / total, 3) if total else "–",
+    )
 
 
 def _ms(seconds: float | None) -> str:

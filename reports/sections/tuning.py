@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from simcompare.model.settings import ASSISTED
 from simcompare.model.tuning import TuningRow
 from simcompare.reports.render import numbers
+from simcompare.reports.render.parts import Part
 from simcompare.reports.render.tables import Column, Group, of_engines
 from simcompare.reports.run.remarks import typed
-from simcompare.reports.sections.base import Section
-from simcompare.reports.sections.parts import parts_of
 from simcompare.results.records.run import SourceRecord
 from simcompare.results.run import Run
 
@@ -27,30 +24,25 @@ _COLUMNS = (
 CALIBRATED = "calibrated"
 
 
-class Tuning(Section):
-    """The numbers of ``tuned``, and the drops that they were found on."""
+_NOTE = (
+    "Each row is the mean over 25 drops that fall at even phases of the step, and after ± their"
+    " standard deviation, by which single drops differ. The numbers were solved for the first speed"
+    f" alone, so that row reads “{CALIBRATED}”; all others are what the engine then does, also from"
+    " half and from double the height. Restitution is speed after over speed before, both at the"
+    " floor; how long a contact lasts stands beside."
+)
 
-    name, title, template = "tuning", "How the bounce was tuned", "real_part.html"
 
-    def context(self, run: Run) -> dict[str, Any] | None:
-        """One group of rows for each engine; ``None`` where nothing was tuned."""
-        every = run.record.sources
-        sources = [s for s in every if s.contact != ASSISTED and s.tuning]
-        if not sources:
-            return None
-        groups = [
-            Group(_title(source, row), _rows(source.name, row))
-            for source in sources
-            for row in source.tuning
-        ]
-        note = (
-            "Each row is the mean over 25 drops that fall at even phases of the step, and after ±"
-            " their standard deviation, by which single drops differ. The numbers were solved for"
-            f" the first speed alone, so that row reads “{CALIBRATED}”; all others are what the"
-            " engine then does, also from half and from double the height. Restitution is speed"
-            " after over speed before, both at the floor; how long a contact lasts stands beside."
-        )
-        return parts_of([], [of_engines(_COLUMNS, groups, note)])
+def tuning(run: Run) -> Part | None:
+    """The numbers of ``tuned``, and the drops that they were found on; ``None`` without any."""
+    sources = [s for s in run.record.sources if s.contact != ASSISTED and s.tuning]
+    groups = [
+        Group(_title(source, row), _rows(source.name, row))
+        for source in sources
+        for row in source.tuning
+    ]
+    table = of_engines(_COLUMNS, groups, _NOTE)
+    return Part("How the bounce was tuned", "tuning", tables=(table,)) if groups else None
 
 
 def _title(source: SourceRecord, row: TuningRow) -> str:

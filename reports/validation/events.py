@@ -31,7 +31,8 @@ def figure(run: Run) -> Figure | None:
         return None
     panels = tuple(
         Panel(
-            validations.segment_name(run, stream), "interval between events", "simulated − measured (s)",
+            validations.segment_name(run, stream), "interval between events",
+            "simulated − measured (s)",
             tuple(_points([row for row in rows if row.stream == stream])), whole_x=True,
         )
         for stream in streams

@@ -81,11 +81,11 @@ def _write(result: Characterization, figures: str | None, *, report: bool) -> li
 def _print(result: Characterization, written: list[Path], *, details: bool) -> None:
     """The answer in sentences, what did not run, and the tables where they are wanted."""
     from simcompare.cli import console
-    from simcompare.reports.characterization import page
     from simcompare.reports.characterization import tables as characterized_tables
+    from simcompare.reports.render import numbers
 
     sentences = [one.text for one in result.sentences if one.leads]
-    console.print_wrapped(map(page.tied, sentences))
+    console.print_wrapped(map(numbers.tied, sentences))
     for name in result.experiments:
         if details:
             _print_table(result, name)

@@ -151,10 +151,9 @@ def _print_remarks(result: Run) -> None:
     """What did not run, what was held against, and what lies outside of a fit's range."""
     from simcompare.cli import console
     from simcompare.reports.run import runs
+    from simcompare.reports.run.not_run import not_run
 
-    console.print_wrapped(
-        f"{row['name']} ({row['modes']}): {row['reason']}" for row in runs.not_run(result)
-    )
+    console.print_wrapped(f"{row.name} ({row.modes}): {row.reason}" for row in not_run(result))
     record = runs.own_record(result)
     if record.against is not None:
         _print_against(record.against)

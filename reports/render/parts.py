@@ -1,0 +1,109 @@
+"""What a report shows, as a tree of plain values, for HTML, Markdown and PDF alike."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from simcompare.notation import sentence
+from simcompare.reports.render.figures import Figure
+from simcompare.reports.render.tables import Table, printable
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of a report, shown in the order of its fields; parts may hold parts.
+
+    Attributes:
+        title: its heading, empty for none.
+        name: short name of a section, for anchors.
+        answer: sentences in large letters.
+        notices: what the reader must not miss.
+        figures: what is drawn.
+        remarks: sentences below the first figure.
+        facts: values by their names.
+        notes: sentences.
+        code: what was typed or printed.
+        tables: of numbers and words.
+        parts: parts of this part.
+        folded: whether it is only wanted by few readers.
+        brief: whether it stands in Markdown and among the tables of a PDF too.
+    """
+
+    title: str = ""
+    name: str = ""
+    answer: tuple[str, ...] = ()
+    notices: tuple[str, ...] = ()
+    figures: tuple[Figure, ...] = ()
+    remarks: tuple[str, ...] = ()
+    facts: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    code: str = ""
+    tables: tuple[Table, ...] = ()
+    parts: tuple[Part, ...] = ()
+    folded: bool = False
+    brief: bool = True
+
+    @property
+    def every_figure(self) -> list[Figure]:
+        """Its figures and those of its parts."""
+        return [*self.figures, *(one for part in self.parts for one in part.every_figure)]
+
+    @property
+    def has_text(self) -> bool:
+        """Whether there is more to show than figures, where there is little room."""
+        own = self.answer, self.notices, self.remarks, self.facts, self.notes, self.code
+        return self.brief and (any(own) or bool(self.tables) or any(p.has_text for p in self.parts))
+
+
+def part_of(
+    title: str,
+    name: str,
+    figures: Iterable[Figure | None] = (),
+    tables: Iterable[Table | None] = (),
+    notes: Iterable[str] = (),
+    answer: Iterable[str] = (),
+    facts: Mapping[str, str] | None = None,
+) -> Part:
+    """Figures, tables and sentences of a section, as far as there are any; texts on one line."""
+    return Part(
+        title,
+        name,
+        answer=tuple(map(printable, answer)),
+        figures=tuple(figure for figure in figures if figure is not None),
+        facts=facts or {},
+        notes=tuple(sentence(printable(note)) for note in notes if note),
+        tables=tuple(table for table in tables if table is not None),
+    )
+
+
+@dataclass(frozen=True)
+class Block:
+    """One run, or whatever else a report shows by itself.
+
+    Attributes:
+        anchor: prefix of everything that is linked to in this block.
+        name: what the names of its files start with.
+        title: above everything.
+        question: below it.
+        origin: what tells it from other blocks of the same title, such as when it was made.
+        version: of simcompare, with which it was made.
+        parts: its sections, the answer first.
+    """
+
+    anchor: str
+    name: str
+    title: str
+    question: str
+    origin: str
+    version: str | None
+    parts: tuple[Part, ...]
+
+    @property
+    def figures(self) -> list[Figure]:
+        """Every figure."""
+        return [figure for part in self.parts for figure in part.every_figure]
+
+    def part(self, name: str) -> Part:
+        """The section of a name."""
+        return next(part for part in self.parts if part.name == name)

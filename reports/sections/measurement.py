@@ -1,0 +1,103 @@
+"""Engines against a measurement."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from simcompare.compare.against import Match
+from simcompare.reports.render import numbers
+from simcompare.reports.render.parts import Part
+from simcompare.reports.render.tables import Column, Group, of_engines
+from simcompare.reports.run import measurement_figures, runs
+from simcompare.reports.run.listing import count_of
+from simcompare.results.records.run import Measurement
+from simcompare.results.run import Run
+
+_INSIDE = {
+    True: "✓ consistent with the measurement",
+    False: "✗ not consistent with the measurement",
+    None: "· cannot be told",
+}
+_COLUMNS = (
+    Column("Mode", text=True), Column("value ± s"), Column("E_n"), Column("Inside", text=True),
+)  # fmt: skip
+_NOTE = (
+    "E_n is the difference over its expanded uncertainty (k = 2; ISO 13528:2022, 9.7). A value is"
+    " inside when it lies within the stated limits or, where there are none, when |E_n| ≤ 1."
+)
+
+
+def measurement(run: Run) -> Part | None:
+    """Figure and table of all matches; ``None`` where the run was held against nothing."""
+    against = runs.own_record(run).against
+    if not against or not against.matches:
+        return None
+    return Part(
+        "Against measurement",
+        "measurement",
+        answer=tuple(_sentence(run, mode) for mode in runs.modes(run)),
+        notices=(against.caution,) if against.caution else (),
+        figures=tuple(
+            measurement_figures.measured_figure(run, name)
+            for name in measurement_figures.quantities(run)
+        ),
+        facts=_facts(against),
+        tables=(of_engines(_COLUMNS, _groups(against.matches), _NOTE),),
+    )
+
+
+def _facts(against: Measurement) -> dict[str, str]:
+    """Where the measurement comes from."""
+    head = against.head
+    facts = {
+        "Measurement": f"{head['title']} ({against.file})" if "title" in head else against.file,
+        "Source": ", ".join(head[key] for key in ("citation", "url") if key in head),
+        "Seen": head.get("seen", ""),
+        "Note": head.get("note", ""),
+    }
+    return {name: text for name, text in facts.items() if text}
+
+
+def _groups(matches: Sequence[Match]) -> list[Group]:
+    """One group of rows for each measured value."""
+    found: dict[tuple[str, int], list[Match]] = {}
+    for match in matches:
+        found.setdefault((match.quantity, match.bounce), []).append(match)
+    return [
+        Group(
+            f"{runs.measure_words(quantity)}, event {event}{runs.unit_words(rows[0].unit)}",
+            tuple(map(_row, rows)),
+            _measured(rows[0]),
+        )
+        for (quantity, event), rows in found.items()
+    ]
+
+
+def _measured(match: Match) -> str:
+    if match.low is None or match.high is None:
+        return f"measured {numbers.with_u(match.measured, match.u_measured)}"
+    return f"stated limits {numbers.plain(match.low)} … {numbers.plain(match.high)}"
+
+
+def _row(match: Match) -> tuple[str, ...]:
+    lost = ": there is no such event in the engine" if match.value is None else ""
+    return (
+        match.source,
+        runs.mode_words(match.contact),
+        numbers.with_u(match.value, match.scatter, scale=match.measured),
+        numbers.plain(match.e_n, 2),
+        f"{_INSIDE[match.inside]}{lost}",
+    )
+
+
+def _sentence(run: Run, mode: str) -> str:
+    """How many engines are consistent with every measured value."""
+    by_source: dict[str, list[bool | None]] = {}
+    for match in measurement_figures.matches_of(run):
+        if match.contact == mode:
+            by_source.setdefault(match.source, []).append(match.inside)
+    good = sum(all(inside) for inside in by_source.values())
+    are = "is" if good in (0, 1) or len(by_source) == 1 else "are"
+    head = runs.mode_title(mode)
+    subject = count_of(good, len(by_source))
+    return f"{head[0].upper()}{head[1:]}: {subject} {are} consistent with the measurement."

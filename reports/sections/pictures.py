@@ -1,0 +1,60 @@
+"""Sections that hold figures and no more."""
+
+from __future__ import annotations
+
+from simcompare.reports.render.figures import Figure
+from simcompare.reports.render.parts import Part
+from simcompare.reports.run import curve_figures, motion_figures, runs, score_figures
+from simcompare.results.run import Run
+
+#: so many signals are seen at once, the others on request
+_OPEN = 2
+
+
+def curves(run: Run) -> Part | None:
+    """Series over an axis of their own, such as a response over frequency.
+
+    The figure that leads the report is not drawn a second time.
+    """
+    axes = curve_figures.axes_drawn(run)
+    leading = curve_figures.leading_axis(run)
+    figures = [
+        figure
+        for axis in axes
+        for figure in curve_figures.curves_figures(run, axis)[1 if axis == leading else 0 :]
+    ]
+    for axis in axes:
+        figures += curve_figures.deviations_figures(run, axis)
+    return Part("Curves", "curves", figures=tuple(figures)) if figures else None
+
+
+def energy(run: Run) -> Part | None:
+    """Where the energy goes; ``None`` where the scenario does not tell what it takes."""
+    figure = motion_figures.energy_figure(run)
+    return None if figure is None else Part("Energy", "energy", figures=(figure,))
+
+
+def contrast(run: Run) -> Part | None:
+    """All judged scores of all engines at a glance; ``None`` where nothing has a truth."""
+    figure = score_figures.contrast_figure(run)
+    if figure is None:
+        return None
+    return Part("Deviation in tolerances", "contrast", figures=(figure,))
+
+
+def signals(run: Run) -> Part | None:
+    """Every probe at every level, over time; ``None`` where there is none."""
+    probes = list(runs.probes(run).items())
+    if len(runs.modes(run)) == 1 and not curve_figures.leading_axis(run):
+        probes = probes[1:]  # the whole of the first is in the answer
+    if not probes:
+        return None
+    figures = tuple(motion_figures.probe_figure(run, name, probe) for name, probe in probes)
+    rest = figures[_OPEN:]
+    words = "; ".join(figure.title.removesuffix(" over time") for figure in rest)
+    return Part("Over time", "signals", figures=figures[:_OPEN], parts=others(words, rest))
+
+
+def others(words: str, figures: tuple[Figure, ...]) -> tuple[Part, ...]:
+    """Figures of the same kind as those above them, folded away; none where there are none."""
+    return (Part(f"The same for {words}", figures=figures, folded=True),) if figures else ()
