@@ -363,8 +363,8 @@ def test_counts_of_tolerances_name_their_level_and_ends_stand_for_a_mean(tmp_pat
     run = answered([*level("tuned", north=0.8), *level("assisted", north=0.8)])
     run = changed(run, "north", value=None, low=0.01, high=0.17)
     page = builder.write_html([run], tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "tuned&nbsp;1&nbsp;of&nbsp;2" in page
-    assert "assisted&nbsp;1&nbsp;of&nbsp;2" in page
+    assert "tuned\u00a01\u00a0of\u00a02" in page
+    assert "assisted\u00a01\u00a0of\u00a02" in page
     assert "0.01 to 0.17" in page
 
 
