@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.hardware.mapping import ChannelMap, Mapping
-from simcompare.hardware.raw import MAX_ROWS, RawColumn, RawStream, blocks
+from simcompare.hardware.raw import MAX_ROWS, RawColumn, RawStream
 from simcompare.model.recording import INFO, REPAIR, WARNING, Repair, ranges
 from simcompare.model.trajectory import Array
 
@@ -155,10 +155,7 @@ class Work:
 
 
 def _compressed(values: Array, kept: NDArray[np.bool_]) -> Array:
-    """The values that are kept; moved to the front within the same memory, block by block."""
-    end = 0
-    for part in blocks(len(values)):
-        block = values[part][kept[part]]
-        values[end : end + len(block)] = block
-        end += len(block)
-    return values[:end]
+    """The values that are kept, moved to the front within the same memory."""
+    packed = values[kept]
+    values[: len(packed)] = packed
+    return values[: len(packed)]

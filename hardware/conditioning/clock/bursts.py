@@ -8,7 +8,7 @@ from simcompare.hardware.conditioning.clock import intervals, time_quantised
 from simcompare.hardware.conditioning.clock.intervals import Indices, Mask
 from simcompare.hardware.conditioning.words import are
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.raw import BLOCK, MAX_ROWS, RawColumn
+from simcompare.hardware.raw import MAX_ROWS, RawColumn
 from simcompare.model.trajectory import Array
 
 #: from this share of repeated stamps on, sharing a stamp is the way of the log, not an accident
@@ -45,12 +45,8 @@ def check(work: Work) -> None:
 def _alike(work: Work, pairs: Indices) -> Mask:
     """Whether rows i and i+1 are equal in all columns, for each i."""
     alike = np.ones(len(pairs), dtype=np.bool_)
-    for start in range(0, len(pairs), BLOCK):
-        some = pairs[start : start + BLOCK]
-        for column in work.data:
-            alike[start : start + BLOCK] &= intervals.same(
-                column.values[some], column.values[some + 1]
-            )
+    for column in work.data:
+        alike &= intervals.same(column.values[pairs], column.values[pairs + 1])
     return alike
 
 
@@ -181,7 +177,9 @@ def _spread(work: Work) -> None:
     each = np.concatenate(([usual], np.where(step > 1.5 * usual, usual, step)))
     jitter = float(np.std((np.diff(stamp) - count[1:] * usual)[steady]) / np.sqrt(2))
     shared = int((count - 1).sum())
-    _write(time, first, count, stamp, each)
+    inside = intervals.spread(np.zeros_like(count), count)
+    before_stamp = np.repeat(count - 1, count) - inside
+    time[:] = np.repeat(stamp, count) - before_stamp * np.repeat(each, count)
     work.u_time_s = float(np.hypot(work.u_time_s, jitter))
     work.resolution_s = float(np.median(step * count[1:]))
     work.repair(
@@ -212,21 +210,6 @@ def _no_pattern(work: Work, first: Indices, count: Indices) -> None:
         sample=int(sharing[0]),
         channel=work.stream.time or "",
     )
-
-
-def _write(time: Array, first: Indices, count: Indices, stamp: Array, each: Array) -> None:
-    ends = np.cumsum(count)
-    start = 0
-    while start < len(first):
-        stop = int(np.searchsorted(ends, first[start] + BLOCK, side="right"))
-        stop = max(stop, start + 1)
-        sizes = count[start:stop]
-        inside = intervals.spread(np.zeros_like(sizes), sizes)
-        after = np.repeat(sizes - 1, sizes) - inside
-        time[first[start] : ends[stop - 1]] = np.repeat(stamp[start:stop], sizes) - (
-            after * np.repeat(each[start:stop], sizes)
-        )
-        start = stop
 
 
 def _weighted_median(values: Array, weights: Indices) -> float:

@@ -8,7 +8,7 @@ from simcompare.hardware.conditioning.clock import intervals, sample_counter
 from simcompare.hardware.conditioning.clock.intervals import Indices
 from simcompare.hardware.conditioning.words import times
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.raw import RawColumn, blocks
+from simcompare.hardware.raw import RawColumn
 from simcompare.model.trajectory import Array
 
 #: a step of so many medians may be a change of the clock
@@ -81,10 +81,8 @@ def _shift(time: Array, jumps: Indices, steps: Array) -> None:
     for k, (jump, step) in enumerate(zip(jumps.tolist(), steps.tolist(), strict=True)):
         new[k] = (float(time[jump]) - moved[0]) + moved[1] + step
         moved = float(old[k]), float(new[k])
-    for part in blocks(len(time)):
-        segment = np.searchsorted(starts, np.arange(part.start, part.stop), side="right") - 1
-        block = time[part]
-        time[part] = np.where(segment < 0, block, (block - old[segment]) + new[segment])
+    segment = np.searchsorted(starts, np.arange(len(time)), side="right") - 1
+    time[:] = np.where(segment < 0, time, (time - old[segment]) + new[segment])
 
 
 def _refuse(work: Work, jumps: Indices, median: float) -> None:

@@ -1,14 +1,14 @@
-"""What the checks of the clock share: steps between stamps, looked at in blocks."""
+"""What the checks of the clock share: steps between stamps."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.raw import RawColumn, blocks
+from simcompare.hardware.raw import RawColumn
 from simcompare.model.trajectory import Array
 
 Indices = NDArray[np.int64]
@@ -35,23 +35,9 @@ def sampled_steps(values: Array) -> Array:
     return np.concatenate([np.diff(values[part]) for part in places(len(values))])
 
 
-def steps(values: Array, halo: int = 0) -> Iterator[tuple[int, Array]]:
-    """Differences of neighbours in blocks, as (index of the first, differences).
-
-    Args:
-        values: the column.
-        halo: how many more differences are given on either side, where there are.
-    """
-    count = len(values)
-    for part in blocks(count - 1):
-        start, stop = max(part.start - halo, 0), min(part.stop + halo, count - 1)
-        yield start, np.diff(values[start : stop + 1])
-
-
 def where(values: Array, test: Callable[[Array], Mask]) -> Indices:
     """Indices i at which the step from i to i+1 passes a test."""
-    indices = [start + np.flatnonzero(test(step)) for start, step in steps(values)]
-    return np.concatenate(indices) if indices else np.empty(0, dtype=np.int64)
+    return np.flatnonzero(test(np.diff(values)))
 
 
 def typical(time_s: Array) -> float:
@@ -122,22 +108,15 @@ def same(a: Array, b: Array) -> Mask:
 
 def extent(values: Array) -> tuple[float, float]:
     """Smallest and largest value that is there; infinities of the other sign where none is."""
-    low, high = np.inf, -np.inf
-    for part in blocks(len(values)):
-        block = values[part]
-        block = block[np.isfinite(block)]
-        if len(block):
-            low, high = min(low, float(block.min())), max(high, float(block.max()))
-    return low, high
+    finite = values[np.isfinite(values)]
+    return float(finite.min(initial=np.inf)), float(finite.max(initial=-np.inf))
 
 
 def resolution(values: Array) -> float:
     """Smallest difference between neighbours that are not equal, 0 where all are."""
-    smallest = np.inf
-    for _, step in steps(values):
-        apart = np.abs(step[(step != 0) & np.isfinite(step)])
-        smallest = min(smallest, float(apart.min())) if len(apart) else smallest
-    return 0.0 if smallest == np.inf else smallest
+    apart = np.abs(np.diff(values))
+    apart = apart[(apart > 0) & np.isfinite(apart)]
+    return float(apart.min()) if len(apart) else 0.0
 
 
 def shorten(indices: Indices, work: Work, most: int = 5) -> str:
@@ -150,11 +129,5 @@ def shorten(indices: Indices, work: Work, most: int = 5) -> str:
 
 def whole_numbers(column: RawColumn) -> bool:
     """Whether a column holds whole numbers only (and at least one)."""
-    any_finite = False
-    for part in blocks(len(column.values)):
-        block = column.values[part]
-        block = block[np.isfinite(block)]
-        if len(block) and not np.array_equal(block, np.rint(block)):
-            return False
-        any_finite = any_finite or bool(len(block))
-    return any_finite
+    finite = column.values[np.isfinite(column.values)]
+    return len(finite) > 0 and np.array_equal(finite, np.rint(finite))

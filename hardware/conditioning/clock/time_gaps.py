@@ -85,27 +85,17 @@ def _long_steps(time_s: Array, median: float) -> tuple[Indices, Array, int]:
     Returns:
         Indices, lengths, and how many more steps are long because all are at that place.
     """
-    indices, lengths, slow = [], [], 0
-    period = _period(time_s, median)
-    for start, steps in intervals.steps(time_s, halo=_AROUND):
-        inner = _inner(start, len(steps), len(time_s) - 1)
-        here = np.flatnonzero(steps > _LONG * median)
-        here = here[(here >= inner.start) & (here < inner.stop)]
-        if not len(here):
-            continue
-        around = here[:, None] + np.delete(np.arange(-_AROUND, _AROUND + 1), _AROUND)
-        inside = (around >= 0) & (around < len(steps))
-        near = np.where(inside, steps[np.clip(around, 0, len(steps) - 1)], np.nan)
-        local = np.nanmedian(near, axis=1)
-        long = steps[here] > _LONG * local
-        slow += int((~long).sum())
-        indices.append(start + here[long])
-        # where the rate changes, what is usual there counts
-        usual = np.where(local[long] > _SLOWER * median, local[long], period)
-        lengths.append(steps[here[long]] / usual)
-    if not indices:
-        return np.empty(0, dtype=np.int64), np.empty(0), slow
-    return np.concatenate(indices), np.concatenate(lengths), slow
+    steps = np.diff(time_s)
+    long = np.flatnonzero(steps > _LONG * median)
+    around = long[:, None] + np.delete(np.arange(-_AROUND, _AROUND + 1), _AROUND)
+    inside = (around >= 0) & (around < len(steps))
+    near = np.where(inside, steps[np.clip(around, 0, len(steps) - 1)], np.nan)
+    local = np.nanmedian(near, axis=1)
+    is_long = steps[long] > _LONG * local
+    # where the rate changes, what is usual there counts
+    usual = np.where(local > _SLOWER * median, local, _period(time_s, median))
+    lengths = steps[long] / usual
+    return long[is_long], lengths[is_long], int((~is_long).sum())
 
 
 def _period(time_s: Array, median: float) -> float:
@@ -113,13 +103,6 @@ def _period(time_s: Array, median: float) -> float:
     steps = intervals.sampled_steps(time_s)
     usual = steps[(steps > median / _LONG) & (steps < _LONG * median)]
     return float(np.mean(usual)) if len(usual) else median
-
-
-def _inner(start: int, count: int, total: int) -> slice:
-    """Part of a block without the steps that belong to its neighbours."""
-    first = 0 if start == 0 else _AROUND
-    end = count if start + count >= total else count - _AROUND
-    return slice(first, end)
 
 
 def _spread(time_s: Array, median: float) -> float:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from simcompare.hardware.conditioning.clock import intervals
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.raw import MAX_ROWS, blocks, room
+from simcompare.hardware.raw import MAX_ROWS
 from simcompare.model.trajectory import Array
 
 #: steps of the clock that are coarse against the time between samples
@@ -81,66 +79,38 @@ def _ragged(work: Work, step: float) -> bool:
 def _line(time_s: Array, step: float) -> tuple[float, float, float] | None:
     """Time of sample 0, time between samples and scatter of an even clock, ``None`` if not even."""
     count = len(time_s)
-    period = _period(time_s, step)
-    sums = np.zeros(5)
-    for part, index in _indices(time_s, period, step):
-        t = time_s[part]
-        sums += (len(t), index.sum(), t.sum(), (index * index).sum(), (index * t).sum())
-    n, i, total, ii, it = sums.tolist()
-    slope = (n * it - i * total) / (n * ii - i * i) if count > 1 else 0.0
-    start = (total - slope * i) / n
+    index = _indices(time_s, step)
+    n, i, total, ii, it = (
+        count, index.sum(), time_s.sum(), (index * index).sum(), (index * time_s).sum(),
+    )  # fmt: skip
+    slope = float((n * it - i * total) / (n * ii - i * i)) if count > 1 else 0.0
+    start = float((total - slope * i) / n)
     if not slope > 0:
         return None
-    peak, square = 0.0, 0.0
-    for part, index in _indices(time_s, period, step):
-        off = time_s[part] - (start + slope * index)
-        peak = max(peak, float(np.abs(off).max()))
-        square += float(off @ off)
-    scatter = float(np.sqrt(square / count))
+    off = time_s - (start + slope * index)
+    peak, scatter = float(np.abs(off).max()), float(np.sqrt(off @ off / count))
     # the number of a sample is certain only if its stamp is nearer than half the step to the line
     return (start, slope, scatter) if peak <= _PEAK * step and scatter <= _SCATTER * step else None
 
 
-def _period(time_s: Array, step: float) -> float:
-    """Mean time between samples, pauses left out."""
-    limit = _pause(time_s, step)
-    total, number = 0.0, 0
-    for _, steps in intervals.steps(time_s):
-        short = steps[steps <= limit]
-        total, number = total + float(short.sum()), number + len(short)
-    return total / number
-
-
-def _pause(time_s: Array, step: float) -> float:
-    """Steps of the stamps that are longer than this are pauses [s]."""
-    return 1.5 * intervals.typical(time_s) + 1.5 * step
-
-
-def _indices(time_s: Array, period: float, step: float) -> Iterator[tuple[slice, Array]]:
-    """Numbers of the samples on the even grid, in blocks; pauses count as lost samples."""
-    limit = _pause(time_s, step)
-    at = 0.0
-    for part in blocks(len(time_s)):
-        before = time_s[max(part.start - 1, 0) : part.start]
-        steps = np.diff(np.concatenate((before, time_s[part])))
-        went = np.where(steps > limit, np.round(steps / period), 1.0)
-        index = at + np.cumsum(np.concatenate(([0.0], went)) if part.start == 0 else went)
-        at = float(index[-1])
-        yield part, index
+def _indices(time_s: Array, step: float) -> Array:
+    """Numbers of the samples on the even grid; pauses count as lost samples."""
+    steps = np.diff(time_s)
+    # longer steps of the stamps are pauses
+    is_pause = steps > 1.5 * intervals.typical(time_s) + 1.5 * step
+    period = steps[~is_pause].mean()
+    return np.concatenate(([0.0], np.cumsum(np.where(is_pause, np.round(steps / period), 1.0))))
 
 
 def _write(work: Work, step: float, fit: tuple[float, float, float]) -> None:
     start, slope, scatter = fit
-    time, period = work.time_s, _period(work.time_s, step)
+    time = work.time_s
     rounding = step / np.sqrt(12)
     # what the scatter exceeds rounding by is jitter; less than chance makes cannot be seen
     jitter = np.sqrt(max(scatter**2 - rounding**2, 0.0))
     u = max(float(jitter), rounding * len(time) ** -0.25)
-    grid = room(len(time))
-    changed = 0
-    for part, index in _indices(time, period, step):
-        grid[part] = start + slope * index
-        changed += int((np.abs(grid[part] - time[part]) > 1e-6 * step).sum())
+    grid = start + slope * _indices(time, step)
+    changed = int((np.abs(grid - time) > 1e-6 * step).sum())
     time[:] = grid
     work.resolution_s = step
     work.u_time_s = float(np.hypot(work.u_time_s, u))

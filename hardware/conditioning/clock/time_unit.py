@@ -12,7 +12,7 @@ from simcompare import units
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning.clock import intervals
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.raw import RawColumn, blocks, room
+from simcompare.hardware.raw import RawColumn, room
 
 #: what a log without unit may count in, and how much that is
 _UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
@@ -35,8 +35,7 @@ def check(work: Work) -> None:
         if stream.increment_s is not None:
             work.start_s = stream.start_s
             work.time_s = room(len(stream))
-            for part in blocks(len(stream)):
-                work.time_s[part] = np.arange(part.start, part.stop) * stream.increment_s
+            work.time_s[:] = np.arange(len(stream)) * stream.increment_s
         return
     if stream.time not in [column.name for column in stream.columns]:
         return  # ``prepare`` has said so

@@ -22,7 +22,6 @@ from simcompare.hardware.conditioning.units.meaning import (
 )
 from simcompare.hardware.conditioning.units.rest import rest
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.raw import blocks
 from simcompare.model.trajectory import Array
 
 #: an acceleration below this at rest has no gravity in it [m/s²]; offsets of good and bad sensors
@@ -195,14 +194,8 @@ def _fastest(work: Work, turn: Sequence[Claim]) -> None:
     """Faster than gyroscopes can: likely degrees."""
     if not any("gyr" in f"{c.column.name} {c.name}".lower() for c in turn):
         return
-    fastest = max(
-        (
-            float(np.nanmax(np.abs(claim.values(part)), initial=0.0))
-            for claim in turn
-            for part in blocks(len(claim.column.values))
-        ),
-        default=0.0,
-    )
+    rates = [np.abs(claim.values(slice(None))) for claim in turn]
+    fastest = max(float(np.nanmax(rate, initial=0.0)) for rate in rates)
     if fastest > MAX_RATE:
         work.warn(
             "gyroscope_range",

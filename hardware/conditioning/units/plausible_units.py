@@ -24,7 +24,6 @@ from simcompare.hardware.conditioning.units.meaning import (
 from simcompare.hardware.conditioning.units.naming import measures_acceleration
 from simcompare.hardware.conditioning.units.rest import rest
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.raw import blocks
 
 G = 9.80665
 #: how far |f| at rest may be from gravity, in parts of it. Sheets of cheap sensors allow offsets
@@ -228,12 +227,10 @@ def _pressure(work: Work, claim: Claim) -> None:
 
 
 def _middle(claim: Claim) -> tuple[float, float]:
-    """Median of block medians, and largest less smallest of them [SI]."""
-    middles = []
-    for part in blocks(len(claim.column.values)):
-        values = claim.values(part)
-        values = values[np.isfinite(values)]
-        middles += [float(v) for v in np.quantile(values, (0.02, 0.5, 0.98))] if len(values) else []
-    if not middles:
+    """Median, and how far nearly all values are apart [SI]."""
+    values = claim.values(slice(None))
+    values = values[np.isfinite(values)]
+    if not len(values):
         return 0.0, 0.0
-    return float(np.median(middles)), max(middles) - min(middles)
+    low, middle, high = np.quantile(values, (0.02, 0.5, 0.98))
+    return float(middle), float(high - low)

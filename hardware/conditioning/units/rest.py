@@ -9,7 +9,6 @@ import numpy as np
 
 from simcompare.hardware.conditioning.units.meaning import Claim
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.raw import blocks
 from simcompare.model.trajectory import Array
 
 #: length of the segments that are called quiet or not [s]
@@ -78,7 +77,7 @@ def samples_in(work: Work, length_s: float) -> int:
 def rest(work: Work, triad: Sequence[Claim]) -> Rest | None:
     """The quiet part, ``None`` where the stream is too short to tell."""
     size = samples_in(work, SEGMENT_S)
-    mean, variance = segments([claim.values for claim in triad], blocks(len(work.time_s)), size)
+    mean, variance = segments([claim.values for claim in triad], [slice(None)], size)
     finite = np.isfinite(mean).all(axis=1) & np.isfinite(variance).all(axis=1)
     mean, variance = mean[finite], variance[finite]
     if len(mean) < _MIN_SEGMENTS:

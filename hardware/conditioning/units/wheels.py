@@ -16,7 +16,6 @@ from simcompare.hardware.conditioning.units.meaning import (
     take,
 )
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.raw import blocks
 
 _WORDS = frozenset(
     (
@@ -36,7 +35,7 @@ def check(work: Work, every_claim: Sequence[Claim]) -> None:
     if diameter is None:
         return
     for speed, rate in _pairs(every_claim):
-        ratio = _ratio(work, speed, rate)
+        ratio = _ratio(speed, rate)
         if ratio is not None:
             _judge(work, speed, rate, ratio / (diameter / 2))
 
@@ -48,19 +47,14 @@ def _pairs(claims: Sequence[Claim]) -> list[tuple[Claim, Claim]]:
     return [(speeds[0], rates[0])] if not same and len(speeds) == len(rates) == 1 else same
 
 
-def _ratio(work: Work, speed: Claim, rate: Claim) -> float | None:
+def _ratio(speed: Claim, rate: Claim) -> float | None:
     """Median of v/ω where it turns fast, ``None`` where it does not, or where both disagree."""
-    ratios = []
-    for part in blocks(len(work.time_s)):
-        v, omega = speed.values(part), rate.values(part)
-        kept = np.isfinite(v) & np.isfinite(omega)
-        fastest = float(np.abs(omega[kept]).max(initial=0.0))
-        kept &= np.abs(omega) > _SLOW * fastest
-        if kept.sum() >= 10:
-            ratios.append(np.quantile(v[kept] / omega[kept], (0.25, 0.5, 0.75)))
-    if not ratios:
+    v, omega = speed.values(slice(None)), rate.values(slice(None))
+    finite = np.isfinite(v) & np.isfinite(omega)
+    fast = finite & (np.abs(omega) > _SLOW * np.abs(omega[finite]).max(initial=0.0))
+    if fast.sum() < 10:
         return None
-    low, middle, high = np.median(ratios, axis=0)
+    low, middle, high = np.quantile(v[fast] / omega[fast], (0.25, 0.5, 0.75))
     # a wheel that slips, or two things that have nothing to do with each other
     return float(middle) if high - low < 0.2 * abs(middle) else None
 

@@ -7,12 +7,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from simcompare import units
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning.clock import intervals
-from simcompare.hardware.conditioning.clock.intervals import Indices
 from simcompare.hardware.conditioning.units import naming
 from simcompare.hardware.conditioning.values import counter_wrap
 from simcompare.hardware.conditioning.work import Work
@@ -53,7 +50,7 @@ def _judge(work: Work, column: RawColumn, turn: float) -> None:
     low, high = intervals.extent(column.values)
     if not (1 - _SLOW) * turn <= high - low <= (1 + _ROUNDING) * turn:
         return
-    at, others = _jumps(work, column, turn)
+    at, others = counter_wrap.jumps(work, column, turn, _SLOW)
     if not len(at) or others > _OTHERS * len(at):
         return
     if others:
@@ -66,15 +63,3 @@ def _judge(work: Work, column: RawColumn, turn: float) -> None:
     # what was the end of the range is none of the values that are counted on
     column.limits = None
     counter_wrap.unwrap(work, column, turn, at, "angle_wrap")
-
-
-def _jumps(work: Work, column: RawColumn, turn: float) -> tuple[Indices, int]:
-    """Where the angle jumps by about a turn, and how many steps are no slow motion either."""
-    jumps, others = [np.empty(0, dtype=np.int64)], 0
-    behind_gaps = np.array(work.gaps, dtype=np.int64) + 1
-    for after, step in counter_wrap.steps(column):
-        size = np.abs(step) / turn
-        jumps.append(after[size >= 1 - _SLOW])
-        between = after[(size > _SLOW) & (size < 1 - _SLOW)]
-        others += int((~np.isin(between, behind_gaps)).sum())
-    return np.concatenate(jumps), others

@@ -6,15 +6,13 @@ but never comes near the middle of the range.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from simcompare.hardware.conditioning.clock import intervals
 from simcompare.hardware.conditioning.clock.intervals import Indices
 from simcompare.hardware.conditioning.words import times
 from simcompare.hardware.conditioning.work import Work
-from simcompare.hardware.raw import RawColumn, blocks
+from simcompare.hardware.raw import RawColumn
 from simcompare.model.trajectory import Array
 
 #: lowest and highest number of counters that are recognised without a mapping
@@ -44,13 +42,9 @@ def check(work: Work) -> None:
 
 def _stated_wrap(work: Work, column: RawColumn, wrap: float) -> None:
     """The mapping says where the counter begins again."""
-    steep = []
-    wraps = []
-    for after, step in steps(column):
-        turned = step - wrap * np.round(step / wrap)
-        steep.append(after[np.abs(turned) > _AMBIGUOUS * wrap])
-        wraps.append(after[np.round(step / wrap) != 0])
-    fast = np.concatenate(steep) if steep else np.empty(0, dtype=np.int64)
+    after, step = steps(column)
+    turned = step - wrap * np.round(step / wrap)
+    fast = after[np.abs(turned) > _AMBIGUOUS * wrap]
     if len(fast):
         work.fault(
             f"moves by more than {_AMBIGUOUS:g} of the {_amount(column, wrap)} after which it"
@@ -61,7 +55,7 @@ def _stated_wrap(work: Work, column: RawColumn, wrap: float) -> None:
             channel=column.name,
         )
         return
-    at = np.concatenate(wraps) if wraps else np.empty(0, dtype=np.int64)
+    at = after[np.round(step / wrap) != 0]
     if len(at):
         unwrap(work, column, wrap, at)
 
@@ -75,7 +69,7 @@ def _guessed_wrap(work: Work, column: RawColumn) -> None:
         near = _SMALL * wrap
         if low < start or high >= stop or low > start + near or high < stop - 1 - near:
             continue
-        at, medium = _jumps(work, column, wrap)
+        at, medium = jumps(work, column, wrap, _SMALL)
         if not len(at):
             continue
         if start == 0 and wrap > 2**8 and _is_signed(column, wrap):
@@ -94,31 +88,25 @@ def _guessed_wrap(work: Work, column: RawColumn) -> None:
         return
 
 
-def steps(column: RawColumn) -> Iterator[tuple[Indices, Array]]:
+def steps(column: RawColumn) -> tuple[Indices, Array]:
     """Steps between values that are there: index of the second, and the difference."""
-    last: tuple[Indices, Array] | None = None
-    for part in blocks(len(column.values)):
-        block = column.values[part]
-        there = np.flatnonzero(np.isfinite(block))
-        index, values = part.start + there, np.asarray(block[there])
-        if last is not None:
-            index, values = np.concatenate((last[0], index)), np.concatenate((last[1], values))
-        if len(index) > 1:
-            yield index[1:], np.diff(values)
-        if len(index):
-            last = index[-1:], values[-1:]
+    there = np.flatnonzero(np.isfinite(column.values))
+    return there[1:], np.diff(column.values[there])
 
 
-def _jumps(work: Work, column: RawColumn, wrap: float) -> tuple[Indices, int]:
-    """Where the column jumps by almost its range, and how many steps lie in between."""
-    jumps, medium = [np.empty(0, dtype=np.int64)], 0
-    behind_gaps = np.array(work.gaps, dtype=np.int64) + 1
-    for after, step in steps(column):
-        size = np.abs(step)
-        jumps.append(after[size > (1 - _SMALL) * wrap])
-        between = after[(size > _SMALL * wrap) & (size <= (1 - _SMALL) * wrap)]
-        medium += int((~np.isin(between, behind_gaps)).sum())
-    return np.concatenate(jumps), medium
+def jumps(work: Work, column: RawColumn, wrap: float, small: float) -> tuple[Indices, int]:
+    """Where the column jumps by almost its range, and how many steps lie in between.
+
+    Args:
+        work: the stream.
+        column: one of its columns.
+        wrap: after how much it begins again.
+        small: part of that which is an ordinary step.
+    """
+    after, step = steps(column)
+    size = np.abs(step) / wrap
+    between = after[(size > small) & (size < 1 - small)]
+    return after[size >= 1 - small], len(np.setdiff1d(between, np.array(work.gaps, int) + 1))
 
 
 def _is_signed(column: RawColumn, wrap: float) -> bool:
@@ -173,18 +161,9 @@ def unwrap(
         rule: under which it is recorded.
     """
     low, high = intervals.extent(column.values)
-    turns, last = 0.0, np.nan
-    for part in blocks(len(column.values)):
-        block = column.values[part]
-        there = np.flatnonzero(np.isfinite(block))
-        if not len(there):
-            continue
-        values = np.array(block[there])
-        first = values[0] if np.isnan(last) else last
-        step = np.diff(np.concatenate(([first], values)))
-        turned = turns - np.cumsum(np.round(step / wrap))
-        block[there] = values + wrap * turned
-        turns, last = float(turned[-1]), float(values[-1])
+    there = np.flatnonzero(np.isfinite(column.values))
+    turns = np.cumsum(np.round(np.diff(column.values[there]) / wrap))
+    column.values[there[1:]] -= wrap * turns
     now_low, now_high = intervals.extent(column.values)
     work.repair(
         rule, f"begins again after {_amount(column, wrap)}, {times(len(at))}; the turns were"

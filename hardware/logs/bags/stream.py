@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from simcompare.hardware.logs.bags.layout import Number
 from simcompare.hardware.logs.bags.topic import EPOCH_NS, Table, Topic
 from simcompare.hardware.logs.binary.arrays import iso_ns
-from simcompare.hardware.raw import MAX_ROWS, RawColumn, RawStream, blocks
+from simcompare.hardware.raw import MAX_ROWS, RawColumn, RawStream
 from simcompare.model.recording import INFO, WARNING, Clock, Repair, ranges
 from simcompare.model.trajectory import Array
 
@@ -141,14 +140,9 @@ class _Stream:
 
     def _delay(self) -> None:
         """Says how much later than its stamp a message was received, before that is dropped."""
-        total = square = 0.0
         origin = (self.table.origin_ns or 0) - self.topic.origin_ns
-        for part in blocks(self.count):
-            delay = self.received[part] - self.stamps[part] - origin * 1e-9
-            total += float(delay.sum())
-            square += float((delay * delay).sum())
-        mean = total / self.count
-        spread = math.sqrt(max(square / self.count - mean * mean, 0.0))
+        delay = self.received - self.stamps - origin * 1e-9
+        mean, spread = float(delay.mean()), float(delay.std())
         self.done.about[f"{self.name}: receipt after header.stamp"] = (
             f"{mean:.6g} s, standard deviation {spread:.3g} s"
         )
@@ -168,10 +162,7 @@ class _Stream:
         return COUNTER
 
     def _out_of_range(self, number: Number, values: Array) -> None:
-        indices = [
-            np.flatnonzero(np.isinf(values[part])) + part.start for part in blocks(self.count)
-        ]
-        samples = np.concatenate(indices)
+        samples = np.flatnonzero(np.isinf(values))
         if len(samples):
             values[samples] = np.nan
             text = "±inf means out of range; nothing was measured there (NaN)"
@@ -209,9 +200,7 @@ class _Stream:
     def _absent(self, path: str, numbers: list[Number]) -> None:
         """Leaves out what the message says it does not hold: its covariance begins with -1."""
         first = self.values[numbers[0].name]
-        absent = np.concatenate(
-            [np.flatnonzero(first[part] == -1.0) + part.start for part in blocks(self.count)]
-        )
+        absent = np.flatnonzero(first == -1.0)
         if not len(absent):
             return
         targets = [n for n in self.columns if any(_belongs(n, number.of) for number in numbers)]
@@ -256,19 +245,14 @@ def _rows(number: Array) -> tuple[int, NDArray[np.int64] | None]:
 
 
 def _extremes(values: Array) -> tuple[float, float]:
-    parts = [values[part] for part in blocks(len(values))]
-    return min(float(p.min()) for p in parts), max(float(p.max()) for p in parts)
+    return float(values.min()), float(values.max())
 
 
 def _uncertainty(variance: Array) -> float | Array | None:
     """Square root of a variance: one number where it never changes; 0 and less mean unknown."""
-    unknown = 0
-    for part in blocks(len(variance)):
-        block = variance[part]
-        block[~(block > 0)] = np.nan
-        np.sqrt(block, out=block)
-        unknown += int(np.isnan(block).sum())
-    if unknown == len(variance):
+    variance[~(variance > 0)] = np.nan
+    np.sqrt(variance, out=variance)
+    if np.isnan(variance).all():
         return None
     low, high = _extremes(variance)
     return low if low == high else variance

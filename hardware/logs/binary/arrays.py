@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from simcompare.hardware.raw import RawColumn, RawStream, blocks, room
+from simcompare.hardware.raw import RawColumn, RawStream, room
 from simcompare.model.recording import INFO, WARNING, Clock, Repair
 from simcompare.model.trajectory import Array
 
@@ -134,11 +134,8 @@ def _large(values: np.ndarray, name: str, block: Block) -> Array:
         return values.astype(np.float64)
     first = int(values[0])
     signed = values.astype(np.int64) if values.dtype.kind == "i" else values
-    counts = np.empty(len(values))
-    for part in blocks(len(values)):
-        ahead = signed[part] >= first
-        # unsigned differences must not wrap
-        counts[part] = np.where(ahead, signed[part] - first, -(first - signed[part]).astype(float))
+    # unsigned differences must not wrap
+    counts = np.where(signed >= first, signed - first, -(first - signed).astype(float))
     if _EPOCH_NS[0] < first < _EPOCH_NS[1]:
         block.start = iso_ns(first)
     text = f"{name} is counted from its first value {first}, so that float64 keeps every count"
