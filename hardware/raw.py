@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from simcompare.model.recording import Clock, Event, Repair
 from simcompare.model.trajectory import Array
 
-#: samples that are looked at together, so that a long log needs no more memory than a short one
+#: samples that are looked at together where all columns of a stream are
 BLOCK = 1 << 18
 #: rows of one defect that are named; their count is always whole
 MAX_ROWS = 100_000

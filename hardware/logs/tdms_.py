@@ -15,7 +15,7 @@ from simcompare.errors import InputError
 from simcompare.hardware.logs.binary import arrays
 from simcompare.hardware.logs.binary.arrays import Block
 from simcompare.hardware.mapping import Mapping
-from simcompare.hardware.raw import BLOCK, Head, RawColumn, RawLog, RawStream, Spool
+from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream
 from simcompare.model.recording import WARNING, Clock, Repair
 
 TITLE = "a LabVIEW TDMS file"
@@ -164,12 +164,9 @@ def _group(group: Any, log: RawLog, truncated: str) -> None:  # noqa: ANN401  (n
         waveform = tuple(channel.properties.get(name) for name in _WAVEFORM[:3])
         clocks.setdefault((len(channel), *map(str, waveform)), []).append(channel)
     for channels in clocks.values():
-        name = group.name if len(clocks) == 1 else f"{group.name}/{_joined(channels)}"
+        joined = arrays.stream_name([channel.name for channel in channels], single=False)
+        name = group.name if len(clocks) == 1 else f"{group.name}/{joined}"
         log.streams.append(_stream(name, channels, log, truncated))
-
-
-def _joined(channels: list[Any]) -> str:
-    return arrays.stream_name([channel.name for channel in channels], single=False)
 
 
 def _refusal(channel: Any) -> str:  # noqa: ANN401
@@ -183,11 +180,12 @@ def _refusal(channel: Any) -> str:  # noqa: ANN401
 
 def _stream(name: str, channels: list[Any], log: RawLog, truncated: str) -> RawStream:
     block = Block(name)
-    for channel, values in zip(channels, _values(channels, block), strict=True):
+    for channel in channels:
         stated = next((str(channel.properties[u]) for u in _UNITS if channel.properties.get(u)), "")
         plain, unit = arrays.split_unit(channel.name)
         if np.dtype(channel.dtype).kind in "mM":
             stated = "s"
+        values = arrays.floats(np.asarray(channel[:]), channel.name, block)
         block.columns.append(RawColumn(plain, values, stated or unit))
     stream = arrays.stream_of(block, {})
     _clock(stream, channels[0].properties, block)
@@ -209,24 +207,3 @@ def _clock(stream: RawStream, properties: Any, block: Block) -> None:  # noqa: A
     stream.increment_s = float(step)
     stream.start_s = float(properties.get("wf_start_offset") or 0.0)
     stream.clock = Clock(f"wf_increment {1 / float(step):.6g} Hz", first)
-
-
-def _values(channels: list[Any], block: Block) -> list[np.ndarray]:
-    """Columns of all channels, read block by block."""
-    wide = [c for c in channels if np.dtype(c.dtype).kind in "mM" or _is_count(c)]
-    plain = [c for c in channels if c not in wide]
-    columns = {id(c): arrays.floats(np.asarray(c[:]), c.name, block) for c in wide}
-    if plain:
-        spool = Spool(len(plain))
-        count = len(plain[0])
-        for start in range(0, count, BLOCK):
-            length = min(BLOCK, count - start)
-            rows = [np.asarray(c.read_data(start, length), dtype=np.float64) for c in plain]
-            spool.append(np.column_stack(rows))
-        columns |= {id(c): values for c, values in zip(plain, spool.columns(), strict=True)}
-    return [columns[id(channel)] for channel in channels]
-
-
-def _is_count(channel: Any) -> bool:  # noqa: ANN401
-    dtype = np.dtype(channel.dtype)
-    return dtype.kind in "iu" and dtype.itemsize == 8
