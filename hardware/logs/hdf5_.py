@@ -163,7 +163,7 @@ def _sets(content: _File, group: str) -> list[tuple[str, list[_Part]]]:
         turned = False
         if len(item.shape) == 2 and item.shape[0] <= item.shape[1] and item.shape[0] not in lengths:
             if item.shape[1] not in lengths:
-                content.faults.append(ambiguous(f"{group}/{key}".strip("/"), item.shape))
+                content.faults.append(arrays.ambiguous(f"{group}/{key}".strip("/"), item.shape))
                 continue
             turned = True
         part = _Part(key, item, turned, dict(item.attrs))
@@ -185,14 +185,6 @@ def _sets(content: _File, group: str) -> list[tuple[str, list[_Part]]]:
         else:
             kept.append((group, parts))
     return kept
-
-
-def ambiguous(name: str, shape: tuple[int, ...]) -> str:
-    """The fault of a matrix whose axes cannot be told apart."""
-    return (
-        f"{name} has the shape {shape[0]}×{shape[1]}: samples may be its rows or its columns;"
-        f" store it as (samples, components) beside a vector of times with as many entries"
-    )
 
 
 def _stream_name(group: str, parts: list[_Part], blocks: list[tuple[str, list[_Part]]]) -> str:
@@ -284,25 +276,8 @@ def _fields(part: _Part, block: Block) -> list[RawColumn]:
     table = part.rows(slice(None))
     columns = []
     for name in table.dtype.names or ():
-        columns += field_columns(name, table[name], block)
+        columns += arrays.field_columns(name, table[name], block)
     return columns
-
-
-def field_columns(name: str, values: np.ndarray, block: Block) -> list[RawColumn]:
-    """Columns of one field of a table; a field that holds no numbers has none."""
-    plain, unit = arrays.split_unit(name)
-    if values.dtype.kind not in "biufmM" or values.dtype.itemsize > 8 or values.ndim > 2:
-        text = f"field {name} holds {values.dtype}, no numbers; it was left out"
-        block.repairs.append(Repair("field_left_out", INFO, text, block.name, name))
-        return []
-    if values.ndim == 1:
-        return [RawColumn(plain, arrays.floats(values, plain, block), unit)]
-    names = arrays.component_names(plain, values.shape[1], letters=True)
-    block.repairs += arrays.quaternion_note(plain, values.shape[1], block.name)
-    return [
-        RawColumn(full, arrays.floats(values[:, i], full, block), unit)
-        for i, full in enumerate(names)
-    ]
 
 
 def _text(value: Any) -> Any:  # noqa: ANN401

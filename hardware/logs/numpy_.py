@@ -17,7 +17,6 @@ import numpy as np
 from simcompare.errors import InputError
 from simcompare.hardware.logs.binary import arrays, torch_pickle, zip_guard
 from simcompare.hardware.logs.binary.arrays import Block
-from simcompare.hardware.logs.hdf5_ import ambiguous, field_columns
 from simcompare.hardware.mapping import Mapping
 from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream
 from simcompare.model.recording import INFO, Repair
@@ -306,7 +305,7 @@ def _turned(one: _Array, content: dict[str, _Array]) -> _Array:
     if one.shape[0] in others:
         return one
     if one.shape[1] not in others:
-        raise _Ambiguous(ambiguous(f"array {one.name}", one.shape))
+        raise _Ambiguous(arrays.ambiguous(f"array {one.name}", one.shape))
     one.values, one.shape = one.values.T, one.shape[::-1]
     return one
 
@@ -336,7 +335,7 @@ def _number(text: str) -> bool:
 def _columns(one: _Array, block: Block) -> list[RawColumn]:
     if one.values.dtype.names:
         fields = one.values.dtype.names
-        return [c for name in fields for c in field_columns(name, one.values[name], block)]
+        return [c for name in fields for c in arrays.field_columns(name, one.values[name], block)]
     plain, unit = arrays.split_unit(one.name)
     width = one.values.shape[1]
     names = [plain]

@@ -170,6 +170,30 @@ def iso_ns(ns: int) -> str:
         return ""
 
 
+def field_columns(name: str, values: np.ndarray, block: Block) -> list[RawColumn]:
+    """Columns of one field of a table; a field that holds no numbers has none."""
+    plain, unit = split_unit(name)
+    if values.dtype.kind not in "biufmM" or values.dtype.itemsize > 8 or values.ndim > 2:
+        text = f"field {name} holds {values.dtype}, no numbers; it was left out"
+        block.repairs.append(Repair("field_left_out", INFO, text, block.name, name))
+        return []
+    if values.ndim == 1:
+        return [RawColumn(plain, floats(values, plain, block), unit)]
+    names = component_names(plain, values.shape[1], letters=True)
+    block.repairs += quaternion_note(plain, values.shape[1], block.name)
+    return [
+        RawColumn(full, floats(values[:, i], full, block), unit) for i, full in enumerate(names)
+    ]
+
+
+def ambiguous(name: str, shape: tuple[int, ...]) -> str:
+    """The fault of a matrix whose axes cannot be told apart."""
+    return (
+        f"{name} has the shape {shape[0]}×{shape[1]}: samples may be its rows or its columns;"
+        f" store it as (samples, components) beside a vector of times with as many entries"
+    )
+
+
 def stream_of(
     block: Block, scalars: Mapping[str, object], *, row_word: str = "sample"
 ) -> RawStream:
