@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from simcompare.backends.box2d.simulation import Box2dSimulation
 from simcompare.backends.box2d.variants import VARIANTS
 from simcompare.kit import (
@@ -16,7 +14,6 @@ from simcompare.kit import (
     Feature,
     KnownLimit,
     PipPackage,
-    Scene,
     Traits,
 )
 
@@ -25,6 +22,7 @@ class Box2dBackend(EngineBackend):
     """Box2D 3 through the package ``pyb2d3``; planar scenarios only."""
 
     name = "box2d"
+    simulation = Box2dSimulation
     library = PipPackage("pyb2d3", "pip install 'simcompare[box2d]'", ["pyb2d3"])
     traits = Traits(precision=1e-6, most_turn_rad=0.785, foresees_contacts=True)
     features = (JOINTS_AND_FORCES - {Feature.CONTACT_FORCE}) | {
@@ -130,9 +128,6 @@ world.step({step_s!r}, {typed[World.step(sub_step_count)]:.0f})  # in every step
         " and drag are those in the middle of a step; the first velocities are set half a substep"
         " before the start, where the engine holds them"
     )
-
-    def make(self, engine: Any, scene: Scene) -> Box2dSimulation:
-        return Box2dSimulation(engine, scene)
 
 
 BACKEND = Box2dBackend()

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from simcompare.backends.dart.simulation import DartSimulation
 from simcompare.backends.dart.variants import VARIANTS
 from simcompare.kit import (
@@ -16,7 +14,6 @@ from simcompare.kit import (
     EngineBackend,
     KnownLimit,
     PipPackage,
-    Scene,
     Traits,
 )
 
@@ -25,6 +22,7 @@ class DartBackend(EngineBackend):
     """DART through the package ``dartpy``."""
 
     name = "dart"
+    simulation = DartSimulation
     script_module = "simcompare.backends.dart.script"
     library = PipPackage(
         "dartpy", "pip install 'simcompare[dart]'", ["dartpy"],
@@ -104,9 +102,6 @@ floor_shape.getDynamicsAspect().setRestitutionCoeff(1.0)  # DART multiplies the 
         " Assisted: impacts in steps of at most 2 µs, so that the bias g·dt/v is below 1e-4 down to"
         " 0.2 m/s; springs and dampers are forces on joints in every step"
     )
-
-    def make(self, engine: Any, scene: Scene) -> DartSimulation:
-        return DartSimulation(engine, scene)
 
 
 BACKEND = DartBackend()

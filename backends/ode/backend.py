@@ -18,7 +18,6 @@ from simcompare.kit import (
     EngineBackend,
     EngineBroken,
     KnownLimit,
-    Scene,
     SharedLibrary,
     Traits,
 )
@@ -28,6 +27,7 @@ class OdeBackend(EngineBackend):
     """ODE through its shared library."""
 
     name = "ode"
+    simulation = OdeSimulation
     library = SharedLibrary("ode", "sudo apt-get install libode8", ["libode.so.8"], DECLARATIONS)
     # bounces have no threshold: what rests must not be taken for what falls by half a long step
     traits = Traits(rest_step_s=1.0e-5)
@@ -145,9 +145,6 @@ dWorldStep(world, {step_s!r});  /* in every step */"""
 
     def load(self) -> Any:
         return _prepared(super().load())
-
-    def make(self, engine: Any, scene: Scene) -> OdeSimulation:
-        return OdeSimulation(engine, scene)
 
 
 @functools.cache

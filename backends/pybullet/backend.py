@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from typing import Any
 
 from simcompare.backends.pybullet.simulation import PybulletSimulation
 from simcompare.backends.pybullet.variants import VARIANTS
@@ -15,7 +14,6 @@ from simcompare.kit import (
     KnownLimit,
     PipPackage,
     Rims,
-    Scene,
     Traits,
 )
 
@@ -27,6 +25,7 @@ class PybulletBackend(EngineBackend):
     """Bullet 3 through the package ``pybullet``."""
 
     name = "pybullet"
+    simulation = PybulletSimulation
     library = PipPackage(
         "pybullet",
         f"{'' if sys.version_info < (3, 12) else _COMPILER}pip install 'simcompare[pybullet]'",
@@ -135,9 +134,6 @@ for body, restitution in ((ball, {0!r}), (floor, 1.0)):  # Bullet multiplies the
         " planes under boxes as a large box; cylinders on planes as their two rims, between which a"
         " globalCFM shares the load"
     )
-
-    def make(self, engine: Any, scene: Scene) -> PybulletSimulation:
-        return PybulletSimulation(engine, scene)
 
 
 BACKEND = PybulletBackend()

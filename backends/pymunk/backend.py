@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from simcompare.backends.pymunk.simulation import PymunkSimulation
 from simcompare.backends.pymunk.space import SLOP_M
 from simcompare.backends.pymunk.variants import VARIANTS
@@ -18,7 +16,6 @@ from simcompare.kit import (
     Feature,
     KnownLimit,
     PipPackage,
-    Scene,
     Traits,
 )
 
@@ -31,6 +28,7 @@ class PymunkBackend(EngineBackend):
     """Chipmunk through the package ``pymunk``; planar scenarios only."""
 
     name = "pymunk"
+    simulation = PymunkSimulation
     script_module = "simcompare.backends.pymunk.script"
     library = PipPackage("pymunk", "pip install 'simcompare[pymunk]'", ["pymunk"])
     traits = Traits(
@@ -106,9 +104,6 @@ space.step({{step_s!r}})  # in every step"""
         " and drag are those at the end of a step, where they act; the first velocities are set"
         " half a step after the start, where the engine holds them"
     )
-
-    def make(self, engine: Any, scene: Scene) -> PymunkSimulation:
-        return PymunkSimulation(engine, scene)
 
 
 BACKEND = PymunkBackend()

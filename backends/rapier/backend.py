@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from simcompare.backends.rapier.simulation import RapierSimulation
 from simcompare.kit import (
@@ -16,7 +15,6 @@ from simcompare.kit import (
     EngineBackend,
     KnownLimit,
     PipPackage,
-    Scene,
     Traits,
 )
 
@@ -25,6 +23,7 @@ class RapierBackend(EngineBackend):
     """Rapier through the package ``rapier3d``."""
 
     name = "rapier"
+    simulation = RapierSimulation
     library = PipPackage("rapier3d", "pip install 'simcompare[rapier]'", ["rapier3d"])
     traits = Traits(precision=1e-6, turn_made=lambda turn: 2 * math.atan(turn / 2))
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
@@ -139,9 +138,6 @@ of_ball = {{"can_sleep": False, "allow_fast_rotation": True}}  # of RigidBody.dy
         " moments are equal. Assisted: impacts in steps of at most 2 µs; springs, dampers and"
         " motors act with the rate at the instant of the positions"
     )
-
-    def make(self, engine: Any, scene: Scene) -> RapierSimulation:
-        return RapierSimulation(engine, scene)
 
 
 BACKEND = RapierBackend()

@@ -6,11 +6,12 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from simcompare.characterization.behaviour import (
+    AtStep,
     BounceBehaviour,
     BrakingAtSpeed,
     ForceBehaviour,
@@ -43,6 +44,7 @@ from simcompare.reports.render.figures import (
 from simcompare.results.records.characterization import Characterization
 
 Row = TypeVar("Row")
+Step = TypeVar("Step", bound=AtStep)
 
 #: titles of panels
 LEVELS = {
@@ -72,15 +74,6 @@ class _Curve(Generic[Row]):
     x: Callable[[Row], float]
     y: Callable[[Row], float]
     u: Callable[[Row], float] | None = None
-
-
-class _AtStep(Protocol):
-    @property
-    def reason(self) -> str:
-        """Why there is nothing at this step."""
-
-
-Step = TypeVar("Step", bound=_AtStep)
 
 
 def of_bounce(result: Characterization) -> list[Figure]:

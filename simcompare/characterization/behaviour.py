@@ -10,6 +10,19 @@ from simcompare.model.plain import Finite
 
 
 @dataclass(frozen=True, kw_only=True)
+class AtStep:
+    """What is found at one of several steps.
+
+    Attributes:
+        step_s: the step.
+        reason: why there is nothing at it; empty where there is something.
+    """
+
+    step_s: float
+    reason: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Spread:
     """What the drops at one speed and step do, over the phases of the step.
 
@@ -37,11 +50,8 @@ class SpreadAtSpeed(Spread):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpreadAtStep(Spread):
-    """The same at one of several steps; ``reason`` says why there is nothing at it."""
-
-    step_s: float
-    reason: str = ""
+class SpreadAtStep(AtStep, Spread):
+    """The same at one of several steps."""
 
 
 @dataclass(frozen=True)
@@ -148,11 +158,8 @@ class Friction(Creep, Braking):
 
 
 @dataclass(frozen=True, kw_only=True)
-class FrictionAtStep(Friction):
-    """The same at one of several steps; ``reason`` says why there is nothing at it."""
-
-    step_s: float
-    reason: str = ""
+class FrictionAtStep(AtStep, Friction):
+    """The same at one of several steps."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,11 +205,8 @@ class Hinge:
 
 
 @dataclass(frozen=True, kw_only=True)
-class HingeAtStep(Hinge):
-    """The same at one of several steps; ``reason`` says why there is nothing at it."""
-
-    step_s: float
-    reason: str = ""
+class HingeAtStep(AtStep, Hinge):
+    """The same at one of several steps."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -241,11 +245,8 @@ class Forces:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ForcesAtStep(Forces):
-    """The same at one of several steps; ``reason`` says why there is nothing at it."""
-
-    step_s: float
-    reason: str = ""
+class ForcesAtStep(AtStep, Forces):
+    """The same at one of several steps."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,13 +16,14 @@ from simcompare.characterization.behaviour import (
     SpreadAtStep,
     StepLimits,
 )
+from simcompare.characterization.experiment import Experiment
 from simcompare.characterization.grids import first_edge, geometric
 from simcompare.characterization.scenes import over_steps
 from simcompare.engine.backend import Backend, EngineBackend, refuse
 from simcompare.engine.calibration.calibration import CannotCalibrate
 from simcompare.engine.calibration.drops import even_phases
 from simcompare.engine.calibration.engine_drops import CLEAR_M, PAIR, EngineDrops
-from simcompare.engine.calibration.question import Question, on_the_kit
+from simcompare.engine.calibration.question import on_the_kit
 from simcompare.engine.calibration.tuned import calibrate
 from simcompare.engine.helps import LANDING
 from simcompare.errors import SimulationDiverged
@@ -44,12 +45,10 @@ OFF = 0.01
 
 
 @dataclass(frozen=True)
-class BounceQuestion(Question[BounceBehaviour]):
+class BounceQuestion(Experiment[BounceBehaviour]):
     """How an engine bounces at one contact level.
 
     Attributes:
-        level: contact level.
-        step_s: step at which the numbers of "tuned" are found [s].
         restitution: what is wanted [1].
         speed_m_s: impact for which these numbers are found [m/s].
         mass_kg: of the sphere.
@@ -58,8 +57,6 @@ class BounceQuestion(Question[BounceBehaviour]):
     """
 
     kind = BounceBehaviour
-    level: str
-    step_s: float
     restitution: float = 0.8
     speed_m_s: float = 2.0
     mass_kg: float = 0.0027

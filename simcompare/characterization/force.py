@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from simcompare.characterization.behaviour import ForceBehaviour, ForceReading, Forces, ForcesAtStep
+from simcompare.characterization.experiment import Experiment
 from simcompare.characterization.friction import FrictionQuestion
 from simcompare.characterization.grids import STEPS_S
 from simcompare.characterization.scenes import G_M_S2, over_steps, run, scene
 from simcompare.engine.backend import Backend
-from simcompare.engine.calibration.question import Question
 from simcompare.errors import BackendError, Unsupported
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array
@@ -38,17 +38,10 @@ CASES = {
 
 
 @dataclass(frozen=True)
-class ForceQuestion(Question[ForceBehaviour]):
-    """Which forces an engine gives at one contact level.
-
-    Attributes:
-        level: contact level.
-        step_s: the engine's step.
-    """
+class ForceQuestion(Experiment[ForceBehaviour]):
+    """Which forces an engine gives at one contact level."""
 
     kind = ForceBehaviour
-    level: str
-    step_s: float
 
     def answer(self, backend: Backend) -> ForceBehaviour:
         """Each case at the step, and over steps."""

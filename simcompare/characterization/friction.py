@@ -16,10 +16,10 @@ from simcompare.characterization.behaviour import (
     FrictionAtStep,
     FrictionBehaviour,
 )
+from simcompare.characterization.experiment import Experiment
 from simcompare.characterization.grids import STEPS_S
 from simcompare.characterization.scenes import G_M_S2, over_steps, run, scene
 from simcompare.engine.backend import Backend
-from simcompare.engine.calibration.question import Question
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array, Trajectory
 
@@ -44,18 +44,14 @@ _MIN_STEPS, _AT_ONCE = 6, 2
 
 
 @dataclass(frozen=True)
-class FrictionQuestion(Question[FrictionBehaviour]):
+class FrictionQuestion(Experiment[FrictionBehaviour]):
     """How friction holds and brakes at one contact level.
 
     Attributes:
-        level: contact level.
-        step_s: the engine's step.
         friction: Coulomb's coefficient µ [1]; none that an engine has by default.
     """
 
     kind = FrictionBehaviour
-    level: str
-    step_s: float
     friction: float = 0.4
 
     def answer(self, backend: Backend) -> FrictionBehaviour:

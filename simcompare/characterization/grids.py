@@ -3,39 +3,18 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Callable, Sequence
+
+from simcompare.engine.calibration.edges import edge
 
 #: steps over which every experiment is looked at [s]
 STEPS_S = (0.25e-3, 0.5e-3, 1e-3, 2e-3, 4e-3, 8e-3)
-#: halvings of the gap between two neighbours of a grid in which something changes
-_HALVINGS = 6
 
 
 def geometric(low: float, high: float, count: int) -> tuple[float, ...]:
     """So many numbers from low to high, each the same multiple of the one before, in 3 digits."""
     ratio = (high / low) ** (1 / (count - 1))
     return tuple(float(f"{low * ratio**i:.3g}") for i in range(count))
-
-
-def edge(holds: Callable[[float], bool], inside: float, outside: float) -> float:
-    """Where between two positive numbers something no longer holds.
-
-    Args:
-        holds: what is asked.
-        inside: where it holds.
-        outside: where it does not.
-
-    Returns:
-        The last number that was tried and for which it holds.
-    """
-    for _ in range(_HALVINGS):
-        middle = math.sqrt(inside * outside)
-        if holds(middle):
-            inside = middle
-        else:
-            outside = middle
-    return inside
 
 
 def first_edge(holds: Callable[[float], bool], along: Sequence[float]) -> float | None:

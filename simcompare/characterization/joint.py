@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from simcompare.characterization.behaviour import Hinge, HingeAtStep, JointBehaviour
+from simcompare.characterization.experiment import Experiment
 from simcompare.characterization.grids import STEPS_S
 from simcompare.characterization.scenes import over_steps, run, scene
 from simcompare.engine.backend import Backend
-from simcompare.engine.calibration.question import Question
 from simcompare.errors import BackendError
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array
@@ -30,17 +30,10 @@ _APART = 0.4
 
 
 @dataclass(frozen=True)
-class JointQuestion(Question[JointBehaviour]):
-    """How a hinge moves at one contact level.
-
-    Attributes:
-        level: contact level.
-        step_s: the engine's step.
-    """
+class JointQuestion(Experiment[JointBehaviour]):
+    """How a hinge moves at one contact level."""
 
     kind = JointBehaviour
-    level: str
-    step_s: float
 
     def answer(self, backend: Backend) -> JointBehaviour:
         """Each quantity at the step, and over steps."""

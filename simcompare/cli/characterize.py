@@ -41,15 +41,15 @@ def characterize(
     time_limit: float = typer.Option(120.0, help="Longest time for one experiment, in seconds."),
 ) -> None:
     """Show how engines bounce, stick, swing and tell forces, over speeds and steps."""
-    import simcompare
     from simcompare.cli import console
     from simcompare.model.plain import plain
     from simcompare.reports.builder import FIGURE_FORMATS
+    from simcompare.verbs import characterize as verb
 
     if figures is not None and figures not in FIGURE_FORMATS:
         raise UnknownName("figure format", figures, FIGURE_FORMATS)
     with console.progress_bar("characterize") as progress:
-        result = simcompare.characterize(
+        result = verb.characterize(
             experiments,
             engine=engine,
             contact=contact,

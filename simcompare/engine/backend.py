@@ -10,12 +10,13 @@ import copy
 import dataclasses
 import importlib
 import time
-from abc import ABC, abstractmethod
+from abc import ABC
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol, Self, runtime_checkable
 
+from simcompare.engine.calibration.tuned import tuned
 from simcompare.engine.features import Feature, needs
 from simcompare.engine.helps import LANDING, known, landing, spring_contact
 from simcompare.engine.read_back import asked, audit_of
@@ -71,6 +72,7 @@ class EngineBackend(ABC):
 
     Attributes:
         name: the engine's name on the command line.
+        simulation: the adapter's class, which takes the loaded engine and a scene.
         library: what it comes as.
         traits: what it is like.
         features: what the backend can do.
@@ -87,6 +89,7 @@ class EngineBackend(ABC):
     """
 
     name: str
+    simulation: type[Any]
     library: Library
     traits: Traits = Traits()
     features: frozenset[Feature]
@@ -163,8 +166,6 @@ class EngineBackend(ABC):
         loaded = time.perf_counter()
         tuning: tuple[TuningRow, ...] = ()
         if settings.gives(TUNED) and not settings.takes(LANDING):
-            from simcompare.engine.calibration.tuned import tuned
-
             settings, tuning = tuned(self, engine, scenario, settings)
         calibrated = time.perf_counter()
         simulation = self.build(engine, scenario, settings)
@@ -214,9 +215,10 @@ class EngineBackend(ABC):
             self.name, self.traits, self.features, scenario, settings, self.variant
         )  # fmt: skip
 
-    @abstractmethod
     def make(self, engine: Any, scene: Scene) -> Simulation:  # noqa: ANN401
         """Builds a scene in the loaded engine."""
+        made: Simulation = self.simulation(engine, scene)
+        return made
 
     def refuse_no_help(self, settings: Settings) -> None:
         """Refuses "assisted" of a variant that takes no help: it would be "tuned".

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from simcompare.engine.calibration.edges import edge
+
 #: how often the value is doubled or halved, and how often the way back is halved
 _FAR, _NEAR = 8, 4
 
@@ -28,12 +30,7 @@ def nearest(can: Callable[[float], bool], start: float, factor: float) -> float 
         bad = good
     else:
         return None
-    for _ in range(_NEAR):
-        middle = math.sqrt(bad * good)
-        if can(middle):
-            good = middle
-        else:
-            bad = middle
+    good = edge(can, good, bad, _NEAR)
     for digits in (2, 3):  # as it is printed, and typed in
         rounded = _rounded(good, digits, up=factor > 1)
         if can(rounded):
