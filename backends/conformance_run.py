@@ -16,7 +16,7 @@ from simcompare.model.shapes import Vector
 from simcompare.model.trajectory import Array, Trajectory
 
 #: most steps that are taken by hand
-MOST_STEPS = 600
+MAX_STEPS = 600
 #: steps after which a joint that gives way has given way
 FEW_STEPS = 20
 
@@ -79,8 +79,8 @@ class Run:
 
     @functools.cached_property
     def half(self) -> int:
-        """Recorded steps of half the scenario, an even number, at most ``MOST_STEPS``."""
-        return max(min((len(sample_times(self.scenario)) - 1) // 2, MOST_STEPS) // 2 * 2, 2)
+        """Recorded steps of half the scenario, an even number, at most ``MAX_STEPS``."""
+        return max(min((len(sample_times(self.scenario)) - 1) // 2, MAX_STEPS) // 2 * 2, 2)
 
 
 def _walk(simulation: Simulation, steps: int) -> Walk:

@@ -7,7 +7,7 @@ import pytest
 
 from simcompare.backends import conformance, conformance_physics
 from simcompare.engine import engines
-from simcompare.engine.read_back import asked, audit_of
+from simcompare.engine.read_back import audit_of, quantities
 from simcompare.engine.scene import make_scene
 from simcompare.errors import EngineBroken, EngineMissing, InputError, ReadBackMismatch, Unsupported
 from simcompare.kit import Feature, Held, OtherPython, PipPackage, Program, SharedLibrary, Traits
@@ -107,7 +107,7 @@ def test_an_armature_that_was_left_out_of_a_moment_of_inertia_is_a_fault():
     }
     scenario = Scenario.model_validate(told)
     scene = make_scene("toy", Traits(), frozenset(), scenario, Settings(TUNED))
-    (ask,) = [ask for ask in asked(scene) if ask.kind == "inertia_kg_m2"]
+    (ask,) = [ask for ask in quantities(scene) if ask.kind == "inertia_kg_m2"]
     with pytest.raises(ReadBackMismatch, match=r"ball\.inertia_kg_m2\.3: set I = 0\.001"):
         audit_of(scene, [(ask, Held("I", ask.value))], [])
     audit_of(scene, [(ask, Held("I", scene.moments("ball")))], [])

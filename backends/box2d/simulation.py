@@ -23,7 +23,7 @@ from simcompare.kit import (
 
 #: substeps of a step: what the documentation takes, and the least where everything is given; and
 #: how far a body may turn in one of them [rad], so that its angle falls short by 0.03 %
-USUAL_SUBSTEPS, LEAST_SUBSTEPS, MOST_TURN_RAD = 4, 8, 0.03
+USUAL_SUBSTEPS, MIN_SUBSTEPS, MAX_TURN_RAD = 4, 8, 0.03
 #: what dry friction of a joint is called
 BRAKES = {
     "PrismaticJoint": "max_motor_force", "RevoluteJoint": "max_motor_torque",
@@ -36,8 +36,8 @@ class Box2dSimulation(PlanarSimulation):
 
     def __init__(self, box2d: Any, scene: Scene) -> None:
         step_s, is_tuned = scene.scenario.world.engine_step_s, scene.gives(TUNED)
-        turns = math.ceil(fastest_turn_rad_s(scene.scenario) * step_s / MOST_TURN_RAD)
-        self.inner_steps = max(LEAST_SUBSTEPS, turns) if is_tuned else USUAL_SUBSTEPS
+        turns = math.ceil(fastest_turn_rad_s(scene.scenario) * step_s / MAX_TURN_RAD)
+        self.inner_steps = max(MIN_SUBSTEPS, turns) if is_tuned else USUAL_SUBSTEPS
         if scene.variant:
             self.inner_steps = VARIANTS[scene.variant].value
         # as the engine limits its own springs

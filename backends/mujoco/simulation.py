@@ -33,7 +33,7 @@ from simcompare.kit import (
 )
 
 #: a native call costs as much as some steps, so fewer recorded steps than this take the plain loop
-LEAST_ROLLOUT = 4
+MIN_ROLLOUT = 4
 
 
 class MujocoSimulation(ReducedSimulation):
@@ -103,7 +103,7 @@ class MujocoSimulation(ReducedSimulation):
 
     def record(self, count: int) -> Any:
         """Native rollout; it keeps no forces from Python, so drag takes the plain loop."""
-        if self._dragged or count < LEAST_ROLLOUT:
+        if self._dragged or count < MIN_ROLLOUT:
             return super().record(count)
         from mujoco import rollout
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from simcompare.backends.pybullet.world import BASE, MOST_SPEED, ORIGIN, SWEEPS, Client, World
+from simcompare.backends.pybullet.world import BASE, MAX_SPEED, ORIGIN, SWEEPS, Client, World
 from simcompare.kit import (
     TUNED,
     Audit,
@@ -27,7 +27,7 @@ _SET: dict[str, tuple[float, float | None]] = {
     "restitutionVelocityThreshold": (0.0, 0.2),
     "linearDamping": (0.0, 0.04),
     "angularDamping": (0.0, 0.04),
-    "maxJointVelocity": (MOST_SPEED, 100.0),
+    "maxJointVelocity": (MAX_SPEED, 100.0),
 }
 #: the same where something bounces
 _SET_BOUNCING: dict[str, tuple[float, float | None]] = {"erp": (0.0, 0.2), "contactERP": (0.0, 0.2)}

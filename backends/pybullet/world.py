@@ -23,7 +23,7 @@ from simcompare.kit import (
 Place = tuple[int, int]
 BASE, ORIGIN = -1, (0.0, 0.0, 0.0)
 #: largest speed of any coordinate; PyBullet's own 100 m/s or rad/s would be a wall
-MOST_SPEED = 1.0e9
+MAX_SPEED = 1.0e9
 #: the solver sweeps over contacts and joints until they move each other by 1e-12 m/s or rad/s, but
 #: not for ever; by default it stops at 50 sweeps or at 3e-4
 SWEEPS, RESIDUAL = 500, 1.0e-24
@@ -172,7 +172,7 @@ class World:
                 contactProcessingThreshold=self.scene.contact_gap_m,
             )  # fmt: skip
             # by itself: together with the friction it has been seen to leave that at its default
-            bullet.changeDynamics(*place, maxJointVelocity=MOST_SPEED)
+            bullet.changeDynamics(*place, maxJointVelocity=MAX_SPEED)
         if self.recipe.bodies:
             bullet.changeDynamics(*place, **self.recipe.bodies)
 

@@ -14,25 +14,23 @@ from abc import ABC
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Protocol, Self, runtime_checkable
+from typing import Any, Protocol, Self, runtime_checkable
 
 from simcompare.engine.calibration.tuned import tuned
 from simcompare.engine.features import Feature, needs
 from simcompare.engine.helps import LANDING, known, landing, spring_contact
-from simcompare.engine.read_back import asked, audit_of
+from simcompare.engine.library import Library
+from simcompare.engine.read_back import audit_of, quantities
 from simcompare.engine.scene import Scene, Traits, make_scene
+from simcompare.engine.simulation import Simulation
 from simcompare.engine.speeds import fastest_turn_rad_s
 from simcompare.engine.variants import Variant
 from simcompare.errors import EngineMissing, UnknownVariant, Unsupported
 from simcompare.model.audit import Audit
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, DEFAULT, SPRING, TUNED, Settings
-
-if TYPE_CHECKING:
-    from simcompare.engine.library import Library
-    from simcompare.engine.simulation import Simulation
-    from simcompare.model.trajectory import Trajectory
-    from simcompare.model.tuning import TuningRow
+from simcompare.model.trajectory import Trajectory
+from simcompare.model.tuning import TuningRow
 
 
 @dataclass(frozen=True)
@@ -198,7 +196,7 @@ class EngineBackend(ABC):
             simulation.set_up()
             own = Audit(self.name)
             simulation.own_parameters(own)
-            answers = [(ask, simulation.held(ask)) for ask in asked(scene)]
+            answers = [(quantity, simulation.held(quantity)) for quantity in quantities(scene)]
             simulation.audit = audit_of(scene, answers, own.rows)
         except BaseException:
             simulation.close()

@@ -8,7 +8,7 @@ import numpy as np
 
 from simcompare.engine.helps.reactions import acting_force
 from simcompare.engine.helps.recoil import Motion
-from simcompare.engine.read_back import Answer, Asked, Held, Table, unreadable
+from simcompare.engine.read_back import Held, HeldValues, Quantity, Table, unreadable
 from simcompare.engine.short_turns import refuse_slowed
 from simcompare.engine.stateful import StatefulMotion
 from simcompare.errors import SimulationDiverged
@@ -109,30 +109,35 @@ class EngineHooks(StatefulMotion):
         del first, second
         return {}
 
-    def held(self, ask: Asked) -> Answer | None:
+    def held(self, quantity: Quantity) -> HeldValues | None:
         """What the engine holds of something that was asked for; ``None`` is a fault."""
-        match ask.owner:
+        match quantity.owner:
             case "world":
                 table = self.held_of_world()
             case "body":
-                table = self.held_of_body(ask.of)
+                table = self.held_of_body(quantity.of)
             case "joint":
-                table = self.held_of_joint(ask.of)
+                table = self.held_of_joint(quantity.of)
             case _:
-                table = self.held_of_pair(*ask.bodies)
-        found = table.get(ask.kind) or self._held_of_law(ask)
-        if ask.kind != "size_m" or found is None or isinstance(found, Held):
+                table = self.held_of_pair(*quantity.bodies)
+        found = table.get(quantity.kind) or self._held_of_law(quantity)
+        if quantity.kind != "size_m" or found is None or isinstance(found, Held):
             return found
-        return found[ask.index] if ask.index < len(found) else None
+        return found[quantity.index] if quantity.index < len(found) else None
 
-    def _held_of_law(self, ask: Asked) -> Held | None:
+    def _held_of_law(self, quantity: Quantity) -> Held | None:
         """What is given as an effort in each step or as a moment of inertia, and nowhere else."""
-        if ask.owner != "joint" or ask.kind not in ("stiffness", "damping", "rest", "armature"):
+        if quantity.owner != "joint" or quantity.kind not in (
+            "stiffness",
+            "damping",
+            "rest",
+            "armature",
+        ):
             return None
-        if ask.kind == "armature" and not self.scene.traits.has_armature:
+        if quantity.kind == "armature" and not self.scene.traits.has_armature:
             return unreadable("moment of inertia", "added to the child's, where it is read back")
-        joint = self.scene.joints[ask.of]
-        is_given = getattr(joint.given, ask.kind) == getattr(joint.law, ask.kind)
+        joint = self.scene.joints[quantity.of]
+        is_given = getattr(joint.given, quantity.kind) == getattr(joint.law, quantity.kind)
         return unreadable("effort", "given anew in each step") if is_given else None
 
     def own_parameters(self, audit: Audit) -> None:

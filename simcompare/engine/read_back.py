@@ -9,17 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from simcompare.engine.scene import Scene
 from simcompare.errors import ReadBackMismatch
 from simcompare.model.audit import Audit, AuditRow
 from simcompare.model.settings import SPRING, TUNED
 from simcompare.model.shapes import sizes_m
-
-if TYPE_CHECKING:
-    from simcompare.engine.scene import Scene
 
 #: what acts on a joint: the part of its law -> unit on a hinge and on a slider
 LAW_UNITS = {
@@ -29,7 +26,7 @@ LAW_UNITS = {
 
 
 @dataclass(frozen=True)
-class Asked:
+class Quantity:
     """One physical value of a scene.
 
     Attributes:
@@ -63,7 +60,7 @@ class Asked:
     put: tuple[float, ...] | None = None
 
     @property
-    def quantity(self) -> str:
+    def name(self) -> str:
         """Its name in the audit, without the parts."""
         if self.owner == "pair":
             return f"{self.of} {self.kind}"
@@ -78,9 +75,9 @@ class Held:
 
     Attributes:
         parameter: what the engine calls it.
-        value: what it holds, in the order of :attr:`Asked.parts`; ``None`` in place of a part that
-            it does not have, and for all where it cannot be read.
-        put: what it was given where that is something else than :attr:`Asked.put`.
+        value: what it holds, in the order of :attr:`Quantity.parts`; ``None`` in place of a part
+            that it does not have, and for all where it cannot be read.
+        put: what it was given where that is something else than :attr:`Quantity.put`.
         note: why it was set so, or why it cannot be read.
         unit: where it is another one.
     """
@@ -98,33 +95,33 @@ def unreadable(parameter: str, note: str) -> Held:
 
 
 #: an adapter's answer: one value, or several that stand for the one that is asked for
-Answer = Held | Sequence[Held]
-#: what an engine holds of one thing, by :attr:`Asked.kind`; of "size_m" one answer for each shape
-Table = Mapping[str, Answer]
+HeldValues = Held | Sequence[Held]
+#: what an engine holds of one thing, by :attr:`Quantity.kind`; of "size_m" one for each shape
+Table = Mapping[str, HeldValues]
 
 
-def asked(scene: Scene) -> Iterator[Asked]:
+def quantities(scene: Scene) -> Iterator[Quantity]:
     """Every physical value of a scene."""
     scenario = scene.scenario
-    yield Asked("step_s", "", (scenario.world.engine_step_s,), unit="s", owner="world")
-    yield Asked("gravity_m_s2", "", scenario.world.gravity_m_s2, _XYZ, "m/s²", owner="world")
+    yield Quantity("step_s", "", (scenario.world.engine_step_s,), unit="s", owner="world")
+    yield Quantity("gravity_m_s2", "", scenario.world.gravity_m_s2, _XYZ, "m/s²", owner="world")
     free = scenario.free_bodies()
     for name, body in scenario.moving_bodies().items():
         assert body.mass_kg is not None
         assert body.inertia_kg_m2 is not None
-        yield Asked("mass_kg", name, (body.mass_kg,), unit="kg")
+        yield Quantity("mass_kg", name, (body.mass_kg,), unit="kg")
         put = (*np.diag(scene.inertia(name)).tolist(),) if scene.armature_on(name) else None
-        yield Asked("inertia_kg_m2", name, body.inertia_kg_m2, _PRINCIPAL, "kg·m²", put=put)
+        yield Quantity("inertia_kg_m2", name, body.inertia_kg_m2, _PRINCIPAL, "kg·m²", put=put)
         if name in free:  # those on joints are compared where they are at the start
-            yield Asked("position_m", name, body.position_m, _XYZ, "m")
+            yield Quantity("position_m", name, body.position_m, _XYZ, "m")
         if any(body.center_of_mass_m):
-            yield Asked("center_of_mass_m", name, body.center_of_mass_m, _XYZ, "m")
+            yield Quantity("center_of_mass_m", name, body.center_of_mass_m, _XYZ, "m")
         stated = tuple(body.shapes) == tuple(scene.shapes[name])
         for i, shape in enumerate(scene.shapes[name]):
             sizes = sizes_m(shape)
             parts, values = tuple(f".{part}" for part in sizes), tuple(sizes.values())
             if sizes:
-                yield Asked("size_m", name, values, parts, "m", index=i, is_stated=stated)
+                yield Quantity("size_m", name, values, parts, "m", index=i, is_stated=stated)
     yield from _joints(scene)
     for pair in scene.contacts.touching:
         given = scene.contacts.are_given
@@ -135,7 +132,7 @@ def asked(scene: Scene) -> Iterator[Asked]:
             ("restitution", pair.restitution, pair.numbers[:1], bounces),
             ("friction", pair.friction, None, given),
         ):
-            yield Asked(
+            yield Quantity(
                 kind, pair.name, (value,), bodies=pair.bodies, is_given=is_given, owner="pair",
                 put=put,
             )  # fmt: skip
@@ -145,23 +142,23 @@ _XYZ = (".x", ".y", ".z")
 _PRINCIPAL = (".1", ".2", ".3")
 
 
-def _joints(scene: Scene) -> Iterator[Asked]:
+def _joints(scene: Scene) -> Iterator[Quantity]:
     for name, joint in scene.joints.items():
-        yield Asked("anchor_m", name, joint.joint.anchor_m, _XYZ, "m", owner="joint")
+        yield Quantity("anchor_m", name, joint.joint.anchor_m, _XYZ, "m", owner="joint")
         if not joint.is_movable:
             continue
-        yield Asked("axis", name, joint.mount.axis, _XYZ, owner="joint")
+        yield Quantity("axis", name, joint.mount.axis, _XYZ, owner="joint")
         for part, units in LAW_UNITS.items():
             value = getattr(joint.law, part)
             if value:
                 unit = units[joint.joint.type == "slider"]
-                yield Asked(part, name, (value,), unit=unit, owner="joint")
+                yield Quantity(part, name, (value,), unit=unit, owner="joint")
         if joint.law.stiffness and joint.law.rest:
-            yield Asked("rest", name, (joint.law.rest,), unit="SI", owner="joint")
+            yield Quantity("rest", name, (joint.law.rest,), unit="SI", owner="joint")
 
 
 def audit_of(
-    scene: Scene, answers: Sequence[tuple[Asked, Answer | None]], own: Sequence[AuditRow]
+    scene: Scene, answers: Sequence[tuple[Quantity, HeldValues | None]], own: Sequence[AuditRow]
 ) -> tuple[AuditRow, ...]:
     """All rows: what was asked for, then the engine's own parameters.
 
@@ -169,17 +166,20 @@ def audit_of(
         ReadBackMismatch: the engine holds another value than was set, or an answer is missing; all
             of them are named.
     """
-    silent = [ask for ask, answer in answers if answer is None]
+    silent = [quantity for quantity, answer in answers if answer is None]
     if silent:
         raise ReadBackMismatch(
             scene.engine,
-            [f"{ask.quantity}: the adapter does not say what the engine holds" for ask in silent],
+            [
+                f"{quantity.name}: the adapter does not say what the engine holds"
+                for quantity in silent
+            ],
         )
     audit = Audit(scene.engine, relative=scene.traits.precision)
-    for ask, answer in answers:
+    for quantity, answer in answers:
         assert answer is not None
         for held in (answer,) if isinstance(answer, Held) else answer:
-            _add(audit, ask, held, scene.traits.precision)
+            _add(audit, quantity, held, scene.traits.precision)
     audit.rows += own
     return audit.finish()
 
@@ -189,27 +189,29 @@ _PLACES = ("anchor_m", "axis", "position_m", "center_of_mass_m")
 _ROUNDING = 1e-12
 
 
-def _add(audit: Audit, ask: Asked, held: Held, precision: float) -> None:
-    values = _parts_of(ask, held.value)
-    to_give = ask.value if ask.put is None else ask.put
-    puts = _parts_of(ask, to_give if held.put is None else held.put)
-    slack = max(_ROUNDING, precision * max(map(abs, ask.value))) if ask.kind in _PLACES else 0.0
-    for part, wanted, put, value in zip(ask.parts, ask.value, puts, values, strict=True):
+def _add(audit: Audit, one: Quantity, held: Held, precision: float) -> None:
+    values = _parts_of(one, held.value)
+    to_give = one.value if one.put is None else one.put
+    puts = _parts_of(one, to_give if held.put is None else held.put)
+    slack = max(_ROUNDING, precision * max(map(abs, one.value))) if one.kind in _PLACES else 0.0
+    for part, wanted, put, value in zip(one.parts, one.value, puts, values, strict=True):
         if value is None and held.value is not None:
             continue  # the engine has no such part
         assert put is not None
-        quantity = f"{ask.of}{part}" if ask.kind == "size_m" else f"{ask.quantity}{part}"
+        name = f"{one.of}{part}" if one.kind == "size_m" else f"{one.name}{part}"
         clean = put if value is not None and abs(put - value) < slack else value
         audit.add(
-            quantity, wanted if ask.is_stated else None, held.parameter,
-            (put if ask.is_given else None, clean),
-            held.unit or ask.unit, held.note if ask.is_given else "engine's default",
+            name, wanted if one.is_stated else None, held.parameter,
+            (put if one.is_given else None, clean),
+            held.unit or one.unit, held.note if one.is_given else "engine's default",
         )  # fmt: skip
 
 
-def _parts_of(ask: Asked, values: float | Sequence[float | None] | None) -> Sequence[float | None]:
+def _parts_of(
+    quantity: Quantity, values: float | Sequence[float | None] | None
+) -> Sequence[float | None]:
     """One value for each part of what was asked for; engines like to give arrays."""
     plain = values.tolist() if isinstance(values, np.ndarray | np.generic) else values
-    parts = plain if isinstance(plain, Sequence) else [plain] * len(ask.parts)
-    assert len(parts) == len(ask.parts), f"{ask.quantity} has {len(ask.parts)} parts"
+    parts = plain if isinstance(plain, Sequence) else [plain] * len(quantity.parts)
+    assert len(parts) == len(quantity.parts), f"{quantity.name} has {len(quantity.parts)} parts"
     return parts

@@ -11,7 +11,7 @@ from abc import abstractmethod
 from collections.abc import Sequence
 
 from simcompare.engine.helps.recoil import Motion
-from simcompare.engine.read_back import Answer, Asked, Held, unreadable
+from simcompare.engine.read_back import Held, HeldValues, Quantity, unreadable
 from simcompare.engine.scene import Scene
 from simcompare.engine.simulation import Simulation
 from simcompare.engine.spatial_joints import Link, Slider, link_of
@@ -199,41 +199,41 @@ class SpatialSimulation(Simulation):
 
     # --- what it holds ------------------------------------------------------------------------
 
-    def held(self, ask: Asked) -> Answer | None:
+    def held(self, quantity: Quantity) -> HeldValues | None:
         """What the engine holds, as it is asked for.
 
         Tables of an adapter have anchors and axes in the world's frame, as they are drawn, and
         leave out what is the same in all such engines.
         """
-        held = super().held(ask)
+        held = super().held(quantity)
         if held is None:
-            return self._held_of_any(ask)
+            return self._held_of_any(quantity)
         if not isinstance(held, Held) or held.value is None:
             return held
-        if ask.kind == "inertia_kg_m2" and self.scene.armature_on(ask.of):
+        if quantity.kind == "inertia_kg_m2" and self.scene.armature_on(quantity.of):
             note = "with the armature of its joint about the joint's axis"
             return dataclasses.replace(held, note=note)
-        if ask.owner == "joint" and isinstance(held.value, Sequence):
-            joint, bodies = self.scene.joints[ask.of].joint, self.scenario.bodies
+        if quantity.owner == "joint" and isinstance(held.value, Sequence):
+            joint, bodies = self.scene.joints[quantity.of].joint, self.scenario.bodies
             parent, child = bodies[joint.parent], bodies[joint.child]
             value: Sequence[float] = held.value  # type: ignore[assignment]
             # no more can be told of it than of where it is in the world
             slack = self.scene.traits.precision * max(map(abs, value))
-            if ask.kind == "anchor_m":
+            if quantity.kind == "anchor_m":
                 note = held.note
                 seen = turned_back(parent.orientation_wxyz, minus(value, parent.position_m))
             else:
                 note, seen = "in the child's frame", turned_back(child.orientation_wxyz, value)
-            both = zip(seen, ask.value, strict=True)
+            both = zip(seen, quantity.value, strict=True)
             told = [wanted if abs(part - wanted) <= slack else part for part, wanted in both]
             return dataclasses.replace(held, value=told, note=note)
         return held
 
-    def _held_of_any(self, ask: Asked) -> Answer | None:
+    def _held_of_any(self, quantity: Quantity) -> HeldValues | None:
         """What all such engines hold, or do not: of joints only hinges keep an anchor."""
-        if ask.kind == "position_m":
-            return Held("position", self.get(ask.of).position_m)
-        if ask.kind == "anchor_m" and self.scene.joints[ask.of].joint.type != "hinge":
+        if quantity.kind == "position_m":
+            return Held("position", self.get(quantity.of).position_m)
+        if quantity.kind == "anchor_m" and self.scene.joints[quantity.of].joint.type != "hinge":
             return unreadable("anchor", "its bodies are bound as they are drawn")
         return None
 

@@ -35,7 +35,7 @@ class PlanarBody(Protocol):
 #: what is left of an error after one step; what remains falls further in the next steps
 LEFT = 1e-6
 #: the engine's own number is 10; more than the most would take a millisecond
-LEAST, MOST = 50, 10000
+MIN_SWEEPS, MAX_SWEEPS = 50, 10000
 
 #: a velocity that vanishes, by the body: along x, along z, and of turning
 Row = list[tuple[PlanarBody, float, float, float]]
@@ -75,13 +75,13 @@ def sweeps_for(
     # 1 belongs to constraints that say the same twice; how they share their force moves nothing
     rate = float(rates[rates < 1 - 1e-9].max(initial=0.0))
     needed = math.ceil(math.log(LEFT) / math.log(rate)) if rate > 0 else 0
-    if needed > MOST:
+    if needed > MAX_SWEEPS:
         raise Unsupported(
-            f"{engine} solves joints and contacts one after the other, in {MOST} sweeps at most;"
-            f" with masses as different as those of {', '.join(scenario.moving_bodies())} it needs"
-            f" {needed}"
+            f"{engine} solves joints and contacts one after the other, in {MAX_SWEEPS} sweeps at"
+            f" most; with masses as different as those of {', '.join(scenario.moving_bodies())} it"
+            f" needs {needed}"
         )
-    return max(LEAST, needed)
+    return max(MIN_SWEEPS, needed)
 
 
 def row_of(a: PlanarBody, b: PlanarBody, point: Sequence[float], along: Sequence[float]) -> Row:

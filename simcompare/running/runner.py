@@ -25,7 +25,7 @@ TIME_LIMIT_S = 120.0
 #: how long an engine may take to end after its last result [s]
 LEAVE_LIMIT_S = 2.0
 #: longest wait for a message, whatever the time limit [s]
-_LONGEST_WAIT_S = 3600.0
+_MAX_WAIT_S = 3600.0
 _NOISE_KEPT = 4000
 
 Progress = Callable[[str, int, int], None]
@@ -202,7 +202,7 @@ class _Crew:
                 self._running.append(worker)
             wait = min(worker.deadline for worker in self._running) - time.monotonic()
             try:
-                timeout = min(max(wait, 0.01), _LONGEST_WAIT_S)
+                timeout = min(max(wait, 0.01), _MAX_WAIT_S)
                 worker, message = self._inbox.get(timeout=timeout)
             except queue.Empty:
                 self._end_late_ones(results)

@@ -7,14 +7,14 @@ from typing import Protocol
 
 from simcompare.engine.calibration.calibration import (
     AIM,
-    LARGEST,
+    MAX_RESTITUTION,
     PHASES,
     CannotCalibrate,
     coefficient_for,
     refuse_extremes,
 )
 from simcompare.engine.calibration.drops import even_phases
-from simcompare.engine.calibration.springs import LEAST, damped_for, find_spring
+from simcompare.engine.calibration.springs import MIN_RESTITUTION, damped_for, find_spring
 from simcompare.errors import SimulationDiverged
 from simcompare.model.settings import SPRING
 from simcompare.tuning.bench import Bench, Numbers
@@ -40,7 +40,7 @@ def numbers_for(bench: Bench, restitution: float) -> Numbers:
 
 
 def _exactly(bench: Bench, restitution: float) -> Numbers:
-    if bench.kind != SPRING and LARGEST < restitution <= 1:
+    if bench.kind != SPRING and MAX_RESTITUTION < restitution <= 1:
         return (restitution,)  # what hardly loses anything is typed in as it stands
     if bench.kind != SPRING:
         refuse_extremes(restitution)
@@ -52,7 +52,7 @@ def _exactly(bench: Bench, restitution: float) -> Numbers:
         return numbers
     for _ in range(_BALANCED):
         off = _middle(bench, numbers) - restitution
-        if not abs(off) > AIM * restitution or not 0 < target - off <= LARGEST:
+        if not abs(off) > AIM * restitution or not 0 < target - off <= MAX_RESTITUTION:
             break
         target -= off
         try:
@@ -99,10 +99,10 @@ class _SpringNumbers:
         self._bench = bench
 
     def first(self, restitution: float) -> Numbers:
-        if not LEAST <= restitution <= LARGEST:
+        if not MIN_RESTITUTION <= restitution <= MAX_RESTITUTION:
             raise CannotCalibrate(
-                f"a spring and damper is sought for restitutions from {LEAST:g} to {LARGEST:g}, not"
-                f" for {restitution:g}"
+                f"a spring and damper is sought for restitutions from {MIN_RESTITUTION:g} to"
+                f" {MAX_RESTITUTION:g}, not for {restitution:g}"
             )
         request, bench = self._bench.request, self._bench
         # slow impacts scatter most, fast ones sink deepest; then what the fast ones allow

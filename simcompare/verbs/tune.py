@@ -11,7 +11,7 @@ from simcompare.compare.repeats import one_step_s, sample_step_s
 from simcompare.engine import engines
 from simcompare.engine.backend import Backend
 from simcompare.engine.calibration.calibration import CannotCalibrate
-from simcompare.engine.calibration.engine_drops import LEAST_GRAVITY_M_S2
+from simcompare.engine.calibration.engine_drops import MIN_GRAVITY_M_S2
 from simcompare.engine.calibration.plan import drop_plans
 from simcompare.errors import EngineBroken, EngineMissing, InputError
 from simcompare.model.settings import COEFFICIENTS, TUNED
@@ -26,7 +26,7 @@ from simcompare.tuning.typed_numbers import check_numbers
 #: impact speeds and step where none are given
 SPEEDS_M_S, STEP_S = (0.5, 4.0), 0.001
 #: steps that make sense for something that bounces [s]
-SHORTEST_S, LONGEST_S = 1e-6, 0.1
+MIN_STEP_S, MAX_STEP_S = 1e-6, 0.1
 #: masses and radii of a ball that engines can be expected to take
 MASSES_KG, RADII_M = (1e-6, 1e6), (1e-4, 1e2)
 #: contact levels in which numbers can be typed in
@@ -218,8 +218,8 @@ def _of_scenario(
         raise InputError(scenario, ["nothing in it has a restitution above 0, so nothing is tuned"])
     for plan in plans:
         gravity, notes = plan.gravity_m_s2, plan.notes
-        if gravity < LEAST_GRAVITY_M_S2:
-            gravity = LEAST_GRAVITY_M_S2
+        if gravity < MIN_GRAVITY_M_S2:
+            gravity = MIN_GRAVITY_M_S2
             notes = (*notes, f"nothing pulls them together; drops are made at {gravity:g} m/s²")
         yield _Question(
             Request(
@@ -258,8 +258,8 @@ def _with_unit(text: str | float, unit: str) -> str | float:
 
 def _step_s(step: str | float) -> float:
     found = one_step_s(step)
-    if not SHORTEST_S <= found <= LONGEST_S:
-        wanted = f"expected {SHORTEST_S:g} s to {LONGEST_S:g} s, such as 2ms"
+    if not MIN_STEP_S <= found <= MAX_STEP_S:
+        wanted = f"expected {MIN_STEP_S:g} s to {MAX_STEP_S:g} s, such as 2ms"
         raise InputError("--step", [f"{step} is {found:g} s; {wanted}"])
     return found
 

@@ -25,7 +25,7 @@ AIM = 3e-4
 #: largest deviation of the mean from e in the phases that the search did not use, as part of it
 ALLOWED = 5e-3
 #: largest restitution: above it a step's errors are as large as what a bounce loses
-LARGEST = 0.99
+MAX_RESTITUTION = 0.99
 #: most attempts at one number
 _ATTEMPTS = 12
 
@@ -129,8 +129,10 @@ def refuse_extremes(e: float) -> None:
     Raises:
         CannotCalibrate: ``e`` is negative or above 0.99.
     """
-    if not 0 <= e <= LARGEST:
-        raise CannotCalibrate(f"a restitution is calibrated from 0 to {LARGEST:g}, not {e:g}")
+    if not 0 <= e <= MAX_RESTITUTION:
+        raise CannotCalibrate(
+            f"a restitution is calibrated from 0 to {MAX_RESTITUTION:g}, not {e:g}"
+        )
 
 
 def solve(

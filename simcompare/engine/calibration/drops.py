@@ -17,7 +17,7 @@ FREE_PART, BRAKED_PART = 0.02, 0.5
 #: rounding of a height that an engine holds in single precision, as part of it
 ROUNDING = 4e-7
 #: free steps in a row that make a flight
-LEAST_FREE = 3
+MIN_FREE = 3
 #: part of v/g that a drop may take, which from one impact to the next is 2
 _THROWN = 1.9
 
@@ -76,7 +76,7 @@ def even_phases(count: int, offset: float = 0.5) -> Array:
 
 def slowest_m_s(step_s: float, gravity_m_s2: float) -> float:
     """Slowest impact that can follow a flight of enough steps, at any phase of a step [m/s]."""
-    return (LEAST_FREE + 1) * gravity_m_s2 * step_s / _THROWN
+    return (MIN_FREE + 1) * gravity_m_s2 * step_s / _THROWN
 
 
 def start_above(
@@ -95,7 +95,7 @@ def start_above(
     # thrown up from the floor it would take twice as long as from its apex
     whole = min(steps, math.floor(_THROWN * speed_m_s / (gravity_m_s2 * step_s)) - 1)
     time_s = (whole + phase) * step_s
-    if whole < LEAST_FREE:  # too slow for a flight before it
+    if whole < MIN_FREE:  # too slow for a flight before it
         time_s = speed_m_s / gravity_m_s2
     return (speed_m_s - gravity_m_s2 * time_s / 2) * time_s, speed_m_s - gravity_m_s2 * time_s
 
@@ -130,7 +130,7 @@ def read_drop(
         return nothing
     ends = [*acted[1:].tolist(), len(forced)]
     for last, following in zip(acted.tolist(), ends, strict=True):
-        if following - last > LEAST_FREE:
+        if following - last > MIN_FREE:
             break
     else:
         return nothing

@@ -41,9 +41,9 @@ BALL, FLOOR = PAIR = ("ball", "floor")
 #: height from which drops begin where an engine may foresee a contact (Bullet does 20 mm ahead) [m]
 CLEAR_M = 0.04
 #: weakest gravity with which a drop is read; without any it would have no apex [m/s²]
-LEAST_GRAVITY_M_S2 = 0.1
+MIN_GRAVITY_M_S2 = 0.1
 #: steps that are recorded at once, and at most
-_CHUNK, _MOST = 48, 1200
+_CHUNK, _MAX_HEIGHTS = 48, 1200
 #: recorded steps that are taken at once where impacts are landed on, one by one
 _LANDED = 12
 #: free steps before and after a contact that are recorded at least
@@ -72,7 +72,7 @@ class EngineDrops:
     ) -> None:
         self._backend, self._engine, self._plan, self._level = backend, engine, plan, level
         self._clear_m = clear_m
-        self._gravity = max(plan.gravity_m_s2, LEAST_GRAVITY_M_S2)
+        self._gravity = max(plan.gravity_m_s2, MIN_GRAVITY_M_S2)
         self._scene = _scene(plan, self._gravity)
 
     def __call__(self, numbers: tuple[float, ...], speed_m_s: float, phases: Array) -> Bounces:
@@ -109,7 +109,7 @@ class EngineDrops:
                          (0.0, 0.0, 0.0))  # fmt: skip
         simulation.set_state(State(0.0, {BALL: ball}, step_s))
         found = np.array([height])
-        while len(found) < _MOST:
+        while len(found) < _MAX_HEIGHTS:
             more = self._next(simulation) - radius
             if not np.isfinite(more).all():
                 raise SimulationDiverged("the drops that calibrate its contact ran away")

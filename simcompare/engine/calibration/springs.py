@@ -30,9 +30,9 @@ SCATTER = 0.02
 #: largest depth at the first impact, as part of the body's smallest size
 DEPTH = 0.5
 #: √k·dt above which a contact lasts less than four steps, and anything may happen
-LARGEST_PHASE = 0.8
+MAX_PHASE = 0.8
 #: smallest restitution that is tried
-LEAST = 0.1
+MIN_RESTITUTION = 0.1
 #: the search keeps this part of both limits, since other phases give a little more
 _MARGIN = 0.95
 #: √k·dt below which a contact lasts so many hundred steps that nothing can be gained by less
@@ -105,7 +105,7 @@ class _SpringSearch:
         omega = max(omega, _SOFTEST_PHASE / self.step_s)
         spring, part = None, 1.0
         for _ in range(8):
-            if omega * self.step_s > LARGEST_PHASE:
+            if omega * self.step_s > MAX_PHASE:
                 return None
             spring = self.spring(omega, part)
             if spring is None:
@@ -123,7 +123,7 @@ class _SpringSearch:
             return None
         tried = [softest]
         for stiffer in _STIFFER:
-            if stiffer * softest.omega * self.step_s > LARGEST_PHASE:
+            if stiffer * softest.omega * self.step_s > MAX_PHASE:
                 break
             tried += [s for s in [self.spring(stiffer * softest.omega, softest.part)] if s]
         fitting = [s for s in tried if self.is_steady(s) and self.is_shallow(s)]
@@ -135,7 +135,7 @@ class _SpringSearch:
         if not self.is_steady(spring):
             return None
         assert spring is not None
-        limit, smooth = LARGEST_PHASE / self.step_s, _SMOOTH_PHASE / self.step_s
+        limit, smooth = MAX_PHASE / self.step_s, _SMOOTH_PHASE / self.step_s
         high = limit
         while True:
             omega = max(_CLIMB * spring.omega, min(_LEAP * spring.omega, smooth))
@@ -184,9 +184,10 @@ def calibrate_spring(
         CannotCalibrate: there is none at this step; names the longest step with one.
     """
     refuse_extremes(e)
-    if e < LEAST:
+    if e < MIN_RESTITUTION:
         raise CannotCalibrate(
-            f"no spring and damper is calibrated for a restitution of {e:g}, below {LEAST:g}"
+            f"no spring and damper is calibrated for a restitution of {e:g}, below"
+            f" {MIN_RESTITUTION:g}"
         )
     counted = Counted(drops)
     search = _SpringSearch(counted, e, float(speeds_m_s[0]), step_s, DEPTH * smallest_size_m)

@@ -8,7 +8,7 @@ from types import ModuleType
 
 from simcompare.engine.calibration import cache, calibration
 from simcompare.engine.calibration.calibration import Calibration, CannotCalibrate
-from simcompare.engine.calibration.engine_drops import LEAST_GRAVITY_M_S2, EngineDrops, Tunable
+from simcompare.engine.calibration.engine_drops import MIN_GRAVITY_M_S2, EngineDrops, Tunable
 from simcompare.engine.calibration.plan import drop_plans
 from simcompare.engine.calibration.springs import DEPTH, calibrate_spring
 from simcompare.engine.contacts import touching_pairs
@@ -71,11 +71,11 @@ def calibrate(
     Raises:
         CannotCalibrate: there are none; says with which step there are, where one was found.
     """
-    is_lossless = plan.restitution > calibration.LARGEST and backend.bounces_by != SPRING
+    is_lossless = plan.restitution > calibration.MAX_RESTITUTION and backend.bounces_by != SPRING
     if is_lossless or not backend.bounces_by:
         # what hardly loses anything is typed in as it stands, and what comes of it is shown
         return Calibration(plan.restitution, (plan.restitution,))
-    e, gravity = plan.restitution, max(plan.gravity_m_s2, LEAST_GRAVITY_M_S2)
+    e, gravity = plan.restitution, max(plan.gravity_m_s2, MIN_GRAVITY_M_S2)
     speeds = [plan.speed_m_s * e**k for k in range(IMPACTS)]
     if backend.bounces_by == SPRING:
         return calibrate_spring(

@@ -25,7 +25,7 @@ from simcompare.model.scenario import Scenario
 from simcompare.model.shapes import Vector
 
 #: steps by which recoil may lag behind the motion; and from how many on a run's notes tell of it
-MOST_LAG, NOTED_LAG = 20.0, 5.0
+MAX_LAG, NOTED_LAG = 20.0, 5.0
 #: largest part of a change in acceleration that is overshot, so that recoil settles in few steps
 OVERSHOOT = 0.5
 
@@ -107,7 +107,7 @@ class Recoil:
         # taking less than all of a change lets torques settle that would else alternate and grow
         self._part = min(1.0, (1 + OVERSHOOT) / (1 - least))
         self.lag = 1 / (self._part * (1 - most))
-        if self.lag > MOST_LAG:
+        if self.lag > MAX_LAG:
             raise Unsupported(
                 f"{_told(rotors)} too large for an engine without it: {self._late('would lag')}"
             )

@@ -27,7 +27,7 @@ IMPACT_PHASE = 0.01
 #: largest ζ·ω·dt during an impact: where in a step the damper sets in moves the bounce by this much
 IMPACT_DAMPING = 0.0007
 #: smallest restitution above 0 that is landed on; below it a drop takes seconds
-LEAST_RESTITUTION = 0.02
+MIN_RESTITUTION = 0.02
 
 
 def refuse(engine: str, scenario: Scenario) -> None:
@@ -43,9 +43,9 @@ def refuse(engine: str, scenario: Scenario) -> None:
             f"{engine}'s friction does not follow an impact that is landed on: a ball that slides"
             " or spins would leave with a wrong speed and spin; use --contact tuned"
         )
-    if values and min(values) < LEAST_RESTITUTION:
+    if values and min(values) < MIN_RESTITUTION:
         raise Unsupported(
-            f"{engine} maps a restitution of 0 or of {LEAST_RESTITUTION:g} and more,"
+            f"{engine} maps a restitution of 0 or of {MIN_RESTITUTION:g} and more,"
             f" not {min(values):g}: the damper would need too short a step"
         )
 

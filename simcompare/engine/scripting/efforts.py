@@ -11,7 +11,7 @@ from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array
 
 #: most pieces of constant input that are written as such; others go to the file of inputs
-MOST_PIECES = 3
+MAX_PIECES = 3
 
 
 def efforts_of(scenario: Scenario) -> tuple[list[Effort], dict[str, Array]]:
@@ -36,7 +36,7 @@ def efforts_of(scenario: Scenario) -> tuple[list[Effort], dict[str, Array]]:
 def pieces_of(values: Array) -> str:
     """A column that is constant in a few pieces, as an expression; else nothing."""
     edges = (np.flatnonzero(np.diff(values)) + 1).tolist()
-    if len(edges) >= MOST_PIECES:
+    if len(edges) >= MAX_PIECES:
         return ""
     text = number(float(values[-1]))
     for edge in reversed(edges):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from simcompare.engine.scripting.text import called, filled, unused
 
 #: most calls that one loop repeats
-_LONGEST = 5
+_MAX_LENGTH = 5
 #: lines that a loop must save
 _WORTH = 2
 
@@ -56,7 +56,7 @@ def rolled(
     while at < len(statements):
         found = [
             (saved, loop, count)
-            for length in range(1, _LONGEST + 1)
+            for length in range(1, _MAX_LENGTH + 1)
             for saved, loop, count in _tried(statements, at, length, names, taken)
         ]
         saved, loop, count = max(found, key=lambda one: one[0], default=(0, [], 0))

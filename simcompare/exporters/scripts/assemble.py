@@ -16,9 +16,9 @@ from simcompare.exporters.scripts.snippets import SNIPPETS
 from simcompare.model.trajectory import BODY_SIGNALS, Array
 
 #: most lines of a script where one body moves, and elsewhere
-MOST_LINES = (60, 120)
+MAX_LINES = (60, 120)
 #: longest expression that is printed as it is
-_LONGEST = 32
+_MAX_LENGTH = 32
 #: what a contact level is
 _LEVELS = {
     "default": "as it comes",
@@ -39,7 +39,7 @@ def assembled(
 
     It prints what is measured, in order, as far as there is room; the first in any case.
     """
-    most = MOST_LINES[len(plan.scenario.moving_bodies()) > 1]
+    most = MAX_LINES[len(plan.scenario.moving_bodies()) > 1]
     chosen = list(expected[:1])
     text, stored = _text(name, engine, plan, parts, chosen, inputs)
     for one in expected[1:]:
@@ -228,7 +228,7 @@ def _table(
     lines = []
     for name, value, (head, truth, run) in rows:
         start, end = f"{head:<{wide}}  ", f"closed form {truth:<{narrow}}  simcompare {run}"
-        if '"' in value or " else " in value or len(value) > _LONGEST:
+        if '"' in value or " else " in value or len(value) > _MAX_LENGTH:
             variable = unused(name, measuring.taken)
             measuring.taken.add(variable)
             lines.append(f"{variable} = {value}")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from simcompare.engine.drives import input_values
-from simcompare.engine.scripting.efforts import MOST_PIECES
+from simcompare.engine.scripting.efforts import MAX_PIECES
 from simcompare.engine.scripting.text import number, unused
 from simcompare.engine.sensing import LAPSE_K_M, PRESSURE_EXPONENT, SEA_LEVEL_K, SEA_LEVEL_PA
 from simcompare.engine.simulation import sample_times
@@ -123,7 +123,7 @@ class Measuring:
         if (values == values[0]).all():
             return number(float(values[0]))
         edges = (np.flatnonzero(np.diff(values)) + 1).tolist()
-        if len(edges) < MOST_PIECES:
+        if len(edges) < MAX_PIECES:
             lengths = np.diff([0, *edges, len(values)]).tolist()
             return f"np.repeat({_list(values[[0, *edges]])}, {lengths})"
         return self.store(f"{name}_at_samples", values)
