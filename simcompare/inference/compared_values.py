@@ -53,9 +53,9 @@ def compared_values(engine: Engine, number: int, one: Evaluated) -> Iterator[Com
         number: of the segment.
         one: the segment.
     """
-    if not one.case.seen:
+    if not one.segment.observed:
         return
-    measured = overlap(as_trajectory(one.case), engine.runs[number, BEST])
+    measured = overlap(as_trajectory(one.segment), engine.runs[number, BEST])
     pairs = {
         variant: _pairs(one, run, measured)
         for (i, variant), run in engine.runs.items()
@@ -129,7 +129,7 @@ def _u_data(
     for _ in range(DRAWS):
         signals = {}
         for probe, signal in measured.signals.items():
-            random, common = shares(one.case.seen[probe])
+            random, common = shares(one.segment.observed[probe])
             shift = generator.normal(0.0, common)
             signals[probe] = signal + shift + generator.normal(0.0, random, len(signal))
         noisy = Trajectory("measured", measured.time_s, signals)

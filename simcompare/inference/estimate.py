@@ -9,7 +9,7 @@ import numpy as np
 
 from simcompare.inference.reference_model import Model
 from simcompare.inference.residuals import Block, Solution, blocks_of, of_probe, residuals_of, solve
-from simcompare.inference.segments import Case
+from simcompare.inference.segments import Segment
 from simcompare.model.trajectory import Array
 from simcompare.statistics.agreement import rms
 from simcompare.statistics.noise import correlation_length
@@ -57,7 +57,7 @@ class Estimate:
 
 def estimate(
     model: Model,
-    cases: Sequence[Case],
+    segments: Sequence[Segment],
     probe: str | Sequence[str],
     names: Sequence[str],
     nuisance: Sequence[str] = (),
@@ -65,7 +65,7 @@ def estimate(
     starts: Sequence[str] = (),
     known: Mapping[str, float] | None = None,
 ) -> Estimate:
-    """Fits parameters to all cases together, and to each one alone to see how they scatter.
+    """Fits parameters to all segments together, and to each one alone to see how they scatter.
 
     The covariance is s²(JᵀJ)⁻¹ times the residuals' correlation time in samples. What single
     streams differ by is added: of three or more their covariance divided by their number, of two
@@ -73,25 +73,25 @@ def estimate(
 
     Args:
         model: the scenario.
-        cases: what is fitted.
+        segments: what is fitted.
         probe: what is compared; several weigh by the noise of their samples.
         names: the parameters.
         nuisance: parameters that are fitted too and left out of the estimate.
-        starts: parameters that each case has for itself; they were read off with the standard
-            uncertainties of the case, and may move within these.
+        starts: parameters that each segment has for itself; they were read off with the standard
+            uncertainties of the segment, and may move within these.
         known: standard uncertainties of parameters that are not fitted.
 
     Raises:
         InputError: a parameter without bounds, or nothing that changes with a parameter.
     """
     names, count = (*names, *nuisance), len(names)
-    blocks = blocks_of(cases, (probe,) if isinstance(probe, str) else probe)
+    blocks = blocks_of(segments, (probe,) if isinstance(probe, str) else probe)
     together = solve(model, blocks, names, starts=starts)
     single = {}
-    if len(cases) > 1:
-        for case in cases:
-            blocks_of_case = [block for block in blocks if block.case is case]
-            single[case.stream] = solve(
+    if len(segments) > 1:
+        for segment in segments:
+            blocks_of_case = [block for block in blocks if block.segment is segment]
+            single[segment.stream] = solve(
                 model, blocks_of_case, names, together.values, starts=starts
             ).values
     covariance, how = _covariance(blocks, together, single)
@@ -102,7 +102,7 @@ def estimate(
     ]
     return Estimate(
         names[:count], together.values[:count], covariance[:count, :count],
-        tuple(case.stream for case in cases),
+        tuple(segment.stream for segment in segments),
         rms(np.concatenate(leading)), how,
         {name: values[:count] for name, values in single.items()}, together.bound,
         {n: moved[:count] for n, moved in _follows(model, blocks, names, together, known or {})},
@@ -118,7 +118,7 @@ def _follows(
     here = np.concatenate(residuals_of(model, blocks, values)) if known else np.zeros(0)
     inverse = np.linalg.pinv(solution.jacobian)
     for name, u in known.items():
-        before = blocks[0].case.values[name]
+        before = blocks[0].segment.values[name]
         step = _SMALL * u  # a whole one would not be straight
         step = step if before + step <= model.file.parameters[name].max else -step
         moved = residuals_of(model, blocks, {**values, name: before + step})

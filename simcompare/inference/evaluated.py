@@ -16,7 +16,7 @@ from simcompare.inference.estimate import Estimate
 from simcompare.inference.plan import Plan
 from simcompare.inference.propagation import moves
 from simcompare.inference.reference_model import Model
-from simcompare.inference.segments import Case
+from simcompare.inference.segments import Segment
 from simcompare.inference.simulated import of_probes
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array, Trajectory
@@ -30,7 +30,7 @@ class Evaluated:
     """One segment with all that its rows are made of.
 
     Attributes:
-        case: what was measured, on the clock of the scenario.
+        segment: what was measured, on the clock of the scenario.
         scene: the scene with the best parameters.
         truth: the reference with the best parameters, by probe; ``None`` without a reference.
         nominal: the reference with the parameters known before.
@@ -39,12 +39,12 @@ class Evaluated:
         alignment: of the two clocks, ``None`` where they are one.
     """
 
-    case: Case
+    segment: Segment
     scene: Scenario
     truth: Trajectory | None = None
     nominal: Trajectory | None = None
     shifted: tuple[tuple[str, Trajectory], ...] = ()
-    recorded: Case | None = None
+    recorded: Segment | None = None
     alignment: Alignment | None = None
 
     def u_input(self, probe: str) -> Array | None:
@@ -57,7 +57,7 @@ class Evaluated:
 
 
 def evaluate(
-    model: Model, plan: Plan, case: Case, fit: Estimate | None, step_s: float | None
+    model: Model, plan: Plan, segment: Segment, fit: Estimate | None, step_s: float | None
 ) -> Evaluated:
     """The reference of a segment, what its parameters make uncertain, and the clocks aligned.
 
@@ -65,50 +65,54 @@ def evaluate(
         InputError: the clocks cannot be aligned.
     """
     best = {} if fit is None else fit.as_dict()
-    scene = model.scenario(case, best, step_s)
+    scene = model.scenario(segment, best, step_s)
     if model.reference is None:
-        return Evaluated(case, scene)
+        return Evaluated(segment, scene)
 
-    def at(values: Mapping[str, float], case: Case = case) -> Trajectory:
-        moved = model.scenario(case, values, step_s)
-        return of_probes(moved, model.truth(moved), case.watched)
+    def at(values: Mapping[str, float], segment: Segment = segment) -> Trajectory:
+        moved = model.scenario(segment, values, step_s)
+        return of_probes(moved, model.truth(moved), segment.watched)
 
     truth = at(best)
-    shifted = [(name, at(values)) for name, values in moves(model.file, case, fit).items()]
-    shifted += [(f"input {name}", at(best, case.with_input_moved(name))) for name in case.u_inputs]
-    evaluated = Evaluated(case, scene, truth, at({}), tuple(shifted))
-    alignment = _aligned(plan, case, scene, truth)
+    shifted = [(name, at(values)) for name, values in moves(model.file, segment, fit).items()]
+    shifted += [
+        (f"input {name}", at(best, segment.with_input_moved(name))) for name in segment.u_inputs
+    ]
+    evaluated = Evaluated(segment, scene, truth, at({}), tuple(shifted))
+    alignment = _aligned(plan, segment, scene, truth)
     if alignment is None:
         return evaluated
     return replace(
-        evaluated, case=_on_reference(case, alignment), recorded=case, alignment=alignment
+        evaluated, segment=_on_reference(segment, alignment), recorded=segment, alignment=alignment
     )
 
 
-def times_of_events(case: Case) -> tuple[Array, Array | None]:
+def times_of_events(segment: Segment) -> tuple[Array, Array | None]:
     """When the events of a segment were, and their standard uncertainties where all are known."""
-    times_s = np.array([event.time_s for event in case.events])
-    u = [event.u_s for event in case.events]
+    times_s = np.array([event.time_s for event in segment.events])
+    u = [event.u_s for event in segment.events]
     return times_s, None if None in u else np.array(u, dtype=float)
 
 
-def _aligned(plan: Plan, case: Case, scene: Scenario, truth: Trajectory) -> Alignment | None:
+def _aligned(plan: Plan, segment: Segment, scene: Scenario, truth: Trajectory) -> Alignment | None:
     if plan.align.by == "events" and plan.events is not None:
-        return _plausible(case, _by_events(case, event_times(scene, truth, plan.events.series)))
+        return _plausible(
+            segment, _by_events(segment, event_times(scene, truth, plan.events.series))
+        )
     probe = plan.align.probe
     if probe is None:
         return None
-    measured = case.seen[probe]
+    measured = segment.observed[probe]
     alignment = by_waveform(truth.time_s, truth.signals[probe], measured.time_s, measured.values)
-    return _plausible(case, alignment)
+    return _plausible(segment, alignment)
 
 
-def _by_events(case: Case, expected_s: Array) -> Alignment:
+def _by_events(segment: Segment, expected_s: Array) -> Alignment:
     """The clock of the recording against that of the scenario, by their events."""
-    measured_s, u = times_of_events(case)
+    measured_s, u = times_of_events(segment)
     if len(expected_s) < 2 or len(measured_s) < 2:
         raise InputError(
-            f"stream {case.stream}",
+            f"stream {segment.stream}",
             [
                 f"{len(measured_s)} events and {len(expected_s)} simulated ones; two of both are"
                 " needed"
@@ -117,7 +121,7 @@ def _by_events(case: Case, expected_s: Array) -> Alignment:
     return by_events(expected_s, measured_s, u)
 
 
-def _plausible(case: Case, alignment: Alignment) -> Alignment:
+def _plausible(segment: Segment, alignment: Alignment) -> Alignment:
     """The alignment, where it can be believed.
 
     Raises:
@@ -126,7 +130,7 @@ def _plausible(case: Case, alignment: Alignment) -> Alignment:
     events = len(alignment.matched) + len(alignment.extra)
     if abs(alignment.skew) > MAX_SKEW or (events and len(alignment.matched) < 0.5 * events):
         raise InputError(
-            f"stream {case.stream}, align",
+            f"stream {segment.stream}, align",
             [
                 f"the clocks cannot be aligned: {alignment.text} The parameters that are known may"
                 " be too far off; mend them with --set, or calibrate them"
@@ -135,13 +139,13 @@ def _plausible(case: Case, alignment: Alignment) -> Alignment:
     return alignment
 
 
-def _on_reference(case: Case, alignment: Alignment) -> Case:
+def _on_reference(segment: Segment, alignment: Alignment) -> Segment:
     observed = {
         probe: replace(one, time_s=alignment.to_reference(one.time_s))
-        for probe, one in case.seen.items()
+        for probe, one in segment.observed.items()
     }
     events = tuple(
         replace(event, time_s=float(alignment.to_reference(np.array([event.time_s]))[0]))
-        for event in case.events
+        for event in segment.events
     )
-    return replace(case, seen=observed, events=events)
+    return replace(segment, observed=observed, events=events)

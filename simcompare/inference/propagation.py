@@ -7,11 +7,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from simcompare.inference.estimate import Estimate
-from simcompare.inference.segments import Case
+from simcompare.inference.segments import Segment
 from simcompare.scenarios.scenario_file import ScenarioFile
 
 
-def moves(file: ScenarioFile, case: Case, fit: Estimate | None) -> dict[str, dict[str, float]]:
+def moves(
+    file: ScenarioFile, segment: Segment, fit: Estimate | None
+) -> dict[str, dict[str, float]]:
     """Parameters moved by one standard uncertainty, one by one; fitted ones along their axes.
 
     The axes are the principal ones of the covariance, so that correlations are kept; each is
@@ -19,7 +21,7 @@ def moves(file: ScenarioFile, case: Case, fit: Estimate | None) -> dict[str, dic
     ones move as the fit would have moved. What would leave a bound moves the other way.
     """
     best = {} if fit is None else fit.as_dict()
-    steps = {name: {name: u} for name, u in case.u.items() if u > 0 and name not in best}
+    steps = {name: {name: u} for name, u in segment.u.items() if u > 0 and name not in best}
     if fit is not None:
         for name in steps:  # the fit would have made up for some of it
             if name in fit.follows:
@@ -34,7 +36,7 @@ def moves(file: ScenarioFile, case: Case, fit: Estimate | None) -> dict[str, dic
             if size > 0:
                 steps[lead] = step
     return {
-        lead: {**best, **_within(file, {**case.values, **best}, step)}
+        lead: {**best, **_within(file, {**segment.values, **best}, step)}
         for lead, step in steps.items()
     }
 

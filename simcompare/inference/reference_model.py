@@ -12,7 +12,7 @@ from simcompare.engine.drives import input_values
 from simcompare.engine.sensing import complete
 from simcompare.engine.simulation import sample_times
 from simcompare.errors import InputError
-from simcompare.inference.segments import DURATION, Case
+from simcompare.inference.segments import DURATION, Segment
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import TRUTH, Array, Trajectory
 from simcompare.scenarios import catalogue
@@ -32,14 +32,17 @@ class Model:
     reference: catalogue.Reference | None
 
     def scenario(
-        self, case: Case, values: Mapping[str, float] | None = None, step_s: float | None = None
+        self,
+        segment: Segment,
+        values: Mapping[str, float] | None = None,
+        step_s: float | None = None,
     ) -> Scenario:
-        """The scene of a case, with some parameters changed."""
-        settings = {**case.values, **(values or {})}
-        scene = self.file.resolve(settings, step_s=step_s, inputs=case.inputs)
+        """The scene of a segment, with some parameters changed."""
+        settings = {**segment.values, **(values or {})}
+        scene = self.file.resolve(settings, step_s=step_s, inputs=segment.inputs)
         if DURATION in self.file.parameters:
             return scene
-        world = scene.world.model_copy(update={"duration_s": case.duration_s})
+        world = scene.world.model_copy(update={"duration_s": segment.duration_s})
         return scene.model_copy(update={"world": world})
 
     def truth(self, scene: Scenario, time_s: Array | None = None) -> Trajectory:
@@ -66,9 +69,9 @@ class Model:
             complete(scene, times, signals, input_values(scene, times))
         return Trajectory(TRUTH, times, signals)
 
-    def at(self, case: Case, probe: str, values: Mapping[str, float], time_s: Array) -> Array:
+    def at(self, segment: Segment, probe: str, values: Mapping[str, float], time_s: Array) -> Array:
         """A probe of the reference at the times of a measurement."""
-        scene = self.scenario(case, values)
+        scene = self.scenario(segment, values)
         observed = scene.probes[probe]
         # from the start on; what the core computes from the motion needs even samples
         times = time_s if time_s[0] == 0 else np.concatenate(([0.0], time_s))

@@ -13,7 +13,7 @@ import numpy as np
 
 from simcompare.errors import InputError
 from simcompare.inference.reference_model import Model
-from simcompare.inference.segments import Case, noise
+from simcompare.inference.segments import Segment, noise
 from simcompare.model.trajectory import Array
 
 #: samples of one stream that a fit looks at; more would not tell more
@@ -24,17 +24,17 @@ _STEP = 1e-4
 
 @dataclass(frozen=True)
 class Block:
-    """The samples of one probe in one case that a fit looks at.
+    """The samples of one probe in one segment that a fit looks at.
 
     Attributes:
-        case: the stretch of the recording.
+        segment: the segment of the recording.
         probe: which quantity.
         time_s: (n,) [s].
         values: what was measured (n,).
         weight: residuals are multiplied by it.
     """
 
-    case: Case
+    segment: Segment
     probe: str
     time_s: Array
     values: Array
@@ -48,10 +48,10 @@ class Solution:
     Attributes:
         values: the parameters (k,).
         residuals: weighted, of each block.
-        jacobian: of all residuals, one block after the other (n, k); what the starts of the cases
-            would make up for is taken off.
+        jacobian: of all residuals, one block after the other (n, k); what the starts of the
+            segments would make up for is taken off.
         bound: parameters that ended at a bound.
-        starts: what each case's own start came to, case by case.
+        starts: what each segment's own start came to.
     """
 
     values: Array
@@ -61,17 +61,17 @@ class Solution:
     starts: tuple[Mapping[str, float], ...] = ()
 
 
-def blocks_of(cases: Sequence[Case], probes: Sequence[str]) -> list[Block]:
+def blocks_of(segments: Sequence[Segment], probes: Sequence[str]) -> list[Block]:
     """What is fitted; a weight is 1 over the noise of a sample."""
     blocks = []
-    for case in cases:
+    for segment in segments:
         for probe in probes:
-            observed = case.seen[probe]
+            observed = segment.observed[probe]
             u = noise(observed)[0]
             stride = -(-len(observed.time_s) // MAX_SAMPLES)
             blocks.append(
                 Block(
-                    case,
+                    segment,
                     probe,
                     observed.time_s[::stride],
                     observed.values[::stride],
@@ -84,13 +84,13 @@ def blocks_of(cases: Sequence[Case], probes: Sequence[str]) -> list[Block]:
 def residuals_of(model: Model, blocks: Sequence[Block], values: Mapping[str, float]) -> list[Array]:
     """Weighted reference less measurement, of each block."""
     return [
-        (model.at(block.case, block.probe, values, block.time_s) - block.values) * block.weight
+        (model.at(block.segment, block.probe, values, block.time_s) - block.values) * block.weight
         for block in blocks
     ]
 
 
 def of_probe(blocks: Sequence[Block], solution: Solution, probe: str) -> tuple[Array, Array]:
-    """Residuals of one probe in all cases, and the rows of the Jacobian that belong to them."""
+    """Residuals of one probe in all segments, and the rows of the Jacobian that belong to them."""
     ends = np.cumsum([len(residuals) for residuals in solution.residuals])
     parts = [
         (residuals, solution.jacobian[end - len(residuals) : end])
@@ -114,9 +114,9 @@ def solve(
         model: the scenario.
         blocks: what was measured.
         names: the parameters.
-        start: where to begin; what is known of the first case, or the scenario's own values, where
-            ``None``.
-        starts: parameters that each case has for itself, with what was read off as a prior.
+        start: where to begin; what is known of the first segment, or the scenario's own values,
+            where ``None``.
+        starts: parameters that each segment has for itself, with what was read off as a prior.
 
     Raises:
         InputError: nothing changes with a parameter.
@@ -157,13 +157,13 @@ def solve(
     samples = sum(map(len, parts))
     return Solution(
         values[:count], tuple(parts), np.asarray(shared_columns[:samples], dtype=float), bound,
-        tuple(problem.starts_at(values, number) for number in range(len(problem.cases))),
+        tuple(problem.starts_at(values, number) for number in range(len(problem.segments))),
     )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class _Problem:
-    """Parameters that all cases share, and then those of the start of each case."""
+    """Parameters that all segments share, and then those of the start of each segment."""
 
     model: Model
     blocks: tuple[Block, ...]
@@ -171,16 +171,16 @@ class _Problem:
     starts: tuple[str, ...]
 
     @property
-    def cases(self) -> list[Case]:
-        cases: list[Case] = []
+    def segments(self) -> list[Segment]:
+        segments: list[Segment] = []
         for block in self.blocks:
-            if not any(block.case is case for case in cases):
-                cases.append(block.case)
-        return cases
+            if not any(block.segment is segment for segment in segments):
+                segments.append(block.segment)
+        return segments
 
     @property
     def every(self) -> list[str]:
-        return [*self.names, *(name for _ in self.cases for name in self.starts)]
+        return [*self.names, *(name for _ in self.segments for name in self.starts)]
 
     @property
     def low(self) -> Array:
@@ -192,23 +192,25 @@ class _Problem:
 
     @property
     def first(self) -> Array:
-        known = self.blocks[0].case.values
+        known = self.blocks[0].segment.values
         shared = [known.get(n, self.model.file.parameters[n].value) for n in self.names]
-        return np.array([*shared, *(case.values[n] for case in self.cases for n in self.starts)])
+        return np.array(
+            [*shared, *(segment.values[n] for segment in self.segments for n in self.starts)]
+        )
 
     @property
     def size(self) -> Array:
         return np.maximum(np.abs(self.first), 1e-3 * (self.high - self.low))
 
-    def _values(self, x: Array, case: int) -> dict[str, float]:
-        at = len(self.names) + case * len(self.starts)
+    def _values(self, x: Array, segment: int) -> dict[str, float]:
+        at = len(self.names) + segment * len(self.starts)
         held = np.clip(x, self.low, self.high).tolist()
         of_case = dict(zip(self.starts, held[at : at + len(self.starts)], strict=True))
         return {**dict(zip(self.names, held[: len(self.names)], strict=True)), **of_case}
 
-    def starts_at(self, x: Array, case: int) -> dict[str, float]:
-        """The start of one case."""
-        values = self._values(x, case)
+    def starts_at(self, x: Array, segment: int) -> dict[str, float]:
+        """The start of one segment."""
+        values = self._values(x, segment)
         return {name: values[name] for name in self.starts}
 
     def residuals(self, x: Array, only: int | None = None) -> list[Array]:
@@ -216,16 +218,16 @@ class _Problem:
 
         Args:
             x: the numbers that are sought.
-            only: number of the case that is looked at; the blocks of the others are empty.
+            only: number of the segment that is looked at; the blocks of the others are empty.
         """
         by_block, prior = [], []
-        for number, case in enumerate(self.cases):
+        for number, segment in enumerate(self.segments):
             values = self._values(x, number)
             for name in self.starts:
-                u = max(case.u[name], 1e-9)
-                prior.append((values[name] - case.values[name]) / u)
+                u = max(segment.u[name], 1e-9)
+                prior.append((values[name] - segment.values[name]) / u)
         for block in self.blocks:
-            number = next(i for i, case in enumerate(self.cases) if case is block.case)
+            number = next(i for i, segment in enumerate(self.segments) if segment is block.segment)
             if only in (None, number):
                 by_block += residuals_of(self.model, [block], self._values(x, number))
             else:
@@ -233,7 +235,7 @@ class _Problem:
         return [*by_block, np.array(prior)]
 
     def jacobian(self, x: Array) -> Array:
-        """Differences; a start is moved in its own case alone."""
+        """Differences; a start is moved in its own segment alone."""
         here = np.concatenate(self.residuals(x))
         columns = []
         for k in range(len(x)):

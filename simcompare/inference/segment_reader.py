@@ -10,7 +10,7 @@ import numpy as np
 from simcompare import measures, units
 from simcompare.errors import InputError, UnknownName
 from simcompare.inference.plan import Plan, ReadOff
-from simcompare.inference.segments import DURATION, Case, Seen
+from simcompare.inference.segments import DURATION, Observed, Segment
 from simcompare.model.recording import Channel, Recording, Stream
 from simcompare.model.signals import Signal, Table
 from simcompare.model.trajectory import Array
@@ -22,15 +22,15 @@ MIN_SAMPLES = 10
 _MAX_HOLE = 20
 
 
-def cases_of(
+def segments_of(
     file: ScenarioFile,
     plan: Plan,
     recording: Recording,
     streams: Sequence[str],
     overrides: Mapping[str, float],
     most_s: float | None = None,
-) -> list[Case]:
-    """The cases of some streams, in their order.
+) -> list[Segment]:
+    """The segments of some streams, in their order.
 
     Args:
         file: the scenario.
@@ -42,13 +42,13 @@ def cases_of(
 
     Raises:
         UnknownName: a channel or stream that does not exist.
-        InputError: a stretch without samples.
+        InputError: a segment without samples.
     """
     chosen = list(streams) or _streams_of(plan, recording)
     for name in chosen:
         if name not in recording.streams:
             raise UnknownName("stream of the recording", name, recording.streams)
-    return [_case(file, plan, recording, name, overrides, most_s) for name in chosen]
+    return [_segment_of(file, plan, recording, name, overrides, most_s) for name in chosen]
 
 
 def _streams_of(plan: Plan, recording: Recording) -> list[str]:
@@ -82,14 +82,14 @@ def _channel(stream: Stream, name: str, channel: str) -> Channel | None:
 
 @dataclass(frozen=True)
 class _Reader:
-    """Channels of a recording on the clock of one case."""
+    """Channels of a recording on the clock of one segment."""
 
     recording: Recording
     stream: str
     start_s: float
 
     def read(self, channel: str) -> tuple[Array, Channel]:
-        """Times from the start of the case, and the channel."""
+        """Times from the start of the segment, and the channel."""
         log = self.recording.streams[self.stream]
         own_channel = _channel(log, self.stream, channel)
         if own_channel is not None:
@@ -100,14 +100,14 @@ class _Reader:
         return stream.time_s + shift - self.start_s, stream.channels[name]
 
 
-def _case(
+def _segment_of(
     file: ScenarioFile,
     plan: Plan,
     recording: Recording,
     stream: str,
     overrides: Mapping[str, float],
     most_s: float | None,
-) -> Case:
+) -> Segment:
     log = recording.streams[stream]
     start_s = plan.window.start_s
     remaining_s = float(log.time_s[-1]) - start_s
@@ -138,7 +138,7 @@ def _case(
     if faults:
         raise InputError(f"stream {stream}", faults)
     observed = {
-        probe: _seen(reader, compared.channel, compared.u, compared.offset, duration_s)
+        probe: _observed(reader, compared.channel, compared.u, compared.offset, duration_s)
         for probe, compared in plan.compare.items()
     }
     events = tuple(
@@ -150,7 +150,7 @@ def _case(
     )
     watched = tuple(dict.fromkeys((*plan.compare, *event_probes(file, plan))))
     short = plan.window.duration_s is not None and remaining_s < 0.99 * plan.window.duration_s
-    return Case(
+    return Segment(
         stream, start_s, duration_s, values, u, inputs, observed, events, watched, u_inputs, short
     )
 
@@ -187,7 +187,9 @@ def event_probes(file: ScenarioFile, plan: Plan) -> list[str]:
     raise UnknownName(f"series of {file.name}", plan.events.series, known)
 
 
-def _seen(reader: _Reader, name: str, u: float | None, offset: float, duration_s: float) -> Seen:
+def _observed(
+    reader: _Reader, name: str, u: float | None, offset: float, duration_s: float
+) -> Observed:
     time_s, channel = reader.read(name)
     inside = (time_s >= 0) & (time_s <= duration_s)
     known = inside & np.isfinite(channel.values)
@@ -201,7 +203,7 @@ def _seen(reader: _Reader, name: str, u: float | None, offset: float, duration_s
             ],
         )
     stated = channel.u if u is None else u
-    return Seen(
+    return Observed(
         time_s[usable],
         channel.values[usable] + offset,
         stated[usable] if isinstance(stated, np.ndarray) else stated,

@@ -19,7 +19,7 @@ DURATION = "duration_s"
 
 
 @dataclass(frozen=True)
-class Seen:
+class Observed:
     """What was measured of one probe.
 
     Attributes:
@@ -38,8 +38,8 @@ class Seen:
 
 
 @dataclass(frozen=True)
-class Case:
-    """One stretch of a recording.
+class Segment:
+    """One segment of a recording.
 
     Attributes:
         stream: its stream.
@@ -48,7 +48,7 @@ class Case:
         values: every parameter that the plan knows or that was read off.
         u: their standard uncertainties.
         inputs: signals of the inputs.
-        seen: probe -> what was measured.
+        observed: probe -> what was measured.
         events: what happened, on the clock of the scenario.
         watched: all probes that are looked at, those of the events included.
         u_inputs: standard uncertainty of an input, where its channel has one.
@@ -61,13 +61,13 @@ class Case:
     values: Mapping[str, float]
     u: Mapping[str, float]
     inputs: Mapping[str, Signal] = field(repr=False)
-    seen: Mapping[str, Seen] = field(repr=False)
+    observed: Mapping[str, Observed] = field(repr=False)
     events: tuple[Event, ...] = ()
     watched: tuple[str, ...] = ()
     u_inputs: Mapping[str, float] = field(default_factory=dict)
     short: bool = False
 
-    def with_input_moved(self, name: str) -> Case:
+    def with_input_moved(self, name: str) -> Segment:
         """The same with one input higher by its standard uncertainty, as if its zero were off."""
         signal = self.inputs[name]
         assert isinstance(signal, Table)
@@ -76,7 +76,7 @@ class Case:
         return replace(self, inputs={**self.inputs, name: table})
 
 
-def noise(observed: Seen) -> tuple[float, str]:
+def noise(observed: Observed) -> tuple[float, str]:
     """Standard uncertainty of one sample and where it comes from."""
     if observed.u is not None:
         return rms(observed.u), "stated"
@@ -84,20 +84,20 @@ def noise(observed: Seen) -> tuple[float, str]:
     return estimated.value, estimated.text
 
 
-def shares(observed: Seen) -> tuple[float, float]:
+def shares(observed: Observed) -> tuple[float, float]:
     """The part of the uncertainty that scatters from sample to sample, and the common part."""
     total = noise(observed)[0]
     random = min(measured_noise(observed.values).value, total)
     return random, math.sqrt(max(0.0, total**2 - random**2))
 
 
-def as_trajectory(case: Case) -> Trajectory:
+def as_trajectory(segment: Segment) -> Trajectory:
     """What was measured as a trajectory: the probes that have the clock of the leading one."""
-    observed = list(case.seen.values())
+    observed = list(segment.observed.values())
     times = observed[0].time_s
     same = {
         probe: one.values
-        for probe, one in case.seen.items()
+        for probe, one in segment.observed.items()
         if len(one.time_s) == len(times) and np.array_equal(one.time_s, times)
     }
     return Trajectory("measured", times, same)

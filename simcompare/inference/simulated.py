@@ -8,14 +8,14 @@ from dataclasses import dataclass, field
 from simcompare import measures
 from simcompare.errors import InputError
 from simcompare.inference.reference_model import Model
-from simcompare.inference.segments import Case
+from simcompare.inference.segments import Segment
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import Settings
 from simcompare.model.trajectory import Trajectory
 from simcompare.running.jobs import OK, Job, Outcome
 from simcompare.running.runner import Progress, run_jobs
 
-#: what is run of every case
+#: what is run of every segment
 NOMINAL, BEST = "nominal", "best"
 #: and with other steps, which show the step error; the last where longer ones cannot be
 DOUBLE, FOURFOLD, HALF = "double step", "fourfold step", "half step"
@@ -29,21 +29,21 @@ class Engine:
     Attributes:
         name: the engine.
         outcomes: how the jobs that are judged ended.
-        runs: (case number, variant) -> the probes over time, for the jobs that ended well.
+        runs: (segment number, variant) -> the probes over time, for the jobs that ended well.
     """
 
     name: str
     outcomes: Sequence[Outcome]
     runs: Mapping[tuple[int, str], Trajectory] = field(repr=False)
 
-    def complete(self, case: int) -> bool:
+    def complete(self, segment: int) -> bool:
         """Whether the runs that are judged are there."""
-        return (case, NOMINAL) in self.runs and (case, BEST) in self.runs
+        return (segment, NOMINAL) in self.runs and (segment, BEST) in self.runs
 
 
 def simulate(
     model: Model,
-    cases: Sequence[Case],
+    segments: Sequence[Segment],
     fitted: Mapping[str, float] | None,
     engines: Sequence[str],
     *,
@@ -52,11 +52,11 @@ def simulate(
     time_limit_s: float,
     progress: Progress | None,
 ) -> list[Engine]:
-    """Runs every case on every engine: as known before, as fitted, and with longer steps.
+    """Runs every segment on every engine: as known before, as fitted, and with longer steps.
 
     Args:
         model: the scenario.
-        cases: stretches of the recording.
+        segments: of the recording.
         fitted: fitted parameters, ``None`` where nothing was fitted.
         engines: names.
         contact: contact level.
@@ -66,18 +66,18 @@ def simulate(
     """
     planned = [
         (i, variant, scene)
-        for i, case in enumerate(cases)
-        for variant, scene in scenes(model, case, fitted, step_s).items()
+        for i, segment in enumerate(segments)
+        for variant, scene in scenes(model, segment, fitted, step_s).items()
     ]
     outcomes = run_jobs(
         _jobs(planned, engines, contact), time_limit_s=time_limit_s, progress=progress
     )
     runs: dict[str, dict[tuple[int, str], Trajectory]] = {name: {} for name in engines}
-    _collect(runs, planned, cases, outcomes)
+    _collect(runs, planned, segments, outcomes)
     # a spring may be too stiff for a longer step: these engines try a shorter one
     shorter = [
-        (i, HALF, model.scenario(case, fitted, planned[0][2].world.step_s / 2))
-        for i, case in enumerate(cases)
+        (i, HALF, model.scenario(segment, fitted, planned[0][2].world.step_s / 2))
+        for i, segment in enumerate(segments)
     ]
     without = [
         name for name in engines if (0, BEST) in runs[name] and (0, DOUBLE) not in runs[name]
@@ -86,7 +86,7 @@ def simulate(
         more = run_jobs(
             _jobs(shorter, without, contact), time_limit_s=time_limit_s, progress=progress
         )
-        _collect(runs, shorter, cases, more)
+        _collect(runs, shorter, segments, more)
     if fitted is None:  # what was known before is then also the best there is
         for by_variant in runs.values():
             by_variant.update(
@@ -112,25 +112,25 @@ def _jobs(planned: Planned, engines: Sequence[str], contact: str) -> list[Job]:
 def _collect(
     runs: dict[str, dict[tuple[int, str], Trajectory]],
     planned: Planned,
-    cases: Sequence[Case],
+    segments: Sequence[Segment],
     outcomes: Sequence[Outcome],
 ) -> None:
     for outcome in outcomes:
         i, variant, scene = planned[outcome.job.repeat]
         if outcome.status == OK and outcome.trajectory is not None:
-            trajectory = of_probes(scene, outcome.trajectory, cases[i].watched)
+            trajectory = of_probes(scene, outcome.trajectory, segments[i].watched)
             runs[outcome.job.engine][i, variant] = trajectory
 
 
 def scenes(
-    model: Model, case: Case, fitted: Mapping[str, float] | None, step_s: float | None
+    model: Model, segment: Segment, fitted: Mapping[str, float] | None, step_s: float | None
 ) -> dict[str, Scenario]:
     """Variant -> scene; longer steps are left out where the scene cannot have them."""
-    variants = {} if fitted is None else {NOMINAL: model.scenario(case, None, step_s)}
-    variants[BEST] = best = model.scenario(case, fitted, step_s)
+    variants = {} if fitted is None else {NOMINAL: model.scenario(segment, None, step_s)}
+    variants[BEST] = best = model.scenario(segment, fitted, step_s)
     for variant, multiple in _LONGER.items():
         try:
-            variants[variant] = model.scenario(case, fitted, best.world.step_s * multiple)
+            variants[variant] = model.scenario(segment, fitted, best.world.step_s * multiple)
         except InputError:  # too few samples are left; the step error is then unknown
             break
     return variants

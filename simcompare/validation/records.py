@@ -98,7 +98,7 @@ def basis_of(done: Compared) -> str:
         other = sources.digest(calibrate.recording)
         if other != done.source.recording.provenance.sha256:
             return HELD_OUT
-    same = {one.case.stream for one in done.segments} & {*done.fit.streams}
+    same = {one.segment.stream for one in done.segments} & {*done.fit.streams}
     return SAME if same else HELD_OUT
 
 
@@ -113,17 +113,17 @@ def _compared(plan: Plan, one: Evaluated) -> dict[str, ComparedProbe]:
 
 
 def _parameters(done: Compared) -> list[ParameterRecord]:
-    plan, case = done.plan, done.segments[0].case
+    plan, segment = done.plan, done.segments[0].segment
     fitted = {} if done.fit is None else done.fit.as_dict()
     u_fitted = {} if done.fit is None else dict(zip(done.fit.names, done.fit.u, strict=True))
     rows = []
     for name, value in done.segments[0].scene.parameters.items():
-        known = case.values.get(name, value)
+        known = segment.values.get(name, value)
         if name in plan.start:
             kind, where = "read off", f"recording, channel {plan.start[name].channel}"
         elif name in plan.parameters and known == plan.parameters[name].value:
             kind, where = "known", plan.parameters[name].source
-        elif name in case.values and name != DURATION:
+        elif name in segment.values and name != DURATION:
             kind, where = "given", "given by the user"
         else:
             kind, where = "scenario", "the scenario's own value"
@@ -134,7 +134,7 @@ def _parameters(done: Compared) -> list[ParameterRecord]:
                 units.symbol(units.unit_of(name)),
                 "fitted" if name in fitted and kind == "scenario" else kind,
                 None if several else float(known),
-                case.u.get(name) if kind != "scenario" else None,
+                segment.u.get(name) if kind != "scenario" else None,
                 fitted.get(name),
                 float(u_fitted[name]) if name in fitted else None,
                 where,
@@ -161,18 +161,18 @@ def _fit(fit: Estimate, plan: Plan, source: Source) -> CalibrationRecord:
 
 
 def _segment(one: Evaluated) -> SegmentRecord:
-    case = one.case
+    segment = one.segment
     return SegmentRecord(
-        case.stream,
-        case.start_s,
-        case.duration_s,
-        case.short,
-        {name: value for name, value in case.values.items() if name != DURATION},
+        segment.stream,
+        segment.start_s,
+        segment.duration_s,
+        segment.short,
+        {name: value for name, value in segment.values.items() if name != DURATION},
         {
             probe: ProbeRecord(
                 len(measured.values), measured.missing, measured.saturated, *noise(measured)
             )
-            for probe, measured in case.seen.items()
+            for probe, measured in segment.observed.items()
         },
     )
 

@@ -39,18 +39,18 @@ def waveforms(
         fitted: whether any parameter was fitted.
     """
     variants = [(NOMINAL, KNOWN)] + ([(BEST, FITTED)] if fitted else [])
-    clocks = [(one.case, one.recorded is not None)]
+    clocks = [(one.segment, one.recorded is not None)]
     clocks += [] if one.recorded is None else [(one.recorded, False)]
-    for probe in one.case.seen:
+    for probe in one.segment.observed:
         for variant, words in variants:
             run = engine.runs[number, variant]
-            for case, is_aligned in clocks:
-                measured = case.seen[probe]
+            for segment, is_aligned in clocks:
+                measured = segment.observed[probe]
                 simulated = _at(one, plan, run, probe, measured.time_s)
                 deviation = waveform(measured.values, simulated, u=noise(measured)[0] or None)
                 yield WaveformRecord(
                     source=engine.name,
-                    stream=one.case.stream,
+                    stream=one.segment.stream,
                     probe=probe,
                     unit=one.scene.probes[probe].unit,
                     judged=plan.compare[probe].judged,
@@ -62,7 +62,7 @@ def waveforms(
 
 def gaps(engine: Engine, number: int, one: Evaluated, plan: Plan) -> Iterator[GapRecord]:
     """What the gap between an engine as known before and the measurement is made of."""
-    for probe, measured in one.case.seen.items():
+    for probe, measured in one.segment.observed.items():
         if not plan.compare[probe].judged:
             continue
 
@@ -81,7 +81,7 @@ def gaps(engine: Engine, number: int, one: Evaluated, plan: Plan) -> Iterator[Ga
             covered = coverage(best - measured.values, u)
         yield GapRecord(
             source=engine.name,
-            stream=one.case.stream,
+            stream=one.segment.stream,
             probe=probe,
             unit=one.scene.probes[probe].unit,
             input=None if u_input is None else rms(u_input),
@@ -95,12 +95,12 @@ def spread(engines: Sequence[Engine], number: int, one: Evaluated) -> Iterator[S
     runs = {e.name: e.runs[number, BEST] for e in engines if (number, BEST) in e.runs}
     if len(runs) < 2:
         return
-    for probe, measured in one.case.seen.items():
+    for probe, measured in one.segment.observed.items():
         table = np.stack(
             [interpolated(r.time_s, r.signals[probe], measured.time_s) for r in runs.values()]
         )
         size = rms(table - table.mean(axis=0))
-        yield SpreadRecord(one.case.stream, probe, tuple(runs), size)
+        yield SpreadRecord(one.segment.stream, probe, tuple(runs), size)
 
 
 def _at(one: Evaluated, plan: Plan, run: Trajectory, probe: str, time_s: Array) -> Array:

@@ -22,13 +22,13 @@ def timing(engine: Engine, number: int, one: Evaluated, series: str) -> TimingRe
         series: what the scenario calls the times of its events.
     """
     simulated_s = event_times(one.scene, engine.runs[number, BEST], series)
-    measured_s, u_data = times_of_events(one.case)
-    recorded_s = times_of_events(one.recorded or one.case)[0]
+    measured_s, u_data = times_of_events(one.segment)
+    recorded_s = times_of_events(one.recorded or one.segment)[0]
     u_num = _u_num(engine, number, one, series, simulated_s)
     u = EventUncertainty(u_data, u_num, _u_input(one, series))
     comparison = compare_events(simulated_s, measured_s, recorded_s, u)
     return TimingRecord(
-        source=engine.name, stream=one.case.stream, series=series, **vars(comparison)
+        source=engine.name, stream=one.segment.stream, series=series, **vars(comparison)
     )
 
 

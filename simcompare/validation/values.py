@@ -20,7 +20,7 @@ def values(engine: Engine, number: int, one: Evaluated) -> Iterator[ValueRecord]
         one: the segment.
     """
     for value in compared_values(engine, number, one):
-        yield ValueRecord(source=engine.name, stream=one.case.stream, **vars(value))
+        yield ValueRecord(source=engine.name, stream=one.segment.stream, **vars(value))
 
 
 def agreement(rows: Sequence[ValueRecord]) -> Iterator[AgreementRecord]:

@@ -15,7 +15,7 @@ from simcompare.inference.estimate import Estimate, estimate
 from simcompare.inference.evaluated import Evaluated, evaluate
 from simcompare.inference.plan import Plan
 from simcompare.inference.reference_model import Model, model_of
-from simcompare.inference.segment_reader import cases_of
+from simcompare.inference.segment_reader import segments_of
 from simcompare.inference.segments import as_trajectory
 from simcompare.inference.simulated import BEST, NOMINAL, Engine, simulate
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS
@@ -84,18 +84,18 @@ def validate(
     if out is not None:
         store.check_writable(Path(out))
     model = model_of(file)
-    cases = cases_of(file, plan, source.recording, streams or plan.streams, overrides)
+    segments = segments_of(file, plan, source.recording, streams or plan.streams, overrides)
     fit = _fit(model, plan, source, overrides, mapping)
-    segments = [evaluate(model, plan, case, fit, step_s) for case in cases]
+    evaluated = [evaluate(model, plan, segment, fit, step_s) for segment in segments]
     simulated = simulate(
-        model, cases, None if fit is None else fit.as_dict(), chosen, contact=contact,
+        model, segments, None if fit is None else fit.as_dict(), chosen, contact=contact,
         step_s=step_s, time_limit_s=time_limit_s, progress=progress,
     )  # fmt: skip
     request = ValidateRequest(
         scenario=scenario, engine=engine, set=set, step=step, recording=recording, contact=contact,
         mapping=mapping, streams=tuple(streams), strict=strict,
     )  # fmt: skip
-    done = _run_of(request, file, Compared(source, plan, fit, segments, simulated))
+    done = _run_of(request, file, Compared(source, plan, fit, evaluated, simulated))
     return done if out is None else store.save(done, Path(out))
 
 
@@ -118,7 +118,7 @@ def _fit(
         if other.plans:
             plan = plans.choose(other.plans, plan.scenario, other.name)
         plans.checked(plan, model.file.resolve(), other.name)
-    cases = cases_of(
+    segments = segments_of(
         model.file, plan, other.recording, calibrate.streams, overrides, calibrate.most_s
     )
     probe = tuple(name for name, compared in plan.compare.items() if compared.judged)
@@ -126,7 +126,7 @@ def _fit(
     known = {n: one.u for n, one in plan.parameters.items() if one.u > 0 and n not in fitted}
     known = {n: u for n, u in known.items() if n not in overrides}
     starts = [name for name in plan.start if name not in overrides]
-    return estimate(model, cases, probe, names, calibrate.nuisance, starts=starts, known=known)
+    return estimate(model, segments, probe, names, calibrate.nuisance, starts=starts, known=known)
 
 
 def _run_of(request: ValidateRequest, file: ScenarioFile, done: Compared) -> Run:
@@ -160,10 +160,10 @@ def _stored(
 ) -> Iterator[Stored]:
     """Measured, reference and engines."""
     for number, one in enumerate(segments):
-        if one.case.seen:
-            yield Stored(MEASURED, "", 0, as_trajectory(one.case), segment=number)
+        if one.segment.observed:
+            yield Stored(MEASURED, "", 0, as_trajectory(one.segment), segment=number)
         if one.truth is not None:
-            bands = {f"u({probe})": one.u_input(probe) for probe in one.case.seen}
+            bands = {f"u({probe})": one.u_input(probe) for probe in one.segment.observed}
             signals = {**one.truth.signals, **{k: v for k, v in bands.items() if v is not None}}
             truth = Trajectory(TRUTH, one.truth.time_s, signals)
             yield Stored(TRUTH, "", 0, truth, BEST, number)

@@ -17,7 +17,7 @@ from simcompare.fitting.waveforms.setup import Setup
 from simcompare.inference.defect_correction import Corrected, correct, simulate
 from simcompare.inference.reference_model import Model
 from simcompare.inference.residuals import Block, residuals_of, solve
-from simcompare.inference.segments import Case
+from simcompare.inference.segments import Segment
 from simcompare.inference.simulated import BEST, HALF, of_probes
 from simcompare.model.resampling import interpolated
 from simcompare.model.settings import ASSISTED, Settings
@@ -73,7 +73,7 @@ class _Work:
     step_s: float | None
 
     @property
-    def cases(self) -> tuple[Case, ...]:
+    def cases(self) -> tuple[Segment, ...]:
         return (*self.setup.fitted, *self.setup.held)
 
     def values(self, x: Array, number: int) -> dict[str, float]:
@@ -88,7 +88,7 @@ class _Work:
 
     def number(self, block: Block) -> int:
         """Which stretch a block belongs to."""
-        return next(i for i, case in enumerate(self.setup.fitted) if case is block.case)
+        return next(i for i, case in enumerate(self.setup.fitted) if case is block.segment)
 
 
 def fit_engines(
@@ -163,14 +163,14 @@ def _defects(work: _Work, x: Array, runs: Runs, variant: str) -> list[Array]:
         number = work.number(block)
         run = runs[number, variant]
         ours = interpolated(
-            run.time_s, run.signals[block.probe], block.time_s, events_s=_jumps(block.case, work)
+            run.time_s, run.signals[block.probe], block.time_s, events_s=_jumps(block.segment, work)
         )
-        truth = work.model.at(block.case, block.probe, work.values(x, number), block.time_s)
+        truth = work.model.at(block.segment, block.probe, work.values(x, number), block.time_s)
         found.append(_filled(ours - truth))
     return found
 
 
-def _jumps(case: Case, work: _Work) -> list[float]:
+def _jumps(case: Segment, work: _Work) -> list[float]:
     """When an input jumps: there a simulation has one sample only, and no defect can be told."""
     given = {**work.model.scenario(case).inputs, **case.inputs}
     return [one.time_s for one in given.values() if isinstance(one, Step) and one.time_s > 0]

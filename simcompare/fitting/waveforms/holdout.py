@@ -15,7 +15,7 @@ from simcompare.inference.compared_values import compared_values
 from simcompare.inference.evaluated import Evaluated
 from simcompare.inference.propagation import moves
 from simcompare.inference.reference_model import Model
-from simcompare.inference.segments import Case
+from simcompare.inference.segments import Segment
 from simcompare.inference.simulated import BEST, Engine, of_probes
 from simcompare.model.resampling import interpolated
 from simcompare.model.trajectory import TRUTH, Trajectory
@@ -55,7 +55,7 @@ def predict(
     return {"streams": rows, "drops": [], "text": _text(model, setup, rows)}
 
 
-def _judged(model: Model, fitted: Fitted, case: Case, step_s: float | None) -> Evaluated:
+def _judged(model: Model, fitted: Fitted, case: Segment, step_s: float | None) -> Evaluated:
     best = fitted.estimate.as_dict()
     scene = model.scenario(case, best, step_s)
 
@@ -70,7 +70,7 @@ def _judged(model: Model, fitted: Fitted, case: Case, step_s: float | None) -> E
 
 def _row(judged: Evaluated, number: int, engine: Engine) -> dict[str, Any]:
     run = engine.runs[number, BEST]
-    rms = {probe: rms_of(judged.case, run, probe) for probe in judged.case.seen}
+    rms = {probe: rms_of(judged.segment, run, probe) for probe in judged.segment.observed}
     values = []
     for row in compared_values(engine, number, judged):
         told = {key: getattr(row, key) for key in _TOLD}
@@ -82,9 +82,9 @@ def _row(judged: Evaluated, number: int, engine: Engine) -> dict[str, Any]:
     return {"rms": rms, "values": values}
 
 
-def rms_of(case: Case, run: Trajectory, probe: str) -> float:
+def rms_of(case: Segment, run: Trajectory, probe: str) -> float:
     """Root mean square of simulated less measured, in the unit of the probe."""
-    seen = case.seen[probe]
+    seen = case.observed[probe]
     left = interpolated(run.time_s, run.signals[probe], seen.time_s) - seen.values
     return float(np.sqrt(np.nanmean(left**2)))
 

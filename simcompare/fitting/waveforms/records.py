@@ -16,7 +16,7 @@ from simcompare.fitting.waveforms.holdout import rms_of
 from simcompare.fitting.waveforms.reference import Fitted
 from simcompare.fitting.waveforms.setup import Setup
 from simcompare.inference.reference_model import Model
-from simcompare.inference.segments import DURATION, Case, as_trajectory, noise
+from simcompare.inference.segments import DURATION, Segment, as_trajectory, noise
 from simcompare.inference.simulated import BEST, HALF
 from simcompare.model.settings import ASSISTED
 from simcompare.model.trajectory import Array, Trajectory
@@ -223,7 +223,7 @@ def _shown(model: Model, setup: Setup, one: EngineWaves) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _values(model: Model, case: Case, run: Trajectory) -> Mapping[str, Any]:
+def _values(model: Model, case: Segment, run: Trajectory) -> Mapping[str, Any]:
     from simcompare.model.resampling import interpolated
 
     whole = as_trajectory(case)
@@ -237,7 +237,7 @@ def _values(model: Model, case: Case, run: Trajectory) -> Mapping[str, Any]:
     return value_pairs(model.scenario(case), simulated, measured, tuple(measured.signals))
 
 
-def _case(case: Case) -> dict[str, Any]:
+def _case(case: Segment) -> dict[str, Any]:
     return {
         "stream": case.stream,
         "start_s": case.start_s,
@@ -246,7 +246,7 @@ def _case(case: Case) -> dict[str, Any]:
         "probes": {
             probe: {"samples": len(seen.values), "missing": seen.missing, "u": noise(seen)[0],
                     "u_from": noise(seen)[1]}
-            for probe, seen in case.seen.items()
+            for probe, seen in case.observed.items()
         },
     }  # fmt: skip
 
@@ -255,8 +255,8 @@ def _valid(setup: Setup, step_s: float) -> dict[str, Any]:
     """Within what the fit was made: step, length, and range of every compared quantity."""
     ranges = {
         probe: [
-            float(min(case.seen[probe].values.min() for case in setup.fitted)),
-            float(max(case.seen[probe].values.max() for case in setup.fitted)),
+            float(min(case.observed[probe].values.min() for case in setup.fitted)),
+            float(max(case.observed[probe].values.max() for case in setup.fitted)),
         ]
         for probe in setup.probes
     }

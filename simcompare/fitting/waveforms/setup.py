@@ -10,8 +10,8 @@ from simcompare.errors import InputError, UnknownName
 from simcompare.inference import plan as plans
 from simcompare.inference import sources
 from simcompare.inference.plan import Plan
-from simcompare.inference.segment_reader import cases_of
-from simcompare.inference.segments import Case
+from simcompare.inference.segment_reader import segments_of
+from simcompare.inference.segments import Segment
 from simcompare.inference.sources import Source
 from simcompare.scenarios.scenario_file import ScenarioFile
 
@@ -34,8 +34,8 @@ class Setup:
     names: tuple[str, ...]
     nuisance: tuple[str, ...]
     probes: tuple[str, ...]
-    fitted: tuple[Case, ...]
-    held: tuple[Case, ...]
+    fitted: tuple[Segment, ...]
+    held: tuple[Segment, ...]
     told: tuple[str, ...]
 
     @property
@@ -85,8 +85,8 @@ def prepare(
     found = [_found(file, name, mapping) for name in recordings]
     plan = found[0][1]
     names, nuisance = _unknowns(file, plan, unknowns, given)
-    fitted: list[Case] = []
-    held: list[Case] = []
+    fitted: list[Segment] = []
+    held: list[Segment] = []
     told: list[str] = []
     for source, own in found:
         one, other, words = _split(file, source, own, given)
@@ -96,7 +96,7 @@ def prepare(
         told.append(words)
     for name in hold_out:
         source, own = _found(file, name, mapping)
-        held += _named(cases_of(file, own, source.recording, own.streams, given), source, True)
+        held += _named(segments_of(file, own, source.recording, own.streams, given), source, True)
     probes = tuple(probe for probe, compared in plan.compare.items() if compared.judged)
     return Setup(plan, names, nuisance, probes, tuple(fitted), tuple(held), tuple(told))
 
@@ -147,10 +147,10 @@ def _unknowns(
 
 def _split(
     file: ScenarioFile, source: Source, plan: Plan, given: Mapping[str, float]
-) -> tuple[list[Case], list[Case], str]:
+) -> tuple[list[Segment], list[Segment], str]:
     """Stretches that are fitted, and those that are predicted, as a validation has them."""
     wanted = plan.calibrate
-    judged = cases_of(file, plan, source.recording, plan.streams, given)
+    judged = segments_of(file, plan, source.recording, plan.streams, given)
     if wanted is None:
         return judged, [], (
             f"{source.name} does not say which streams are fitted (calibrate:), so all"
@@ -158,7 +158,7 @@ def _split(
         )  # fmt: skip
     other = source if wanted.recording is None else sources.find(wanted.recording)
     own = plan if wanted.recording is None else plans.choose(other.plans, plan.scenario, other.name)
-    fitted = cases_of(file, own, other.recording, wanted.streams, given, wanted.most_s)
+    fitted = segments_of(file, own, other.recording, wanted.streams, given, wanted.most_s)
     if wanted.recording is None:
         names = {case.stream for case in fitted}
         judged = [case for case in judged if case.stream not in names]
@@ -171,7 +171,7 @@ def _split(
     return fitted, judged, f"Fitted to {streams} of {source.name}; held out: {held}."
 
 
-def _named(cases: Sequence[Case], source: Source, several: bool) -> list[Case]:
+def _named(cases: Sequence[Segment], source: Source, several: bool) -> list[Segment]:
     """Streams of several recordings may have the same name."""
     if not several:
         return list(cases)
