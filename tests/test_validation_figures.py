@@ -9,7 +9,7 @@ from simcompare.alignment.clock_line import Alignment
 from simcompare.model.trajectory import Trajectory
 from simcompare.reports.sections.validation import timings
 from simcompare.reports.validation import events as real_events
-from simcompare.reports.validation import gap_figures, tables, waveforms
+from simcompare.reports.validation import gap_figures, parameter_tables, tables, waveforms
 from tests import validated
 from tests.validated import NOISE_RAD, cells, changed, plain, streams
 
@@ -89,7 +89,7 @@ def test_single_stretches_scatter_about_the_fit(fitted):
     figure = gap_figures.parameter_figure(changed(fitted, fit=fit))
     (series,) = figure.panels[1].series
     assert sorted(series.x) == pytest.approx([-3, -3, 1, 1])
-    table = tables.single_fits(changed(fitted, fit=fit))
+    table = parameter_tables.single_fits(changed(fitted, fit=fit))
     (_, *first), (_, *second), (_, *u) = cells(table)
     assert [row[0] for row in cells(table)] == ["a", "b", "u of all together"]
     # numbers have two digits of the uncertainty below them

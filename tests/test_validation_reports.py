@@ -10,7 +10,7 @@ import pytest
 from simcompare.reports import builder
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Table, lines, printable, scale_of
-from simcompare.reports.validation import source, tables
+from simcompare.reports.validation import parameter_tables, source, tables
 from simcompare.results.run import Run
 from tests import validated
 from tests.validated import ENGINES, EVIL, cells, changed, hostile, plain, streams
@@ -319,13 +319,13 @@ def test_hostile_names_do_not_steer_the_terminal(fitted):
 
 @pytest.mark.parametrize("width", [72, 80, 120])
 def test_tables_fit_into_a_terminal(fitted, width):
-    for table in (tables.parameters(fitted), tables.values(fitted)):
+    for table in (parameter_tables.parameters(fitted), tables.values(fitted)):
         for line in lines(table, width):
             assert len(line) <= width
 
 
 def test_columns_are_spared_only_where_there_is_no_room(fitted):
-    table = tables.parameters(fitted)
+    table = parameter_tables.parameters(fitted)
     assert "made up so" in "\n".join(lines(table, 140))
     assert "made up so" not in "\n".join(lines(table, 60))
     assert "0.2" in "\n".join(lines(table, 60))

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from simcompare.reports.render.parts import Part, part_of
 from simcompare.reports.run.not_run import not_run
-from simcompare.reports.validation import events, gap_figures, phrases, validations, waveforms
+from simcompare.reports.validation import (
+    events,
+    gap_figures,
+    parameter_tables,
+    phrases,
+    validations,
+    waveforms,
+)
 from simcompare.reports.validation import source as recorded
 from simcompare.reports.validation import tables as real_tables
 from simcompare.results.run import Run
@@ -59,7 +66,7 @@ def parameters(run: Run) -> Part:
         "Parameters",
         "parameters",
         [gap_figures.parameter_figure(run)],
-        [real_tables.parameters(run), real_tables.single_fits(run)],
+        [parameter_tables.parameters(run), parameter_tables.single_fits(run)],
         [validations.validation(run).note, _fit_words(run), _bound(run)],
     )
 

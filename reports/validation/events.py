@@ -78,8 +78,7 @@ def summary(run: Run) -> Table | None:
     for stream in _streams(rows):
         of_stream = [row for row in rows if row.stream == stream]
         scale = scale_of(row.rmse_s for row in of_stream)
-        where = validations.segment_name(run, stream)
-        title = runs.measure_words(of_stream[0].series) + (f", {where}" if where else "")
+        title = validations.titled(run, stream, runs.measure_words(of_stream[0].series))
         groups.append(
             Group(title + scale.unit("s"), tuple(_summary(row, scale) for row in of_stream))
         )
@@ -106,13 +105,10 @@ def intervals(run: Run) -> Table | None:
         Column("u data (s)", spare=True), Column("u numerical (s)", spare=True),
         Column("u parameters (s)", spare=True), Column("E_n"),
     )  # fmt: skip
-    groups = []
-    for row in rows:
-        where = validations.segment_name(run, row.stream)
-        groups.append(
-            Group(row.source + (f", {where}" if where else ""),
-                  tuple(map(_interval, row.intervals)))
-        )  # fmt: skip
+    groups = [
+        Group(validations.titled(run, row.stream, row.source), tuple(map(_interval, row.intervals)))
+        for row in rows
+    ]
     count = sum(len(row.intervals) for row in rows)
     return Table("Every interval", columns, tuple(groups), folded=count > _MAX_ROWS)
 

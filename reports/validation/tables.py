@@ -16,7 +16,6 @@ from simcompare.results.records.validation import (
     KNOWN,
     AgreementRecord,
     GapRecord,
-    ParameterRecord,
     ValueRecord,
     WaveformRecord,
 )
@@ -30,11 +29,6 @@ def _grouped(rows: Sequence[R], second: Callable[[R], str]) -> Iterator[tuple[st
     for stream, other in dict.fromkeys((row.stream, second(row)) for row in rows):
         group = [row for row in rows if (row.stream, second(row)) == (stream, other)]
         yield stream, other, group
-
-
-def _title(run: Run, stream: str, words: str) -> str:
-    where = validations.segment_name(run, stream)
-    return f"{words}, {where}" if where else words
 
 
 def percent(share: float | None, digits: int = 1) -> str:
@@ -52,7 +46,7 @@ def waveforms(run: Run) -> Table:
         scale = scale_of(row.rmse for row in group)
         groups.append(
             Group(
-                _title(run, stream, validations.label(run, probe))
+                validations.titled(run, stream, validations.label(run, probe))
                 + scale.unit(validations.unit(run, probe)),
                 tuple(_waveform(run, group, e, scale) for e in _sources(group)),
             )
@@ -148,7 +142,7 @@ def _gap_sizes(run: Run, rows: Sequence[GapRecord]) -> Table:
         unit = scale.unit(validations.unit(run, probe))
         groups.append(
             Group(
-                _title(run, stream, validations.label(run, probe)) + unit,
+                validations.titled(run, stream, validations.label(run, probe)) + unit,
                 tuple(
                     (*_gap(row, scale, fitted=fitted), *_covered(row, wanted=covered))
                     for row in group
@@ -200,7 +194,7 @@ def _gap_shares(run: Run, rows: Sequence[GapRecord]) -> Table:
              "Too much noise")  # fmt: skip
     groups = [
         Group(
-            _title(run, stream, validations.label(run, probe)),
+            validations.titled(run, stream, validations.label(run, probe)),
             tuple(
                 (row.source, *(percent(getattr(row.shares, key), 2) for key in keys),
                  percent(sum(getattr(row.shares, key) for key in keys), 2))
@@ -235,7 +229,7 @@ def values(run: Run) -> Table | None:
         measured = numbers.with_u(group[0].measured, group[0].u_data or None)
         power = _thousands(max(abs(v) for row in group for v in (row.error, row.u_val)))
         of_power = f" 10{numbers.raised(power)}{unit}" if power else unit
-        title = f"{_title(run, stream, runs.measure_words(measure))}: measured {measured}{unit}"
+        title = f"{validations.titled(run, stream, runs.measure_words(measure))}: measured {measured}{unit}"
         title += f"; error and u in{of_power}" if of_power else ""
         scales = [_budget_scale(power, column) for column in zip(*map(_sizes, group), strict=True)]
         groups.append(Group(title, tuple(_value(row, scales) for row in group)))
@@ -287,7 +281,7 @@ def agreement(run: Run) -> Table | None:
                Column("Expected"), Column("In words", text=True, whole=True))  # fmt: skip
     cells = tuple(
         (
-            _title(run, row.stream, runs.measure_words(row.measure)),
+            validations.titled(run, row.stream, runs.measure_words(row.measure)),
             str(len(row.engines)),
             Scale(0, 2).text(row.ratio),
             f"{row.low:.2f} … {row.high:.2f}",
@@ -305,64 +299,3 @@ def _left_out(rows: Sequence[AgreementRecord]) -> str:
     if not names:
         return ""
     return f"Left out where no step error is known: {', '.join(names)}."
-
-
-def parameters(run: Run, *, chosen: bool = False) -> Table | None:
-    """What was known, what was fitted, and where each number comes from.
-
-    Args:
-        run: the validation.
-        chosen: without those that were left as the scenario has them.
-    """
-    every = validations.validation(run).parameters
-    rows = [row for row in every if not chosen or row.kind != "scenario"]
-    if not rows:
-        return None
-    columns = [Column("Parameter", text=True, whole=True), Column("Unit", text=True, whole=True),
-               Column("Known before ± u")]  # fmt: skip
-    columns += [Column("Fitted ± u")] if validations.is_fitted(run) else []
-    columns += [Column("From", text=True, spare=True)]
-    return Table("", tuple(columns), (Group("", tuple(_parameter(run, row) for row in rows)),))
-
-
-def _parameter(run: Run, row: ParameterRecord) -> tuple[str, ...]:
-    before = numbers.with_u(row.known, row.u_known or None)
-    if row.known is None and row.kind == "read off":
-        before = "each stretch its own"
-    cells = [phrases.parameter(row.name), "" if row.unit == "1" else row.unit, before]
-    if validations.is_fitted(run):
-        cells.append("" if row.fitted is None else numbers.with_u(row.fitted, row.u_fitted))
-    return (*cells, row.source)
-
-
-def single_fits(run: Run) -> Table | None:
-    """What each stretch gives when it is fitted alone."""
-    fit = validations.validation(run).fit
-    if fit is None or not fit.single:
-        return None
-    known = {row.name: row.u_fitted for row in validations.validation(run).parameters}
-    u = [known.get(name) for name in fit.names]
-    scales = [
-        _scale_beside(column, one)
-        for column, one in zip(zip(*fit.single.values(), strict=True), u, strict=True)
-    ]
-    heads = [
-        phrases.parameter(name) + scale.unit(units.symbol(units.unit_of(name)))
-        for name, scale in zip(fit.names, scales, strict=True)
-    ]
-    rows = [
-        (validations.short(stream), *(s.text(v) for s, v in zip(scales, values, strict=True)))
-        for stream, values in fit.single.items()
-    ]
-    rows.append(("u of all together", *(s.text(v) for s, v in zip(scales, u, strict=True))))
-    columns = (Column("Stretch", text=True, whole=True), *map(Column, heads))
-    return Table("Each stretch fitted alone", columns, (Group("", tuple(rows)),))
-
-
-def _scale_beside(values: Sequence[float], u: float | None) -> Scale:
-    """The scale on which values have two digits of the uncertainty beside them."""
-    scale = scale_of(values, 4)
-    if not u:
-        return scale
-    places = 1 - math.floor(math.log10(u)) + scale.power
-    return Scale(scale.power, min(max(places, 0), 9))

@@ -72,6 +72,12 @@ def segment_name(run: Run, stream: str) -> str:
     return short(stream) if len(validation(run).streams) > 1 else ""
 
 
+def titled(run: Run, stream: str, words: str) -> str:
+    """Words for a title, with the name of the segment where several were judged."""
+    where = segment_name(run, stream)
+    return f"{words}, {where}" if where else words
+
+
 def short(name: str) -> str:
     """A name that came out of a file, on one line and no longer than a figure can hold."""
     line = printable(name)

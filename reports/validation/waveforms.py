@@ -63,10 +63,8 @@ def _overlay(run: Run, probe: str, case: int, name: str) -> Figure | None:
             )
         )  # fmt: skip
         panels[0] = replace(panels[0], weight=1.3)
-    where = validations.segment_name(run, name)
-    title = f"{validations.label(run, probe)}: measured and simulated" + (
-        f", {where}" if where else ""
-    )
+    words = f"{validations.label(run, probe)}: measured and simulated"
+    title = validations.titled(run, name, words)
     return Figure(f"overlay-{probe}-{case + 1}", title, _overlay_caption(run, case), tuple(panels))
 
 

@@ -90,13 +90,13 @@ def validate(
 
 
 def _print(result: Run, written: Path | None) -> None:
-    from simcompare.reports.validation import events, tables, validations
+    from simcompare.reports.validation import events, parameter_tables, tables, validations
 
     validation = validations.validation(result)
     for key in ("title", "citation"):
         if validation.about.get(key):
             _say(validation.about[key])
-    _show(tables.parameters(result, chosen=True))
+    _show(parameter_tables.parameters(result, chosen=True))
     if validation.waveforms:
         _show(tables.waveforms(result))
     _show(events.summary(result))
