@@ -18,10 +18,10 @@ def test_a_fault_of_a_plan_is_told_with_its_file_and_line(write):
     )
     source = sources.find(str(log), mapping=mapping)
     with pytest.raises(InputError) as error:
-        plans.choose(source.plans, "pendulum", source.name)
+        plans.choose(source.plans, "pendulum")
     assert error.value.where == str(mapping)
     assert error.value.faults == (
         "line 4, validate.0.parameters.length_m.value: expected a number, found 'long'",
     )
     with pytest.raises(InputError, match=r"map\.yaml: is not prepared for the scenario ball"):
-        plans.choose(source.plans, "ball", source.name)
+        plans.choose(source.plans, "ball")

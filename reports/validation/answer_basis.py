@@ -23,7 +23,7 @@ _FAR = 3.0
 #: a share of the gap by which a fit made it larger that is worth a word
 _WORSE = 0.005
 #: a parameter with this share of a budget dominates it
-_MOST = 0.5
+_DOMINANT = 0.5
 #: more parameters than these are counted and not named
 _NAMED = 5
 
@@ -170,7 +170,7 @@ def _also(validation: Validation) -> str:
 def _leading(values: Sequence[ValueRecord]) -> str:
     """The parameter that makes up most of the budgets; empty where none does."""
     name, share = answer_values.leading_parameter(answer_values.judged(values))
-    return name if share >= _MOST else ""
+    return name if share >= _DOMINANT else ""
 
 
 def _about_parameters(validation: Validation) -> str:

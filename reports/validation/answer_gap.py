@@ -21,7 +21,7 @@ _PARTS = {
     "noise": "noise of the measurement",
 }
 #: a part of this share is most of the whole; an error below the second is small beside another
-_MOST, _SMALL = 0.5, 0.2
+_DOMINANT, _SMALL = 0.5, 0.2
 #: engines this close together, beside how far they are from reality, agree far better
 _CLOSE = 0.1
 #: and these are the same but for rounding
@@ -219,7 +219,7 @@ def _split(validation: Validation, rows: Sequence[GapRecord], label: str) -> str
             f" The fitted parameters made the gap larger, by up to {phrases.percent(worse)}, so"
             " they do not carry over, and the parts sum to more than 100 %."
         )
-    if max(shares["model_form"]) > _MOST and not is_covered(rows):
+    if max(shares["model_form"]) > _DOMINANT and not is_covered(rows):
         fitted = "there" if validation.basis == SAME else "elsewhere"
         text += (
             f" Model form is what parameters fitted {fitted} leave: it may lie in the equations, in"

@@ -22,10 +22,10 @@ TIME = "time (s)"
 _DOTS = 150
 #: a step longer than so many usual ones is a gap
 _GAP_STEPS = 3.0
-#: periods that the zoomed panel shows, and its shortest and longest part of the stretch
-_PERIODS, _LEAST, _MOST = 2.5, 0.05, 0.35
+#: periods that the zoomed panel shows, and its shortest and longest share of the segment
+_PERIODS, _MIN_SHARE, _MAX_SHARE = 2.5, 0.05, 0.35
 #: lines at more events than these hide the signal
-_MOST_EVENTS = 100
+_MAX_EVENTS = 100
 _ENGINE_WIDTH = 1.6
 #: second differences above this part of the range are noise that fills the panel
 _ROUGH = 0.03
@@ -166,7 +166,7 @@ def zoom_window(
     centred = values - np.nanmean(values)
     crossings = int(np.count_nonzero(np.diff(np.signbit(centred))))
     period = 2 * length / crossings if crossings >= 6 else length / 10
-    width = float(np.clip(_PERIODS * period, _LEAST * length, _MOST * length))
+    width = float(np.clip(_PERIODS * period, _MIN_SHARE * length, _MAX_SHARE * length))
     squares = np.nanmax(np.nan_to_num(np.square(residuals)), axis=0)
     total = np.concatenate(([0.0], np.cumsum(squares)))
     starts = np.linspace(times[0], times[-1] - width, 200)
@@ -246,7 +246,7 @@ def _residuals(
 
 def _events(run: Run, case: int) -> tuple[Span, ...]:
     return tuple(
-        Span(time, time, EVENT) for time in validations.event_times(run, case)[:_MOST_EVENTS]
+        Span(time, time, EVENT) for time in validations.event_times(run, case)[:_MAX_EVENTS]
     )
 
 
@@ -254,5 +254,5 @@ def _event_words(run: Run, case: int) -> str:
     count = len(validations.event_times(run, case))
     if not count:
         return ""
-    first = f" (the first {_MOST_EVENTS} of {count})" if count > _MOST_EVENTS else ""
+    first = f" (the first {_MAX_EVENTS} of {count})" if count > _MAX_EVENTS else ""
     return f" Dashed upright lines: events of the recording{first}."

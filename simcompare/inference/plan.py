@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, Literal
+from dataclasses import dataclass, field
+from typing import Literal
 
 from pydantic import (
     BaseModel,
@@ -201,20 +201,20 @@ class Entries:
 
     Attributes:
         tree: one entry or a list of them.
-        where: file that holds them.
+        where: file, or data set, that holds them.
         lines: dotted place in that file -> line.
     """
 
-    tree: Any
+    tree: object
     where: str
-    lines: Mapping[str, int]
+    lines: Mapping[str, int] = field(default_factory=dict)
 
     def __bool__(self) -> bool:
         return bool(self.tree)
 
 
 def of_tree(
-    tree: Any,  # noqa: ANN401
+    tree: object,
     where: str,
     lines: Mapping[str, int] | None = None,
     place: str = "validate",
@@ -237,24 +237,22 @@ def of_tree(
         raise InputError(where, describe(by_place, lines or {})) from None
 
 
-def choose(entries: Any, scenario: str, where: str) -> Plan:  # noqa: ANN401
+def choose(entries: Entries, scenario: str) -> Plan:
     """The entry for a scenario.
 
     Raises:
         InputError: there is none, or it has faults.
     """
-    lines: Mapping[str, int] = {}
-    if isinstance(entries, Entries):
-        entries, where, lines = entries.tree, entries.where, entries.lines
-    single = not isinstance(entries, list | tuple)
-    plans = [entries] if single else entries
+    several = isinstance(entries.tree, list | tuple)
+    plans = entries.tree if isinstance(entries.tree, list | tuple) else [entries.tree]
     names = [e.get("scenario") for e in plans if isinstance(e, Mapping)]
     for i, entry in enumerate(plans):
         if isinstance(entry, Mapping) and entry.get("scenario") == scenario:
-            return of_tree(entry, where, lines, "validate" if single else f"validate.{i}")
+            place = f"validate.{i}" if several else "validate"
+            return of_tree(entry, entries.where, entries.lines, place)
     known = ", ".join(str(name) for name in names) or "none"
     raise InputError(
-        where,
+        entries.where,
         [
             f"is not prepared for the scenario {scenario} (prepared: {known}); say in a mapping"
             " file (--map) under validate: which probe is which channel"

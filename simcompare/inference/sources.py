@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from simcompare.errors import UnknownName
 from simcompare.hardware import importing
@@ -30,7 +29,7 @@ class Source:
 
     name: str
     recording: Recording
-    plans: Any
+    plans: Entries
     about: Mapping[str, str]
 
 
@@ -46,27 +45,22 @@ def find(name: str, *, mapping: str | Path | None = None, strict: bool = False) 
         UnknownName: nothing of that name exists.
         InputError: what is wrong with the files.
     """
-    read_plan = None if mapping is None else mappings.read(Path(mapping))
+    reading = None if mapping is None else mappings.read(Path(mapping))
+    plans = Entries((), name)
+    if mapping is not None and reading is not None and reading.validate_:
+        plans = Entries(reading.validate_, str(mapping), read_yaml(Path(mapping))[1])
     path = Path(name)
     if name in registry.files() and not recording_store.is_recording(path):
-        return _public(name, read_plan, _entries(read_plan, mapping), strict)
+        return _public(name, reading, plans, strict)
     if not _exists(path):
         raise UnknownName(
             "recording (public data set, stored recording, or log)", name, registry.files()
         )
-    reading = read_plan or mappings.NOTHING
     if recording_store.is_recording(path):
         recording = recording_store.load(path)
     else:
-        recording = importing.read(path, reading, strict=strict)
-    return Source(name, recording, _entries(read_plan, mapping) or [], {})
-
-
-def _entries(mapping_: Any, mapping: str | Path | None) -> Entries | None:  # noqa: ANN401
-    """What a mapping file says under ``validate:``, with the lines of its parts."""
-    if mapping_ is None or mapping is None or not mapping_.validate_:
-        return None
-    return Entries(mapping_.validate_, str(mapping), read_yaml(Path(mapping))[1])
+        recording = importing.read(path, reading or mappings.NOTHING, strict=strict)
+    return Source(name, recording, plans, {})
 
 
 def _exists(path: Path) -> bool:
@@ -76,10 +70,10 @@ def _exists(path: Path) -> bool:
         return False
 
 
-def _public(name: str, read_plan: Any, entries: Entries | None, strict: bool) -> Source:  # noqa: ANN401
+def _public(name: str, reading: mappings.Mapping | None, plans: Entries, strict: bool) -> Source:
     data_set = registry.get(name)
     paths = registry.locate(name)
-    reading = read_plan or mappings.of_tree(dict(data_set.read), f"{name}, read")
+    reading = reading or mappings.of_tree(dict(data_set.read), f"{name}, read")
     about = {
         "title": data_set.title,
         "text": data_set.text,
@@ -88,7 +82,7 @@ def _public(name: str, read_plan: Any, entries: Entries | None, strict: bool) ->
         "source": f"github.com/{data_set.source.repository} at {data_set.source.commit}",
     }
     recording = importing.read(paths[0], reading, strict=strict, about=about)
-    return Source(name, recording, entries or list(data_set.validation), about)
+    return Source(name, recording, plans or Entries(data_set.validation, name), about)
 
 
 def digest(name: str) -> str:

@@ -77,7 +77,7 @@ def validate(
     chosen = engines.select(engine)
     file = catalogue.load(scenario)
     source = sources.find(recording, mapping=mapping, strict=strict)
-    plan = plans.choose(source.plans, file.name, source.name)
+    plan = plans.choose(source.plans, file.name)
     plan = plans.checked(plan, file.resolve(), source.name)
     overrides = file.read_settings(set or {})
     step_s = None if step is None else units.to_si(step, "s", "--step")
@@ -116,7 +116,7 @@ def _fit(
         other = sources.find(calibrate.recording, mapping=mapping)
         # a log that has no plan of its own is read by that of the recording that is judged
         if other.plans:
-            plan = plans.choose(other.plans, plan.scenario, other.name)
+            plan = plans.choose(other.plans, plan.scenario)
         plans.checked(plan, model.file.resolve(), other.name)
     segments = segments_of(
         model.file, plan, other.recording, calibrate.streams, overrides, calibrate.most_s

@@ -103,7 +103,7 @@ def prepare(
 
 def _found(file: ScenarioFile, name: str, mapping: str | Path | None) -> tuple[Source, Plan]:
     source = sources.find(name, mapping=mapping)
-    plan = plans.choose(source.plans, file.name, source.name)
+    plan = plans.choose(source.plans, file.name)
     faults = plans.faults(plan, file.resolve())
     if plan.align.by != "none":
         faults.append(
@@ -157,7 +157,7 @@ def _split(
             f" {len(judged)} are, and nothing is held out."
         )  # fmt: skip
     other = source if wanted.recording is None else sources.find(wanted.recording)
-    own = plan if wanted.recording is None else plans.choose(other.plans, plan.scenario, other.name)
+    own = plan if wanted.recording is None else plans.choose(other.plans, plan.scenario)
     fitted = segments_of(file, own, other.recording, wanted.streams, given, wanted.most_s)
     if wanted.recording is None:
         names = {case.stream for case in fitted}
