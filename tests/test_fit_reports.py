@@ -115,7 +115,7 @@ def series(panel, label):
 
 
 def without_scripts(html):
-    return re.sub(r"<script.*?</script>", "", html, flags=re.DOTALL)
+    return re.sub(r"<script.*?</script>", "", html, flags=re.DOTALL).replace("\u00a0", " ")
 
 
 # structure

@@ -36,7 +36,7 @@ def html_of(run, tmp_path):
 
 
 def without_scripts(html):
-    return re.sub(r"<script.*?</script>", "", html, flags=re.DOTALL)
+    return re.sub(r"<script.*?</script>", "", html, flags=re.DOTALL).replace("\u00a0", " ")
 
 
 def figures(run):

@@ -28,7 +28,7 @@ _COLUMNS = (
     Column("", text=True, whole=True), Column("Note", text=True),
 )  # fmt: skip
 _LEFT_COLUMNS = (
-    Column("Engine", text=True), Column("Mode", text=True), *_QUANTITY, Column("Held"),
+    Column("Engine", text=True), Column("Mode", text=True, whole=True), *_QUANTITY, Column("Held"),
     Column("Unit", text=True, whole=True), Column("Note", text=True),
 )  # fmt: skip
 _NOTE = (
