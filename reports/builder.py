@@ -6,23 +6,22 @@ import functools
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import jinja2
+from markupsafe import Markup, escape
 
 from simcompare.errors import UnknownName
-from simcompare.reports.render import numbers, output
+from simcompare.reports import pages
+from simcompare.reports.render import matplotlib_, numbers, output, plotly_
 from simcompare.reports.render.figures import Figure, style_of
 from simcompare.reports.render.parts import Block
 from simcompare.reports.sections import of_run
 from simcompare.results.records.run import RunRecord
 from simcompare.results.run import Run
 
-if TYPE_CHECKING:
-    from jinja2 import Environment
-    from markupsafe import Markup
-
 _TEMPLATES = Path(__file__).parent / "templates"
-#: formats of figures; kept here so that a wrong one is found without importing matplotlib
-FIGURE_FORMATS = ("pdf", "png", "svg")
+#: signs that begin a verdict, and what it is; no verdict is told by its colour alone
+_MARKS = {"✓": "pass", "✗": "fail", "·": "info", "≠": "left", "⇄": "translated"}
 
 
 def write_html(runs: Sequence[Run], path: Path) -> Path:
@@ -40,20 +39,12 @@ def html_of(blocks: Sequence[Block]) -> str:
     Raises:
         OutputError: plotly's script is not installed.
     """
-    from markupsafe import Markup
-
-    from simcompare.reports.render import plotly_
-
-    return (
-        _environment()
-        .get_template("report.html")
-        .render(
-            blocks=blocks,
-            css=Markup((_TEMPLATES / "report.css").read_text(encoding="utf-8")),
-            js=Markup((_TEMPLATES / "report.js").read_text(encoding="utf-8")),
-            plotly=Markup(plotly_.script()),
-        )
+    page = _environment().get_template("report.html")
+    css, js = (
+        Markup((_TEMPLATES / name).read_text(encoding="utf-8"))
+        for name in ("report.css", "report.js")
     )
+    return page.render(blocks=blocks, css=css, js=js, plotly=Markup(plotly_.script()))
 
 
 def write_figures(runs: Sequence[Run], folder: Path, format: str) -> list[Path]:
@@ -73,10 +64,8 @@ def write_figures(runs: Sequence[Run], folder: Path, format: str) -> list[Path]:
 
 def write_figures_of(blocks: Sequence[Block], folder: Path, format: str) -> list[Path]:
     """The same for what is shown of something, which need not be a run."""
-    if format not in FIGURE_FORMATS:
-        raise UnknownName("figure format", format, FIGURE_FORMATS)
-    from simcompare.reports.render import matplotlib_
-
+    if format not in matplotlib_.FORMATS:
+        raise UnknownName("figure format", format, matplotlib_.FORMATS)
     written = []
     for block in blocks:
         # with several of them their number keeps the names apart
@@ -89,14 +78,11 @@ def write_figures_of(blocks: Sequence[Block], folder: Path, format: str) -> list
 
 
 def write_pdf(runs: Sequence[Run], path: Path) -> Path:
-    """Writes one PDF: answer, every figure with its caption, and the scores.
+    """Writes one PDF: answer, every figure with its caption, and the tables.
 
     Raises:
         OutputError: it cannot be written.
     """
-    from simcompare.reports import pages
-    from simcompare.reports.render import matplotlib_
-
     drawn = [page for block in blocks_of(runs) for page in pages.of(block)]
     return output.write(Path(path), matplotlib_.document(drawn))
 
@@ -121,28 +107,19 @@ def _block(anchor: str, run: Run) -> Block:
     parts = (section(run) for section in of_run(record))
     measured = record.against if isinstance(record, RunRecord) else None
     against = f"against {measured.file}" if measured is not None else None
-    origin = ", ".join(filter(None, (record.preset, against, record.created)))
     return Block(
         anchor,
         record.scenario,
         record.title,
         record.question,
-        origin,
-        record.software.simcompare,
-        tuple(part for part in parts if part is not None),
+        origin=", ".join(filter(None, (record.preset, against, record.created))),
+        version=record.software.simcompare,
+        parts=tuple(part for part in parts if part is not None),
     )
 
 
 @functools.cache
-def _environment() -> Environment:
-    import jinja2
-    from markupsafe import Markup
-
-    from simcompare.reports.render import plotly_
-
-    def figure_json(figure: Figure) -> Markup:
-        return Markup(plotly_.embedded(figure))  # it has escaped itself
-
+def _environment() -> jinja2.Environment:
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(_TEMPLATES),
         autoescape=jinja2.select_autoescape(["html"]),
@@ -150,31 +127,27 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.policies["urlize.rel"] = None  # a link in a file of its own gives nothing away
+    environment.policies["urlize.rel"] = None  # the page that is left is a file of the reader's own
     environment.filters.update(
-        figure_json=figure_json, cell=_cell, style=style_of, tied=numbers.tied, marked=_marked
+        figure_json=_figure_json, cell=_cell, style=style_of, tied=numbers.tied, marked=_marked
     )
     return environment
 
 
-#: signs that begin a verdict, and what it is; no verdict is told by its colour alone
-_MARKS = {"✓": "pass", "✗": "fail", "·": "info", "≠": "left", "⇄": "translated"}
+def _figure_json(figure: Figure) -> Markup:
+    return Markup(plotly_.embedded(figure))  # it has escaped itself
 
 
 def _marked(text: str) -> Markup:
     """Text with every verdict in its colour."""
-    from markupsafe import Markup, escape
-
-    # a dot inside of a text is a product
     marked = re.sub(
-        r"(^·|[✓✗≠⇄])[^✓✗≠⇄,]*",
+        r"(^·|[✓✗≠⇄])[^✓✗≠⇄,]*",  # a dot inside of a text is a product
         lambda found: f'<span class="{_MARKS[found[1]]}">{found[0]}</span>',
         escape(text),
     )
     return Markup(marked)
 
 
-def _cell(text: object) -> str:
+def _cell(text: str) -> str:
     """Text that neither ends a cell of a Markdown table nor is read as markup."""
-    line = " ".join(str(text).split())
-    return re.sub(r"([\\`*_\[\]<>|])", r"\\\1", line)
+    return re.sub(r"([\\`*_\[\]<>|])", r"\\\1", " ".join(text.split()))

@@ -40,7 +40,6 @@ DOORS = ("simcompare", "simcompare.__main__")
 LATE = {
     "simcompare.cli": "help and completion answer at once, without numpy and pydantic",
     "simcompare.scenarios.catalogue": "names are listed without reading a file",
-    "simcompare.reports.builder": "matplotlib and plotly are read for a report alone",
 }
 
 

@@ -43,11 +43,11 @@ def characterize(
     """Show how engines bounce, stick, swing and tell forces, over speeds and steps."""
     from simcompare.cli import console
     from simcompare.model.plain import plain
-    from simcompare.reports.builder import FIGURE_FORMATS
+    from simcompare.reports.render import matplotlib_
     from simcompare.verbs import characterize as verb
 
-    if figures is not None and figures not in FIGURE_FORMATS:
-        raise UnknownName("figure format", figures, FIGURE_FORMATS)
+    if figures is not None and figures not in matplotlib_.FORMATS:
+        raise UnknownName("figure format", figures, matplotlib_.FORMATS)
     with console.progress_bar("characterize") as progress:
         result = verb.characterize(
             experiments,
