@@ -229,7 +229,8 @@ def values(run: Run) -> Table | None:
         measured = numbers.with_u(group[0].measured, group[0].u_data or None)
         power = _thousands(max(abs(v) for row in group for v in (row.error, row.u_val)))
         of_power = f" 10{numbers.raised(power)}{unit}" if power else unit
-        title = f"{validations.titled(run, stream, runs.measure_words(measure))}: measured {measured}{unit}"
+        words = validations.titled(run, stream, runs.measure_words(measure))
+        title = f"{words}: measured {measured}{unit}"
         title += f"; error and u in{of_power}" if of_power else ""
         scales = [_budget_scale(power, column) for column in zip(*map(_sizes, group), strict=True)]
         groups.append(Group(title, tuple(_value(row, scales) for row in group)))
