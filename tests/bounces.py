@@ -2,11 +2,14 @@
 
 import numpy as np
 
-from simcompare.fitting.bounces import arcs
+from simcompare.fitting.bounces import arcs, records
 from simcompare.fitting.bounces.bounce_models import MODELS, bounces, height_at
+from simcompare.fitting.bounces.identifiability import identifiability
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.reading import from_times
 from simcompare.model.recording import Channel, Clock, Event, Provenance, Recording, Stream
+from simcompare.reports.fit import answer, form_words, identifiability_words
+from simcompare.results.records.fit_parts import finite
 
 TRUTH = {"restitution": 0.85, "drop_height_m": 1.0, "release_time_s": 0.3}
 #: a table-tennis ball in air
@@ -40,6 +43,29 @@ def filmed(values=TRUTH, u_m=3e-3, stated=True, **more) -> Impacts:
     """Height against time with noise, cut into flights."""
     time, height = filmed_samples(values, u_m=u_m, **more)
     return arcs.from_heights(time, height, u_m if stated else None)
+
+
+def drop_words(drop):
+    """What a report says was left out of a drop."""
+    return answer.dropped(records.drop_of(drop))
+
+
+def warnings_of(fit):
+    """What a report says that the reader of a fit must know."""
+    return form_words.warnings(finite(records.form_of(fit)))
+
+
+def choice_words(choice):
+    """What a report says of closed forms."""
+    return form_words.choice(
+        finite(records.choice_of(choice)), finite(records.form_of(choice.best))
+    )
+
+
+def known_words(fit):
+    """What a report says that the data can tell."""
+    filmed = any(drop.track for drop in fit.problem.drops)
+    return identifiability_words.of_bounces(identifiability(fit), fit.problem.priors, filmed=filmed)
 
 
 def recording(streams=None, events=(), file="log.csv") -> Recording:

@@ -7,13 +7,16 @@ import numpy as np
 import pytest
 
 from simcompare.errors import InputError
-from simcompare.fitting.bounces import profile
+from simcompare.fitting.bounces import other_estimates, profile, records
 from simcompare.fitting.bounces.fit import fit
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.ratios import ratios
 from simcompare.fitting.bounces.reading import from_rebounds, from_times
-from simcompare.fitting.bounces.unknowns import Prior
-from tests.bounces import IN_AIR, TERMINAL, TRUTH, filmed, heard, times_of
+from simcompare.model.plain import plain
+from simcompare.reports.fit import answer
+from simcompare.results.records.fit_bounces import Prior
+from simcompare.results.records.fit_parts import finite
+from tests.bounces import IN_AIR, TERMINAL, TRUTH, filmed, heard, times_of, warnings_of
 
 E = 0.85
 DRAWS = 200
@@ -134,7 +137,7 @@ def test_drag_left_out_biases_a_table_tennis_ball_by_three_and_a_half_percent():
     assert found.as_dict()["restitution"] / E - 1 == pytest.approx(-0.035, abs=0.001)
     assert found.rms["times"] == pytest.approx(5.1e-3, rel=0.02)
     assert found.s2 > 1000
-    assert any("scatter" in text and "another model" in text for text in found.warnings)
+    assert any("scatter" in text and "another model" in text for text in warnings_of(found))
 
 
 @pytest.mark.parametrize(
@@ -152,14 +155,10 @@ def test_vacuum_needs_no_drag_and_the_words_say_so():
     low, high = found.intervals[found.names.index("terminal_speed_m_s")]
     assert 20 < low < 1000
     assert high == math.inf
-    (said,) = [text for text in found.warnings if "no drag is seen" in text]
+    (said,) = [text for text in warnings_of(found) if "no drag is seen" in text]
     assert "is excluded" in said
-    assert (
-        json.loads(json.dumps(found.to_dict(), allow_nan=False))["parameters"][
-            "terminal_speed_m_s"
-        ]["value"]
-        is None
-    )
+    form = finite(records.form_of(found))
+    assert form.parameters["terminal_speed_m_s"].value is None
 
 
 # ---- covariance, intervals, ratios --------------------------------------------------------------
@@ -181,12 +180,14 @@ def test_ratios_have_the_uncertainty_of_flights_that_share_an_impact():
     flight = np.diff(times_of(TRUTH, 7))[:-1]
     assert found.u == pytest.approx(math.sqrt(2) * 1e-4 * math.sqrt(1 + E + E * E) / flight)
     assert found.values == pytest.approx([E] * 5)
-    assert "no trend" in found.text
 
 
 def test_ratios_that_rise_are_named_as_the_mark_of_drag():
-    assert "rise by" in ratios(heard(IN_AIR)).text
-    assert "drag" in ratios(heard(IN_AIR)).text
+    row, *_ = other_estimates.of_drops([heard(IN_AIR)], fit(heard(IN_AIR)))
+    assert "rise by" in answer.trend(row)
+    assert "drag" in answer.trend(row)
+    level, *_ = other_estimates.of_drops([exact(7, TRUTH)], fit(exact(7, TRUTH)))
+    assert "no trend" in answer.trend(level)
 
 
 def test_noise_that_exceeds_its_statement_widens_the_interval():
@@ -194,7 +195,7 @@ def test_noise_that_exceeds_its_statement_widens_the_interval():
     found, plain = fit(drop), fit(heard())
     assert found.s2 > 4
     assert u_of(found) == pytest.approx(u_of(plain) * math.sqrt(found.s2), rel=0.05)
-    assert any("times as much about this model" in text for text in found.warnings)
+    assert any("times as much about this model" in text for text in warnings_of(found))
 
 
 def test_less_noise_than_stated_is_no_reason_for_smaller_intervals():
@@ -225,14 +226,14 @@ def test_profiles_replace_intervals_of_what_is_correlated():
 def test_a_prior_that_contradicts_the_data_is_told():
     found = fit(heard(), priors={"drop_height_m": Prior(1.02, 1e-3)})
     assert found.pulls["drop_height_m"] < -3
-    (said,) = [text for text in found.warnings if "contradicts" in text]
+    (said,) = [text for text in warnings_of(found) if "contradicts" in text]
     assert "the prior 1.02 ± 0.001 of drop_height_m" in said
     assert "below it" in said
 
 
 def test_a_wrong_terminal_speed_is_told_with_its_side():
     found = fit(heard(IN_AIR), "constant+drag", priors={"terminal_speed_m_s": Prior(9.5, 0.1)})
-    (said,) = [text for text in found.warnings if "contradicts" in text]
+    (said,) = [text for text in warnings_of(found) if "contradicts" in text]
     assert "below it" in said
 
 
@@ -241,7 +242,7 @@ def test_priors_that_agree_are_not_complained_about():
     told = 0
     for seed in range(60):
         priors = {"drop_height_m": drawn(1.0, 1e-3, generator)}
-        told += any("contradicts" in t for t in fit(heard(seed=seed), priors=priors).warnings)
+        told += any("contradicts" in t for t in warnings_of(fit(heard(seed=seed), priors=priors)))
     assert told <= 2
 
 
@@ -281,7 +282,7 @@ def test_too_few_bounces_are_refused_in_words_and_a_known_height_helps():
         fit(two)
     found = fit(two, fixed={"drop_height_m": 1.0})
     assert found.as_dict()["restitution"] == pytest.approx(E, abs=1e-9)
-    assert any("nothing is left that could show" in text for text in found.warnings)
+    assert any("nothing is left that could show" in text for text in warnings_of(found))
 
 
 def test_unknown_noise_with_nothing_left_to_tell_it_is_refused():
@@ -334,9 +335,10 @@ def test_the_effective_restitution_carries_its_uncertainty_over_the_speeds():
 
 def test_a_fit_becomes_plain_values():
     found = fit(heard(IN_AIR), "power+drag", priors=RECOMMENDED)
-    plain = json.loads(json.dumps(found.to_dict(), allow_nan=False))
-    assert plain["model"] == "power+drag"
-    row = plain["parameters"]["restitution"]
+    form = plain(finite(records.form_of(found)))
+    json.dumps(form, allow_nan=False)
+    assert form["model"] == "power+drag"
+    row = form["parameters"]["restitution"]
     assert row["low"] < row["value"] < row["high"]
-    assert set(plain["pulls"]) == set(RECOMMENDED)
-    assert plain["s2"] >= 1
+    assert set(form["pulls"]) == set(RECOMMENDED)
+    assert form["s2"] >= 1

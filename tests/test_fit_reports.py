@@ -4,10 +4,12 @@ import json
 import math
 import re
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from simcompare.model.plain import of_plain, plain
 from simcompare.reports import builder
 from simcompare.reports.fit import figures as fitted_figures
 from simcompare.reports.fit import fits, more_figures, tables
@@ -15,6 +17,8 @@ from simcompare.reports.fit import tuned as fitted_tuned
 from simcompare.reports.render import matplotlib_, numbers, plotly_
 from simcompare.reports.render.figures import Figure, Matrix, Panel
 from simcompare.reports.sections import FIT, of_run
+from simcompare.results.records.fit_bounces import Dropped, Prior, ProfileRow, Unknown
+from simcompare.results.records.fit_parts import Value
 from simcompare.verbs import fit as fitting
 from tests import records
 from tests.bounces import IN_AIR, TRUTH, filmed_samples, times_of
@@ -97,11 +101,12 @@ def any_run(request):
 
 def changed(run, **more):
     """The same run with another record of its fit."""
-    return records.changed(run, fit={**plain(run.record.fit), **more})
+    return records.changed(run, fit=replace(run.record.fit, **more))
 
 
-def plain(value):
-    return json.loads(json.dumps(value))
+def of_dict(run, tree):
+    """The same run with the record of a fit that JSON would hold."""
+    return records.changed(run, fit=of_plain(type(run.record.fit), tree))
 
 
 def figures(run):
@@ -134,7 +139,7 @@ def test_every_section_is_in_the_html_which_fetches_nothing(any_run, tmp_path):
                   "What the data can tell", "Drops that were not fitted", "With another residual",
                   "What was measured", "How it was made"):  # fmt: skip
         assert f"<h2>{title}</h2>" in own
-    for sentence in any_run.record.fit["sentences"]:
+    for sentence in any_run.record.fit.sentences:
         assert sentence.split("(")[0].strip() in own
     assert not re.findall(r"(?:src|href)\s*=\s*[\"'](?!#|data:)", own)
 
@@ -178,7 +183,7 @@ def test_hostile_names_stay_text(heard, tmp_path):
     record["measured"][0]["dropped"] = [
         {"what": "impact", "number": 9, "time_s": 1.0, "reason": EVIL}
     ]
-    evil = changed(heard, **record)
+    evil = of_dict(heard, record)
     html = builder.write_html([evil], tmp_path / "r.html").read_text(encoding="utf-8")
     assert "<script>alert" not in html
     assert "&lt;script&gt;alert(1)" in html
@@ -195,14 +200,14 @@ def test_hostile_names_stay_text(heard, tmp_path):
 
 def test_a_fit_for_plain_loops_leads_with_what_to_type_in(tuned, tmp_path):
     table = fitted_tuned.typed(tuned)
-    sources = {row["name"]: row for row in tuned.record.fit["sources"]}
+    sources = {row.name: row for row in tuned.record.fit.sources}
     rows = cells(table)
     assert [row[0] for row in rows] == ["closed form", "dart", "pymunk"]
     for name, told, first, *_ in rows[1:]:
-        (number,) = sources[name]["numbers"]
-        assert told == f"{number['name']} = {numbers.with_u(number['value'], number['u'])}"
-        shown = sources[name]["impacts"][0]
-        assert first == numbers.with_u(shown["restitution"], shown["u_phase"])
+        (number,) = sources[name].numbers
+        assert told == f"{number.name} = {numbers.with_u(number.value, number.u)}"
+        shown = sources[name].impacts[0]
+        assert first == numbers.with_u(shown.restitution, shown.u_phase)
     html = builder.write_html([tuned], tmp_path / "r.html").read_text(encoding="utf-8")
     own = without_scripts(html)
     assert "Type these into a loop with a step of 3 ms" in own
@@ -221,11 +226,11 @@ def test_a_fit_for_plain_loops_leads_with_what_to_type_in(tuned, tmp_path):
 def test_each_impact_in_a_plain_loop_is_drawn_beside_the_closed_form(tuned):
     figure = fitted_tuned.impacts_figure(tuned)
     off, late = figure.panels
-    for source in tuned.record.fit["sources"]:
-        if source["status"] == "ok":
-            shown = series(off, source["name"])
-            assert shown.y == pytest.approx([100 * row["deviation"] for row in source["impacts"]])
-            assert series(late, source["name"]).y[0] > 0
+    for source in tuned.record.fit.sources:
+        if source.status == "ok":
+            shown = series(off, source.name)
+            assert shown.y == pytest.approx([100 * row.deviation for row in source.impacts])
+            assert series(late, source.name).y[0] > 0
     # a delay by the contact is no residual of the fit
     (left,) = fitted_figures.left_figures(tuned)
     assert set(left.legend) <= {"closed form", "± 2u of the measurement", "± 2u, widened"}
@@ -248,15 +253,15 @@ def test_residuals_are_measured_less_simulated(heard):
     assert figure.panels[0].y_label == "measured − simulated (µs)"
     record = heard.record.fit
     for number, panel in enumerate(figure.panels):
-        for source in record["sources"]:
-            drawn = series(panel, source["name"]).y
-            assert drawn == pytest.approx(1e6 * np.array(source["left_s"][number]), abs=1e-3)
+        for source in record.sources:
+            drawn = series(panel, source.name).y
+            assert drawn == pytest.approx(1e6 * np.array(source.left_s[number]), abs=1e-3)
         closed = series(panel, "closed form")
         assert np.sqrt(np.mean(closed.y**2)) == pytest.approx(
-            1e6 * record["closed_form"]["rms"]["times"], rel=0.5
+            1e6 * record.closed_form.rms["times"], rel=0.5
         )
         band = series(panel, "± 2u of the measurement")
-        assert band.u == pytest.approx(2e6 * np.array(record["measured"][number]["u_s"]))
+        assert band.u == pytest.approx(2e6 * np.array(record.measured[number].u_s))
 
 
 def test_scatter_beyond_what_is_stated_has_a_band_of_its_own(heard):
@@ -264,8 +269,8 @@ def test_scatter_beyond_what_is_stated_has_a_band_of_its_own(heard):
     (figure,) = fitted_figures.left_figures(heard)
     wide, stated = (series(figure.panels[0], label).u
                     for label in ("± 2u, widened", "± 2u of the measurement"))  # fmt: skip
-    assert wide / stated == pytest.approx(math.sqrt(record["closed_form"]["s2"]))
-    calm = changed(heard, closed_form={**record["closed_form"], "s2": 1.0})
+    assert wide / stated == pytest.approx(math.sqrt(record.closed_form.s2))
+    calm = changed(heard, closed_form=replace(record.closed_form, s2=1.0))
     (figure,) = fitted_figures.left_figures(calm)
     assert "± 2u, widened" not in figure.legend
 
@@ -279,7 +284,7 @@ def test_a_video_shows_times_heights_and_samples(filmed):
     assert panel.y_label == "measured − simulated (mm)"
     closed = series(panel, "closed form").y
     assert np.sqrt(np.mean(closed**2)) == pytest.approx(
-        1e3 * filmed.record.fit["closed_form"]["rms"]["track"], rel=1e-6
+        1e3 * filmed.record.fit.closed_form.rms["track"], rel=1e-6
     )
     assert np.std(series(panel, "pymunk").y) == pytest.approx(3.0, rel=0.3)
 
@@ -287,9 +292,9 @@ def test_a_video_shows_times_heights_and_samples(filmed):
 def test_engines_without_the_law_are_told_to_be_without_it(falling, in_air):
     (figure,) = fitted_figures.left_figures(falling)
     assert "Engines have no such contact" in figure.caption
-    form = falling.record.fit["engine_form"]
+    form = falling.record.fit.engine_form
     rows = cells(tables.engines(falling))
-    assert rows[0][1] == fits.value_words(form["parameters"]["restitution"])
+    assert rows[0][1] == fits.value_words(form.parameters["restitution"])
     assert fits.other_form(in_air) == ""
     (figure,) = fitted_figures.left_figures(in_air)
     assert "Engines have no such contact" not in figure.caption
@@ -301,24 +306,24 @@ def test_engines_without_the_law_are_told_to_be_without_it(falling, in_air):
 def test_the_table_of_engines_is_the_record(heard):
     closed, *rows = cells(tables.engines(heard))
     record = heard.record.fit
-    own = record["closed_form"]["parameters"]["restitution"]
-    assert closed[:2] == ("closed form", numbers.with_u(own["value"], own["u"]))
-    for row, source in zip(rows, record["sources"], strict=True):
-        given, effective = source["parameters"]["restitution"], source["effective"]["restitution"]
+    own = record.closed_form.parameters["restitution"]
+    assert closed[:2] == ("closed form", numbers.with_u(own.value, own.u))
+    for row, source in zip(rows, record.sources, strict=True):
+        given, effective = source.parameters["restitution"], source.effective["restitution"]
         low, high = (float(end) for end in row[2].split(" to "))
-        assert row[0] == source["name"]
-        assert row[1] == numbers.with_u(given["value"], given["u"])
-        assert (low, high) == pytest.approx(given["interval95"], abs=0.02 * (high - low))
-        assert row[3] == numbers.with_u(effective["value"], effective["u"])
-        assert row[4] == str(source["simulations"])
+        assert row[0] == source.name
+        assert row[1] == numbers.with_u(given.value, given.u)
+        assert (low, high) == pytest.approx(given.interval95, abs=0.02 * (high - low))
+        assert row[3] == numbers.with_u(effective.value, effective.u)
+        assert row[4] == str(source.simulations)
 
 
 def test_an_engines_interval_holds_its_own_scatter(any_run):
-    for source in any_run.record.fit["sources"]:
-        row = source["parameters"]["restitution"]
-        low, high = row["interval95"]
-        assert high - low >= 2 * 1.95 * row["u_num"]
-        assert low < row["value"] < high
+    for source in any_run.record.fit.sources:
+        row = source.parameters["restitution"]
+        low, high = row.interval95
+        assert high - low >= 2 * 1.95 * row.u_num
+        assert low < row.value < high
 
 
 def test_parameter_and_effective_value_are_drawn_apart(heard):
@@ -328,19 +333,19 @@ def test_parameter_and_effective_value_are_drawn_apart(heard):
     parameter, effective = series(panel, "parameter"), series(panel, "effective value ± 2u")
     assert effective.style.hollow
     assert not parameter.style.hollow
-    for i, source in enumerate(heard.record.fit["sources"]):
-        assert parameter.x[i + 1] == source["parameters"]["restitution"]["value"]
-        assert effective.x[i] == source["effective"]["restitution"]["value"]
-    own = heard.record.fit["closed_form"]["parameters"]["restitution"]
-    assert (panel.spans[0].low, panel.spans[0].high) == (own["low"], own["high"])
+    for i, source in enumerate(heard.record.fit.sources):
+        assert parameter.x[i + 1] == source.parameters["restitution"].value
+        assert effective.x[i] == source.effective["restitution"].value
+    own = heard.record.fit.closed_form.parameters["restitution"]
+    assert (panel.spans[0].low, panel.spans[0].high) == (own.low, own.high)
 
 
 def test_an_open_interval_is_told_as_open():
-    row = {"value": 9.0, "u": None, "low": 7.0, "high": None}
+    row = Unknown(value=9.0, u=None, low=7.0, high=None, interval="profile")
     assert fits.interval_words(row) == "above 7"
-    assert fits.interval_words({**row, "low": None}) == "open"
-    assert fits.interval_words({**row, "low": None, "high": 3.0}) == "below 3"
-    infinite = {"value": None, "u": None}
+    assert fits.interval_words(replace(row, low=None)) == "open"
+    assert fits.interval_words(replace(row, low=None, high=3.0)) == "below 3"
+    infinite = Value(None, None)
     assert fits.value_words(infinite, "terminal_speed_m_s") == "no drag seen"
 
 
@@ -349,7 +354,7 @@ def test_an_engine_that_failed_is_told_with_its_reason(heard, tmp_path):
     record["sources"][0] |= {"status": "failed", "reason": "it fell through", "parameters": {},
                              "effective": {}}  # fmt: skip
     record["sources"][0].pop("left")
-    broken = changed(heard, sources=record["sources"])
+    broken = of_dict(heard, record)
     html = builder.write_html([broken], tmp_path / "r.html").read_text(encoding="utf-8")
     assert "it fell through" in html
     assert "Could not be fitted: dart" in html
@@ -360,11 +365,11 @@ def test_an_engine_that_failed_is_told_with_its_reason(heard, tmp_path):
 
 
 def test_bars_of_closed_forms_end_but_keep_their_numbers(in_air):
-    rows = in_air.record.fit["choice"]["candidates"]
+    rows = in_air.record.fit.choice.candidates
     figure = more_figures.forms_figure(in_air)
     (bars,) = figure.panels[0].bars
-    assert max(row["delta"] for row in rows) > 30 == bars.heights.max()
-    assert bars.texts[-1] == numbers.plain(rows[-1]["delta"], 2)
+    assert max(row.delta for row in rows) > 30 == bars.heights.max()
+    assert bars.texts[-1] == numbers.plain(rows[-1].delta, 2)
     assert len(cells(tables.forms(in_air))) == len(rows)
 
 
@@ -380,24 +385,24 @@ def test_drag_shows_in_ratios_but_not_in_the_restitution(in_air):
     assert measured.y == pytest.approx(ratio.y, abs=0.005)
     assert measured.x == pytest.approx(ratio.x)
     assert np.all(np.diff(measured.x) < 0)  # every bounce is slower than the one before
-    for source in in_air.record.fit["sources"]:
-        assert series(panel, source["name"]).y == pytest.approx(law.y[0], abs=0.002)
+    for source in in_air.record.fit.sources:
+        assert series(panel, source.name).y == pytest.approx(law.y[0], abs=0.002)
 
 
 def test_the_matrix_holds_the_correlations(heard):
     (panel,) = more_figures.correlation_figure(heard).panels
-    known = heard.record.fit["identifiability"]
-    assert panel.matrix.values == pytest.approx(np.array(known["correlation"]))
+    known = heard.record.fit.identifiability
+    assert panel.matrix.values == pytest.approx(np.array(known.correlation))
     assert panel.y_ticks[1] == "drop height of drop 1"
 
 
 def test_a_profile_crosses_its_level_at_the_ends_of_the_interval(in_air):
     figure = more_figures.profile_figures(in_air)[0]
     record = in_air.record.fit
-    for panel, row in zip(figure.panels, record["profiles"], strict=False):
+    for panel, row in zip(figure.panels, record.profiles, strict=False):
         curve = series(panel, "profile")
-        best = record["closed_form"]["parameters"][row["name"]]
-        low = np.interp(best["value"] - 1.96 * best["u"], curve.x, curve.y)
+        best = record.closed_form.parameters[row.name]
+        low = np.interp(best.value - 1.96 * best.u, curve.x, curve.y)
         assert low == pytest.approx(3.84, rel=0.15)
         assert curve.y.min() == pytest.approx(0, abs=0.01)
 
@@ -407,15 +412,15 @@ def test_a_profile_crosses_its_level_at_the_ends_of_the_interval(in_air):
 
 def test_a_held_out_drop_is_shown_with_its_e_n(heard):
     figure = more_figures.holdout_figure(heard)
-    drop = heard.record.fit["holdout"]["drops"][0]
+    drop = heard.record.fit.holdout.drops[0]
     own = series(figure.panels[0], "of the held-out drop ± 2u")
-    assert own.x[0] == drop["restitution"] == pytest.approx(0.86, abs=1e-3)
-    assert own.u[0] == 2 * drop["u_restitution"]
+    assert own.x[0] == drop.restitution == pytest.approx(0.86, abs=1e-3)
+    assert own.u[0] == 2 * drop.u_restitution
     shown = series(figure.panels[1], "closed form").x[0]
-    assert shown == min(abs(drop["e_n"]), 10.0) > 1
+    assert shown == min(abs(drop.e_n), 10.0) > 1
     rows = cells(tables.holdout(heard))
     assert [row[0] for row in rows] == ["closed form", "dart", "pymunk"]
-    assert rows[0][3] == numbers.plain(abs(drop["e_n"]), 3)
+    assert rows[0][3] == numbers.plain(abs(drop.e_n), 3)
 
 
 def test_without_a_held_out_drop_nothing_was_validated(in_air, tmp_path):
@@ -427,40 +432,39 @@ def test_without_a_held_out_drop_nothing_was_validated(in_air, tmp_path):
 def test_another_residual_moves_the_restitution(in_air):
     figure = more_figures.others_figure(in_air)
     (panel,) = figure.panels
-    rows = in_air.record.fit["other_estimates"]
-    assert panel.series[0].x.tolist() == [row["value"] for row in rows]
+    rows = in_air.record.fit.other_estimates
+    assert panel.series[0].x.tolist() == [row.value for row in rows]
     table = cells(tables.others(in_air))
     assert table[0][3] == "no"  # the mean ratio does not know drag
-    low, high = fits.interval(in_air.record.fit["closed_form"]["parameters"]["restitution"])
+    low, high = fits.interval(in_air.record.fit.closed_form.parameters["restitution"])
     for row, cell in zip(rows, table, strict=True):
-        assert cell[3] == ("yes" if low <= row["value"] <= high else "no")
+        assert cell[3] == ("yes" if low <= row.value <= high else "no")
 
 
 def test_what_was_measured_and_where_it_holds_are_told(heard):
     rows = cells(tables.measured(heard))
     assert [row[2] for row in rows] == ["fitted", "fitted", "held out"]
-    low, high = heard.record.fit["valid"]["speed_m_s"]
+    low, high = heard.record.fit.valid.speed_m_s
     told = tables.valid(heard)["valid for impacts at"]
     assert told == f"{numbers.plain(low, 3)} to {numbers.plain(high, 3)} m/s"
 
 
 def test_what_was_left_out_is_told_with_its_reason(heard):
     assert tables.left_out(heard) is None
-    measured = plain(heard.record.fit["measured"])
-    measured[0] |= {"missed": [4], "dropped": [
-        {"what": "impact", "number": 6, "time_s": 1.25, "reason": "a click of the switch"}
-    ]}  # fmt: skip
-    rows = cells(tables.left_out(changed(heard, measured=measured)))
+    click = Dropped("impact", 6, 1.25, "a click of the switch")
+    first, *rest = heard.record.fit.measured
+    first = replace(first, missed=(4,), dropped=(click,))
+    rows = cells(tables.left_out(changed(heard, measured=(first, *rest))))
     assert rows[0] == ("first.wav", "impact 6", "1.25", "a click of the switch")
     assert rows[1][1] == "impact 4"
 
 
 def test_priors_and_fixed_values_are_told(heard):
     assert tables.known(heard) is None
-    closed = {
-        **heard.record.fit["closed_form"], "fixed": {"terminal_speed_m_s": 9.0},
-        "priors": {"drop_height_m": {"value": 1.0, "u": 0.002}}, "pulls": {"drop_height_m": -2.5},
-    }  # fmt: skip
+    closed = replace(
+        heard.record.fit.closed_form, fixed={"terminal_speed_m_s": 9.0},
+        priors={"drop_height_m": Prior(1.0, 0.002)}, pulls={"drop_height_m": -2.5},
+    )  # fmt: skip
     fixed, prior = cells(tables.known(changed(heard, closed_form=closed)))
     assert fixed[:3] == ("terminal speed (m/s)", "fixed", "9")
     assert prior == ("drop height (m)", "prior", "1.0000 ± 0.0020", "−2.5")
@@ -495,8 +499,8 @@ def test_a_matrix_is_drawn_on_paper_with_its_numbers():
 
 def test_numbers_below_the_axes_are_written_whole():
     figure = more_figures._profile_panel(
-        {"name": "restitution", "values": [0.79998, 0.80002], "chi2": [4.0, 4.0]},
-        {"value": 0.8, "u": 1e-5},
+        ProfileRow("restitution", (0.79998, 0.80002), (4.0, 4.0), None, None),
+        Unknown(value=0.8, u=1e-5, low=None, high=None, interval="normal"),
     )
     page = matplotlib_.canvas(Figure("p", "P", "C.", (figure,)))
     page.canvas.draw()

@@ -43,10 +43,10 @@ def test_a_ball_with_other_names_is_fitted_on_every_engine(tmp_path, assist):
                    gravity_m_s2="pull_m_s2", mass_kg="weight_kg")  # fmt: skip
     drop = stopwatch(tmp_path / "drop.csv")
     run = simcompare.fit(str(path), recordings=[drop], assist=assist, out=tmp_path / "runs")
-    rows = {source["name"]: source for source in run.record.fit["sources"]}
+    rows = {source.name: source for source in run.record.fit.sources}
     for source in map(rows.get, INSTALLED):
-        assert source["status"] == "ok", source["reason"]
-        assert source["effective"]["restitution"]["value"] == pytest.approx(E, rel=0.01)
+        assert source.status == "ok", source.reason
+        assert source.effective["restitution"].value == pytest.approx(E, rel=0.01)
     again = simcompare.run(str(path), engine="pymunk", contact=str(run.folder), seeds=1)
     assert again.record.sources[0].status == "ok"
     high = simcompare.run(str(path), engine="pymunk", contact=str(run.folder), seeds=1,
@@ -76,7 +76,7 @@ def test_a_scene_without_gravity_and_drag_has_the_gravity_of_its_world(tmp_path)
     assert roles.values({"terminal_speed_m_s": 8.0})["drag_coefficient"] == 0
     drop = stopwatch(tmp_path / "drop.csv")
     run = simcompare.fit(str(path), recordings=[drop], engine="pymunk")
-    assert run.record.fit["closed_form"]["fixed"]["gravity_m_s2"] == 9.81
+    assert run.record.fit.closed_form.fixed["gravity_m_s2"] == 9.81
     with pytest.raises(InputError, match="no parameter of it"):
         simcompare.fit(str(path), recordings=[drop], engine="pymunk", fixed={"gravity": 9.7})
 

@@ -35,36 +35,36 @@ def found(tmp_path_factory):
 
 def test_every_engine_gets_its_parameter_and_shows_the_measured_restitution(found):
     record = found.record.fit
-    ran = [source for source in record["sources"] if source["status"] == "ok"]
+    ran = [source for source in record.sources if source.status == "ok"]
     assert len(ran) >= 3
     for source in ran:
-        parameter = source["parameters"]["restitution"]
+        parameter = source.parameters["restitution"]
         # the limits asked for: 0.2 %, and 0.3 % for a contact that is a spring
-        assert abs(parameter["value"] / E - 1) < 0.002, source["name"]
-        assert abs(parameter["value"] - E) < 4 * parameter["u"]
-        assert source["simulations"] <= 8
-    shown = [source["effective"]["restitution"]["value"] for source in ran]
+        assert abs(parameter.value / E - 1) < 0.002, source.name
+        assert abs(parameter.value - E) < 4 * parameter.u
+        assert source.simulations <= 8
+    shown = [source.effective["restitution"].value for source in ran]
     assert (max(shown) - min(shown)) / E < 0.001
 
 
 def test_what_is_left_is_the_noise(found):
-    for source in found.record.fit["sources"]:
-        if source["status"] == "ok":
-            assert np.std(source["left_s"][0]) < 2 * U_S, source["name"]
+    for source in found.record.fit.sources:
+        if source.status == "ok":
+            assert np.std(source.left_s[0]) < 2 * U_S, source.name
 
 
 def test_a_held_out_drop_from_another_height_is_predicted(found):
-    (row,) = found.record.fit["holdout"]["drops"]
-    assert abs(row["e_n"]) <= 1
-    for source in found.record.fit["sources"]:
-        if source["status"] == "ok":
-            assert abs(source["holdout"][0]["e_n"]) <= 1
+    (row,) = found.record.fit.holdout.drops
+    assert abs(row.e_n) <= 1
+    for source in found.record.fit.sources:
+        if source.status == "ok":
+            assert abs(source.holdout[0].e_n) <= 1
 
 
 def test_without_a_held_out_drop_nothing_was_validated(tmp_path):
     drop = stopwatch(tmp_path / "drop.csv")
     record = simcompare.fit("ball", recordings=[drop], engine="pymunk").record.fit
-    assert any("nothing was validated" in text for text in record["sentences"])
+    assert any("nothing was validated" in text for text in record.sentences)
 
 
 def test_a_fit_is_used_again_and_its_range_is_watched(found):

@@ -1,13 +1,10 @@
 """Impacts drawn from sound, stopwatches, videos and tables; what is missed or spurious is told."""
 
-import json
-
 import numpy as np
 import pytest
 
 from simcompare.errors import InputError
-from simcompare.fitting.bounces import arcs
-from simcompare.fitting.bounces.impacts import sentences
+from simcompare.fitting.bounces import arcs, records
 from simcompare.fitting.bounces.reading import (
     from_rebounds,
     from_recording,
@@ -15,8 +12,10 @@ from simcompare.fitting.bounces.reading import (
     from_times,
 )
 from simcompare.hardware.recordings import bounce_table
+from simcompare.model.plain import plain
+from simcompare.results.records.fit_parts import finite
 from simcompare.verbs.import_log import import_log
-from tests.bounces import IN_AIR, TRUTH, filmed, filmed_samples, recording, times_of
+from tests.bounces import IN_AIR, TRUTH, drop_words, filmed, filmed_samples, recording, times_of
 
 EVENTS = times_of(count=7)
 
@@ -31,7 +30,7 @@ def test_impacts_that_were_heard_keep_their_own_uncertainties():
     assert drop.times_s.tolist() == EVENTS.tolist()
     assert drop.u_s.tolist() == u.tolist()
     assert drop.numbers == (1, 2, 3, 4, 5, 6, 7)
-    assert (drop.kind, drop.source, drop.told()) == ("sound", "log.csv", [])
+    assert (drop.kind, drop.source, drop_words(drop)) == ("sound", "log.csv", [])
 
 
 def test_other_events_are_no_impacts():
@@ -71,7 +70,9 @@ def test_a_flight_that_lasts_twice_as_long_is_a_missed_impact(values, missed):
     assert drop.missed == (missed,)
     assert drop.numbers == tuple(n for n in range(1, 9) if n != missed)
     assert drop.dropped == ()
-    assert drop.told() == [f"impact {missed} not recorded: a flight there lasts too long for one"]
+    assert drop_words(drop) == [
+        f"impact {missed} not recorded: a flight there lasts too long for one"
+    ]
 
 
 @pytest.mark.parametrize("values", [TRUTH, IN_AIR])
@@ -139,8 +140,9 @@ def test_drops_after_each_other_are_taken_apart():
     assert [len(d.times_s) for d in drops] == [6, 5]
     knock = second[1] + first[-1] + 3.2
     drops = from_times(np.sort([*first, *(second + first[-1] + 3), knock]), 1e-4)
-    assert sentences(drops) == [
-        f"drop 2: impact 9 at {knock:.4f} s was left out: it is within the flight from impact 2"
+    assert drop_words(drops[0]) == []
+    assert drop_words(drops[1]) == [
+        f"impact 9 at {knock:.4f} s was left out: it is within the flight from impact 2"
         f" to 3, 200.0 ms ({0.2 / (second[2] - second[1]):.0%}) into it"
     ]
 
@@ -323,7 +325,7 @@ def test_heights_that_cannot_be_are_refused(heights, message):
 def test_impacts_become_plain_values():
     knock = EVENTS[2] + 0.1
     (drop,) = from_times(np.sort([*EVENTS, knock]))
-    plain = json.loads(json.dumps(drop.to_dict(), allow_nan=False))
-    assert plain["u_s"] == [None] * 7
-    assert plain["dropped"][0]["number"] == 4
-    assert plain["numbers"] == [1, 2, 3, 4, 5, 6, 7]
+    found = plain(finite(records.drop_of(drop)))
+    assert found["u_s"] == [None] * 7
+    assert found["dropped"][0]["number"] == 4
+    assert found["numbers"] == [1, 2, 3, 4, 5, 6, 7]

@@ -27,26 +27,26 @@ def found(tmp_path_factory):
 
 
 def sources(run):
-    rows = {source["name"]: source for source in run.record.fit["sources"]}
+    rows = {source.name: source for source in run.record.fit.sources}
     return {name: rows[name] for name in INSTALLED}
 
 
 def test_a_fit_is_for_a_plain_loop_unless_help_is_asked_for(found):
     record = found.record.fit
-    assert (record["contact"], record["assist"]) == ("tuned", "none")
+    assert (record.contact, record.assist) == ("tuned", "none")
     assert found.exit_code == 0
     for source in sources(found).values():
-        assert source["status"] == "ok"
-        assert source["contact"] == "tuned"
-        assert source["step_s"] == STEP_S
-    assert record["sentences"][0].startswith("Type these into a loop with a step of 1 ms: ")
+        assert source.status == "ok"
+        assert source.contact == "tuned"
+        assert source.step_s == STEP_S
+    assert record.sentences[0].startswith("Type these into a loop with a step of 1 ms: ")
 
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_the_numbers_transfer_to_a_bare_loop(found, engine):
     need(engine)
-    numbers = tuple(row["value"] for row in sources(found)[engine]["numbers"])
-    speed = found.record.fit["tuned_to"]["speed_m_s"]
+    numbers = tuple(row.value for row in sources(found)[engine].numbers)
+    speed = found.record.fit.tuned_to.speed_m_s
     bare = ENGINES[engine](STEP_S)
     # phases that neither the calibration nor the fit has seen
     assert bare(numbers, speed, even_phases(23, 0.3)).mean == pytest.approx(E, rel=0.005)
@@ -55,63 +55,61 @@ def test_the_numbers_transfer_to_a_bare_loop(found, engine):
 
 
 def test_a_number_carries_the_uncertainty_of_the_restitution(found):
-    goal = found.record.fit["tuned_to"]
+    goal = found.record.fit.tuned_to
     for source in sources(found).values():
-        *chosen, last = source["numbers"]
-        assert all(row["u"] == 0 for row in chosen)
-        scatter = source["tuning"][0]["at"][0]["scatter"]
-        whole = math.hypot(goal["u"], scatter / 5)
+        *chosen, last = source.numbers
+        assert all(row.u == 0 for row in chosen)
+        scatter = source.tuning[0].at[0].scatter
+        whole = math.hypot(goal.u, scatter / 5)
         if not chosen:  # a coefficient is nearly the restitution
-            assert last["u"] == pytest.approx(whole, rel=0.05)
+            assert last.u == pytest.approx(whole, rel=0.05)
         else:  # ln e is about proportional to the damping
-            assert last["u"] / abs(last["value"]) == pytest.approx(
-                whole / E / -math.log(E), rel=0.2
-            )
+            assert last.u / abs(last.value) == pytest.approx(whole / E / -math.log(E), rel=0.2)
 
 
 def test_the_time_of_the_contact_is_told_and_not_made_up_for(found):
     spring = sources(found)["mujoco"]
-    first = spring["impacts"][0]
-    assert first["restitution"] == pytest.approx(E, rel=0.005)
-    assert first["late_s"] > 2e-3
-    assert spring["contact_of_first_impact"]["contact_s"] > 5e-3
-    assert spring["contact_of_first_impact"]["penetration_m"] > 5e-3
-    late = [row["late_s"] for row in spring["impacts"]]
+    first = spring.impacts[0]
+    assert first.restitution == pytest.approx(E, rel=0.005)
+    assert first.late_s > 2e-3
+    assert spring.contact_of_first_impact.contact_s > 5e-3
+    assert spring.contact_of_first_impact.penetration_m > 5e-3
+    late = [row.late_s for row in spring.impacts]
     assert np.all(np.diff(late) > 0)
     # no engine's physical parameters were moved to fit its own delays
-    given = {source["parameters"]["restitution"]["value"] for source in sources(found).values()}
+    given = {source.parameters["restitution"].value for source in sources(found).values()}
     assert len(given) == 1
 
 
 def test_every_recorded_impact_is_set_beside_the_closed_form(found):
     for source in sources(found).values():
-        assert [row["number"] for row in source["impacts"]] == list(range(1, 8))
-        assert source["impacts"][0]["deviation"] == pytest.approx(0, abs=0.005)
-        mean = np.mean([row["restitution"] for row in source["impacts"]])
-        assert source["effective"]["restitution"]["value"] == pytest.approx(mean, rel=1e-9)
-        assert source["impacts"][0]["scatter"] > 0
+        assert [row.number for row in source.impacts] == list(range(1, 8))
+        assert source.impacts[0].deviation == pytest.approx(0, abs=0.005)
+        mean = np.mean([row.restitution for row in source.impacts])
+        assert source.effective["restitution"].value == pytest.approx(mean, rel=1e-9)
+        assert source.impacts[0].scatter > 0
 
 
 def test_a_held_out_drop_is_judged_by_restitution_and_heights(found):
-    (drop,) = found.record.fit["holdout"]["drops"]
-    assert abs(drop["e_n"]) <= 1
-    assert [row["number"] for row in drop["heights"]] == [1, 2, 3, 4, 5, 6]
-    assert all(abs(row["e_n"]) <= 1.2 for row in drop["heights"])
-    spring = drop["engines"]["mujoco"]
-    assert abs(spring["e_n"]) <= 1
-    assert spring["heights"][0]["predicted"] == pytest.approx(0.7 * E**2, rel=0.02)
+    (drop,) = found.record.fit.holdout.drops
+    assert abs(drop.e_n) <= 1
+    assert [row.number for row in drop.heights] == [1, 2, 3, 4, 5, 6]
+    assert all(abs(row.e_n) <= 1.2 for row in drop.heights)
+    spring = drop.engines["mujoco"]
+    assert abs(spring.e_n) <= 1
+    assert spring.heights[0].predicted == pytest.approx(0.7 * E**2, rel=0.02)
     # lateness stands beside, without a score
-    assert spring["late_s"][0] > 2e-3
-    assert "not judged" in found.record.fit["holdout"]["text"]
+    assert spring.late_s[0] > 2e-3
+    assert "not judged" in found.record.fit.holdout.text
 
 
 def test_a_ball_of_another_kind_is_told_apart(found, tmp_path):
     other = stopwatch(tmp_path / "other.csv", seed=3, e=0.8)
     drop = stopwatch(tmp_path / "drop.csv")
     run = simcompare.fit("ball", recordings=[drop], hold_out=[other], engine="pymunk")
-    (held,) = run.record.fit["holdout"]["drops"]
-    assert abs(held["engines"]["pymunk"]["e_n"]) > 3
-    assert abs(held["engines"]["pymunk"]["heights"][0]["e_n"]) > 1
+    (held,) = run.record.fit.holdout.drops
+    assert abs(held.engines["pymunk"].e_n) > 3
+    assert abs(held.engines["pymunk"].heights[0].e_n) > 1
 
 
 def test_a_table_of_rebounds_is_held_out(tmp_path):
@@ -120,9 +118,9 @@ def test_a_table_of_rebounds_is_held_out(tmp_path):
     held.write_text(f"# title: made up\nbounce,rebound_height_m,u_rebound_height_m\n{rows}")
     drop = stopwatch(tmp_path / "drop.csv")
     run = simcompare.fit("ball", recordings=[drop], hold_out=[held], engine="pymunk")
-    (row,) = run.record.fit["holdout"]["drops"]
-    assert [abs(height["e_n"]) <= 1 for height in row["heights"]] == [True] * 5
-    assert [abs(h["e_n"]) <= 1 for h in row["engines"]["pymunk"]["heights"]] == [True] * 5
+    (row,) = run.record.fit.holdout.drops
+    assert [abs(height.e_n) <= 1 for height in row.heights] == [True] * 5
+    assert [abs(h.e_n) <= 1 for h in row.engines["pymunk"].heights] == [True] * 5
 
 
 def test_a_run_takes_the_numbers_of_the_fit_and_tunes_anew_at_another_step(found):
@@ -130,14 +128,14 @@ def test_a_run_takes_the_numbers_of_the_fit_and_tunes_anew_at_another_step(found
     run = simcompare.run("ball", engine="pymunk,mujoco", contact=place, seeds=3)
     assert run.record.cautions == ()
     for source in run.record.sources:
-        known = {row["value"] for row in sources(found)[source.name]["numbers"]}
+        known = {row.value for row in sources(found)[source.name].numbers}
         held = {row.set_value for row in source.audit}
         assert known <= held
         assert not source.tuning
     other = simcompare.run("ball", engine="pymunk", contact=place, seeds=1, step="2ms")
     (caution,) = other.record.cautions
     assert "tuned anew" in caution
-    assert other.record.sources[0].tuning[0]["step_s"] == 2e-3
+    assert other.record.sources[0].tuning[0].step_s == 2e-3
     changed = simcompare.run("ball", engine="pymunk", contact=place, seeds=1,
                              set={"restitution": 0.7})  # fmt: skip
     assert any("tuned anew" in text for text in changed.record.cautions)
@@ -212,20 +210,20 @@ def test_a_law_of_speed_gives_the_first_impact_and_the_others_are_told(tmp_path)
     record = simcompare.fit(
         "ball", recordings=[path], engine="pymunk", model="power", step=STEP_S
     ).record.fit
-    goal = record["tuned_to"]
-    assert goal["restitution"] == pytest.approx(0.85 * (goal["speed_m_s"] / 4) ** -0.05, rel=1e-3)
-    impacts = record["sources"][0]["impacts"]
-    assert impacts[0]["deviation"] == pytest.approx(0, abs=0.002)
-    assert impacts[3]["closed_form"] > impacts[0]["closed_form"]
-    assert impacts[3]["deviation"] < -0.01
-    assert any("one restitution for all speeds" in text for text in record["sentences"])
+    goal = record.tuned_to
+    assert goal.restitution == pytest.approx(0.85 * (goal.speed_m_s / 4) ** -0.05, rel=1e-3)
+    impacts = record.sources[0].impacts
+    assert impacts[0].deviation == pytest.approx(0, abs=0.002)
+    assert impacts[3].closed_form > impacts[0].closed_form
+    assert impacts[3].deviation < -0.01
+    assert any("one restitution for all speeds" in text for text in record.sentences)
 
 
 def test_several_drops_share_one_set_of_numbers(tmp_path):
     drops = [stopwatch(tmp_path / f"{h}.csv", seed=k, height_m=h) for k, h in enumerate((0.4, 0.9))]
-    (source,) = simcompare.fit("ball", recordings=drops, engine="pymunk").record.fit["sources"]
-    assert {row["drop"] for row in source["impacts"]} == {1, 2}
-    assert source["tuning"][0]["speed_m_s"] == pytest.approx(math.sqrt(2 * 9.80665 * 0.9), rel=0.01)
+    (source,) = simcompare.fit("ball", recordings=drops, engine="pymunk").record.fit.sources
+    assert {row.drop for row in source.impacts} == {1, 2}
+    assert source.tuning[0].speed_m_s == pytest.approx(math.sqrt(2 * 9.80665 * 0.9), rel=0.01)
 
 
 def test_an_old_fit_is_read_as_assisted(found, tmp_path):
@@ -259,7 +257,7 @@ def test_some_helps_are_taken_and_written_down(tmp_path):
     drop = stopwatch(tmp_path / "drop.csv")
     run = simcompare.fit("ball", recordings=[drop], engine="pymunk", out=tmp_path / "runs",
                          assist="landing,half_step_start")  # fmt: skip
-    assert run.record.fit["assist"] == "landing,half_step_start"
+    assert run.record.fit.assist == "landing,half_step_start"
     fit = fit_file.read(run.folder / "fit.json")
     assert fit.contact == "assisted"
     assert "--assist" in run.record.command

@@ -12,7 +12,9 @@ from simcompare.engine import engines
 from simcompare.errors import InputError, UnknownName
 from simcompare.inference.reference_model import model_of
 from simcompare.model import recording_store
+from simcompare.model.plain import of_plain, plain
 from simcompare.model.recording import Channel, Clock, Provenance, Recording, Stream
+from simcompare.results.records.fit_waveforms import WaveformFit
 from simcompare.scenarios import catalogue
 from simcompare.verbs import fit
 from tests.present import INSTALLED
@@ -95,71 +97,71 @@ def swing_fit(swings):
 
 
 def good(run):
-    found = [row for row in run.record.fit["sources"] if row["status"] == "ok"]
-    assert {row["name"] for row in found} >= set(INSTALLED)
+    found = [row for row in run.record.fit.sources if row.status == "ok"]
+    assert {row.name for row in found} >= set(INSTALLED)
     return found
 
 
 def near(parameters, truth, times=3.0):
     for name, row in parameters.items():
-        assert row["u"] > 0
-        assert abs(row["value"] - truth[name]) <= times * row["u"], name
+        assert row.u > 0
+        assert abs(row.value - truth[name]) <= times * row.u, name
 
 
 def test_the_truth_comes_back_within_its_uncertainty_on_every_engine(swing_fit):
     record = swing_fit.record.fit
-    near(record["closed_form"]["parameters"], SWING)
+    near(record.closed_form.parameters, SWING)
     for source in good(swing_fit):
-        near(source["parameters"], SWING)
+        near(source.parameters, SWING)
         # and is known well: a uselessly large uncertainty would pass as well
-        assert source["parameters"]["length_m"]["u"] < 2e-4 * SWING["length_m"]
-        assert source["parameters"]["damping_N_m_s_rad"]["u"] < 0.1 * SWING["damping_N_m_s_rad"]
+        assert source.parameters["length_m"].u < 2e-4 * SWING["length_m"]
+        assert source.parameters["damping_N_m_s_rad"].u < 0.1 * SWING["damping_N_m_s_rad"]
 
 
 def rounded(source, double, single):
     """A bound in u for engines of double, and of single precision (measured: 0.18 there)."""
-    return double if engines.get(source["name"]).traits.precision < 1e-9 else single
+    return double if engines.get(source.name).traits.precision < 1e-9 else single
 
 
 def test_engines_show_the_same_with_parameters_of_their_own(swing_fit):
-    closed = swing_fit.record.fit["closed_form"]["parameters"]
+    closed = swing_fit.record.fit.closed_form.parameters
     for source in good(swing_fit):
         for name, row in closed.items():
-            effective = source["effective"][name]["value"]
-            assert abs(effective - row["value"]) <= rounded(source, 0.05, 0.3) * row["u"]
-        period = source["effective"]["small_angle_period"]
-        assert period["value"] == pytest.approx(period["measured"], rel=2e-4)
+            effective = source.effective[name].value
+            assert abs(effective - row.value) <= rounded(source, 0.05, 0.3) * row.u
+        period = source.effective["small_angle_period"]
+        assert period.value == pytest.approx(period.measured, rel=2e-4)
 
 
 def test_another_round_would_change_nothing(swing_fit):
     for source in good(swing_fit):
-        for name, change in source["left"].items():
+        for name, change in source.change.items():
             allowed = rounded(source, 0.01, 0.3)
-            assert abs(change) <= allowed * source["parameters"][name]["u"], source["name"]
+            assert abs(change) <= allowed * source.parameters[name].u, source.name
 
 
 def test_a_stream_that_was_not_fitted_is_predicted(swing_fit):
     record = swing_fit.record.fit
-    assert [case["stream"] for case in record["measured"]] == ["a", "b", "c"]
-    assert [row["stream"] for row in record["holdout"]["streams"]] == ["d"]
+    assert [case.stream for case in record.measured] == ["a", "b", "c"]
+    assert [row.stream for row in record.holdout.streams] == ["d"]
     for source in good(swing_fit):
-        (row,) = source["holdout"]
+        (row,) = source.holdout
         # its start is read off it, to a few thousandths, and everything else was fitted elsewhere
-        assert 1e-3 * 0.8 < row["rms"]["angle_rad"] < 6e-3
-        scores = {value["measure"]: value["e_n"] for value in row["values"]}
+        assert 1e-3 * 0.8 < row.rms["angle_rad"] < 6e-3
+        scores = {value.measure: value.e_n for value in row.values}
         assert {"small_angle_period", "log_decrement"} <= set(scores)
         assert all(abs(score) < 1.5 for score in scores.values() if score is not None)
 
 
 def test_the_record_is_plain_and_says_how_far_it_holds(swing_fit):
     record = swing_fit.record.fit
-    assert json.loads(json.dumps(record)) == record
-    assert record["by"] == "waveform"
-    assert record["valid"]["step_s"] == 0.001
-    low, high = record["valid"]["ranges"]["angle_rad"]
+    assert of_plain(WaveformFit, json.loads(json.dumps(plain(record)))) == record
+    assert record.by == "waveform"
+    assert record.valid.step_s == 0.001
+    low, high = record.valid.ranges["angle_rad"]
     assert low == pytest.approx(-1.1, abs=0.1)
     assert high == pytest.approx(1.2, abs=0.05)
-    assert np.shape(record["closed_form"]["correlation"]) == (3, 3)
+    assert np.shape(record.closed_form.correlation) == (3, 3)
     stretches = {one.segment for one in swing_fit.trajectories if one.source == "measured"}
     assert stretches == {0, 1, 2, 3}
 
@@ -174,11 +176,11 @@ def test_what_was_known_before_is_in_the_uncertainty(tmp_path):
         "pendulum", recordings=[path], mapping=plan, engine="mujoco",
         unknowns=["length", "damping"],
     )  # fmt: skip
-    row = run.record.fit["closed_form"]["parameters"]["damping_N_m_s_rad"]
-    assert row["u_known"] / row["value"] == pytest.approx(0.1, rel=0.02)
-    assert row["u"] == pytest.approx(np.hypot(row["u_data"], row["u_known"]))
-    assert run.record.fit["closed_form"]["parameters"]["length_m"]["u_known"] < 1e-6
-    said = " ".join(run.record.fit["sentences"])
+    row = run.record.fit.closed_form.parameters["damping_N_m_s_rad"]
+    assert row.u_known / row.value == pytest.approx(0.1, rel=0.02)
+    assert row.u == pytest.approx(np.hypot(row.u_data, row.u_known))
+    assert run.record.fit.closed_form.parameters["length_m"].u_known < 1e-6
+    said = " ".join(run.record.fit.sentences)
     assert "Most of the uncertainty of the damping comes from what was known before" in said
     assert "nothing was validated" in said
 
@@ -199,29 +201,29 @@ def test_rate_and_current_tell_every_constant_of_a_motor(tmp_path):
     path, plan = motor(tmp_path, {"rate_rad_s": 0.5, "current_A": 0.01})
     run = fit.fit("motor_step", recordings=[path], mapping=plan)
     record = run.record.fit
-    near(record["closed_form"]["parameters"], MOTOR)
-    assert len(record["closed_form"]["names"]) == 5
+    near(record.closed_form.parameters, MOTOR)
+    assert len(record.closed_form.names) == 5
     for source in good(run):
-        assert source["identifiable"]
-        near(source["parameters"], MOTOR)
-        assert source["parameters"]["resistance_Ohm"]["u"] < 0.01 * MOTOR["resistance_Ohm"]
+        assert source.identifiable
+        near(source.parameters, MOTOR)
+        assert source.parameters["resistance_Ohm"].u < 0.01 * MOTOR["resistance_Ohm"]
 
 
 def test_the_rate_alone_does_not_tell_resistance_and_torque_constant(tmp_path):
     path, plan = motor(tmp_path, {"rate_rad_s": 0.5})
     run = fit.fit("motor_step", recordings=[path], mapping=plan, engine="mujoco")
     record = run.record.fit
-    assert not record["sources"][0]["identifiable"]
-    assert "cannot separate" in " ".join(record["sentences"]) or "nothing in the data" in " ".join(
-        record["sentences"]
+    assert not record.sources[0].identifiable
+    assert "cannot separate" in " ".join(record.sentences) or "nothing in the data" in " ".join(
+        record.sentences
     )
     # with the resistance given the others are told
     run = fit.fit(
         "motor_step", recordings=[path], mapping=plan, engine="mujoco",
         set={"resistance": "2ohm", "damping": "1e-5"},
     )  # fmt: skip
-    assert run.record.fit["sources"][0]["identifiable"]
-    near(run.record.fit["sources"][0]["parameters"], MOTOR)
+    assert run.record.fit.sources[0].identifiable
+    near(run.record.fit.sources[0].parameters, MOTOR)
 
 
 def test_one_voltage_does_not_tell_dry_from_viscous_friction(tmp_path):
@@ -230,8 +232,8 @@ def test_one_voltage_does_not_tell_dry_from_viscous_friction(tmp_path):
         "motor_step", recordings=[path], mapping=plan, engine="mujoco",
         set={"second_voltage": "12V"},
     )  # fmt: skip
-    u = {name: row["u"] / row["value"]
-         for name, row in run.record.fit["closed_form"]["parameters"].items()}  # fmt: skip
+    u = {name: row.u / row.value
+         for name, row in run.record.fit.closed_form.parameters.items()}  # fmt: skip
     assert u["torque_constant_N_m_A"] < 0.01
     assert u["damping_N_m_s_rad"] > 0.1
 
@@ -248,11 +250,11 @@ def test_friction_comes_back_from_a_sliding_block(tmp_path):
     ]  # fmt: skip
     plan = mapping(tmp_path, "sliding_block", noise, {})
     run = fit.fit("sliding_block", recordings=[paths[0]], mapping=plan)
-    near(run.record.fit["closed_form"]["parameters"], BLOCK)
+    near(run.record.fit.closed_form.parameters, BLOCK)
     for source in good(run):
-        near(source["parameters"], BLOCK)
-        assert source["parameters"]["friction"]["u"] < 0.01 * BLOCK["friction"]
-    assert "nothing is held out" in run.record.fit["told"][0]
+        near(source.parameters, BLOCK)
+        assert source.parameters["friction"].u < 0.01 * BLOCK["friction"]
+    assert "nothing is held out" in run.record.fit.chosen_words[0]
 
 
 def test_a_recording_of_another_scenario_is_refused(swings):
@@ -298,9 +300,9 @@ def test_an_engine_that_fails_leaves_the_others(swings):
         time_limit_s=1e-3,
     )  # fmt: skip
     record = run.record.fit
-    assert {row["status"] for row in record["sources"]} != {"ok"}
-    assert all(row["reason"] for row in record["sources"] if row["status"] != "ok")
-    near(record["closed_form"]["parameters"], SWING)
+    assert {row.status for row in record.sources} != {"ok"}
+    assert all(row.reason for row in record.sources if row.status != "ok")
+    near(record.closed_form.parameters, SWING)
 
 
 def test_the_command_prints_parameters_and_what_was_held_out(swings, tmp_path, call, monkeypatch):
@@ -334,16 +336,16 @@ def test_json_has_the_record(swings, tmp_path, call):
 def test_the_real_free_swing_gives_its_length_and_shows_that_the_period_drifts():
     run = fit.fit("pendulum", recordings=["pendulum_free_swing"], engine="mujoco")
     record = run.record.fit
-    length = record["closed_form"]["parameters"]["length_m"]
-    assert length["value"] == pytest.approx(0.15314, abs=3e-5)
-    assert length["u"] < 5e-5
+    length = record.closed_form.parameters["length_m"]
+    assert length.value == pytest.approx(0.15314, abs=3e-5)
+    assert length.u < 5e-5
     (source,) = good_of(record)
-    assert abs(source["parameters"]["length_m"]["value"] - length["value"]) < 1e-5
+    assert abs(source.parameters["length_m"].value - length.value) < 1e-5
     # what the README of the scenario says: dry and viscous friction alone are 6 to 25 mrad off
-    assert 0.005 < source["holdout"][0]["rms"]["angle_rad"] < 0.012
-    scores = {v["measure"]: v["e_n"] for v in source["holdout"][1]["values"]}
+    assert 0.005 < source.holdout[0].rms["angle_rad"] < 0.012
+    scores = {v.measure: v.e_n for v in source.holdout[1].values}
     assert scores["small_angle_period"] > 1
 
 
 def good_of(record):
-    return [row for row in record["sources"] if row["status"] == "ok"]
+    return [row for row in record.sources if row.status == "ok"]

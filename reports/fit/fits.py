@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from simcompare import units
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Scale, scale_of
 from simcompare.reports.validation import phrases, validations
 from simcompare.results.records.fit import FitRecord
+from simcompare.results.records.fit_bounces import (
+    BouncesEngine,
+    BouncesFit,
+    EffectiveValue,
+    Repeats,
+    Unknown,
+)
+from simcompare.results.records.fit_parts import EngineParameter, Value
+from simcompare.results.records.fit_waveforms import WaveEngine, WaveformFit
 from simcompare.results.run import Run
 
-Record = Mapping[str, Any]
+#: a value with its standard uncertainty, and what has an interval besides
+Estimate = Value | Unknown | EngineParameter | EffectiveValue
+Ranged = Unknown | EngineParameter | Repeats
 CLOSED = "closed form"
 RESTITUTION = "restitution"
 #: drops that are drawn beside each other; the tables have all
@@ -21,38 +31,54 @@ MOST_DROPS = 3
 _SMALL_UNITS = {"s": ("s", "ms", "µs"), "m": ("m", "mm", "µm")}
 
 
-def record(run: Run) -> Record:
+def record(run: Run) -> BouncesFit | WaveformFit:
     """The record of the fit."""
     assert isinstance(run.record, FitRecord)
-    found: Record = run.record.fit
+    return run.record.fit
+
+
+def bounces(run: Run) -> BouncesFit:
+    """The record of a fit of bounces."""
+    found = record(run)
+    assert isinstance(found, BouncesFit)
     return found
 
 
-def engines(run: Run) -> list[Record]:
-    """Engines whose fit succeeded."""
-    return [row for row in record(run)["sources"] if row["parameters"]]
+def signals(run: Run) -> WaveformFit:
+    """The record of a fit to signals over time."""
+    found = record(run)
+    assert isinstance(found, WaveformFit)
+    return found
 
 
-def failed(run: Run) -> list[Record]:
+def engines(run: Run) -> list[BouncesEngine]:
+    """Engines whose fit of bounces succeeded."""
+    return [row for row in bounces(run).sources if row.parameters]
+
+
+def wave_engines(run: Run) -> list[WaveEngine]:
+    """Engines whose fit to signals over time succeeded."""
+    return [row for row in signals(run).sources if row.parameters]
+
+
+def fitted(run: Run) -> list[BouncesEngine | WaveEngine]:
+    """Engines whose fit of any kind succeeded."""
+    return [row for row in record(run).sources if row.parameters]
+
+
+def failed(run: Run) -> list[BouncesEngine | WaveEngine]:
     """Engines that could not be fitted."""
-    return [row for row in record(run)["sources"] if not row["parameters"]]
-
-
-def for_engines(run: Run) -> Record:
-    """The closed form with the contact that engines have."""
-    assert isinstance(run.record, FitRecord)
-    found: Record = record(run).get("engine_form") or record(run)["closed_form"]
-    return found
+    return [row for row in record(run).sources if not row.parameters]
 
 
 def other_form(run: Run) -> str:
     """That engines were fitted with another contact than the closed form's, empty if not."""
-    found = record(run)
-    if found.get("engine_form") is None:
+    found = bounces(run)
+    if found.engine_form is None:
         return ""
     return (
-        f"The closed form has: {found['closed_form']['text']}. Engines have no such contact; they"
-        f" were fitted with: {found['engine_model_text']}."
+        f"The closed form has: {found.closed_form.text}. Engines have no such contact; they"
+        f" were fitted with: {found.engine_model_text}."
     )
 
 
@@ -73,28 +99,28 @@ def with_unit(name: str) -> str:
     return title(name) + ("" if symbol == "1" else f" ({symbol})")
 
 
-def value_words(row: Record | None, name: str = "") -> str:
+def value_words(row: Estimate | None, name: str = "") -> str:
     """A value with its standard uncertainty; a dash where it was not sought."""
     if row is None:
         return "–"
-    if row["value"] is None:
+    if row.value is None:
         return "no drag seen" if name.startswith("terminal_speed") else "not finite"
-    return numbers.with_u(row["value"], row["u"])
+    return numbers.with_u(row.value, row.u)
 
 
-def interval(row: Record) -> tuple[float, float]:
+def interval(row: Ranged) -> tuple[float, float]:
     """The 95 % interval of a parameter; ends that the data leave open are infinite."""
-    low, high = row["interval95"] if "interval95" in row else (row["low"], row["high"])
+    low, high = row.limits
     return (-math.inf if low is None else low), (math.inf if high is None else high)
 
 
-def interval_words(row: Record | None) -> str:
+def interval_words(row: Ranged | None) -> str:
     """The interval as "low to high", with as many digits as its width deserves."""
     if row is None:
         return "–"
     low, high = interval(row)
     width = high - low
-    scale = scale_of([width if math.isfinite(width) else row["u"]], 2)
+    scale = scale_of([width if math.isfinite(width) else row.u or 0.0], 2)
     places = Scale(0, max(scale.places - scale.power, 0))
     if math.isinf(low) and math.isinf(high):
         return "open"
@@ -116,17 +142,17 @@ def smaller(unit: str, sizes: Sequence[float]) -> tuple[float, str]:
 
 def drop_title(run: Run, number: int) -> str:
     """A drop with its file; the number only where there are several."""
-    drops = record(run)["measured"]
-    source = validations.short(str(drops[number - 1]["source"]))
+    drops = bounces(run).measured
+    source = validations.short(str(drops[number - 1].source))
     return f"drop {number}: {source}" if len(drops) > 1 else source
 
 
 def drawn_drops(run: Run) -> list[int]:
     """Numbers of the drops that are drawn."""
-    return list(range(1, min(len(record(run)["measured"]), MOST_DROPS) + 1))
+    return list(range(1, min(len(bounces(run).measured), MOST_DROPS) + 1))
 
 
 def drawn_words(run: Run) -> str:
     """Which drops are drawn, where that is not all of them."""
-    count = len(record(run)["measured"])
+    count = len(bounces(run).measured)
     return f" The first {MOST_DROPS} of {count} drops." if count > MOST_DROPS else ""

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import textwrap
+from collections.abc import Sequence
 
 import numpy as np
 
 from simcompare.model.trajectory import Array
 from simcompare.reports.fit import fits
-from simcompare.reports.fit.fits import CLOSED, RESTITUTION, Record
+from simcompare.reports.fit.fits import CLOSED, RESTITUTION
+from simcompare.reports.fit.form_words import EXCLUDED, RIVAL
 from simcompare.reports.render import numbers
 from simcompare.reports.render.figures import (
     Bars,
@@ -23,10 +25,15 @@ from simcompare.reports.render.figures import (
     style_of,
 )
 from simcompare.reports.validation import validations
+from simcompare.results.records.fit_bounces import (
+    EngineHoldout,
+    HeldOutDrop,
+    OtherEstimate,
+    ProfileRow,
+    Unknown,
+)
 from simcompare.results.run import Run
 
-#: AICc above the least: below the first the data cannot tell, above the second excluded
-RIVAL, EXCLUDED = 4.0, 10.0
 #: a bar is no longer than this; its number says how long it would be
 _LONGEST, _ROOM = 30.0, 5.0
 #: letters of the name of a closed form on one line
@@ -45,13 +52,13 @@ _OWN, _CLOSED = Style("#000000"), Style(_GREY, marker="star")
 
 def forms_figure(run: Run) -> Figure | None:
     """How much worse than the best each closed form describes the data."""
-    rows = fits.record(run)["choice"]["candidates"]
+    rows = fits.bounces(run).choice.candidates
     if len(rows) < 2:
         return None
-    deltas = [math.inf if row["delta"] is None else row["delta"] for row in rows]
+    deltas = [math.inf if row.delta is None else row.delta for row in rows]
     lengths = np.array([min(delta, _LONGEST) for delta in deltas])
     texts = tuple(_bar_words(delta) if delta > _ROOM else "" for delta in deltas)
-    ticks = tuple("\n".join(textwrap.wrap(row["text"], _NAME)) for row in rows)
+    ticks = tuple("\n".join(textwrap.wrap(row.text, _NAME)) for row in rows)
     panel = Panel(
         "", "ΔAICc: above the least AICc", "", (), bars=(Bars("ΔAICc", lengths, _BLUE, "", texts),),
         spans=(Span(0.0, RIVAL, f"below {RIVAL:g}: the data cannot tell"),
@@ -73,13 +80,13 @@ def _bar_words(delta: float) -> str:
 
 def correlation_figure(run: Run) -> Figure | None:
     """Correlations of the unknowns as a matrix."""
-    known = fits.record(run)["identifiability"]
-    names = tuple(map(fits.title, known["names"]))
+    known = fits.record(run).identifiability
+    names = tuple(map(fits.title, known.names))
     narrow = tuple("\n".join(textwrap.wrap(name, 10, break_long_words=False)) for name in names)
     if len(names) < 2:
         return None
     values = np.array(
-        [[math.nan if v is None else v for v in row] for row in known["correlation"]], dtype=float
+        [[math.nan if v is None else v for v in row] for row in known.correlation], dtype=float
     )
     places = 3 if np.any(np.abs(values - np.eye(len(names))) > 0.99) else 2
     panel = Panel("", "", "", (), x_ticks=narrow, y_ticks=names, matrix=Matrix(values, places))
@@ -93,9 +100,9 @@ def correlation_figure(run: Run) -> Figure | None:
 
 def profile_figures(run: Run) -> list[Figure]:
     """How χ² rises about the best value of each unknown."""
-    rows = [row for row in fits.record(run)["profiles"] if len(row["values"]) > 1]
-    closed = fits.record(run)["closed_form"]["parameters"]
-    panels = [_profile_panel(row, closed[row["name"]]) for row in rows]
+    rows = [row for row in fits.bounces(run).profiles if len(row.values) > 1]
+    closed = fits.bounces(run).closed_form.parameters
+    panels = [_profile_panel(row, closed[row.name]) for row in rows]
     parts = [panels[i : i + _PANELS] for i in range(0, len(panels), _PANELS)]
     caption = (
         "How much χ² rises when one unknown is held at a value and all others make up for it. The"
@@ -110,26 +117,26 @@ def profile_figures(run: Run) -> list[Figure]:
     ]  # fmt: skip
 
 
-def _profile_panel(row: Record, closed: Record) -> Panel:
-    x, y = _smooth(row, closed["value"])
+def _profile_panel(row: ProfileRow, closed: Unknown) -> Panel:
+    x, y = _smooth(row, closed.value)
     low, high = float(x.min()), float(x.max())
     series = [
         Series("Δχ² of 95 %", np.array([low, high]), np.full(2, _LEVEL), _LIMIT),
         Series("profile", x, y, _PROFILE),
     ]
-    if closed["value"] is not None and closed["u"]:
+    if closed.value is not None and closed.u:
         at = np.linspace(low, high, 200)
-        parabola = ((at - closed["value"]) / closed["u"]) ** 2
+        parabola = ((at - closed.value) / closed.u) ** 2
         parabola[parabola > _HIGHEST] = math.nan
         series.append(Series("normal approximation", at, parabola, _NORMAL))
-    name = row["name"]
+    name = row.name
     return Panel(fits.title(name), fits.with_unit(name), "Δχ²", tuple(series),
                  y_range=(0.0, _HIGHEST), x_limits=(low, high))  # fmt: skip
 
 
-def _smooth(row: Record, best: float | None) -> tuple[Array, Array]:
+def _smooth(row: ProfileRow, best: float | None) -> tuple[Array, Array]:
     """The profile between its places by the root of χ², which is near a line."""
-    x, root = np.array(row["values"]), np.sqrt(np.array(row["chi2"]))
+    x, root = np.array(row.values), np.sqrt(np.array(row.chi2))
     if best is not None:
         root = np.where(x < best, -root, root)
         x, root = np.append(x, best), np.append(root, 0.0)
@@ -143,15 +150,17 @@ def _smooth(row: Record, best: float | None) -> tuple[Array, Array]:
 
 def holdout_figure(run: Run) -> Figure | None:
     """Held-out drops beside the fitted restitution."""
-    drops = fits.record(run)["holdout"]["drops"]
-    if not drops:
+    drops = fits.bounces(run).holdout.drops
+    rows = np.array(
+        [(d.restitution, d.u_restitution, d.fitted, d.u_fitted) for d in drops], dtype=float
+    )
+    if not drops or np.isnan(rows).any():  # a restitution that was fixed is not judged
         return None
-    ticks = tuple(validations.short(str(drop["source"])) for drop in drops)
+    ticks = tuple(validations.short(str(drop.source)) for drop in drops)
     places = np.arange(len(drops), dtype=float)
-    x = np.array([drop["restitution"] for drop in drops])
-    u = np.array([2 * drop["u_restitution"] for drop in drops])
+    x, u = rows[:, 0], 2 * rows[:, 1]
+    centre, half = rows[0, 2], 2 * rows[0, 3]
     own = Series("of the held-out drop ± 2u", x, places, _OWN, u, points=True, line=False)
-    centre, half = drops[0]["fitted"], 2 * drops[0]["u_fitted"]
     ends = np.concatenate((x - u, x + u, [centre - half, centre + half]))
     margin = 0.1 * float(np.ptp(ends)) or 1e-6
     value = Panel(
@@ -163,22 +172,22 @@ def holdout_figure(run: Run) -> Figure | None:
         "Height and release of a held-out drop are its own; all else is as fitted. |E_n| up to 1:"
         " the difference cannot be told from the uncertainties."
     )
-    if any(abs(row["e_n"] or 0) > _FAR for drop in drops for row in _judged(drop)):
+    if any(abs(row.e_n or 0) > _FAR for drop in drops for row in _judged(drop)):
         caption += f" Values beyond {_FAR:g} are drawn at the edge; the table has them."
     return Figure("holdout", "Drops that were not fitted", caption, (value, _e_n(drops, ticks)),
                   share_y=True, height=round(max(0.6, len(drops) / 6), 2))  # fmt: skip
 
 
-def _judged(drop: Record) -> list[Record]:
-    return [drop, *drop.get("engines", {}).values()]
+def _judged(drop: HeldOutDrop) -> list[HeldOutDrop | EngineHoldout]:
+    return [drop, *drop.engines.values()]
 
 
-def _e_n(drops: list[Record], ticks: tuple[str, ...]) -> Panel:
-    names = [CLOSED, *drops[0].get("engines", {})]
+def _e_n(drops: Sequence[HeldOutDrop], ticks: tuple[str, ...]) -> Panel:
+    names = [CLOSED, *drops[0].engines]
     series = []
     for i, name in enumerate(names):
-        rows = [drop if name == CLOSED else drop["engines"][name] for drop in drops]
-        x = [math.nan if r["e_n"] is None else min(abs(r["e_n"]), _FAR) for r in rows]
+        rows = [drop if name == CLOSED else drop.engines[name] for drop in drops]
+        x = [math.nan if r.e_n is None else min(abs(r.e_n), _FAR) for r in rows]
         y: Array = np.arange(len(drops), dtype=float) + spread(i, len(names), 0.6)
         style = _CLOSED if name == CLOSED else style_of(name)
         series.append(Series(name, np.array(x), y, style, points=True, line=False))
@@ -190,13 +199,13 @@ def _e_n(drops: list[Record], ticks: tuple[str, ...]) -> Panel:
 
 def others_figure(run: Run) -> Figure | None:
     """Restitutions that other residuals would have given, beside the fit's."""
-    rows = fits.record(run)["other_estimates"]
-    closed = fits.record(run)["closed_form"]["parameters"].get(RESTITUTION)
+    rows = fits.bounces(run).other_estimates
+    closed = fits.bounces(run).closed_form.parameters.get(RESTITUTION)
     if not rows or closed is None:
         return None
     ticks = tuple("\n".join(textwrap.wrap(_other(run, row), 34)) for row in rows)
-    x = np.array([row["value"] for row in rows])
-    u = np.array([2 * row["u"] if row["u"] else math.nan for row in rows])
+    x = np.array([row.value for row in rows])
+    u = np.array([2 * row.u if row.u else math.nan for row in rows])
     low, high = fits.interval(closed)
     bars = np.nan_to_num(u)
     reach: Array = np.concatenate((x - bars, x + bars, np.array([low, high])))
@@ -216,6 +225,6 @@ def others_figure(run: Run) -> Figure | None:
                   height=round(max(0.7, len(rows) / 6), 2))  # fmt: skip
 
 
-def _other(run: Run, row: Record) -> str:
-    several = len(fits.record(run)["measured"]) > 1
-    return str(row["name"]) + (f", drop {row['drop']}" if several else "")
+def _other(run: Run, row: OtherEstimate) -> str:
+    several = len(fits.bounces(run).measured) > 1
+    return str(row.name) + (f", drop {row.drop}" if several else "")

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 
-from simcompare.engine.assist import ALL
 from simcompare.model.settings import ASSISTED
 from simcompare.reports.fit import fits
-from simcompare.reports.fit.fits import CLOSED, RESTITUTION, Record
+from simcompare.reports.fit.fits import CLOSED, RESTITUTION
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Table, printable, scale_of
 from simcompare.reports.validation import validations
+from simcompare.results.records.fit_bounces import BouncesFit, EngineHoldout, Form, HeldOutDrop
 from simcompare.results.run import Run
 
 #: lines of a list that is shown without being asked for
@@ -21,14 +22,14 @@ _LARGE = 1e4
 
 def engines(run: Run) -> Table:
     """What each engine must be given and what it then shows, the closed form first."""
-    closed = fits.for_engines(run)["parameters"].get(RESTITUTION)
+    closed = fits.bounces(run).for_engines.parameters.get(RESTITUTION)
     rows = [(CLOSED, fits.value_words(closed), fits.interval_words(closed), "–", "–", "–")]
     for source in fits.engines(run):
-        given = source["parameters"].get(RESTITUTION)
+        given = source.parameters.get(RESTITUTION)
         rows.append((
-            source["name"], fits.value_words(given), fits.interval_words(given),
-            fits.value_words(source["effective"].get(RESTITUTION)), str(source["simulations"]),
-            numbers.plain(source["wall_s"], 2),
+            source.name, fits.value_words(given), fits.interval_words(given),
+            fits.value_words(source.effective.get(RESTITUTION)), str(source.simulations),
+            numbers.plain(source.wall_s, 2),
         ))  # fmt: skip
     columns = (
         Column("Source", text=True), Column("Restitution to give ± u"),
@@ -46,15 +47,15 @@ def engines(run: Run) -> Table:
 
 def parameters(run: Run) -> Table:
     """All unknowns of all engines, and of the closed form."""
-    closed = fits.for_engines(run)["parameters"]
+    closed = fits.record(run).for_engines.parameters
     groups = []
     for name in closed:
         rows = [(CLOSED, fits.value_words(closed[name], name),
                  fits.interval_words(closed[name]), "–")]  # fmt: skip
-        for source in fits.engines(run):
-            row = source["parameters"].get(name)
-            numeric = "–" if row is None else numbers.plain(row["u_num"], 2)
-            rows.append((source["name"], fits.value_words(row, name),
+        for source in fits.fitted(run):
+            row = source.parameters.get(name)
+            numeric = "–" if row is None else numbers.plain(row.u_num, 2)
+            rows.append((source.name, fits.value_words(row, name),
                          fits.interval_words(row), numeric))  # fmt: skip
         groups.append(Group(fits.with_unit(name), tuple(rows)))
     columns = (Column("Source", text=True), Column("Value ± u"),
@@ -65,8 +66,7 @@ def parameters(run: Run) -> Table:
 def failed(run: Run) -> Table | None:
     """Engines that could not be fitted, and why."""
     rows = tuple(
-        (row["name"], row["status"], row["reason"] or "no reason is known")
-        for row in fits.failed(run)
+        (row.name, row.status, row.reason or "no reason is known") for row in fits.failed(run)
     )
     if not rows:
         return None
@@ -79,13 +79,13 @@ def native(run: Run) -> Table | None:
     groups = []
     for source in fits.engines(run):
         rows = tuple(
-            (row["engine_parameter"], numbers.plain(row["set_value"]),
-             numbers.plain(row["read_value"]), "" if row["unit"] == "1" else row["unit"],
-             row["note"] or "")
-            for row in source["native"]
+            (row.engine_parameter, numbers.plain(row.set_value),
+             numbers.plain(row.read_value), "" if row.unit == "1" else row.unit,
+             row.note or "")
+            for row in source.native
         )  # fmt: skip
         if rows:
-            groups.append(Group(f"{source['name']} {source['version'] or ''}".strip(), rows))
+            groups.append(Group(f"{source.name} {source.version or ''}".strip(), rows))
     if not groups:
         return None
     columns = (Column("Engine's parameter", text=True), Column("Set"), Column("Held"),
@@ -96,14 +96,14 @@ def native(run: Run) -> Table | None:
 
 def forms(run: Run) -> Table:
     """The candidates with their criteria."""
-    choice = fits.record(run)["choice"]
+    choice = fits.bounces(run).choice
     rows = []
-    for row in choice["candidates"]:
-        found = row["parameters"].get(RESTITUTION)
+    for row in choice.candidates:
+        found = row.parameters.get(RESTITUTION)
         rows.append((
-            row["text"], numbers.plain(row["unknowns"], 3), _criterion(row["chi2"]),
-            _criterion(row["aicc"]), _criterion(row["delta"]), _criterion(row["bic"]),
-            f"{row['weight']:.2f}", fits.value_words(found),
+            row.text, numbers.plain(row.unknowns, 3), _criterion(row.chi2),
+            _criterion(row.aicc), _criterion(row.delta), _criterion(row.bic),
+            f"{row.weight:.2f}", fits.value_words(found),
         ))  # fmt: skip
     columns = (
         Column("Closed form", text=True), Column("k"), Column("χ²"), Column("AICc"),
@@ -113,9 +113,9 @@ def forms(run: Run) -> Table:
         "k: unknowns that the data determine. AICc = χ² + 2k + 2k(k + 1)/(n − k − 1), BIC = χ² +"
         " k·ln n."
     )
-    if choice["scatter"] > 1:
+    if choice.scatter > 1:
         note += (
-            f" χ² is divided by {numbers.plain(choice['scatter'], 3)}, the scatter of the richest"
+            f" χ² is divided by {numbers.plain(choice.scatter, 3)}, the scatter of the richest"
             " form, so that uncertainties stated too small do not ask for more unknowns."
         )
     note += " With a law that depends on speed, the restitution is that at 4 m/s."
@@ -131,7 +131,7 @@ def _criterion(value: float | None) -> str:
 
 def refused(run: Run) -> Table | None:
     """Closed forms that could not be fitted."""
-    rows = tuple(fits.record(run)["choice"]["refused"].items())
+    rows = tuple(fits.bounces(run).choice.refused.items())
     if not rows:
         return None
     columns = (Column("Closed form", text=True), Column("Why", text=True))
@@ -140,13 +140,13 @@ def refused(run: Run) -> Table | None:
 
 def directions(run: Run) -> Table:
     """Singular values and the combinations that they belong to."""
-    known = fits.record(run)["identifiability"]
-    largest = max((row["singular_value"] for row in known["directions"]), default=0.0)
+    known = fits.record(run).identifiability
+    largest = max((row.singular_value for row in known.directions), default=0.0)
     rows = []
-    for row in known["directions"]:
-        value = row["singular_value"]
+    for row in known.directions:
+        value = row.singular_value
         rows.append((numbers.plain(value, 3), numbers.plain(largest / value, 3) if value else "∞",
-                     _moves(row["moves"]), "no" if row["weak"] else "yes"))  # fmt: skip
+                     _moves(row.moves), "no" if row.weak else "yes"))  # fmt: skip
     columns = (Column("Singular value"), Column("Largest over it"),
                Column("Change that moves the data by one standard deviation", text=True),
                Column("Determined", text=True))  # fmt: skip
@@ -155,7 +155,7 @@ def directions(run: Run) -> Table:
                  note)  # fmt: skip
 
 
-def _moves(moves: dict[str, float]) -> str:
+def _moves(moves: Mapping[str, float]) -> str:
     parts = []
     for name, move in moves.items():
         unit = "" if fits.unit(name) == "1" else f" {fits.unit(name)}"
@@ -166,79 +166,78 @@ def _moves(moves: dict[str, float]) -> str:
 
 def bootstrap(run: Run) -> Table:
     """Intervals of the closed form beside those of simulated repeats."""
-    found = fits.record(run)
-    boot, closed = found["bootstrap"], found["closed_form"]["parameters"]
+    found = fits.bounces(run)
+    boot, closed = found.bootstrap, found.closed_form.parameters
     rows = []
-    for name, row in boot["parameters"].items():
-        ends = {"value": None, "u": row["u"], "low": row["low"], "high": row["high"]}
+    for name, row in boot.parameters.items():
         rows.append((
             fits.with_unit(name), fits.value_words(closed[name], name),
-            fits.interval_words(closed[name]), closed[name]["interval"],
-            fits.interval_words(ends), numbers.plain(row["bias"], 2),
+            fits.interval_words(closed[name]), closed[name].interval,
+            fits.interval_words(row), numbers.plain(row.bias, 2),
         ))  # fmt: skip
     columns = (
         Column("Unknown", text=True), Column("Value ± u"), Column("95 % interval", text=True),
         Column("from", text=True), Column("of repeats", text=True), Column("Bias"),
     )  # fmt: skip
-    note = f"Repeats: {boot['draws']} fits to simulated data with the same noise."
-    note += f" {boot['failed']} more did not converge." if boot["failed"] else ""
+    note = f"Repeats: {boot.draws} fits to simulated data with the same noise."
+    note += f" {boot.failed} more did not converge." if boot.failed else ""
     return Table("The closed form's unknowns", columns, (Group("", tuple(rows)),), note)
 
 
 def holdout(run: Run) -> Table | None:
     """Each held-out drop beside the fit."""
-    drops = fits.record(run)["holdout"]["drops"]
+    drops = fits.bounces(run).holdout.drops
     if not drops:
         return None
     groups = []
     for drop in drops:
-        own = numbers.with_u(drop["restitution"], drop["u_restitution"])
-        rows = [(CLOSED, numbers.with_u(drop["fitted"], drop["u_fitted"]), own, _e_n(drop))]
+        own = numbers.with_u(drop.restitution, drop.u_restitution)
+        rows = [(CLOSED, numbers.with_u(drop.fitted, drop.u_fitted), own, _e_n(drop))]
         rows += [
             (
                 name,
-                numbers.with_u(row["restitution"], row["u"]),
-                numbers.with_u(row["held"], row["u_held"]) if row.get("held") else own,
+                numbers.with_u(row.restitution, row.u),
+                numbers.with_u(row.held, row.u_held) if row.held else own,
                 _e_n(row),
             )
-            for name, row in drop.get("engines", {}).items()
+            for name, row in drop.engines.items()
         ]
         groups.append(
-            Group(f"{validations.short(str(drop['source']))}, {_left(drop)}", tuple(rows))
+            Group(f"{validations.short(str(drop.source))}, {_residuals(drop)}", tuple(rows))
         )
     columns = (Column("Source", text=True), Column("Fitted, effective ± u"),
                Column("Of the held-out drop ± u"), Column("|E_n|"))  # fmt: skip
     return Table("Held-out drops", columns, tuple(groups))
 
 
-def _e_n(row: Record) -> str:
-    return numbers.plain(None if row["e_n"] is None else abs(row["e_n"]), 3)
+def _e_n(row: HeldOutDrop | EngineHoldout) -> str:
+    return numbers.plain(None if row.e_n is None else abs(row.e_n), 3)
 
 
-def _left(drop: Record) -> str:
+def _residuals(drop: HeldOutDrop) -> str:
     """How far the predicted drop is from the measured one."""
-    return f"RMS of residuals: {_rms(drop['rms'])}; impacts at {_range(drop['speeds_m_s'])} m/s"
+    return f"RMS of residuals: {_rms(drop.rms)}; impacts at {_range(drop.speeds_m_s)} m/s"
 
 
-def _range(ends: list[float]) -> str:
+def _range(ends: tuple[float, float]) -> str:
     return f"{numbers.plain(ends[0], 3)} to {numbers.plain(ends[1], 3)}"
 
 
 def others(run: Run) -> Table | None:
     """Other ways to judge the same data."""
-    found = fits.record(run)
-    closed = found["closed_form"]["parameters"].get(RESTITUTION)
-    if not found["other_estimates"] or closed is None:
+    found = fits.bounces(run)
+    closed = found.closed_form.parameters.get(RESTITUTION)
+    if not found.other_estimates or closed is None or closed.value is None:
         return None
     low, high = fits.interval(closed)
     groups = []
-    for number in dict.fromkeys(row["drop"] for row in found["other_estimates"]):
-        own = [row for row in found["other_estimates"] if row["drop"] == number]
-        differences = [row["value"] - closed["value"] for row in own]
+    for number in dict.fromkeys(row.drop for row in found.other_estimates):
+        own = [row for row in found.other_estimates if row.drop == number]
+        differences = [row.value - closed.value for row in own]
         scale = scale_of(differences, 2)
         rows = tuple(
-            (row["name"], numbers.with_u(row["value"], row["u"]), scale.text(difference),
-             "yes" if low <= row["value"] <= high else "no", row["text"])
+            (row.name, numbers.with_u(row.value, row.u), scale.text(difference),
+             "yes" if low <= row.value <= high else "no", row.text)
             for row, difference in zip(own, differences, strict=True)
         )  # fmt: skip
         head = fits.drop_title(run, number)
@@ -251,18 +250,18 @@ def others(run: Run) -> Table | None:
 
 def measured(run: Run) -> Table:
     """Every drop: where it comes from, how much was measured and how well."""
-    found = fits.record(run)
+    found = fits.bounces(run)
     rows = []
-    for use, drops in (("fitted", found["measured"]), ("held out", found["held_out"])):
+    for use, drops in (("fitted", found.measured), ("held out", found.held_out)):
         for drop in drops:
-            counts = (len(drop["heights_m"]), drop["samples"])
+            counts = (len(drop.heights_m), drop.samples)
             heights = " + ".join(
                 f"{n} {word}" for n, word in zip(counts, ("heights", "samples"), strict=True) if n
             )
-            source, count = printable(str(drop["source"])), str(len(drop["times_s"]))
-            rows.append((source, drop["kind"], use, count,
-                         _u(drop["u_s"], "s"), heights or "none",
-                         _u(drop["u_heights_m"], "m")))  # fmt: skip
+            source, count = printable(str(drop.source)), str(len(drop.times_s))
+            rows.append((source, drop.kind, use, count,
+                         _u(drop.u_s, "s"), heights or "none",
+                         _u(drop.u_heights_m, "m")))  # fmt: skip
     columns = (
         Column("Recording", text=True), Column("Kind", text=True), Column("Use", text=True),
         Column("Impacts"), Column("u of a time", text=True), Column("Heights", text=True),
@@ -271,7 +270,7 @@ def measured(run: Run) -> Table:
     return Table("Drops", columns, (Group("", tuple(rows)),))
 
 
-def _u(values: list[float | None], unit: str) -> str:
+def _u(values: Sequence[float | None], unit: str) -> str:
     known = [v for v in values if v is not None]
     if not values:
         return "–"
@@ -285,17 +284,17 @@ def _u(values: list[float | None], unit: str) -> str:
 
 def left_out(run: Run) -> Table | None:
     """Impacts that were left out or missed, with reasons."""
-    found = fits.record(run)
+    found = fits.bounces(run)
     rows = []
-    for drop in (*found["measured"], *found["held_out"]):
-        source = printable(str(drop["source"]))
+    for drop in (*found.measured, *found.held_out):
+        source = printable(str(drop.source))
         rows += [
-            (source, f"{one['what']} {one['number']}", numbers.plain(one["time_s"], 6),
-             printable(one["reason"])) for one in drop["dropped"]
+            (source, f"{one.what} {one.number}", numbers.plain(one.time_s, 6),
+             printable(one.reason)) for one in drop.dropped
         ]  # fmt: skip
         rows += [
             (source, f"impact {n}", "–", "missed: a flight there lasts too long for one")
-            for n in drop["missed"]
+            for n in drop.missed
         ]
     if not rows:
         return None
@@ -307,14 +306,14 @@ def left_out(run: Run) -> Table | None:
 
 def known(run: Run) -> Table | None:
     """What was fixed, and what was known before, beside what the data say."""
-    closed = fits.record(run)["closed_form"]
+    closed = fits.bounces(run).closed_form
     rows = [
         (fits.with_unit(name), "fixed", numbers.plain(value), "–")
-        for name, value in closed["fixed"].items()
+        for name, value in closed.fixed.items()
     ]
-    for name, prior in closed["priors"].items():
-        pull = closed["pulls"].get(name)
-        rows.append((fits.with_unit(name), "prior", numbers.with_u(prior["value"], prior["u"]),
+    for name, prior in closed.priors.items():
+        pull = closed.pulls.get(name)
+        rows.append((fits.with_unit(name), "prior", numbers.with_u(prior.value, prior.u),
                      numbers.plain(pull, 2)))  # fmt: skip
     if not rows:
         return None
@@ -325,35 +324,35 @@ def known(run: Run) -> Table | None:
 
 def valid(run: Run) -> dict[str, str]:
     """The range in which the fit may be used."""
-    found = fits.record(run)
+    found = fits.bounces(run)
     facts = {
-        "valid for impacts at": f"{_range(found['valid']['speed_m_s'])} m/s",
+        "valid for impacts at": f"{_range(found.valid.speed_m_s)} m/s",
         "contact level": _level(found),
-        "time between samples": f"{numbers.plain(found['valid']['step_s'])} s",
-        "closed form": found["closed_form"]["text"],
-        "contact of the engines": found["engine_model_text"],
-        "numbers measured": str(found["closed_form"]["count"]),
-        "residuals (RMS)": _rms(found["closed_form"]["rms"]),
-        "χ² ÷ degrees of freedom": f"{_reduced(found['closed_form'])}",
+        "time between samples": f"{numbers.plain(found.valid.step_s)} s",
+        "closed form": found.closed_form.text,
+        "contact of the engines": found.engine_model_text,
+        "numbers measured": str(found.closed_form.count),
+        "residuals (RMS)": _rms(found.closed_form.rms),
+        "χ² ÷ degrees of freedom": f"{_reduced(found.closed_form)}",
     }
     return {key: printable(value) for key, value in facts.items()}
 
 
-def _level(found: Record) -> str:
+def _level(found: BouncesFit) -> str:
     """The contact level, and with which of our helps."""
-    level = found.get("contact", ASSISTED)
-    return f"{level}, helps: {found.get('assist', ALL)}" if level == ASSISTED else str(level)
+    level = found.contact
+    return f"{level}, helps: {found.assist}" if level == ASSISTED else level
 
 
-def _rms(rms: dict[str, float]) -> str:
+def _rms(rms: Mapping[str, float]) -> str:
     parts = []
     for kind, value in rms.items():
-        factor, small = fits.smaller("s" if kind in ("times", "intervals") else "m", [value])
+        factor, small = fits.smaller("s" if kind == "times" else "m", [value])
         parts.append(f"{kind} {numbers.plain(factor * value, 3)} {small}")
     return ", ".join(parts)
 
 
-def _reduced(closed: Record) -> str:
-    if not closed["dof"] or not math.isfinite(closed["chi2"]):
+def _reduced(closed: Form) -> str:
+    if not closed.dof or not math.isfinite(closed.chi2):
         return "no degree of freedom is left"
-    return f"{numbers.plain(closed['chi2'], 4)} ÷ {closed['dof']}"
+    return f"{numbers.plain(closed.chi2, 4)} ÷ {closed.dof}"

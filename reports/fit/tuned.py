@@ -4,50 +4,46 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare.model.settings import TUNED
 from simcompare.reports.fit import fits
-from simcompare.reports.fit.fits import CLOSED, Record
+from simcompare.reports.fit.fits import CLOSED
 from simcompare.reports.render import numbers
 from simcompare.reports.render.figures import Figure, Panel, Series, Style, spread, style_of
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.reports.validation import validations
+from simcompare.results.records.fit_bounces import Impact, PredictedHeight
 from simcompare.results.run import Run
 
 _ZERO = Style("#7F7F7F", "dot", width=2.0)
 
 
-def is_tuned(run: Run) -> bool:
-    """Whether engines were fitted in their plain loops, without our helps."""
-    return fits.record(run).get("contact") == TUNED
-
-
 def typed(run: Run) -> Table:
     """What a user types in, engine by engine, and what the engine does with it."""
-    record = fits.record(run)
-    goal, mean = record["tuned_to"], record["tuned_mean"]
-    rows = [(CLOSED, "–", numbers.with_u(goal["restitution"], goal["u"]), "–",
+    record = fits.bounces(run)
+    goal, mean = record.tuned_to, record.tuned_mean
+    assert goal is not None
+    rows: list[tuple[str, ...]] = [(CLOSED, "–", numbers.with_u(goal.restitution, goal.u), "–",
              numbers.plain(mean), "–", "–", "–")]  # fmt: skip
     for source in fits.engines(run):
-        first, contact = source["impacts"][0], source["contact_of_first_impact"]
-        effective = source["effective"]["restitution"]
+        first, contact = source.impacts[0], source.contact_of_first_impact
+        effective = source.effective["restitution"]
         cells = (
-            numbers.with_u(first["restitution"], first["u_phase"]),
-            numbers.plain(first["scatter"], 2),
-            numbers.with_u(effective["value"], effective["u"]),
-            _milli(contact["penetration_m"]), _milli(contact["contact_s"]),
-            _milli(contact["delay_s"]),
+            numbers.with_u(first.restitution, first.u_phase),
+            numbers.plain(first.scatter, 2),
+            numbers.with_u(effective.value, effective.u),
+            _milli(contact.penetration_m), _milli(contact.contact_s),
+            _milli(contact.delay_s),
         )  # fmt: skip
-        for place, row in enumerate(source["numbers"]):
-            told = f"{row['name']} = {numbers.with_u(row['value'], row['u'] or None, row['unit'])}"
-            rows.append((source["name"], told, *(cells if place == 0 else ("",) * len(cells))))
-        if not source["numbers"]:
-            rows.append((source["name"], "–", *cells))
+        for place, row in enumerate(source.numbers):
+            told = f"{row.name} = {numbers.with_u(row.value, row.u or None, row.unit)}"
+            rows.append((source.name, told, *(cells if place == 0 else ("",) * len(cells))))
+        if not source.numbers:
+            rows.append((source.name, "–", *cells))
     columns = (
         Column("Source", text=True, whole=True), Column("Type in ± u", text=True),
         Column("First impact ± u"), Column("Scatter"), Column("Mean of all ± u"),
         Column("Depth (mm)"), Column("Contact (ms)"), Column("Next late by (ms)"),
     )  # fmt: skip
-    step_ms = 1e3 * record["valid"]["engine_step_s"]
+    step_ms = 1e3 * record.valid.engine_step_s
     note = (
         f"Holds for a fixed step of {numbers.plain(step_ms)} ms, and for no other. The number's u"
         " holds that of the measured restitution and the scatter of the drops on which it was"
@@ -64,14 +60,14 @@ def impacts(run: Run) -> Table | None:
     groups = []
     for source in fits.engines(run):
         rows = tuple(
-            (_of(run, row), numbers.plain(row["speed_m_s"], 3),
-             numbers.plain(row["closed_form"], 6),
-             numbers.with_u(row["restitution"], row["u_phase"]),
-             numbers.plain(row["scatter"], 2), numbers.plain(100 * row["deviation"], 2),
-             numbers.with_u(1e3 * row["late_s"], 1e3 * row["scatter_s"]))
-            for row in source["impacts"]
+            (_of(run, row), numbers.plain(row.speed_m_s, 3),
+             numbers.plain(row.closed_form, 6),
+             numbers.with_u(row.restitution, row.u_phase),
+             numbers.plain(row.scatter, 2), numbers.plain(100 * row.deviation, 2),
+             numbers.with_u(1e3 * row.late_s, 1e3 * row.scatter_s))
+            for row in source.impacts
         )  # fmt: skip
-        groups.append(Group(source["name"], rows))
+        groups.append(Group(source.name, rows))
     if not groups:
         return None
     columns = (
@@ -85,9 +81,9 @@ def impacts(run: Run) -> Table | None:
     return Table("Impact by impact", columns, tuple(groups), note, folded=True)
 
 
-def _of(run: Run, row: Record) -> str:
-    several = len(fits.record(run)["measured"]) > 1
-    return f"{row['number']}" + (f" of drop {row['drop']}" if several else "")
+def _of(run: Run, row: Impact) -> str:
+    several = len(fits.bounces(run).measured) > 1
+    return f"{row.number}" + (f" of drop {row.drop}" if several else "")
 
 
 def _milli(value: float | None) -> str:
@@ -101,15 +97,15 @@ def impacts_figure(run: Run) -> Figure | None:
         return None
     off, late = [], []
     for i, source in enumerate(sources):
-        rows = [row for row in source["impacts"] if row["drop"] == 1]
-        x = np.array([row["number"] for row in rows]) + spread(i, len(sources), 0.3)
-        style = style_of(source["name"])
-        part = np.array([100 * row["deviation"] for row in rows])
-        bars = np.array([100 * row["scatter"] / row["closed_form"] for row in rows])
-        off.append(Series(source["name"], x, part, style, bars, points=True, line=False))
-        delay = np.array([1e3 * row["late_s"] for row in rows])
-        scatter = np.array([1e3 * row["scatter_s"] for row in rows])
-        late.append(Series(source["name"], x, delay, style, scatter, points=True, line=False))
+        rows = [row for row in source.impacts if row.drop == 1]
+        x = np.array([row.number for row in rows]) + spread(i, len(sources), 0.3)
+        style = style_of(source.name)
+        part = np.array([100 * row.deviation for row in rows])
+        bars = np.array([100 * row.scatter / row.closed_form for row in rows])
+        off.append(Series(source.name, x, part, style, bars, points=True, line=False))
+        delay = np.array([1e3 * row.late_s for row in rows])
+        scatter = np.array([1e3 * row.scatter_s for row in rows])
+        late.append(Series(source.name, x, delay, style, scatter, points=True, line=False))
     most = max(len(one.x) for one in off)
     zero = Series("closed form", np.array([1.0, most]), np.zeros(2), _ZERO)
     panels = (
@@ -121,7 +117,7 @@ def impacts_figure(run: Run) -> Figure | None:
         " deviation over the phases of the step. The first impact was tuned, the others follow."
         " Impacts are late by the time of the contacts before them."
     )
-    if len(fits.record(run)["measured"]) > 1:
+    if len(fits.bounces(run).measured) > 1:
         caption += " The first drop."
     return Figure("impacts", "Each impact in a plain loop", caption, panels)
 
@@ -129,23 +125,23 @@ def impacts_figure(run: Run) -> Figure | None:
 def heights(run: Run) -> Table | None:
     """Rebound heights of held-out drops, measured and predicted."""
     groups = []
-    for drop in fits.record(run)["holdout"]["drops"]:
+    for drop in fits.bounces(run).holdout.drops:
         rows = []
-        for row in drop.get("heights", ()):
-            measured = numbers.with_u(row["measured"], row["u_measured"])
-            own = [(CLOSED, row)]
+        for row in drop.heights:
+            measured = numbers.with_u(row.measured, row.u_measured)
+            own: list[tuple[str, PredictedHeight]] = [(CLOSED, row)]
             own += [
                 (name, height)
-                for name, engine in drop.get("engines", {}).items()
-                for height in engine["heights"] if height["number"] == row["number"]
+                for name, engine in drop.engines.items()
+                for height in engine.heights if height.number == row.number
             ]  # fmt: skip
             for name, one in own:
-                score = None if one["e_n"] is None else abs(one["e_n"])
-                rows.append((str(row["number"]), name, measured,
-                             numbers.with_u(one["predicted"], one["u_predicted"]),
+                score = None if one.e_n is None else abs(one.e_n)
+                rows.append((str(row.number), name, measured,
+                             numbers.with_u(one.predicted, one.u_predicted),
                              numbers.plain(score, 3)))  # fmt: skip
         if rows:
-            groups.append(Group(validations.short(str(drop["source"])), tuple(rows)))
+            groups.append(Group(validations.short(str(drop.source)), tuple(rows)))
     if not groups:
         return None
     columns = (Column("Bounce"), Column("Source", text=True), Column("Measured ± u (m)"),

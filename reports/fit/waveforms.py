@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.reports.run import runs
 from simcompare.reports.validation import validations
 from simcompare.reports.validation.waveforms import with_gaps
+from simcompare.results.records.fit_waveforms import FitSegment, JudgedValue
 from simcompare.results.run import Run
 
 #: how fitted engines are stored, and how many stretches are drawn beside each other
@@ -25,12 +25,12 @@ FITTED, MOST_DRAWN = "fitted", 3
 
 def residual_figures(run: Run) -> list[Figure]:
     """Simulated minus measured over time: the fitted stretches, and those that were held out."""
-    found = fits.record(run)
-    count = len(found["measured"])
-    cases = [*found["measured"], *found["held_out"]]
+    found = fits.signals(run)
+    count = len(found.measured)
+    cases = [*found.measured, *found.held_out]
     kinds = (("fitted", range(count)), ("held out", range(count, len(cases))))
     figures = []
-    for probe in found["probes"]:
+    for probe in found.probes:
         for kind, numbers_ in kinds:
             panels = [_panel(run, probe, i, cases[i]) for i in list(numbers_)[:MOST_DRAWN]]
             drawn = tuple(panel for panel in panels if panel is not None)
@@ -48,23 +48,23 @@ def _figure(run: Run, probe: str, kind: str, panels: tuple[Panel, ...]) -> Figur
     return Figure(f"left-{probe}-{kind.replace(' ', '-')}", title, caption, panels)
 
 
-def _panel(run: Run, probe: str, number: int, case: dict[str, Any]) -> Panel | None:
+def _panel(run: Run, probe: str, number: int, case: FitSegment) -> Panel | None:
     measured = validations.stored(run, "measured", "", number)
     if measured is None or probe not in measured.signals:
         return None
     lines = []
-    for source in fits.engines(run):
-        shown = validations.stored(run, source["name"], FITTED, number)
+    for source in fits.wave_engines(run):
+        shown = validations.stored(run, source.name, FITTED, number)
         if shown is not None:
-            lines.append(_line(source["name"], shown, measured, probe))
+            lines.append(_line(source.name, shown, measured, probe))
     if not lines:
         return None
-    u = float(case["probes"][probe]["u"])
+    u = float(case.probes[probe].u)
     largest = max(float(np.nanmax(np.abs(line.y), initial=0.0)) for line in lines)
     reach = 1.1 * max(largest, 2.5 * u) or 1.0
     unit = runs.unit_words(str(run.record.probes[probe].unit))
     return Panel(
-        case["stream"], "time (s)", f"simulated − measured{unit}", tuple(lines),
+        case.stream, "time (s)", f"simulated − measured{unit}", tuple(lines),
         (Band(-2 * u, 2 * u, "noise of a sample ± 2u", 0.0),) if u else (), y_range=(-reach, reach),
     )  # fmt: skip
 
@@ -81,16 +81,16 @@ def _label(run: Run, probe: str) -> str:
 
 def holdout(run: Run) -> Table | None:
     """Values of the stretches that were held out, and how well engines predict them."""
-    rows = fits.record(run)["holdout"]["streams"]
+    rows = fits.signals(run).holdout.streams
     groups = []
     for stretch in rows:
         cells: list[tuple[str, ...]] = []
-        for i, value in enumerate(stretch["values"]):
-            cells.append((value["measure"], "measured", _number(value["measured"]),
-                          _number(value["u_data"], 2), "–"))  # fmt: skip
-            for engine, own in stretch["engines"].items():
-                cells += _predicted(engine, own["values"][i : i + 1])
-        groups.append(Group(stretch["stream"], tuple(cells)))
+        for i, value in enumerate(stretch.values):
+            cells.append((value.measure, "measured", _number(value.measured),
+                          _number(value.u_data, 2), "–"))  # fmt: skip
+            for engine, own in stretch.engines.items():
+                cells += _predicted(engine, own.values[i : i + 1])
+        groups.append(Group(stretch.stream, tuple(cells)))
     if not groups:
         return None
     columns = (Column("Value", text=True), Column("Source", text=True), Column("Found"),
@@ -99,10 +99,10 @@ def holdout(run: Run) -> Table | None:
     return Table("Values of the stretches that were held out", columns, tuple(groups), note)
 
 
-def _predicted(engine: str, own: Sequence[dict[str, Any]]) -> list[tuple[str, ...]]:
+def _predicted(engine: str, own: Sequence[JudgedValue]) -> list[tuple[str, ...]]:
     return [
-        (row["measure"], engine, _number(row["simulated"]), _number(row["u_val"], 2),
-         "–" if row["e_n"] is None else f"{row['e_n']:+.2f}".replace("-", "−"))
+        (row.measure, engine, _number(row.simulated), _number(row.u_val, 2),
+         "–" if row.e_n is None else f"{row.e_n:+.2f}".replace("-", "−"))
         for row in own
     ]  # fmt: skip
 
@@ -114,13 +114,14 @@ def _number(value: float | None, digits: int = 5) -> str:
 def effective(run: Run) -> Table:
     """What each engine shows with its own parameters, in the stretches that were fitted."""
     groups = []
-    names = dict.fromkeys(n for row in fits.engines(run) for n in row["effective"])
+    names = dict.fromkeys(n for row in fits.wave_engines(run) for n in row.effective)
     for name in names:
         rows = []
-        for source in fits.engines(run):
-            row = source["effective"].get(name, {})
-            rows.append((source["name"], _number(row.get("value")), _number(row.get("u"), 2),
-                         _number(row.get("measured"))))  # fmt: skip
+        for source in fits.wave_engines(run):
+            row = source.effective.get(name)
+            cells = (None, None, None) if row is None else (row.value, row.u, row.measured)
+            shown, u, measured = cells
+            rows.append((source.name, _number(shown), _number(u, 2), _number(measured)))
         groups.append(Group(fits.with_unit(name), tuple(rows)))
     columns = (Column("Source", text=True), Column("Shown"), Column("u"), Column("Measured"))
     note = (
@@ -132,9 +133,9 @@ def effective(run: Run) -> Table:
 
 def valid(run: Run) -> dict[str, str]:
     """Where the fit holds."""
-    found = fits.record(run)["valid"]
-    facts = {"step": f"{found['step_s']:g} s", "longest stretch": f"{found['duration_s']:.4g} s"}
-    for probe, (low, high) in found["ranges"].items():
+    found = fits.signals(run).valid
+    facts = {"step": f"{found.step_s:g} s", "longest stretch": f"{found.duration_s:.4g} s"}
+    for probe, (low, high) in found.ranges.items():
         unit = run.record.probes[probe].unit
         facts[_label(run, probe)] = f"{low:.4g} to {high:.4g} {unit}"
     return facts

@@ -16,6 +16,7 @@ from simcompare.reports.sections.scores import scores
 from simcompare.reports.sections.setup import setup
 from simcompare.reports.sections.tuning import tuning
 from simcompare.results.records.fit import FitRecord
+from simcompare.results.records.fit_waveforms import WaveformFit
 from simcompare.results.records.run import Record
 from simcompare.results.records.validation import ValidationRecord
 from simcompare.results.run import Run
@@ -74,5 +75,5 @@ WAVES: tuple[Section, ...] = (
 def of_run(record: Record) -> tuple[Section, ...]:
     """The sections that suit a run."""
     if isinstance(record, FitRecord):
-        return WAVES if record.fit.get("by") == "waveform" else FIT
+        return WAVES if isinstance(record.fit, WaveformFit) else FIT
     return VALIDATION if isinstance(record, ValidationRecord) else SECTIONS

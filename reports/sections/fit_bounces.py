@@ -21,11 +21,11 @@ _ALONE = (
 
 def answer(run: Run) -> Part:
     """What was found, in words, what is left of the measured events, and the table of engines."""
-    missing = sorted({row["name"] for row in fits.failed(run)})
-    sentences = list(fits.record(run)["sentences"])
+    missing = sorted({row.name for row in fits.failed(run)})
+    sentences = list(fits.bounces(run).sentences)
     if missing:
         sentences.append(f"Could not be fitted: {', '.join(missing)}; the reasons are below.")
-    table = tuned.typed if tuned.is_tuned(run) else fitted_tables.engines
+    table = tuned.typed if fits.bounces(run).is_tuned else fitted_tables.engines
     return part_of(
         "Answer", "answer", fitted_figures.left_figures(run), [table(run)], answer=sentences
     )
@@ -34,7 +34,7 @@ def answer(run: Run) -> Part:
 def engines(run: Run) -> Part:
     """Parameters beside effective values, or impact by impact, and native contact values."""
     failed, native = fitted_tables.failed(run), fitted_tables.native(run)
-    if tuned.is_tuned(run):
+    if fits.bounces(run).is_tuned:
         figures, tables = [tuned.impacts_figure(run)], [failed, tuned.impacts(run), native]
         return part_of("Each engine", "engines", figures, tables, [_ALONE])
     figures = [fitted_figures.parameter_figure(run)]
@@ -47,7 +47,7 @@ def engines(run: Run) -> Part:
 def forms(run: Run) -> Part:
     """Criteria of every closed form that might describe the data."""
     tables = [fitted_tables.forms(run), fitted_tables.refused(run)]
-    notes = fits.record(run)["choice"]["words"]
+    notes = fits.bounces(run).choice.words
     figures = [more_figures.forms_figure(run)]
     return part_of("Which closed form", "forms", figures, tables, notes)
 
@@ -61,14 +61,14 @@ def identifiability(run: Run) -> Part:
     """What the data can tell and what they cannot: correlations, singular values, profiles."""
     figures = [more_figures.correlation_figure(run), *more_figures.profile_figures(run)]
     tables = [fitted_tables.bootstrap(run), fitted_tables.directions(run)]
-    notes = fits.record(run)["identifiability"]["words"]
+    notes = fits.bounces(run).identifiability.words
     return part_of("What the data can tell", "identifiability", figures, tables, notes)
 
 
 def holdout(run: Run) -> Part:
     """Whether the fit predicts drops that it has not seen, or that there are none."""
     tables = [fitted_tables.holdout(run), tuned.heights(run)]
-    notes = [fits.record(run)["holdout"]["text"]]
+    notes = [fits.bounces(run).holdout.text]
     figures = [more_figures.holdout_figure(run)]
     return part_of("Drops that were not fitted", "holdout", figures, tables, notes)
 
@@ -84,7 +84,7 @@ def others(run: Run) -> Part | None:
 def measured(run: Run) -> Part:
     """What was measured, left out, fixed and known before, and where the fit holds."""
     tables = [fitted_tables.measured(run), fitted_tables.left_out(run), fitted_tables.known(run)]
-    drops = (*fits.record(run)["measured"], *fits.record(run)["held_out"])
-    notes = [f"{drop['source']}: {note}" for drop in drops for note in drop["notes"]]
+    drops = (*fits.bounces(run).measured, *fits.bounces(run).held_out)
+    notes = [f"{drop.source}: {note}" for drop in drops for note in drop.notes]
     facts = fitted_tables.valid(run)
     return part_of("What was measured", "measured", tables=tables, notes=notes, facts=facts)

@@ -10,8 +10,8 @@ from simcompare.results.run import Run
 
 def answer(run: Run) -> Part:
     """What was found, in words, and what is left of the measured signals."""
-    record = fits.record(run)
-    sentences = (*record["told"], *record["sentences"])
+    record = fits.signals(run)
+    sentences = (*record.chosen_words, *record.sentences)
     return part_of("Answer", "answer", waveforms.residual_figures(run), answer=sentences)
 
 
@@ -28,7 +28,7 @@ def holdout(run: Run) -> Part:
         "Stretches that were not fitted",
         "holdout",
         tables=[waveforms.holdout(run)],
-        notes=[fits.record(run)["holdout"]["text"]],
+        notes=[fits.signals(run).holdout.text],
     )
 
 
@@ -41,7 +41,7 @@ def identifiability(run: Run) -> Part:
         [more_figures.correlation_figure(run)],
         [fitted_tables.directions(run)],
         [
-            *fits.record(run)["identifiability"]["words"],
+            *fits.signals(run).identifiability.words,
             f"the fit holds for what it was made with: {facts}",
         ],
     )

@@ -93,9 +93,10 @@ def fit(
 
         written = builder.write_html([result], result.folder / "report.html")
     if as_json:
+        from simcompare.model.plain import plain
         from simcompare.reports.fit import fits
 
-        console.print_json({**fits.record(result), "run": str(result.folder)})
+        console.print_json({**plain(fits.record(result)), "run": str(result.folder)})
     else:
         fit_tables.show(result, written)
     raise typer.Exit(130 if result.record.interrupted else result.exit_code)

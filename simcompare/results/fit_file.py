@@ -7,14 +7,21 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+
+from pydantic import ValidationError
 
 from simcompare.engine.assist import ALL, chosen
 from simcompare.engine.calibration.plan import drop_plans
 from simcompare.engine.helps import HELPS
 from simcompare.errors import InputError, UnknownName
+from simcompare.model.audit import AuditRow
+from simcompare.model.fittable import BOUNCES
+from simcompare.model.plain import of_plain
 from simcompare.model.scenario import Scenario
-from simcompare.model.settings import ASSISTED, TUNED, DropPlan, PairNumbers, Settings
+from simcompare.model.settings import ASSISTED, TUNED, PairNumbers, Settings
+from simcompare.results.records.fit_bounces import RunWith, Tuned
+from simcompare.results.records.fit_parts import Value
+from simcompare.results.records.stored import faults
 from simcompare.scenarios.scenario_file import ScenarioFile
 
 #: contact level of engines with parameters from a fit
@@ -25,33 +32,38 @@ _MARGIN = 1.05
 
 
 @dataclass(frozen=True)
-class Tuned:
-    """An engine's own numbers for the pairs of one restitution.
+class _Valid:
+    speed_m_s: tuple[float, float]
+    step_s: float
+    engine_step_s: float | None = None
 
-    Attributes:
-        pairs: names of the bodies of each pair.
-        restitution: that the numbers give.
-        values: the numbers.
-        size_m: smallest size of the body for which they were found.
-        gravity_m_s2: along the normal of the contact.
-    """
 
-    pairs: tuple[tuple[str, str], ...]
-    restitution: float
-    values: tuple[float, ...]
-    size_m: float
-    gravity_m_s2: float
+@dataclass(frozen=True)
+class _Form:
+    parameters: Mapping[str, Value]
 
-    def suits(self, plan: DropPlan) -> bool:
-        """Whether the numbers were found for such drops, but for the speed of the impact."""
-        return all(
-            math.isclose(ours, asked, rel_tol=1e-6)
-            for ours, asked in (
-                (self.restitution, plan.restitution),
-                (self.size_m, plan.size_m),
-                (self.gravity_m_s2, plan.gravity_m_s2),
-            )
-        )
+
+@dataclass(frozen=True)
+class _Source:
+    name: str
+    status: str = ""
+    reason: str | None = None
+    native: tuple[AuditRow, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Stored:
+    """What of fit.json is of use for another run, also in a fit of version 0.1."""
+
+    by: str = BOUNCES
+    scenario: str
+    given: Mapping[str, float]
+    contact: str = ASSISTED
+    assist: str = ALL
+    closed_form: _Form = _Form({})
+    sources: tuple[_Source, ...]
+    run_with: RunWith
+    valid: _Valid
 
 
 @dataclass(frozen=True)
@@ -70,7 +82,8 @@ class FitFile:
         speed_m_s: slowest and fastest impact that was fitted.
         step_s: time between samples that was fitted with.
         engine_step_s: step of the engines.
-        drop_height_m: from how high the first drop fell that was fitted, where it was sought.
+        drop_height_m: from how high the first drop fell that was fitted, where it was fitted.
+        sources: what became of each engine, and the contact values that it held.
     """
 
     path: Path
@@ -85,6 +98,7 @@ class FitFile:
     step_s: float
     engine_step_s: float
     drop_height_m: float | None = None
+    sources: tuple[_Source, ...] = ()
 
     def base(self, file: ScenarioFile) -> dict[str, float]:
         """Parameters of the scenario as the closed form has them.
@@ -225,15 +239,11 @@ def contact_values(path: Path) -> str:
         f"# fitted with air drag, {name} = {value:.6g}: a force -c·|v|·v of your own in each step"
         for name, value in drag.items()
     ]
-    try:
-        for source in json.loads(path.read_text(encoding="utf-8"))["sources"]:
-            if source.get("status") != "ok":
-                name, why = source["name"], source.get("reason") or source.get("status") or "failed"
-                lines.append(f"# {name}: {str(why).removeprefix(f'{name}: ')}")
-            rows = [row for row in source.get("native", ()) if _held(row) is not None]
-            lines += [_line(source, row) for row in rows]
-    except (KeyError, TypeError, AttributeError) as error:
-        raise _damaged(path, error) from None
+    for source in fit.sources:
+        if source.status != "ok":
+            why = source.reason or source.status or "failed"
+            lines.append(f"# {source.name}: {why.removeprefix(f'{source.name}: ')}")
+        lines += [_line(source.name, row) for row in source.native if _held(row) is not None]
     return "\n".join(lines) + "\n"
 
 
@@ -243,24 +253,23 @@ def _damaged(path: Path, error: Exception) -> InputError:
         return InputError(
             str(path), ["there is no such file; expected a fit.json of simcompare fit"]
         )
-    said = f"a key is missing: {error}" if isinstance(error, KeyError) else str(error)
+    said = "; ".join(faults(error)) if isinstance(error, ValidationError) else str(error)
     return InputError(
         str(path),
         [f"is no fit of simcompare fit, or is damaged ({said}); fit again and take its fit.json"],
     )
 
 
-def _held(row: Mapping[str, Any]) -> float | None:
+def _held(row: AuditRow) -> float | None:
     """What the engine held, or was given where it cannot be read."""
-    value: float | None = row["set_value"] if row["read_value"] is None else row["read_value"]
-    return value
+    return row.set_value if row.read_value is None else row.read_value
 
 
-def _line(source: Mapping[str, Any], row: Mapping[str, Any]) -> str:
-    unit = "" if row["unit"] in ("", "1") else f" {row['unit']}"
-    note = f"  # {row['note']}" if row.get("note") else ""
+def _line(name: str, row: AuditRow) -> str:
+    unit = "" if row.unit in ("", "1") else f" {row.unit}"
+    note = f"  # {row.note}" if row.note else ""
     # all digits: a spring's two numbers belong together
-    return f"{source['name']}: {row['engine_parameter']} = {_held(row)!r}{unit}{note}"
+    return f"{name}: {row.engine_parameter} = {_held(row)!r}{unit}{note}"
 
 
 def find(text: str) -> Path | None:
@@ -282,65 +291,41 @@ def read(path: Path) -> FitFile:
     """
     try:
         tree = json.loads(path.read_text(encoding="utf-8"))
-        if tree.get("by") == "waveform":
+        if tree.get("by", BOUNCES) != BOUNCES:
             raise InputError(
                 str(path), ["is a fit of signals over time; give its parameters with --set"]
             )
-        known = tree["run_with"]
-        engines = {
-            name: {n: float(v) for n, v in own.items()} for name, own in known["engines"].items()
-        }
-        values = {n: float(v) for n, v in known["closed"].items()}
-        low, high = tree["valid"]["speed_m_s"]
-        step_s = float(tree["valid"]["step_s"])
-        contact, assist = tree.get("contact", ASSISTED), str(tree.get("assist", ALL))
-        if contact not in (TUNED, ASSISTED):
-            raise ValueError(f"contact: {contact!r}; expected {TUNED} or {ASSISTED}")
-        chosen(assist)
-        return FitFile(
-            path, str(tree["scenario"]), {n: float(v) for n, v in tree["given"].items()},
-            values, engines, _numbers(known.get("numbers", {})), contact, assist,
-            (float(low), float(high)), step_s, float(tree["valid"].get("engine_step_s", step_s)),
-            _first_height(tree),
-        )  # fmt: skip
+        fit = of_plain(_Stored, tree)
+        if fit.contact not in (TUNED, ASSISTED):
+            raise ValueError(f"contact: {fit.contact!r}; expected {TUNED} or {ASSISTED}")
+        chosen(fit.assist)
+        _check_plausible(fit.run_with)
     except InputError:
         raise
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, UnknownName) as error:
+    except (OSError, ValueError, AttributeError, UnknownName) as error:
         raise _damaged(path, error) from None
+    return FitFile(
+        path, fit.scenario, fit.given, fit.run_with.closed, fit.run_with.engines,
+        fit.run_with.numbers, fit.contact, fit.assist, fit.valid.speed_m_s, fit.valid.step_s,
+        fit.valid.engine_step_s or fit.valid.step_s, _first_height(fit.closed_form), fit.sources,
+    )  # fmt: skip
 
 
-def _plausible(engine: str, values: Sequence[Any]) -> tuple[float, ...]:
+def _check_plausible(run_with: RunWith) -> None:
     """An engine's numbers: one coefficient, or the two of a spring and damper as typed in."""
-    found = tuple(float(value) for value in values)
-    one = len(found) == 1 and 0 < found[0] <= 1
-    two = len(found) == 2 and all(math.isfinite(value) and value < 0 for value in found)
-    if not (one or two):
-        raise ValueError(
-            f"run_with.numbers.{engine}: {list(values)}; expected one number in 0 … 1, or two"
-            " below 0"
-        )
-    return found
+    for engine, rows in run_with.numbers.items():
+        for values in (row.values for row in rows):
+            one = len(values) == 1 and 0 < values[0] <= 1
+            two = len(values) == 2 and all(math.isfinite(v) and v < 0 for v in values)
+            if not (one or two):
+                raise ValueError(
+                    f"run_with.numbers.{engine}: {list(values)}; expected one number in 0 … 1, or"
+                    " two below 0"
+                )
 
 
-def _first_height(tree: Mapping[str, Any]) -> float | None:
-    sought = tree.get("closed_form", {}).get("parameters", {})
+def _first_height(form: _Form) -> float | None:
     for name in ("drop_height_m", "drop_height_m[1]"):
-        if name in sought:
-            return float(sought[name]["value"])
+        if name in form.parameters:
+            return form.parameters[name].value
     return None
-
-
-def _numbers(tree: Mapping[str, Any]) -> dict[str, tuple[Tuned, ...]]:
-    return {
-        name: tuple(
-            Tuned(
-                tuple((str(first), str(second)) for first, second in record["pairs"]),
-                float(record["restitution"]),
-                _plausible(name, record["values"]),
-                float(record["size_m"]),
-                float(record["gravity_m_s2"]),
-            )
-            for record in own
-        )
-        for name, own in tree.items()
-    }

@@ -18,7 +18,7 @@ from simcompare.fitting.bounces import bounce_models, holdout, model_selection, 
 from simcompare.fitting.bounces.arcs import rejoined
 from simcompare.fitting.bounces.assisted_fit import fit_engines
 from simcompare.fitting.bounces.engine_fit import EngineFit
-from simcompare.fitting.bounces.identifiability import BLIND, identifiability
+from simcompare.fitting.bounces.identifiability import identifiability
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.fitting.bounces.reading import drops_of
@@ -31,15 +31,25 @@ from simcompare.fitting.bounces.request import (
 )
 from simcompare.fitting.bounces.roles import Roles, roles_of
 from simcompare.fitting.bounces.tune_engines import tune_engines
-from simcompare.fitting.bounces.unknowns import SPEED, Prior
+from simcompare.fitting.bounces.unknowns import SPEED
 from simcompare.fitting.bounces.wanted import Wanted, wanted_of
 from simcompare.model.fittable import WAVEFORM
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, TUNED
+from simcompare.reports.fit import answer, identifiability_words
 from simcompare.results import run_record, store
 from simcompare.results.fit_file import FITTED
 from simcompare.results.records import stored
 from simcompare.results.records.fit import FitRecord
+from simcompare.results.records.fit_bounces import (
+    BouncesEngine,
+    BouncesFit,
+    EffectiveValue,
+    Holdout,
+    Number,
+    Prior,
+)
+from simcompare.results.records.fit_parts import EngineParameter, finite
 from simcompare.results.run import Run, Stored
 from simcompare.running.runner import TIME_LIMIT_S, Progress
 from simcompare.scenarios import catalogue
@@ -132,9 +142,11 @@ def fit(
     choice = model_selection.compare(
         drops, candidates(model, asked), extra=asked.extra, fixed=asked.fixed, priors=asked.priors
     )
-    told = identifiability(choice.best)
-    if asked.extra and not told.condition < BLIND:
-        raise InputError("--unknown", [*told.words, "leave it out, or --fix what it mixes with"])
+    known = identifiability(choice.best)
+    if asked.extra and known.is_blind:
+        filmed = any(drop.track for drop in drops)
+        words = identifiability_words.of_bounces(known, asked.priors, filmed=filmed)
+        raise InputError("--unknown", [*words, "leave it out, or --fix what it mixes with"])
     how = _How(chosen, helps, step_s, time_limit_s, progress)
     start, found, predicted, wanted = _engines(roles, choice, drops, held, asked, how)
     command = ["simcompare", "fit", scenario, "--engine", engine, "--model", model]
@@ -148,7 +160,7 @@ def fit(
     ):  # fmt: skip
         command += [word for value in values if value for word in (option, str(value))]
     scene = file.resolve(roles.values(start.problem.values(start.x, 0)), step_s=step_s)
-    record = records.of_fit(
+    found_fit = records.of_fit(
         roles, choice, start, found, predicted, (drops, held),
         records.Made(TUNED if how.tuned else ASSISTED, how.assist, wanted, scene),
     )  # fmt: skip
@@ -156,7 +168,7 @@ def fit(
         "engines_asked": engine, "scenario_asked": scenario, "command": tuple(command),
         "recording_asked": tuple(map(str, recordings)),
     }  # fmt: skip
-    return _saved(_gather(file, record, found, told_of, scene), out)
+    return _saved(_gather(file, answer.worded(finite(found_fit)), found, told_of, scene), out)
 
 
 @dataclass(frozen=True)
@@ -187,7 +199,7 @@ def _engines(
     held: Sequence[Impacts],
     asked: Asked,
     how: _How,
-) -> tuple[Fit, Sequence[EngineFit], dict[str, Any], Wanted | None]:
+) -> tuple[Fit, Sequence[EngineFit], Holdout, Wanted | None]:
     """The closed form that engines get, what they make of it, and held-out drops."""
     closed = holdout.predict(choice.best, held, asked.fixed)
     more: dict[str, Any] = {
@@ -202,15 +214,6 @@ def _engines(
     assisted = fit_engines(roles, start, how.engines, helps=how.helps, **more)
     other = closed if start is choice.best else holdout.predict(start, held, asked.fixed)
     return start, assisted, holdout.of_engines(closed, other, assisted), None
-
-
-def _plain(value: Any) -> Any:  # noqa: ANN401
-    """The same with what is not finite, such as a terminal speed without drag, as ``None``."""
-    if isinstance(value, dict):
-        return {key: _plain(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _saved(done: Run, out: str | Path | None) -> Run:
@@ -251,7 +254,7 @@ def _for_engines(roles: Roles, best: Fit, drops: Sequence[Impacts], asked: Asked
 
 def _gather(
     file: ScenarioFile,
-    fitted: dict[str, Any],
+    fitted: BouncesFit,
     found: Sequence[EngineFit],
     told: Mapping[str, Any],
     scene: Scenario,
@@ -261,10 +264,8 @@ def _gather(
         for one in found
         if one.outcome is not None
     ]
-    scores = [score for row in fitted["sources"] for score in _scores(row)]
-    record = run_record.of_run(
-        FitRecord, file, [scene], None, sources, scores, fit=_plain(fitted), **told
-    )
+    scores = [score for row in fitted.sources for score in _scores(row)]
+    record = run_record.of_run(FitRecord, file, [scene], None, sources, scores, fit=fitted, **told)
     trajectories = [
         Stored(one.engine, FITTED, 0, run, FITTED, drop)
         for one in found
@@ -273,13 +274,12 @@ def _gather(
     return Run(record, tuple(trajectories))
 
 
-def _scores(row: Mapping[str, Any]) -> list[Score]:
+def _scores(row: BouncesEngine) -> list[Score]:
     """What was found for one engine, as scores that are shown and not judged."""
-    cells = [(name, *(one[key] for key in ("value", "u", "unit")))
-             for name, one in row["parameters"].items()]  # fmt: skip
-    cells += [(f"effective_{name}", *(one[key] for key in ("value", "u", "unit")))
-              for name, one in row["effective"].items()]  # fmt: skip
-    cells += [(one["name"], *(one[key] for key in ("value", "u", "unit")))
-              for one in row.get("numbers", ())]  # fmt: skip
-    return [Score(row["name"], FITTED, name, "", None, value, None, u, unit, 1, None, None, INFO)
-            for name, value, u, unit in cells]  # fmt: skip
+    cells: list[tuple[str, EngineParameter | EffectiveValue | Number]] = [
+        *row.parameters.items(),
+        *((f"effective_{name}", one) for name, one in row.effective.items()),
+        *((one.name, one) for one in row.numbers),
+    ]
+    return [Score(row.name, FITTED, name, "", None, one.value, None, one.u, one.unit, 1, None, None,
+                  INFO) for name, one in cells]  # fmt: skip

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from simcompare import units
 from simcompare.compare.comparison import INFO, Score
@@ -19,9 +18,12 @@ from simcompare.inference.reference_model import Model, model_of
 from simcompare.inference.segments import as_trajectory
 from simcompare.inference.simulated import BEST, of_probes
 from simcompare.model.trajectory import TRUTH
+from simcompare.reports.fit import wave_words
 from simcompare.results import run_record
 from simcompare.results.fit_file import FITTED
 from simcompare.results.records.fit import FitRecord
+from simcompare.results.records.fit_parts import finite
+from simcompare.results.records.fit_waveforms import WaveHoldout
 from simcompare.results.run import Run, Stored
 from simcompare.running.runner import TIME_LIMIT_S, Progress
 from simcompare.scenarios.scenario_file import ScenarioFile
@@ -129,7 +131,7 @@ def _gather(
     setup: Setup,
     fitted: Fitted,
     found: Sequence[EngineWaves],
-    predicted: Mapping[str, Any],
+    predicted: WaveHoldout,
     given: Mapping[str, float],
     step_s: float | None,
     asked: _Asked,
@@ -137,25 +139,20 @@ def _gather(
     sources = [run_record.of_source(one.engine, FITTED, one.outcomes) for one in found]
     best = fitted.estimate.as_dict()
     scene = model.scenario(setup.fitted[0], best, step_s)
-    scores = [score for one in found for score in _scores(model, setup, fitted, one)]
+    fit = records.of_fit(model, setup, fitted, found, predicted, given, scene.world.step_s)
+    unit = units.symbol(scene.probes[setup.probes[0]].unit)
+    fit = wave_words.worded(finite(fit), unit)
+    scores = [
+        Score(row.name, FITTED, name, "", None, one.value, None, one.u, one.unit, 1, None, None,
+              INFO)
+        for row in fit.sources for name, one in row.parameters.items()
+    ]  # fmt: skip
     record = run_record.of_run(
-        FitRecord, model.file, [scene], TRUTH, sources, scores,
-        fit=records.of_fit(model, setup, fitted, found, predicted, given, scene.world.step_s),
+        FitRecord, model.file, [scene], TRUTH, sources, scores, fit=fit,
         engines_asked=asked.engine, scenario_asked=model.file.name,
         recording_asked=tuple(asked.recordings), command=tuple(asked.command),
     )  # fmt: skip
     return Run(record, tuple(_stored(model, setup, fitted, found, step_s)))
-
-
-def _scores(model: Model, setup: Setup, fitted: Fitted, one: EngineWaves) -> list[Score]:
-    if one.status != "ok":
-        return []
-    rows = records.parameters(model, fitted, one.x, one.u_num)
-    return [
-        Score(one.engine, FITTED, name, "", None, rows[name]["value"], None, rows[name]["u"],
-              units.unit_of(name), 1, None, None, INFO)
-        for name in setup.names
-    ]  # fmt: skip
 
 
 def _stored(

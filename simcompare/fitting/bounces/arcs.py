@@ -16,8 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import bounce_models
-from simcompare.fitting.bounces.impacts import TRACK, Dropped, Impacts, Track
+from simcompare.fitting.bounces.impacts import TRACK, Impacts, Track
 from simcompare.model.trajectory import Array
+from simcompare.results.records.fit_bounces import Dropped
 from simcompare.statistics.agreement import MAD_TO_SD
 
 #: samples that a flight must have

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -42,15 +41,10 @@ class AssistedFit(EngineFit):
     """What one engine must be given together with our helps.
 
     Attributes:
-        left_s: measured less simulated impact times, drop by drop.
+        residuals_s: measured less simulated impact times, drop by drop.
     """
 
-    left_s: tuple[tuple[float, ...], ...] = ()
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        plain = super().to_dict()
-        return {**plain, "left_s": [list(row) for row in self.left_s]} if self.fit else plain
+    residuals_s: tuple[tuple[float, ...], ...] = ()
 
 
 def fit_engines(

@@ -1,9 +1,8 @@
-"""How estimates scatter: fits to simulated repeats, and to resampled drops."""
+"""How estimates scatter: fits to simulated repeats."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +21,6 @@ class Bootstrap:
     """Estimates of many repeats.
 
     Attributes:
-        kind: "parametric" or "drops".
         names: the unknowns.
         draws: estimates (B, p); an infinite terminal speed means no drag.
         u: standard deviation of each, NaN where some are infinite (p,).
@@ -33,7 +31,6 @@ class Bootstrap:
         seed: of the generator.
     """
 
-    kind: str
     names: tuple[str, ...]
     draws: Array
     u: Array
@@ -42,20 +39,6 @@ class Bootstrap:
     bias: Array
     failed: int
     seed: int
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON, without the single draws."""
-        columns = zip(self.names, self.u, self.low, self.high, self.bias, strict=True)
-        return {
-            "kind": self.kind, "draws": len(self.draws), "failed": self.failed, "seed": self.seed,
-            "parameters": {
-                name: {
-                    key: float(v) if np.isfinite(v) else None
-                    for key, v in (("u", u), ("low", low), ("high", high), ("bias", bias))
-                }
-                for name, u, low, high, bias in columns
-            },
-        }  # fmt: skip
 
 
 def parametric(fit: Fit, draws: int = DRAWS, seed: int = 0) -> Bootstrap:
@@ -75,27 +58,18 @@ def parametric(fit: Fit, draws: int = DRAWS, seed: int = 0) -> Bootstrap:
         best = minimise(problem, start, data[part], mean[part])
         found.append(best.x)
         fine.append(best.converged)
-    return _summary("parametric", fit, np.concatenate(found), np.concatenate(fine), seed)
+    return _summary(fit, np.concatenate(found), np.concatenate(fine), seed)
 
 
-def _summary(
-    kind: str,
-    fit: Fit,
-    x: Array,
-    fine: NDArray[np.bool_],
-    seed: int,
-    columns: list[int] | None = None,
-) -> Bootstrap:
-    kept = list(range(len(fit.names))) if columns is None else columns
-    names = tuple(fit.names[k] for k in kept)
-    whole = np.column_stack([shown(fit.names[k], x[fine][:, k]) for k in kept])
+def _summary(fit: Fit, x: Array, fine: NDArray[np.bool_], seed: int) -> Bootstrap:
+    whole = np.column_stack([shown(name, x[fine][:, k]) for k, name in enumerate(fit.names)])
     finite = np.isfinite(whole).all(axis=0)
     safe = np.where(np.isfinite(whole), whole, 0.0)
     low, high, middle = (_quantile(whole, q) for q in (0.025, 0.975, 0.5))
     with np.errstate(invalid="ignore"):
-        bias = middle - fit.values[kept]
+        bias = middle - fit.values
     u = np.where(finite, safe.std(axis=0, ddof=1), np.nan)
-    return Bootstrap(kind, names, whole, u, low, high, bias, int(np.sum(~fine)), seed)
+    return Bootstrap(fit.names, whole, u, low, high, bias, int(np.sum(~fine)), seed)
 
 
 def _quantile(draws: Array, q: float) -> Array:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
-from simcompare.fitting.bounces import bounce_models, diagnostics, initial_guess, profile
+from simcompare.fitting.bounces import bounce_models, initial_guess, profile
 from simcompare.fitting.bounces.impacts import Impacts
-from simcompare.fitting.bounces.likelihood import Fit, minimum, summary
+from simcompare.fitting.bounces.likelihood import Fit, Profile, minimum, summary
 from simcompare.fitting.bounces.problem import Problem, build
-from simcompare.fitting.bounces.unknowns import Prior
+from simcompare.fitting.bounces.unknowns import SPEED, base
 from simcompare.model.trajectory import Array
+from simcompare.results.records.fit_bounces import Prior
 from simcompare.statistics import least_squares
 
 
@@ -47,8 +49,9 @@ def fit(
     scaled = whole.widened(math.sqrt(s2))
     best = minimum(scaled, first)
     found = summary(whole, scaled, best, s2, dof)
-    ends = profile.intervals(found, scaled) if profiles else None
-    return diagnostics.completed(found, scaled, ends)
+    pulls = {name: _pull(found, name) for name in scaled.priors}
+    profiled = profile.intervals(found, scaled) if profiles else {}
+    return _with_profiles(replace(found, pulls=pulls), profiled)
 
 
 def _scatter(
@@ -65,3 +68,29 @@ def _scatter(
         return 1.0, 0
     ratio = chi2 / dof
     return (max(1.0, ratio) if problem.u_known else max(ratio, 1e-12)), dof
+
+
+def _with_profiles(fit: Fit, profiles: Mapping[str, Profile]) -> Fit:
+    """The fit with profiled intervals in place of normal ones."""
+    intervals, how = list(fit.intervals), list(fit.how)
+    for k, name in enumerate(fit.names):
+        if name in profiles:
+            intervals[k] = (profiles[name].low, profiles[name].high)
+            how[k] = "profile"
+    return replace(fit, intervals=tuple(intervals), how=tuple(how), profiles=profiles)
+
+
+def _pull(fit: Fit, name: str) -> float:
+    """(estimate - prior)/√(u_prior² - u²): a standard normal number where prior and data agree.
+
+    It is the difference between the prior and what the data say without it, over the root sum of
+    squares of their uncertainties; 0 where the data say nothing.
+    """
+    k = fit.names.index(name)
+    index, mean, u = fit.problem.prior_rows
+    at = index.tolist().index(k)
+    left = float(u[at] ** 2 - fit.sought_covariance[k, k])
+    if left <= 1e-9 * u[at] ** 2:
+        return 0.0
+    found = float(fit.x[k] - mean[at]) / math.sqrt(left)
+    return -found if base(name) == SPEED else found

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,12 +16,16 @@ from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.fitting.bounces.problem import usual
 from simcompare.fitting.bounces.tuned_fit import TunedFit
-from simcompare.fitting.bounces.unknowns import SPEED, base
+from simcompare.fitting.bounces.unknowns import OF_A_DROP, SPEED, base
 from simcompare.model.trajectory import Array
+from simcompare.results.records.fit_bounces import (
+    EngineHoldout,
+    HeldOutDrop,
+    Holdout,
+    JudgedHeight,
+    PredictedHeight,
+)
 from simcompare.statistics.agreement import e_n
-
-#: unknowns that belong to one drop alone and are found in the held-out drop itself
-_OWN = ("drop_height_m", "release_time_s", "floor_m")
 
 
 @dataclass(frozen=True)
@@ -33,13 +36,13 @@ class Prediction:
         drop: what was measured.
         predicted: the fit of its own height and release, everything else as it was fitted.
         again: the fit of its own restitution besides; ``None`` where none was sought.
-        row: what is told of it, as plain values.
+        row: what the record says of it.
     """
 
     drop: Impacts
     predicted: Fit
     again: Fit | None
-    row: Mapping[str, Any]
+    row: HeldOutDrop
 
 
 def predict(best: Fit, held: Sequence[Impacts], fixed: Mapping[str, float]) -> list[Prediction]:
@@ -54,102 +57,62 @@ def predict(best: Fit, held: Sequence[Impacts], fixed: Mapping[str, float]) -> l
         held: drops that were not fitted.
         fixed: what was not sought.
     """
-    return [_closed(best, drop, fixed) for drop in held]
+    return [_closed(number, best, drop, fixed) for number, drop in enumerate(held, start=1)]
 
 
 def of_engines(
     closed: Sequence[Prediction], with_contact: Sequence[Prediction], engines: Sequence[EngineFit]
-) -> dict[str, Any]:
-    """What was predicted, by the closed form and by every engine, as plain values.
+) -> Holdout:
+    """What was predicted, by the closed form and by every engine.
 
     Args:
         closed: predictions of the closed form.
         with_contact: those of the closed form with the contact that engines have.
         engines: the engines that were fitted.
-
-    Returns:
-        ``drops`` for the closed form, in each of them ``engines``; and ``text``.
     """
-    if not closed:
-        return {"drops": [], "text": "No drop was held out, so nothing was validated."}
     rows = []
-    for number, (one, other) in enumerate(zip(closed, with_contact, strict=True), start=1):
-        row: dict[str, Any] = {"number": number, "source": one.drop.source, **one.row}
+    for place, (one, other) in enumerate(zip(closed, with_contact, strict=True)):
+        found: dict[str, EngineHoldout] = {}
         for engine in engines:
             if isinstance(engine, AssistedFit) and engine.fit is not None:
-                row.setdefault("engines", {})[engine.engine] = _assisted(engine, other.row)
+                found[engine.engine] = _assisted(engine, other.row)
             elif isinstance(engine, TunedFit) and engine.fit is not None:
-                found = _tuned(engine, number - 1, one)
-                row.setdefault("engines", {})[engine.engine] = found
-        rows.append(row)
-    judged = [row["e_n"] for row in rows if row["e_n"] is not None]
-    text = (
-        f"{_good(judged)} of {len(judged)} held-out drops agree with the fitted restitution within"
-        " the noise level (|E_n| ≤ 1, k = 2)."
-    )
-    return {"drops": rows, "text": text + _heights_text(rows, engines)}
+                found[engine.engine] = _tuned(engine, place, one)
+        rows.append(replace(one.row, engines=found))
+    return Holdout(tuple(rows))
 
 
-def _good(judged: Sequence[float]) -> int:
-    return sum(abs(value) <= 1 for value in judged)
-
-
-def _heights_text(rows: Sequence[Mapping[str, Any]], engines: Sequence[EngineFit]) -> str:
-    """How many rebound heights are predicted, engine by engine."""
-    counts = []
-    names = [one.engine for one in engines if isinstance(one, TunedFit) and one.fit is not None]
-    for name in ("the closed form", *names):
-        own = [row if name == "the closed form" else row["engines"][name] for row in rows]
-        judged = [h["e_n"] for row in own for h in row["heights"] if h["e_n"] is not None]
-        if judged:
-            counts.append(f"{name} {_good(judged)} of {len(judged)}")
-    if not counts or not names:
-        return ""
-    return (
-        f" Rebound heights predicted within it: {', '.join(counts)}. Impact times stand beside"
-        " them and are not judged in plain loops, since they hold the time of the contact."
-    )
-
-
-def _closed(best: Fit, drop: Impacts, fixed: Mapping[str, float]) -> Prediction:
+def _closed(number: int, best: Fit, drop: Impacts, fixed: Mapping[str, float]) -> Prediction:
     own = [n for n in best.problem.model.own if n != SPEED or SPEED not in fixed]
     kept = {
         base(n): float(v)
         for n, v in zip(best.names, best.values, strict=True)
-        if base(n) not in _OWN and math.isfinite(v)
+        if base(n) not in OF_A_DROP and math.isfinite(v)
     }
     settled = {**fixed, **kept}
-    alone = [n for n in usual([drop], best.problem.model) if n in _OWN and n not in fixed]
+    alone = [n for n in usual([drop], best.problem.model) if n in OF_A_DROP and n not in fixed]
     predicted = fit(drop, best.model, unknowns=alone, fixed=settled, profiles=False)
-    told: dict[str, Any] = {"heights": _heights(best, drop, alone, settled, predicted)}
-    if "restitution" not in best.names:  # it was not sought: nothing but the prediction is judged
-        told |= dict.fromkeys(("restitution", "u_restitution", "fitted", "u_fitted", "e_n"))
-        return Prediction(drop, predicted, None, {**told, **_told(predicted, predicted, own)})
+    row = HeldOutDrop(
+        number=number, source=drop.source, heights=_heights(best, drop, alone, settled, predicted),
+        rms=dict(predicted.rms), chi2=predicted.chi2, count=predicted.count,
+        drop_height_m=predicted.as_dict().get("drop_height_m"), unknowns=tuple(own),
+        speeds_m_s=predicted.speeds_m_s,
+    )  # fmt: skip
+    if "restitution" not in best.names:  # it was not fitted: nothing but the prediction is judged
+        return Prediction(drop, predicted, None, row)
     # what this drop says of the restitution by itself, everything else as fitted
     single = {n: v for n, v in settled.items() if n != "restitution"}
-    asked = ["restitution", *alone]
-    again = fit(drop, best.model, unknowns=asked, fixed=single, profiles=False)
+    names = ["restitution", *alone]
+    again = fit(drop, best.model, unknowns=names, fixed=single, profiles=False)
     value, u = again.as_dict()["restitution"], float(again.u[again.names.index("restitution")])
     k = best.names.index("restitution")
     known, u_known = float(best.values[k]), float(best.u[k])
-    u_both = math.hypot(u, _u_of_kept(best, drop, asked, single, value))
-    found = {
-        "restitution": value, "u_restitution": u, "fitted": known, "u_fitted": u_known,
-        "u_difference": u_both, "e_n": e_n(known, value, 2 * u_both, 0.0),
-    }  # fmt: skip
-    return Prediction(drop, predicted, again, {**told, **_told(predicted, again, own), **found})
-
-
-def _told(predicted: Fit, again: Fit, own: Sequence[str]) -> dict[str, Any]:
-    """What is told of every prediction."""
-    return {
-        "rms": dict(predicted.rms),
-        "chi2": predicted.chi2,
-        "count": predicted.count,
-        "drop_height_m": predicted.as_dict().get("drop_height_m"),
-        "unknowns": list(own),
-        "speeds_m_s": list(again.speeds_m_s),
-    }
+    u_both = math.hypot(u, _u_of_kept(best, drop, names, single, value))
+    row = replace(
+        row, restitution=value, u_restitution=u, fitted=known, u_fitted=u_known,
+        u_difference=u_both, e_n=e_n(known, value, 2 * u_both, 0.0), speeds_m_s=again.speeds_m_s,
+    )  # fmt: skip
+    return Prediction(drop, predicted, again, row)
 
 
 def _u_of_kept(
@@ -162,7 +125,7 @@ def _u_of_kept(
     """
     slopes = np.zeros(len(best.names))
     for k, name in enumerate(best.names):
-        if base(name) in _OWN or not math.isfinite(best.values[k]) or not best.u[k] > 0:
+        if base(name) in OF_A_DROP or not math.isfinite(best.values[k]) or not best.u[k] > 0:
             continue
         if name == "restitution":
             slopes[k] = -1.0
@@ -177,7 +140,7 @@ def _u_of_kept(
 
 def _heights(
     best: Fit, drop: Impacts, alone: list[str], settled: Mapping[str, float], predicted: Fit
-) -> list[dict[str, Any]]:
+) -> tuple[JudgedHeight, ...]:
     """Measured and predicted rebound heights with their E_n.
 
     Where no heights were measured, they are those of the flights between impacts, g·T²/8, of the
@@ -185,12 +148,12 @@ def _heights(
     """
     numbers, measured, u = _measured_heights(drop, predicted)
     if not numbers:
-        return []
+        return ()
     central = _predicted_heights(drop, predicted, numbers)
     # the uncertainty of everything that was fitted before, through the heights that it predicts
     slopes = np.zeros((len(best.names), len(numbers)))
     for k, name in enumerate(best.names):
-        if base(name) in _OWN or not math.isfinite(best.values[k]) or not best.u[k] > 0:
+        if base(name) in OF_A_DROP or not math.isfinite(best.values[k]) or not best.u[k] > 0:
             continue
         step = 0.1 * float(best.u[k])
         moved = {**settled, base(name): float(best.values[k]) + step}
@@ -202,12 +165,13 @@ def _heights(
     for n, *row in zip(numbers, measured, u, central, own, strict=True):
         m, u_m, p, u_p = map(float, row)
         stated = math.isfinite(u_m)
-        found.append({
-            "number": n, "measured": m, "u_measured": u_m if stated else None,
-            "predicted": p, "u_predicted": u_p,
-            "e_n": e_n(p, m, 2 * u_p, 2 * u_m) if stated else None,
-        })  # fmt: skip
-    return found
+        found.append(
+            JudgedHeight(
+                number=n, measured=m, u_measured=u_m if stated else None, predicted=p,
+                u_predicted=u_p, e_n=e_n(p, m, 2 * u_p, 2 * u_m) if stated else None,
+            )
+        )  # fmt: skip
+    return tuple(found)
 
 
 def _measured_heights(drop: Impacts, predicted: Fit) -> tuple[list[int], Array, Array]:
@@ -238,52 +202,53 @@ def _gravity(one: Fit) -> float:
     return float(one.problem.fixed.get("gravity_m_s2", bounce_models.GRAVITY))
 
 
-def _assisted(one: EngineFit, row: Mapping[str, Any]) -> dict[str, Any]:
+def _assisted(one: EngineFit, row: HeldOutDrop) -> EngineHoldout:
     """The engine shows its effective restitution at every drop; that is held against this one's."""
     assert one.effective is not None
-    value, whole = one.effective[0], one.u_effective
+    value = one.effective[0]
     own = math.hypot(one.effective[1], one.u_num.get("restitution", 0.0))
     score = None
-    if row["restitution"] is not None:
+    if row.restitution is not None and row.u_difference is not None:
         # the engine was fitted to the same data: beside the closed form's only its own part counts
-        score = e_n(value, row["restitution"], 2 * own, 2 * row["u_difference"])
-    return {"restitution": value, "u": whole, "e_n": score, "heights": []}
+        score = e_n(value, row.restitution, 2 * own, 2 * row.u_difference)
+    return EngineHoldout(restitution=value, u=one.u_effective, e_n=score)
 
 
-def _tuned(one: TunedFit, place: int, closed: Prediction) -> dict[str, Any]:
+def _tuned(one: TunedFit, place: int, closed: Prediction) -> EngineHoldout:
     """The plain loop at the height of the held-out drop: its first bounce, and its heights."""
     seen = one.held[place]
     value, phases = float(seen.restitution[0]), math.sqrt(one.phases)
-    # the mean over the phases, and over those in which the numbers were sought
+    # the mean over the phases, and over those in which the numbers were found
     own = math.sqrt(2) * float(seen.u_restitution[0]) / phases
     score = held = u_held = None
     if closed.again is not None:
         speed = closed.again.speeds_m_s[1]
         held, u_held = closed.again.restitution_at(speed)
         score = e_n(value, held, 2 * own, 2 * math.hypot(u_held, one.restitution[1]))
-    heights = []
+    return EngineHoldout(
+        restitution=value, u=math.hypot(own, one.restitution[1]), held=held, u_held=u_held,
+        e_n=score, heights=tuple(_engine_heights(one, place, closed)),
+        late_s=tuple(seen.late_s.tolist()), scatter_s=tuple(seen.scatter_s.tolist()),
+    )  # fmt: skip
+
+
+def _engine_heights(one: TunedFit, place: int, closed: Prediction) -> Iterator[PredictedHeight]:
+    """Rebound heights of a plain loop: those of the closed form, moved as the engine moves them."""
+    seen = one.held[place]
     # errors of several bounces add up
-    scatter = np.cumsum(seen.u_restitution / seen.restitution) * math.sqrt(2) / phases
+    scatter = (
+        np.cumsum(seen.u_restitution / seen.restitution) * math.sqrt(2) / math.sqrt(one.phases)
+    )
     values = closed.predicted.problem.values(closed.predicted.x, 0)
     shown = bounce_models.bounces(closed.predicted.problem.model, values, closed.drop.count)
-    for row in closed.row["heights"]:
-        k = row["number"]
+    for row in closed.row.heights:
+        k = row.number
         if k > len(seen.restitution):
             break
         part = float(one.held_m[place][k]) / float(np.ravel(shown.apex_m)[k])
-        predicted = row["predicted"] * part
-        u = math.hypot(row["u_predicted"] * part, 2 * predicted * float(scatter[k - 1]))
+        predicted = row.predicted * part
+        u = math.hypot(row.u_predicted * part, 2 * predicted * float(scatter[k - 1]))
         judged = None
-        if row["u_measured"] is not None:
-            judged = e_n(predicted, row["measured"], 2 * u, 2 * row["u_measured"])
-        heights.append({"number": k, "predicted": predicted, "u_predicted": u, "e_n": judged})
-    return {
-        "restitution": value,
-        "u": math.hypot(own, one.restitution[1]),
-        "held": held,
-        "u_held": u_held,
-        "e_n": score,
-        "heights": heights,
-        "late_s": seen.late_s.tolist(),
-        "scatter_s": seen.scatter_s.tolist(),
-    }
+        if row.u_measured is not None:
+            judged = e_n(predicted, row.measured, 2 * u, 2 * row.u_measured)
+        yield PredictedHeight(number=k, predicted=predicted, u_predicted=u, e_n=judged)

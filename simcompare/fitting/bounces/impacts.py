@@ -2,38 +2,16 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.model.trajectory import Array
+from simcompare.results.records.fit_bounces import Dropped
 
 SOUND, CLOCKED, TRACK, TABLE = "sound", "stopwatch", "video track", "rebound heights"
 _NOTHING = np.empty(0)
-
-
-@dataclass(frozen=True)
-class Dropped:
-    """An impact or sample that was left out.
-
-    Attributes:
-        what: "impact" or "sample".
-        number: its place among all that were recorded, first is 1.
-        time_s: when, on the recording's clock [s].
-        reason: why it was left out.
-    """
-
-    what: str
-    number: int
-    time_s: float
-    reason: str
-
-    def __str__(self) -> str:
-        return f"{self.what} {self.number} at {self.time_s:.4f} s was left out: {self.reason}"
 
 
 @dataclass(frozen=True)
@@ -105,54 +83,3 @@ class Impacts:
         if self.covariance_s2 is not None:
             return self.covariance_s2
         return np.diag(np.where(np.isfinite(self.u_s), self.u_s, where_unknown_s) ** 2)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON; what is unknown is ``None``."""
-        return {
-            "kind": self.kind,
-            "source": self.source,
-            "numbers": list(self.numbers),
-            "times_s": self.times_s.tolist(),
-            "u_s": [u if np.isfinite(u) else None for u in self.u_s.tolist()],
-            "height_numbers": list(self.height_numbers),
-            "heights_m": self.heights_m.tolist(),
-            "u_heights_m": [u if np.isfinite(u) else None for u in self.u_heights_m.tolist()],
-            "samples": 0 if self.track is None else len(self.track.time_s),
-            "dropped": [
-                {"what": d.what, "number": d.number, "time_s": d.time_s, "reason": d.reason}
-                for d in self.dropped
-            ],
-            "missed": list(self.missed),
-            "notes": list(self.notes),
-        }
-
-    def told(self) -> list[str]:
-        """What was left out and what was missed, one sentence each."""
-        said = []
-        for (what, reason), own in _grouped(self.dropped):
-            first, last = own[0], own[-1]
-            said.append(
-                str(first)
-                if len(own) == 1
-                else f"{len(own)} {what}s from {first.time_s:.4f} to {last.time_s:.4f} s were left"
-                f" out: {reason}"
-            )
-        if self.missed:
-            word = "impact" if len(self.missed) == 1 else "impacts"
-            numbers = ", ".join(str(n) for n in self.missed)
-            said.append(f"{word} {numbers} not recorded: a flight there lasts too long for one")
-        return [*said, *self.notes]
-
-
-def _grouped(dropped: Sequence[Dropped]) -> list[tuple[tuple[str, str], list[Dropped]]]:
-    """Neighbours that were left out for the same reason, together."""
-    groups = itertools.groupby(dropped, lambda one: (one.what, one.reason))
-    return [(key, list(own)) for key, own in groups]
-
-
-def sentences(drops: Iterable[Impacts]) -> list[str]:
-    """What was left out of all drops."""
-    all_drops = list(drops)
-    if len(all_drops) == 1:
-        return all_drops[0].told()
-    return [f"drop {k + 1}: {text}" for k, drop in enumerate(all_drops) for text in drop.told()]

@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -26,8 +25,33 @@ from simcompare.statistics import least_squares
 #: Δχ² of a 95 % interval of one unknown, and its root
 LEVEL = 3.841458820694124
 COVERAGE = math.sqrt(LEVEL)
+#: s² above which the scatter is mentioned, and the largest chance that a scatter may have then
+_SCATTERED, BY_CHANCE = 2.0, 0.01
 #: unknowns that no reader asks for; they get no profile
 NUISANCE = ("release_time_s", "floor_m")
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Least χ² at given values of one unknown.
+
+    Attributes:
+        name: the unknown.
+        values: where it was held (m,), in the order of the sought number.
+        chi2: least χ² there, less that of the fit (m,).
+        low: lower end of the 95 % interval; minus infinity (infinite speed: infinity) if open.
+        high: upper end.
+        open_low: χ² stays below 3.84 as far as was looked on the lower side of the interval.
+        open_high: the same on the upper side.
+    """
+
+    name: str
+    values: Array
+    chi2: Array
+    low: float
+    high: float
+    open_low: bool
+    open_high: bool
 
 
 @dataclass(frozen=True)
@@ -50,7 +74,7 @@ class Fit:
         speeds_m_s: slowest and fastest impact in the data [m/s].
         pulls: how far each prior is from what the data say, in standard uncertainties.
         at_bound: unknowns that ended at a bound.
-        warnings: what the reader must know, one sentence each.
+        profiles: of the unknowns whose normal interval may be wrong.
         problem: what was fitted.
         x: the numbers that were sought (1/v_t² for the terminal speed).
         sought_covariance: of these.
@@ -71,7 +95,7 @@ class Fit:
     speeds_m_s: tuple[float, float]
     pulls: Mapping[str, float]
     at_bound: tuple[str, ...]
-    warnings: tuple[str, ...]
+    profiles: Mapping[str, Profile]
     problem: Problem = field(repr=False, compare=False)
     x: Array = field(repr=False, compare=False)
     sought_covariance: Array = field(repr=False, compare=False)
@@ -80,6 +104,14 @@ class Fit:
     def u(self) -> Array:
         """Standard uncertainties (p,); NaN where none can be stated."""
         return np.asarray(np.sqrt(np.diag(self.covariance)), dtype=float)
+
+    @property
+    def is_scattered(self) -> bool:
+        """Whether the data scatter by more than is stated and than chance explains."""
+        from scipy import stats
+
+        by_chance = float(stats.chi2.sf(self.s2 * self.dof, self.dof))
+        return self.s2 > _SCATTERED and by_chance < BY_CHANCE
 
     @property
     def correlation(self) -> Array:
@@ -110,35 +142,6 @@ class Fit:
         slopes = [(law(self.x + m) - law(self.x - m)) / (2 * m.sum()) for m in moves]
         return law(self.x), np.column_stack(slopes)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON; what is not finite is ``None``."""
-        ends = [self.restitution_at(speed) for speed in self.speeds_m_s]
-        return {
-            "model": self.model,
-            "text": bounce_models.model_of(self.model).text,
-            "parameters": {
-                name: {
-                    "value": _plain(value), "u": _plain(u),
-                    "low": _plain(low), "high": _plain(high), "interval": how,
-                }
-                for name, value, u, (low, high), how in zip(
-                    self.names, self.values, self.u, self.intervals, self.how, strict=True
-                )
-            },
-            "covariance": [[_plain(c) for c in row] for row in self.covariance],
-            "correlation": [[_plain(c) for c in row] for row in self.correlation],
-            "fixed": {name: _plain(value) for name, value in self.problem.fixed.items()},
-            "priors": {n: {"value": p.value, "u": p.u} for n, p in self.problem.priors.items()},
-            "pulls": {name: _plain(pull) for name, pull in self.pulls.items()},
-            "chi2": self.chi2, "dof": self.dof, "s2": self.s2, "count": self.count,
-            "effective_unknowns": self.effective, "rms": dict(self.rms),
-            "restitution": [
-                {"speed_m_s": speed, "value": e, "u": u}
-                for speed, (e, u) in zip(self.speeds_m_s, ends, strict=True)
-            ],
-            "at_bound": list(self.at_bound), "warnings": list(self.warnings),
-        }  # fmt: skip
-
 
 def summary(
     whole: Problem, scaled: Problem, best: least_squares.Solution, s2: float, dof: int
@@ -163,7 +166,7 @@ def summary(
         how=("normal",) * len(values), chi2=float(left @ left), dof=dof, s2=s2, count=rows,
         effective=effective, rms=_rms(whole, x),
         speeds_m_s=_speeds(whole, x), pulls={},
-        at_bound=tuple(n for n, h in zip(whole.names, held, strict=True) if h), warnings=(),
+        at_bound=tuple(n for n, h in zip(whole.names, held, strict=True) if h), profiles={},
         problem=scaled, x=x, sought_covariance=covariance,
     )  # fmt: skip
 
@@ -224,7 +227,3 @@ def _speeds(problem: Problem, x: Array) -> tuple[float, float]:
         found = bounce_models.bounces(problem.model, values, drop.count).speed_m_s
         speeds += [float(found.min()), float(found.max())]
     return min(speeds), max(speeds)
-
-
-def _plain(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None

@@ -14,20 +14,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from simcompare.errors import InputError
 from simcompare.fitting.bounces.bounce_models import MODELS, Model, model_of
 from simcompare.fitting.bounces.fit import fit
 from simcompare.fitting.bounces.impacts import Impacts
-from simcompare.fitting.bounces.likelihood import Fit
+from simcompare.fitting.bounces.likelihood import BY_CHANCE, Fit
 from simcompare.fitting.bounces.problem import usual
-from simcompare.fitting.bounces.unknowns import Prior
-
-#: above the least criterion by less than this: the data cannot tell; by more than that: excluded
-RIVAL, EXCLUDED = 4.0, 10.0
-#: scatter that is told has at most this chance where the stated uncertainties hold
-_BY_CHANCE = 0.01
+from simcompare.results.records.fit_bounces import Prior
 
 
 @dataclass(frozen=True)
@@ -67,48 +61,17 @@ class Choice:
         criterion: which decided, "AIC" or "AICc".
         scatter: what χ² was divided by.
         refused: model -> why it could not be fitted.
-        words: what a reader must know, one sentence each.
     """
 
     candidates: tuple[Candidate, ...]
     criterion: str
     scatter: float
     refused: Mapping[str, str]
-    words: tuple[str, ...]
 
     @property
     def best(self) -> Fit:
         """Fit of the chosen model."""
         return self.candidates[0].fit
-
-    @property
-    def rivals(self) -> tuple[Candidate, ...]:
-        """Models that the data cannot tell from the best one."""
-        return tuple(c for c in self.candidates[1:] if c.delta < RIVAL and _is_own(c))
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        return {
-            "chosen": self.candidates[0].model,
-            "criterion": self.criterion,
-            "scatter": self.scatter,
-            "words": list(self.words),
-            "refused": dict(self.refused),
-            "candidates": [
-                {
-                    "model": c.model, "text": MODELS[c.model].text, "unknowns": c.unknowns,
-                    "chi2": c.chi2, "aic": c.aic, "aicc": c.aicc if math.isfinite(c.aicc) else None,
-                    "bic": c.bic, "delta": c.delta if math.isfinite(c.delta) else None,
-                    "weight": c.weight,
-                    "parameters": {
-                        name: {k: v if math.isfinite(v) else None
-                               for k, v in (("value", float(value)), ("u", float(u)))}
-                        for name, value, u in zip(c.fit.names, c.fit.values, c.fit.u, strict=True)
-                    },
-                }
-                for c in self.candidates
-            ],
-        }  # fmt: skip
 
 
 def compare(
@@ -158,9 +121,7 @@ def compare(
     )  # fmt: skip
     rest = candidates[1:]
     chosen = replace(best, fit=profiled)
-    criterion = "AIC" if stated else "AICc"
-    words = _words([chosen, *rest], criterion, scatter, held)
-    return Choice((chosen, *rest), criterion, scatter, refused, tuple(words))
+    return Choice((chosen, *rest), "AIC" if stated else "AICc", scatter, refused)
 
 
 def _usual(drops: Sequence[Impacts], model: Model, extra: Sequence[str]) -> list[str]:
@@ -178,7 +139,7 @@ def _scatter(fits: Sequence[Fit]) -> float:
     if not able:
         return 1.0
     richest = max(able, key=lambda one: (len(one.names), -one.chi2))
-    by_chance = stats.chi2.sf(richest.s2 * richest.dof, richest.dof) > _BY_CHANCE
+    by_chance = stats.chi2.sf(richest.s2 * richest.dof, richest.dof) > BY_CHANCE
     return 1.0 if richest.problem.u_known and by_chance else richest.s2
 
 
@@ -195,7 +156,7 @@ def _weighed(fits: Mapping[str, Fit], scatter: float, stated: bool) -> list[Cand
     scores = [row.aic if plain else row.aicc for row in rows]
     least = min(scores)
     shares = [
-        math.exp(-(score - least) / 2) if _is_own(row) else 0.0
+        0.0 if row.fit.at_bound else math.exp(-(score - least) / 2)
         for row, score in zip(rows, scores, strict=True)
     ]
     total = sum(shares) or 1.0
@@ -205,71 +166,3 @@ def _weighed(fits: Mapping[str, Fit], scatter: float, stated: bool) -> list[Cand
     ]
     # of equals the model with fewer unknowns, such as one whose drag vanished
     return sorted(found, key=lambda c: (round(c.delta, 6), len(c.fit.names)))
-
-
-def _is_own(candidate: Candidate) -> bool:
-    """Whether a model is one of its own: with a vanished drag it is that without drag again."""
-    return not candidate.fit.at_bound
-
-
-def _words(
-    rows: Sequence[Candidate], criterion: str, scatter: float, held: Mapping[str, float]
-) -> list[str]:
-    best = rows[0]
-    rivals = [c for c in rows[1:] if c.delta < RIVAL and _is_own(c)]
-    said = [
-        f"{MODELS[best.model].text} describes the data best ({criterion}"
-        f" {best.aic if criterion == 'AIC' else best.aicc:.1f}, Akaike weight {best.weight:.0%})"
-    ]
-    if rivals:
-        said.append(_ambiguous(best, rivals, held))
-    simple = next((c for c in rows if c.model == "constant"), None)
-    if simple is not None and simple is not best and simple.delta > EXCLUDED:
-        said.append(_left_out(best, simple))
-    by_bic = min(rows, key=lambda c: c.bic)
-    if by_bic is not best and by_bic.bic < best.bic - 1e-6:
-        said.append(f"the BIC would choose {MODELS[by_bic.model].text} instead"
-                    f" ({by_bic.bic:.1f} against {best.bic:.1f})")  # fmt: skip
-    if scatter > 2 and best.fit.problem.u_known:
-        said.append(
-            f"even the richest model leaves residuals {math.sqrt(scatter):.1f} times as large as"
-            " the stated uncertainties: these are too small, or something else is at work"
-        )
-    return said
-
-
-def _ambiguous(best: Candidate, rivals: Sequence[Candidate], held: Mapping[str, float]) -> str:
-    """What the data leave undecided, and what would decide it."""
-    names = ", ".join(f"{MODELS[c.model].text} (ΔAIC {c.delta:.1f})" for c in rivals)
-    values = [c.fit.as_dict().get("restitution", math.nan) for c in (best, *rivals)]
-    known = [v for v in values if math.isfinite(v)]
-    spread = ""
-    if known:
-        spread = f"; the restitution is {min(known):.4f} to {max(known):.4f} among them"
-    among = [model_of(c.model) for c in (best, *rivals)]
-    only_drag = any(m.drag and m.law == "constant" for m in among)
-    only_law = any(m.law != "constant" and not m.drag for m in among)
-    if only_drag and only_law and "terminal_speed_m_s" not in held:
-        return (
-            "the data cannot tell drag from velocity dependence: give the terminal speed. About as"
-            f" good: {names}{spread}"
-        )
-    if all(_extends(model_of(c.model), model_of(best.model)) for c in rivals):
-        return f"nothing in the data asks for more, and they do not exclude it: {names}{spread}"
-    return f"the data cannot tell it from: {names}{spread}"
-
-
-def _extends(model: Model, simple: Model) -> bool:
-    """Whether a model is the simple one with more unknowns."""
-    same = model.law == simple.law or (simple.law == "constant" and model.law == "power")
-    return same and set(simple.own) < set(model.own)
-
-
-def _left_out(best: Candidate, simple: Candidate) -> str:
-    """What a constant restitution without drag would have said."""
-    text = f"constant restitution without drag is excluded (ΔAIC {simple.delta:.0f})"
-    ours, theirs = (c.fit.as_dict().get("restitution") for c in (best, simple))
-    if ours is None or theirs is None:
-        return text
-    off = 100 * (theirs / ours - 1)
-    return f"{text}; it would give a restitution of {theirs:.4f}, {off:+.1f} % off"

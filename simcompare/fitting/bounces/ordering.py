@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import likelihood
-from simcompare.fitting.bounces.impacts import Dropped, Impacts
+from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.model.trajectory import Array
+from simcompare.results.records.fit_bounces import Dropped
 
 #: chance that an impact of the series is taken for an outlier, and that its scatter is told
 _BY_CHANCE = 1e-3

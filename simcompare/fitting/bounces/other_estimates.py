@@ -12,12 +12,13 @@ from simcompare.fitting.bounces import bounce_models, ratios
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.model.trajectory import Array
+from simcompare.results.records.fit_bounces import OtherEstimate
 
 #: restitutions at which a fit of whole trajectories is begun
 _STARTS = np.linspace(0.6, 0.97, 12)
 
 
-def of_drops(drops: Sequence[Impacts], fit: Fit) -> list[dict[str, Any]]:
+def of_drops(drops: Sequence[Impacts], fit: Fit) -> list[OtherEstimate]:
     """Restitutions by other rules than the fit's, each with what is wrong with it.
 
     Args:
@@ -26,41 +27,44 @@ def of_drops(drops: Sequence[Impacts], fit: Fit) -> list[dict[str, Any]]:
     """
     found = []
     for number, drop in enumerate(drops, start=1):
-        rows = _of_times(drop)
+        found += _of_times(number, drop)
         if drop.track is not None:
-            rows.append(_of_trajectory(drop, fit, number - 1))
-        found += [{"drop": number, "source": drop.source, **row} for row in rows]
+            found.append(_of_trajectory(number, drop, fit))
     return found
 
 
-def _of_times(drop: Impacts) -> list[dict[str, Any]]:
+def _of_times(number: int, drop: Impacts) -> list[OtherEstimate]:
     """Rules on the times between impacts; the ones that text books give."""
     try:
         best = ratios.ratios(drop)
     except InputError:
         return []
+    about: dict[str, Any] = {"drop": number, "source": drop.source}
     rows = [
-        _row("mean ratio of neighbouring flights, weighted", best.mean, best.u_mean,
-             f"no height and no clock matters; drag biases it. {best.text}"),
-        _row("first ratio alone", float(best.values[0]), _finite(best.u[0]), "one bounce only"),
+        OtherEstimate(
+            **about, rule="mean ratio", value=best.mean, u=best.u_mean, trend=best.trend,
+            u_trend=best.u_trend,
+        ),
+        OtherEstimate(
+            **about, rule="first ratio", value=float(best.values[0]), u=float(best.u[0])
+        ),
     ]  # fmt: skip
     numbers = np.array(drop.numbers)
     steps = np.diff(drop.times_s)[np.diff(numbers) == 1]
     at = numbers[:-1][np.diff(numbers) == 1]
     if len(steps) > 2:
         slope = float(np.polyfit(at, np.log(steps), 1)[0])
-        text = "every flight counts alike, long and short ones"
-        rows.append(_row("line through the logarithms of the flights", np.exp(slope), None, text))
+        rows.append(OtherEstimate(**about, rule="line", value=float(np.exp(slope)), u=None))
     return rows
 
 
-def _of_trajectory(drop: Impacts, fit: Fit, number: int) -> dict[str, Any]:
+def _of_trajectory(number: int, drop: Impacts, fit: Fit) -> OtherEstimate:
     """Least squares of height against time, from many starts."""
     from scipy.optimize import least_squares
 
     assert drop.track is not None
     track, problem = drop.track, fit.problem
-    values = dict(problem.values(fit.x, number))
+    values = dict(problem.values(fit.x, number - 1))
     best = [float(values[n]) for n in ("drop_height_m", "release_time_s", "floor_m")]
 
     def left(x: Array) -> Array:
@@ -77,16 +81,8 @@ def _of_trajectory(drop: Impacts, fit: Fit, number: int) -> dict[str, Any]:
         least_squares(left, [start, *best], bounds=(low, high), max_nfev=80) for start in _STARTS
     ]
     winner = min(ends, key=lambda end: end.cost)
-    reached = sum(end.cost < 1.01 * winner.cost for end in ends)
-    return _row(
-        "least squares of the whole trajectory", float(winner.x[0]), None,
-        f"residuals jump where impacts move: {reached} of {len(ends)} starts reached the minimum",
+    reached = int(sum(end.cost < 1.01 * winner.cost for end in ends))
+    return OtherEstimate(
+        drop=number, source=drop.source, rule="trajectory", value=float(winner.x[0]), u=None,
+        starts=len(ends), reached=reached,
     )  # fmt: skip
-
-
-def _row(name: str, value: float, u: float | None, text: str) -> dict[str, Any]:
-    return {"name": name, "value": float(value), "u": u, "text": text}
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None

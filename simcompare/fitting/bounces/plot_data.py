@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -16,26 +15,21 @@ from simcompare.fitting.bounces.likelihood import NUISANCE, Fit
 from simcompare.fitting.bounces.problem import U_ASSUMED_M, U_ASSUMED_S
 from simcompare.fitting.bounces.unknowns import base, own_drop
 from simcompare.model.trajectory import Array
+from simcompare.results.records.fit_bounces import Law, ProfileRow, Ratios, Residuals
 
 #: samples of a video whose residuals are kept, speeds of the law, and most profiles
 _SAMPLES, _SPEEDS, _PROFILES = 200, 25, 6
 
 
-def left_of(fit: Fit, shown: Sequence[Bouncing] | None = None) -> list[dict[str, Any]]:
+def residuals(fit: Fit, shown: Sequence[Bouncing] | None = None) -> tuple[Residuals, ...]:
     """Measured less predicted, for every kind of number of every drop.
 
     Args:
         fit: with which parameters.
         shown: how an engine differs from the closed form in each drop; ``None`` for the closed
             form itself.
-
-    Returns:
-        For each drop and kind ("times" [s], "heights" [m], "track" [m]): ``at`` are the numbers of
-        the impacts or apexes, or times [s]; ``u`` the standard uncertainty, from the scatter where
-        none is ``stated``; ``judged`` whether the fit minimised these. Times and heights of a video
-        are drawn from its arcs and only shown.
     """
-    found: list[dict[str, Any]] = []
+    found = []
     for number, drop in enumerate(fit.problem.drops):
         values = fit.problem.values(fit.x, number)
         closed = bounce_models.bounces(fit.problem.model, values, drop.count)
@@ -53,23 +47,24 @@ def left_of(fit: Fit, shown: Sequence[Bouncing] | None = None) -> list[dict[str,
             kept = slice(None, None, math.ceil(len(track.time_s) / _SAMPLES))
             at, left = track.time_s[kept].tolist(), (track.height_m - seen)[kept]
             found.append(_row(fit, number, "track", at, left, track.u_m[kept]))
-    return found
+    return tuple(found)
 
 
-def _row(
-    fit: Fit, number: int, kind: str, at: Sequence[float], left: Array, u: Array
-) -> dict[str, Any]:
+def _row(fit: Fit, number: int, kind: str, at: Sequence[float], left: Array, u: Array) -> Residuals:
     assumed = U_ASSUMED_M if kind in ("heights", "track") else U_ASSUMED_S
     assumed *= math.sqrt(fit.s2)
-    return {
-        "drop": number + 1, "kind": kind, "at": list(at), "left": np.ravel(left).tolist(),
-        "u": np.where(np.isfinite(u), u, assumed).tolist(),
-        "stated": bool(np.all(np.isfinite(u))),
-        "judged": kind == "track" or fit.problem.drops[number].track is None,
-    }  # fmt: skip
+    return Residuals(
+        drop=number + 1, kind=kind, at=tuple(at), residuals=_row_of(left),
+        u=_row_of(np.where(np.isfinite(u), u, assumed)), stated=bool(np.all(np.isfinite(u))),
+        judged=kind == "track" or fit.problem.drops[number].track is None,
+    )  # fmt: skip
 
 
-def law_of(fit: Fit) -> dict[str, Any]:
+def _row_of(values: Array) -> tuple[float, ...]:
+    return tuple(np.ravel(values).tolist())
+
+
+def law_of(fit: Fit) -> Law:
     """Restitution against speed as the closed form has it, and the speed of every impact."""
     low, high = fit.speeds_m_s
     speeds = np.linspace(low, high, _SPEEDS)
@@ -78,14 +73,14 @@ def law_of(fit: Fit) -> dict[str, Any]:
     for number, drop in enumerate(fit.problem.drops):
         values = fit.problem.values(fit.x, number)
         found = bounce_models.bounces(fit.problem.model, values, drop.count)
-        impacts.append(np.ravel(found.speed_m_s).tolist())
-    return {
-        "speed_m_s": speeds.tolist(), "value": [value for value, _ in both],
-        "u": [u for _, u in both], "impact_speed_m_s": impacts,
-    }  # fmt: skip
+        impacts.append(_row_of(found.speed_m_s))
+    return Law(
+        _row_of(speeds), tuple(value for value, _ in both), tuple(u for _, u in both),
+        tuple(impacts),
+    )  # fmt: skip
 
 
-def measured_ratios(fit: Fit) -> list[dict[str, Any]]:
+def measured_ratios(fit: Fit) -> tuple[Ratios, ...]:
     """Ratios of neighbouring flights, or roots of ratios of heights, and what the fit expects."""
     found = []
     for number, drop in enumerate(fit.problem.drops, start=1):
@@ -105,12 +100,11 @@ def measured_ratios(fit: Fit) -> list[dict[str, Any]]:
             else:
                 before = times[at - 1] - times[at - 2]
                 expected = (times[at] - times[at - 1]) / before
-            found.append({
-                "drop": number, "how": how, "numbers": list(numbers), "values": values.tolist(),
-                "expected": expected.tolist(),
-                "u": [float(v) if np.isfinite(v) else None for v in u],
-            })  # fmt: skip
-    return found
+            found.append(
+                Ratios(drop=number, how=how, numbers=numbers, values=_row_of(values),
+                       expected=_row_of(expected), u=_row_of(u))
+            )  # fmt: skip
+    return tuple(found)
 
 
 def _of_heights(drop: Impacts) -> tuple[tuple[int, ...], Array, Array, str]:
@@ -123,21 +117,16 @@ def _of_heights(drop: Impacts) -> tuple[tuple[int, ...], Array, Array, str]:
     return tuple(at[pairs].tolist()), values, u, "heights"
 
 
-def profiles_of(fit: Fit) -> list[dict[str, Any]]:
+def profiles_of(fit: Fit) -> tuple[ProfileRow, ...]:
     """How χ² rises when one unknown is held and all others make up for it."""
     asked = [n for n in fit.names if base(n) not in NUISANCE and own_drop(n) in (None, 0)]
     found = []
     for name in asked[:_PROFILES]:
-        one = profile.profile(fit, name)
+        one = fit.profiles.get(name) or profile.profile(fit, name)
         finite = np.isfinite(one.values)
         order = np.argsort(one.values[finite])
-        found.append({
-            "name": name, "values": one.values[finite][order].tolist(),
-            "chi2": one.chi2[finite][order].tolist(), "low": _plain(one.low),
-            "high": _plain(one.high),
-        })  # fmt: skip
-    return found
-
-
-def _plain(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
+        found.append(
+            ProfileRow(name, _row_of(one.values[finite][order]), _row_of(one.chi2[finite][order]),
+                       one.low, one.high)
+        )  # fmt: skip
+    return tuple(found)

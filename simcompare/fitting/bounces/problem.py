@@ -16,7 +16,6 @@ from simcompare.fitting.bounces.unknowns import (
     OF_A_DROP,
     SIZES,
     SPEED,
-    Prior,
     base,
     faults,
     own_drop,
@@ -24,6 +23,7 @@ from simcompare.fitting.bounces.unknowns import (
     sought,
 )
 from simcompare.model.trajectory import Array
+from simcompare.results.records.fit_bounces import Prior
 
 #: uncertainties of times [s] and of heights [m], where none is stated, until the scatter tells
 U_ASSUMED_S, U_ASSUMED_M = 1e-3, 1e-3

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from simcompare.fitting.bounces.likelihood import LEVEL, NUISANCE, Fit
+from simcompare.fitting.bounces.likelihood import LEVEL, NUISANCE, Fit, Profile
 from simcompare.fitting.bounces.problem import Problem
 from simcompare.fitting.bounces.unknowns import base, shown
 from simcompare.model.trajectory import Array
@@ -20,29 +18,6 @@ _ASYMMETRIC = 0.1
 _PLACES = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
 #: farther ones, for a side that does not rise that far
 _FAR = (4.0, 6.0, 10.0, 20.0, 40.0)
-
-
-@dataclass(frozen=True)
-class Profile:
-    """Least χ² at given values of one unknown.
-
-    Attributes:
-        name: the unknown.
-        values: where it was held (m,), in the order of the sought number.
-        chi2: least χ² there, less that of the fit (m,).
-        low: lower end of the 95 % interval; minus infinity (infinite speed: infinity) if open.
-        high: upper end.
-        open_low: χ² stays below 3.84 as far as was looked on the lower side of the interval.
-        open_high: the same on the upper side.
-    """
-
-    name: str
-    values: Array
-    chi2: Array
-    low: float
-    high: float
-    open_low: bool
-    open_high: bool
 
 
 def intervals(fit: Fit, problem: Problem) -> dict[str, Profile]:

@@ -24,7 +24,6 @@ class Ratios:
         u_mean: its standard uncertainty.
         trend: by how much the ratio rises from impact to impact.
         u_trend: its standard uncertainty.
-        text: what the trend says.
     """
 
     numbers: tuple[int, ...]
@@ -35,7 +34,6 @@ class Ratios:
     u_mean: float
     trend: float
     u_trend: float
-    text: str
 
 
 def ratios(impacts: Impacts) -> Ratios:
@@ -64,8 +62,7 @@ def ratios(impacts: Impacts) -> Ratios:
     covariance = change @ impacts.covariance(1.0) @ change.T
     mean, u_mean, trend, u_trend = _line(number[at], values, covariance, known)
     u = np.sqrt(np.diag(covariance)) if known else np.full(len(values), np.nan)
-    return Ratios(tuple(number[at].tolist()), values, u, covariance, mean, u_mean, trend, u_trend,
-                  _text(trend, u_trend))  # fmt: skip
+    return Ratios(tuple(number[at].tolist()), values, u, covariance, mean, u_mean, trend, u_trend)
 
 
 def _line(
@@ -86,14 +83,3 @@ def _line(
         found.append((float(best[-1]), float(np.sqrt(factor * cov[-1, -1]))))
     (mean, u_mean), (trend, u_trend) = found
     return (mean, u_mean, trend, u_trend) if len(values) > 1 else (mean, u_mean, 0.0, np.inf)
-
-
-def _text(trend: float, u_trend: float) -> str:
-    if not np.isfinite(u_trend) or abs(trend) < 3 * u_trend:
-        return "the ratios of flights show no trend"
-    if trend > 0:
-        return (f"the ratios of flights rise by {trend:.2g} from impact to impact: the mark of air"
-                " drag, or of a restitution that falls with speed")  # fmt: skip
-    return (f"the ratios of flights fall by {-trend:.2g} from impact to impact: neither drag nor a"
-            " restitution that falls with speed does that; look at the last impacts, where the"
-            " ball may have rolled or the sounds run together")  # fmt: skip

@@ -1,27 +1,51 @@
-"""What fit.json says, as plain values."""
+"""What fit.json says of a fit of bounces; its sentences are written by its report."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from simcompare.fitting.bounces import bounce_models, other_estimates, plot_data
+import numpy as np
+
+from simcompare import units
+from simcompare.fitting.bounces import bounce_models, model_selection, other_estimates, plot_data
 from simcompare.fitting.bounces.assisted_fit import AssistedFit
+from simcompare.fitting.bounces.beside import Bouncing
 from simcompare.fitting.bounces.bootstrap import parametric
 from simcompare.fitting.bounces.engine_fit import EngineFit
 from simcompare.fitting.bounces.identifiability import identifiability
 from simcompare.fitting.bounces.impacts import Impacts
-from simcompare.fitting.bounces.likelihood import Fit
-from simcompare.fitting.bounces.model_selection import Choice
+from simcompare.fitting.bounces.likelihood import COVERAGE, Fit
 from simcompare.fitting.bounces.roles import Roles
 from simcompare.fitting.bounces.tuned_fit import TunedFit
 from simcompare.fitting.bounces.wanted import Wanted
 from simcompare.model.scenario import Scenario
-from simcompare.reports.fit import answer
-
-#: version of what fit.json holds
-FORMAT = 2
+from simcompare.model.trajectory import Array
+from simcompare.model.tuning import TuningRow
+from simcompare.results.records.fit_bounces import (
+    AtSpeed,
+    Bootstrap,
+    BouncesEngine,
+    BouncesFit,
+    Candidate,
+    Choice,
+    Drop,
+    EffectiveValue,
+    FirstContact,
+    Form,
+    Holdout,
+    Repeats,
+    RunWith,
+    Shown,
+    SourceHoldout,
+    Target,
+    Tuned,
+    Unknown,
+    Valid,
+)
+from simcompare.results.records.fit_parts import EngineParameter, Known, Value
 
 
 @dataclass(frozen=True)
@@ -43,14 +67,14 @@ class Made:
 
 def of_fit(
     roles: Roles,
-    choice: Choice,
+    choice: model_selection.Choice,
     start: Fit,
     engines: Sequence[EngineFit],
-    predicted: Mapping[str, Any],
+    predicted: Holdout,
     drops: tuple[Sequence[Impacts], Sequence[Impacts]],
     made: Made,
-) -> dict[str, Any]:
-    """The whole record of a fit.
+) -> BouncesFit:
+    """The whole record of a fit, without its sentences.
 
     Args:
         roles: the scenario.
@@ -61,69 +85,177 @@ def of_fit(
         drops: those that were fitted, and those that were held out.
         made: how engines were fitted.
     """
-    known = identifiability(choice.best)
-    sources = []
-    for one in engines:
-        row = one.to_dict()
-        # an impact in a plain loop is late by its contact, which is told and is no residual
-        assisted = isinstance(one, AssistedFit) and one.fit is not None
-        row["left"] = plot_data.left_of(one.fit, one.shown) if assisted and one.fit else []
-        row["identifiable"] = not any(direction.weak for direction in known.directions)
-        row["holdout"] = [
-            {"source": drop["source"], **drop["engines"][one.engine]}
-            for drop in predicted["drops"]
-            if one.engine in drop.get("engines", {})
-        ]
-        sources.append(row)
-    found: dict[str, Any] = {
-        "format": FORMAT,
-        "scenario": roles.file.name,
-        "contact": made.contact,
-        "assist": made.assist,
-        "given": dict(roles.given),
-        "measured": [drop.to_dict() for drop in drops[0]],
-        "told": [sentence for drop in drops[0] for sentence in drop.told()],
-        "held_out": [drop.to_dict() for drop in drops[1]],
-        "closed_form": choice.best.to_dict(),
-        "choice": choice.to_dict(),
-        "bootstrap": parametric(choice.best).to_dict(),
-        "identifiability": known.to_dict(),
-        "left": plot_data.left_of(choice.best),
-        "law": plot_data.law_of(choice.best),
-        "ratios": plot_data.measured_ratios(choice.best),
-        "profiles": plot_data.profiles_of(choice.best),
-        "engine_form": None if start.model == choice.best.model else start.to_dict(),
-        "engine_model": start.model,
-        "engine_model_text": bounce_models.model_of(start.model).text,
-        "tuned_to": _tuned_to(made.wanted),
-        "tuned_mean": _tuned_mean(sources),
-        "sources": sources,
-        "run_with": _run_with(roles, start, engines, made),
-        "holdout": dict(predicted),
-        "other_estimates": other_estimates.of_drops(drops[0], choice.best),
-        "valid": {
-            "speed_m_s": list(choice.best.speeds_m_s),
-            "step_s": made.scene.world.step_s,
-            "engine_step_s": made.scene.world.engine_step_s,
-        },
-    }
-    found["sentences"] = answer.sentences(found, choice)
+    best = choice.best
+    known = identifiability(best)
+    sources = tuple(_source(one, predicted, not known.is_weak) for one in engines)
+    return BouncesFit(
+        scenario=roles.file.name, contact=made.contact, assist=made.assist,
+        settings=dict(roles.given),
+        measured=tuple(map(drop_of, drops[0])), held_out=tuple(map(drop_of, drops[1])),
+        closed_form=form_of(best), choice=choice_of(choice), bootstrap=_bootstrap(best),
+        identifiability=Known(**vars(known)), residuals=plot_data.residuals(best),
+        law=plot_data.law_of(best), ratios=plot_data.measured_ratios(best),
+        profiles=plot_data.profiles_of(best),
+        engine_form=None if start.model == best.model else form_of(start),
+        engine_model=start.model,
+        engine_model_text=bounce_models.model_of(start.model).text,
+        tuned_to=_target(made.wanted), tuned_mean=_tuned_mean(sources), sources=sources,
+        run_with=_run_with(roles, start, engines, made), holdout=predicted,
+        other_estimates=tuple(other_estimates.of_drops(drops[0], best)),
+        valid=Valid(
+            best.speeds_m_s, made.scene.world.step_s, made.scene.world.engine_step_s
+        ),
+    )  # fmt: skip
+
+
+def drop_of(impacts: Impacts) -> Drop:
+    """What the record says of one drop."""
+    return Drop(
+        impacts.kind, impacts.source, impacts.numbers, _row(impacts.times_s), _row(impacts.u_s),
+        impacts.height_numbers, _row(impacts.heights_m), _row(impacts.u_heights_m),
+        0 if impacts.track is None else len(impacts.track.time_s),
+        impacts.dropped, impacts.missed, impacts.notes,
+    )  # fmt: skip
+
+
+def _row(values: Array) -> tuple[float, ...]:
+    return tuple(np.ravel(values).tolist())
+
+
+def _rows(values: Array) -> tuple[tuple[float, ...], ...]:
+    return tuple(map(_row, values))
+
+
+def form_of(fit: Fit) -> Form:
+    """What the record says of a closed form."""
+    ends = [fit.restitution_at(speed) for speed in fit.speeds_m_s]
+    slow, fast = (AtSpeed(v, *one) for v, one in zip(fit.speeds_m_s, ends, strict=True))
+    return Form(
+        model=fit.model, text=bounce_models.model_of(fit.model).text,
+        parameters=dict(_unknowns(fit)), covariance=_rows(fit.covariance),
+        correlation=_rows(fit.correlation), fixed=dict(fit.problem.fixed),
+        priors=dict(fit.problem.priors), pulls=dict(fit.pulls), chi2=fit.chi2, dof=fit.dof,
+        s2=fit.s2, count=fit.count, effective_unknowns=fit.effective, rms=dict(fit.rms),
+        restitution=(slow, fast), at_bound=fit.at_bound, u_known=fit.problem.u_known,
+        scattered=fit.is_scattered,
+    )  # fmt: skip
+
+
+def _unknowns(fit: Fit) -> Iterator[tuple[str, Unknown]]:
+    for name, value, u, (low, high), how in zip(
+        fit.names, fit.values.tolist(), fit.u.tolist(), fit.intervals, fit.how, strict=True
+    ):
+        profile = fit.profiles.get(name)
+        yield name, Unknown(
+            value=value, u=u, low=low, high=high, interval=how,
+            open_low=profile is not None and profile.open_low,
+            open_high=profile is not None and profile.open_high,
+        )  # fmt: skip
+
+
+def choice_of(choice: model_selection.Choice) -> Choice:
+    """What the record says of all closed forms."""
+    rows = []
+    for one in choice.candidates:
+        model, fit = bounce_models.model_of(one.model), one.fit
+        values = zip(fit.names, fit.values.tolist(), fit.u.tolist(), strict=True)
+        rows.append(
+            Candidate(
+                model=one.model, text=model.text, law=model.law, drag=model.drag,
+                unknowns=one.unknowns, chi2=one.chi2, aic=one.aic, aicc=one.aicc, bic=one.bic,
+                delta=one.delta, weight=one.weight,
+                parameters={name: Value(value, u) for name, value, u in values},
+            )
+        )  # fmt: skip
+    return Choice(
+        chosen=rows[0].model, criterion=choice.criterion, scatter=choice.scatter,
+        refused=dict(choice.refused), candidates=tuple(rows),
+    )  # fmt: skip
+
+
+def _bootstrap(best: Fit) -> Bootstrap:
+    found = parametric(best)
+    columns = (found.names, *(c.tolist() for c in (found.u, found.low, found.high, found.bias)))
+    rows = {name: Repeats(*row) for name, *row in zip(*columns, strict=True)}
+    return Bootstrap("parametric", len(found.draws), found.failed, found.seed, rows)
+
+
+def _source(one: EngineFit, predicted: Holdout, identifiable: bool) -> BouncesEngine:
+    """What the record says of one engine."""
+    found: dict[str, Any] = {}
+    if one.fit is not None and one.effective is not None:
+        value, u_phase = one.effective
+        found = {
+            "parameters": _parameters(one.fit, one),
+            "correlation": _rows(one.fit.correlation),
+            "effective": {"restitution": EffectiveValue(value, one.u_effective, u_phase, "1")},
+            "native": one.native,
+            "shown": tuple(map(_shown, one.shown)),
+        }
+        # an impact in a plain loop is late by its contact, which is stated and is no residual
+        if isinstance(one, AssistedFit):
+            found["left_s"] = one.residuals_s
+            found["residuals"] = plot_data.residuals(one.fit, one.shown)
+        if isinstance(one, TunedFit):
+            found |= _plain_loop(one)
+    return BouncesEngine(
+        name=one.engine, version=one.version, contact=one.contact, status=one.status,
+        reason=one.reason, simulations=one.simulations, wall_s=one.wall_s,
+        identifiable=identifiable,
+        holdout=tuple(
+            SourceHoldout(source=drop.source, **vars(drop.engines[one.engine]))
+            for drop in predicted.drops if one.engine in drop.engines
+        ),
+        **found,
+    )  # fmt: skip
+
+
+def _parameters(fit: Fit, one: EngineFit) -> dict[str, EngineParameter]:
+    """Unknown -> value, uncertainty and interval; in a plain loop with its one restitution."""
+    found = {}
+    for name, row in _unknowns(fit):
+        value, u, ends = row.value, row.u, row.limits
+        if isinstance(one, TunedFit) and name == "restitution":
+            goal, u_goal = one.restitution
+            if not math.isclose(goal, value or 0.0, rel_tol=1e-9):
+                half = COVERAGE * u_goal
+                value, u, ends = goal, u_goal, (goal - half, goal + half)
+        found[name] = EngineParameter(
+            value=value, u=u, interval95=ends, unit=units.unit_of(name.partition("[")[0]),
+            u_num=one.u_num.get(name, 0.0),
+        )  # fmt: skip
+    if isinstance(one, TunedFit):
+        found.pop("exponent", None)
     return found
 
 
-def _tuned_to(wanted: Wanted | None) -> dict[str, Any] | None:
-    if wanted is None:
-        return None
-    return {"restitution": wanted.restitution, "u": wanted.u, "speed_m_s": wanted.speed_m_s}
+def _shown(one: Bouncing) -> Shown:
+    return Shown(*map(_row, (
+        one.times_s, one.restitution, one.u_restitution, one.late_s, one.scatter_s
+    )))  # fmt: skip
 
 
-def _tuned_mean(sources: Sequence[Mapping[str, Any]]) -> float | None:
+def _plain_loop(one: TunedFit) -> dict[str, Any]:
+    at = one.tuning[0].at[:1] if one.tuning else ()
+    contact_s, delay_s = (at[0].contact_s, at[0].delay_s) if at else (None, None)
+    return {
+        "step_s": one.step_s, "numbers": one.numbers, "impacts": one.impacts,
+        "contact_of_first_impact": FirstContact(one.penetration_m, contact_s, delay_s),
+        "phases": one.phases, "tuning": one.tuning,
+    }  # fmt: skip
+
+
+def _target(wanted: Wanted | None) -> Target | None:
+    return None if wanted is None else Target(wanted.restitution, wanted.u, wanted.speed_m_s)
+
+
+def _tuned_mean(sources: Sequence[BouncesEngine]) -> float | None:
     """The closed form's mean restitution over the impacts that an engine resolves most of."""
-    most = max((source.get("impacts", ()) for source in sources), key=len, default=())
-    return sum(row["closed_form"] for row in most) / len(most) if most else None
+    most = max((source.impacts for source in sources), key=len, default=())
+    return sum(row.closed_form for row in most) / len(most) if most else None
 
 
-def _run_with(roles: Roles, start: Fit, engines: Sequence[EngineFit], made: Made) -> dict[str, Any]:
+def _run_with(roles: Roles, start: Fit, engines: Sequence[EngineFit], made: Made) -> RunWith:
     """With what a run repeats the fit: parameters of the scenario, and engines' own numbers."""
 
     def values(one: Fit) -> dict[str, float]:
@@ -139,12 +271,12 @@ def _run_with(roles: Roles, start: Fit, engines: Sequence[EngineFit], made: Made
         if isinstance(one, AssistedFit) and one.fit is not None
     }
     numbers = {
-        one.engine: [
-            {"pairs": [list(pair) for pair in row.pairs], "restitution": row.restitution,
-             "values": list(row.numbers), "size_m": row.size_m, "gravity_m_s2": row.gravity_m_s2}
-            for row in one.tuning
-        ]
+        one.engine: tuple(map(_tuned, one.tuning))
         for one in engines
         if isinstance(one, TunedFit) and one.fit is not None
-    }  # fmt: skip
-    return {"closed": values(start), "engines": assisted, "numbers": numbers}
+    }
+    return RunWith(values(start), assisted, numbers)
+
+
+def _tuned(row: TuningRow) -> Tuned:
+    return Tuned(row.pairs, row.restitution, row.numbers, row.size_m, row.gravity_m_s2)

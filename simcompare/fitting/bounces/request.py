@@ -10,7 +10,8 @@ from simcompare import units
 from simcompare.errors import InputError, UnknownName
 from simcompare.fitting.bounces import bounce_models
 from simcompare.fitting.bounces.roles import Roles
-from simcompare.fitting.bounces.unknowns import SPEED, Prior
+from simcompare.fitting.bounces.unknowns import SPEED
+from simcompare.results.records.fit_bounces import Prior
 from simcompare.scenarios.scenario_file import ScenarioFile
 
 

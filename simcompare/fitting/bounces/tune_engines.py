@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -30,13 +29,14 @@ from simcompare.fitting.bounces.beside import (
 from simcompare.fitting.bounces.engine_fit import contact_rows
 from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.fitting.bounces.roles import Roles
-from simcompare.fitting.bounces.tuned_fit import Number, TunedFit
+from simcompare.fitting.bounces.tuned_fit import TunedFit
 from simcompare.fitting.bounces.wanted import Wanted
 from simcompare.inference.defect_correction import wall_s
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import TUNED, PairNumbers, Settings
 from simcompare.model.trajectory import Array, Trajectory
 from simcompare.model.tuning import TuningRow
+from simcompare.results.records.fit_bounces import Impact, Number
 from simcompare.running.jobs import FAILED, OK, Job, Outcome
 from simcompare.running.runner import TIME_LIMIT_S, Progress, run_jobs
 
@@ -239,7 +239,7 @@ def _effective(parts: Sequence[Sequence[Part]], shown: Sequence[Bouncing]) -> tu
     return float(every.mean()), float(every.std(ddof=1) / math.sqrt(len(every)))
 
 
-def _impacts(best: Fit, wanted: Wanted, shown: Sequence[Bouncing]) -> list[dict[str, Any]]:
+def _impacts(best: Fit, wanted: Wanted, shown: Sequence[Bouncing]) -> list[Impact]:
     """Each recorded impact: what the closed form says of it, and what the engine showed."""
     found = []
     for drop, seen in enumerate(shown):
@@ -255,12 +255,13 @@ def _impacts(best: Fit, wanted: Wanted, shown: Sequence[Bouncing]) -> list[dict[
         for k in range(count):
             law, value = float(np.ravel(closed.restitution)[k]), float(seen.restitution[k])
             scatter = float(seen.u_restitution[k])
-            found.append({
-                "drop": drop + 1, "number": k + 1,
-                "speed_m_s": float(np.ravel(closed.speed_m_s)[k]), "closed_form": law,
-                "restitution": value, "u_phase": scatter / math.sqrt(wanted.phases),
-                "scatter": scatter, "deviation": value / law - 1,
-                "late_s": float(seen.late_s[k] + run_s[k] - law_s[k]),
-                "scatter_s": float(seen.scatter_s[k]),
-            })  # fmt: skip
+            found.append(
+                Impact(
+                    drop=drop + 1, number=k + 1, speed_m_s=float(np.ravel(closed.speed_m_s)[k]),
+                    closed_form=law, restitution=value, u_phase=scatter / math.sqrt(wanted.phases),
+                    scatter=scatter, deviation=value / law - 1,
+                    late_s=float(seen.late_s[k] + run_s[k] - law_s[k]),
+                    scatter_s=float(seen.scatter_s[k]),
+                )
+            )  # fmt: skip
     return found

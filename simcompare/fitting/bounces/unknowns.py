@@ -6,13 +6,13 @@ The terminal speed v_t is sought as 1/v_t², in which the data are nearly linear
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from simcompare.errors import UnknownName
 from simcompare.fitting.bounces.bounce_models import DEFAULTS
 from simcompare.model.trajectory import Array
+from simcompare.results.records.fit_bounces import Prior
 
 #: unknowns of which every drop has its own
 OF_A_DROP = ("drop_height_m", "release_time_s", "floor_m")
@@ -28,14 +28,6 @@ SIZES = {
     "restitution": 1.0, "exponent": 1.0, SPEED: 0.01, "drop_height_m": 0.3,
     "release_time_s": 0.3, "clock_skew": 1e-2, "floor_m": 0.1, "scale": 1.0,
 }  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Prior:
-    """What is known of an unknown beforehand: a normal distribution."""
-
-    value: float
-    u: float
 
 
 def base(name: str) -> str:

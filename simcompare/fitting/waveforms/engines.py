@@ -44,7 +44,7 @@ class EngineWaves:
         x: all unknowns to be given to it (k,).
         u_num: standard uncertainty of them from its step: what half the step changes (k,).
         effective: unknowns that the reference would need to show the same (k,).
-        left: change of the unknowns that one more round would bring (k,).
+        change: of the unknowns that one more round would bring (k,).
         runs: the last simulations; fitted stretches first, then those that were held out.
         simulations: how many were run.
         wall_s: wall time of them.
@@ -58,7 +58,7 @@ class EngineWaves:
     x: Array = field(default_factory=lambda: np.zeros(0))
     u_num: Array = field(default_factory=lambda: np.zeros(0))
     effective: Array = field(default_factory=lambda: np.zeros(0))
-    left: Array = field(default_factory=lambda: np.zeros(0))
+    change: Array = field(default_factory=lambda: np.zeros(0))
     runs: Runs = field(default_factory=dict, repr=False)
     simulations: int = 0
     wall_s: float = 0.0

@@ -1,4 +1,4 @@
-"""What fit.json says of a fit by waveform, as plain values, with the keys of one by bounces."""
+"""What fit.json says of a fit by waveform; its sentences are written by its report."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from simcompare import units
-from simcompare.compare.values import value_pairs
+from simcompare.compare.values import ValuePair, value_pairs
 from simcompare.engine.assist import ALL
-from simcompare.fitting.bounces.identifiability import Identifiability, Language, of_jacobian
 from simcompare.fitting.waveforms.engines import EngineWaves
 from simcompare.fitting.waveforms.holdout import rms_of
 from simcompare.fitting.waveforms.reference import Fitted
@@ -18,12 +17,23 @@ from simcompare.fitting.waveforms.setup import Setup
 from simcompare.inference.reference_model import Model
 from simcompare.inference.segments import DURATION, Segment, as_trajectory, noise
 from simcompare.inference.simulated import BEST, HALF
+from simcompare.model.resampling import interpolated
 from simcompare.model.settings import ASSISTED
 from simcompare.model.trajectory import Array, Trajectory
-from simcompare.notation import sentence
-
-#: version of what fit.json holds
-FORMAT = 1
+from simcompare.results.records.fit_parts import Known
+from simcompare.results.records.fit_waveforms import (
+    EffectiveSignal,
+    FitSegment,
+    FittedReference,
+    MeasuredProbe,
+    SourcePrediction,
+    WaveEngine,
+    WaveformFit,
+    WaveHoldout,
+    WaveParameter,
+    WaveValid,
+)
+from simcompare.statistics.identifiability import Identifiability, identifiability
 
 
 def of_fit(
@@ -31,11 +41,11 @@ def of_fit(
     setup: Setup,
     fitted: Fitted,
     engines: Sequence[EngineWaves],
-    predicted: Mapping[str, Any],
+    predicted: WaveHoldout,
     given: Mapping[str, float],
     step_s: float,
-) -> dict[str, Any]:
-    """The whole record of a fit.
+) -> WaveformFit:
+    """The whole record of a fit, without its sentences.
 
     Args:
         model: the scenario.
@@ -47,38 +57,18 @@ def of_fit(
         step_s: time between samples of the engines.
     """
     known = known_of(setup, fitted)
-    sources = []
-    for one in engines:
-        row = _source(model, setup, fitted, one)
-        row["identifiable"] = not any(direction.weak for direction in known.directions)
-        row["holdout"] = [
-            {"source": stream["stream"], **stream["engines"][one.engine]}
-            for stream in predicted["streams"]
-            if one.engine in stream["engines"]
-        ]
-        sources.append(row)
-    found: dict[str, Any] = {
-        "format": FORMAT,
-        "by": "waveform",
-        "contact": ASSISTED,
-        "assist": ALL,
-        "scenario": model.file.name,
-        "given": dict(given),
-        "probes": list(setup.probes),
-        "measured": [
-            {**_case(case), "fitted_start": dict(start)}
-            for case, start in zip(setup.fitted, fitted.solution.starts, strict=True)
-        ],
-        "told": list(setup.told),
-        "held_out": [_case(case) for case in setup.held],
-        "closed_form": _closed(model, setup, fitted),
-        "identifiability": known.to_dict(),
-        "sources": sources,
-        "holdout": dict(predicted),
-        "valid": _valid(setup, step_s),
-    }
-    found["sentences"] = _sentences(found, fitted)
-    return found
+    starts = fitted.solution.starts
+    return WaveformFit(
+        contact=ASSISTED, assist=ALL, scenario=model.file.name, settings=dict(given),
+        probes=setup.probes,
+        measured=tuple(_segment(c, s) for c, s in zip(setup.fitted, starts, strict=True)),
+        chosen=setup.chosen, held_out=tuple(_segment(case, {}) for case in setup.held),
+        closed_form=_closed(model, setup, fitted), identifiability=Known(**vars(known)),
+        sources=tuple(
+            _source(model, setup, fitted, one, predicted, not known.is_weak) for one in engines
+        ),
+        holdout=predicted, valid=_valid(setup, step_s),
+    )  # fmt: skip
 
 
 def known_of(setup: Setup, fitted: Fitted) -> Identifiability:
@@ -90,49 +80,23 @@ def known_of(setup: Setup, fitted: Fitted) -> Identifiability:
             for left in fitted.solution.residuals
         ]
     )
-    language = Language(title, _unit, _advice)
-    return of_jacobian(setup.every, fitted.solution.jacobian / spread[:, None], language)
+    return identifiability(setup.every, fitted.solution.jacobian / spread[:, None])
 
 
-def title(name: str) -> str:
-    """A parameter as people call it: ``damping_N_m_s_rad`` is "damping"."""
-    return name.removesuffix(units.suffix_of(name)).replace("_", " ")
-
-
-def _unit(name: str) -> str:
-    unit = units.symbol(units.unit_of(name))
-    return "" if unit == "1" else f" {unit}"
-
-
-def _advice(names: set[str]) -> str:
-    together = " and ".join(title(name) for name in sorted(names))
-    if len(names) == 1:
-        return f"the recording hardly changes with {together}: give it (--set)"
-    return (
-        f"the recording cannot separate {together}: give one of them (--set), or compare another"
-        " channel"
-    )
-
-
-def _closed(model: Model, setup: Setup, fitted: Fitted) -> dict[str, Any]:
+def _closed(model: Model, setup: Setup, fitted: Fitted) -> FittedReference:
     own = fitted.estimate
-    return {
-        "parameters": parameters(model, fitted, own.values, None),
-        "names": list(own.names),
-        "correlation": _correlation(fitted.covariance),
-        "rms": own.rms,
-        "how": own.how,
-        "streams": list(own.streams),
-        "single": {name: values.tolist() for name, values in own.single.items()},
-        "at_bound": list(own.at_bound),
-        "nuisance": dict(
-            zip(setup.nuisance, fitted.solution.values[len(own.names) :].tolist(), strict=True)
-        ),
-        "known": {
+    rest = fitted.solution.values[len(own.names) :].tolist()
+    return FittedReference(
+        parameters=parameters(model, fitted, own.values, None), names=own.names,
+        correlation=_correlation(fitted.covariance), rms=own.rms, how=own.how,
+        streams=own.streams,
+        single={name: tuple(values.tolist()) for name, values in own.single.items()},
+        at_bound=own.at_bound, nuisance=dict(zip(setup.nuisance, rest, strict=True)),
+        known={
             name: dict(zip(own.names, np.abs(move).tolist(), strict=True))
             for name, move in own.follows.items()
         },
-    }
+    )  # fmt: skip
 
 
 def coverage_factor(fitted: Fitted) -> float:
@@ -145,7 +109,7 @@ def coverage_factor(fitted: Fitted) -> float:
 
 def parameters(
     model: Model, fitted: Fitted, values: Array, u_num: Array | None
-) -> dict[str, dict[str, Any]]:
+) -> dict[str, WaveParameter]:
     """Values with their uncertainty and its parts; ``u_num`` is that of an engine's step."""
     k, factor = len(fitted.estimate.names), coverage_factor(fitted)
     numerical = np.zeros(k) if u_num is None else u_num[:k]
@@ -155,77 +119,80 @@ def parameters(
         bounds, value, half = model.file.parameters[name], float(values[i]), factor * float(u[i])
         # what a parameter cannot be is in no interval of it
         low, high = max(value - half, bounds.min), min(value + half, bounds.max)
-        found[name] = {
-            "value": value, "u": float(u[i]), "low": low, "high": high, "interval95": [low, high],
-            "unit": units.unit_of(name), "u_data": float(fitted.estimate.u[i]),
-            "u_known": float(fitted.u_known[i]),
-            "u_num": float(numerical[i]) if np.isfinite(numerical[i]) else None,
-        }  # fmt: skip
+        found[name] = WaveParameter(
+            value=value, u=float(u[i]), low=low, high=high, interval95=(low, high),
+            unit=units.unit_of(name), u_data=float(fitted.estimate.u[i]),
+            u_known=float(fitted.u_known[i]), u_num=float(numerical[i]),
+        )  # fmt: skip
     return found
 
 
-def _correlation(covariance: Array) -> list[list[float]]:
+def _correlation(covariance: Array) -> tuple[tuple[float, ...], ...]:
     u = np.sqrt(np.diag(covariance))
     product = np.outer(u, u)
-    found: list[list[float]] = (covariance / np.where(product > 0, product, 1.0)).tolist()
-    return found
+    rows = covariance / np.where(product > 0, product, 1.0)
+    return tuple(tuple(row.tolist()) for row in rows)
 
 
-def _source(model: Model, setup: Setup, fitted: Fitted, one: EngineWaves) -> dict[str, Any]:
-    plain: dict[str, Any] = {
-        "name": one.engine, "version": one.version, "contact": ASSISTED, "status": one.status,
-        "reason": one.reason, "simulations": one.simulations, "wall_s": one.wall_s,
-    }  # fmt: skip
-    if one.status != "ok":
-        return {**plain, "parameters": {}, "effective": {}}
-    k = len(setup.names)
-    numerical = np.diag(np.nan_to_num(one.u_num[:k]) ** 2)
-    effective = {
-        name: {"value": float(value), "u": float(np.hypot(u, numerical[i, i] ** 0.5)),
-               "unit": units.unit_of(name)}
-        for i, (name, value, u) in enumerate(
-            zip(setup.names, one.effective, np.sqrt(np.diag(fitted.covariance)), strict=False)
-        )
-    }  # fmt: skip
-    return {
-        **plain,
-        "parameters": parameters(model, fitted, one.x, one.u_num),
-        "correlation": _correlation(fitted.covariance + numerical),
-        "effective": {**effective, **_shown(model, setup, one)},
-        "left": dict(zip(setup.every, one.left.tolist(), strict=True)),
-        "rms": {
-            case.stream: {probe: rms_of(case, one.runs[i, BEST], probe) for probe in setup.probes}
-            for i, case in enumerate(setup.fitted)
-        },
-    }
+def _source(
+    model: Model,
+    setup: Setup,
+    fitted: Fitted,
+    one: EngineWaves,
+    predicted: WaveHoldout,
+    identifiable: bool,
+) -> WaveEngine:
+    """What the record says of one engine."""
+    found: dict[str, Any] = {}
+    if one.status == "ok":
+        k = len(setup.names)
+        numerical = np.diag(np.nan_to_num(one.u_num[:k]) ** 2)
+        u = np.hypot(np.sqrt(np.diag(fitted.covariance)), np.sqrt(np.diag(numerical)))
+        effective = {
+            name: EffectiveSignal(float(value), float(own), units.unit_of(name))
+            for name, value, own in zip(setup.names, one.effective, u, strict=False)
+        }
+        found = {
+            "parameters": parameters(model, fitted, one.x, one.u_num),
+            "correlation": _correlation(fitted.covariance + numerical),
+            "effective": {**effective, **_shown(model, setup, one)},
+            "change": dict(zip(setup.every, one.change.tolist(), strict=True)),
+            "rms": {
+                case.stream: {p: rms_of(case, one.runs[i, BEST], p) for p in setup.probes}
+                for i, case in enumerate(setup.fitted)
+            },
+        }
+    return WaveEngine(
+        name=one.engine, version=one.version, contact=ASSISTED, status=one.status,
+        reason=one.reason, simulations=one.simulations, wall_s=one.wall_s,
+        identifiable=identifiable,
+        holdout=tuple(
+            SourcePrediction(source=row.stream, **vars(row.engines[one.engine]))
+            for row in predicted.streams if one.engine in row.engines
+        ),
+        **found,
+    )  # fmt: skip
 
 
-def _shown(model: Model, setup: Setup, one: EngineWaves) -> dict[str, Any]:
-    """Values of the scenario's measures in the fitted stretches, mean over them."""
-    rows: dict[str, list[tuple[float, float, float | None]]] = {}
+def _shown(model: Model, setup: Setup, one: EngineWaves) -> dict[str, EffectiveSignal]:
+    """Values of the scenario's measures in the fitted segments, mean over them."""
+    rows: dict[str, list[tuple[float, float, float]]] = {}
     unit_of: dict[str, str] = {}
     for i, case in enumerate(setup.fitted):
         found = _values(model, case, one.runs[i, BEST])
         finer = _values(model, case, one.runs[i, HALF]) if (i, HALF) in one.runs else {}
         for name, both in found.items():
-            change = abs(finer[name].simulated - both.simulated) if name in finer else None
+            change = abs(finer[name].simulated - both.simulated) if name in finer else np.nan
             rows.setdefault(name, []).append((both.simulated, both.measured, change))
             unit_of[name] = both.unit
+    means = {name: np.mean(own, axis=0).tolist() for name, own in rows.items()}
     return {
-        name: {
-            "value": float(np.mean([row[0] for row in own])),
-            "u": float(np.mean([row[2] for row in own])) if None not in [r[2] for r in own]
-            else None,
-            "unit": unit_of[name],
-            "measured": float(np.mean([row[1] for row in own])),
-        }
-        for name, own in rows.items()
-    }  # fmt: skip
+        name: EffectiveSignal(simulated, change, unit_of[name], measured)
+        for name, (simulated, measured, change) in means.items()
+    }
 
 
-def _values(model: Model, case: Segment, run: Trajectory) -> Mapping[str, Any]:
-    from simcompare.model.resampling import interpolated
-
+def _values(model: Model, case: Segment, run: Trajectory) -> Mapping[str, ValuePair]:
     whole = as_trajectory(case)
     inside = (whole.time_s >= run.time_s[0]) & (whole.time_s <= run.time_s[-1])
     times = whole.time_s[inside]
@@ -237,71 +204,26 @@ def _values(model: Model, case: Segment, run: Trajectory) -> Mapping[str, Any]:
     return value_pairs(model.scenario(case), simulated, measured, tuple(measured.signals))
 
 
-def _case(case: Segment) -> dict[str, Any]:
-    return {
-        "stream": case.stream,
-        "start_s": case.start_s,
-        "duration_s": case.duration_s,
-        "start": {name: value for name, value in case.values.items() if name != DURATION},
-        "probes": {
-            probe: {"samples": len(seen.values), "missing": seen.missing, "u": noise(seen)[0],
-                    "u_from": noise(seen)[1]}
+def _segment(case: Segment, start: Mapping[str, float]) -> FitSegment:
+    """What the record says of one segment, and of the start that the fit found."""
+    return FitSegment(
+        stream=case.stream, start_s=case.start_s, duration_s=case.duration_s,
+        start={name: value for name, value in case.values.items() if name != DURATION},
+        probes={
+            probe: MeasuredProbe(len(seen.values), seen.missing, *noise(seen))
             for probe, seen in case.observed.items()
         },
-    }  # fmt: skip
+        fitted_start=dict(start),
+    )  # fmt: skip
 
 
-def _valid(setup: Setup, step_s: float) -> dict[str, Any]:
+def _valid(setup: Setup, step_s: float) -> WaveValid:
     """Within what the fit was made: step, length, and range of every compared quantity."""
     ranges = {
-        probe: [
+        probe: (
             float(min(case.observed[probe].values.min() for case in setup.fitted)),
             float(max(case.observed[probe].values.max() for case in setup.fitted)),
-        ]
+        )
         for probe in setup.probes
     }
-    lasts = max(case.duration_s for case in setup.fitted)
-    return {"step_s": step_s, "duration_s": lasts, "ranges": ranges}
-
-
-def _sentences(found: Mapping[str, Any], fitted: Fitted) -> list[str]:
-    from simcompare.notation import number
-
-    said = []
-    for name, row in found["closed_form"]["parameters"].items():
-        said.append(
-            f"The {title(name)} is {number(row['value'], row['u'])}{_unit(name)}, with 95 % between"
-            f" {row['low']:.6g} and {row['high']:.6g} ({fitted.estimate.how})."
-        )
-        if row["u_known"] > row["u_data"]:
-            most = max(found["closed_form"]["known"].items(), key=lambda own: own[1][name])[0] \
-                if found["closed_form"]["known"] else "the start"  # fmt: skip
-            said.append(
-                f"Most of the uncertainty of the {title(name)} comes from what was known before,"
-                f" above all from {title(most)}."
-            )
-    said += [
-        f"The {title(name)} ended at a bound of the scenario: the recording asks for more than it"
-        " allows, or for an effect that the scenario does not have."
-        for name in fitted.estimate.at_bound
-    ]
-    said += [sentence(text) for text in found["identifiability"]["words"]]
-    said += _disagreement(found)
-    said.append(found["holdout"]["text"])
-    return said
-
-
-def _disagreement(found: Mapping[str, Any]) -> list[str]:
-    """How far the engines' own parameters are from each other."""
-    said = []
-    good = [source for source in found["sources"] if source["parameters"]]
-    for name in found["closed_form"]["names"] if len(good) > 1 else ():
-        values = [source["parameters"][name]["value"] for source in good]
-        closed = found["closed_form"]["parameters"][name]
-        spread = max(values) - min(values)
-        if spread > 2 * closed["u"] > 0:
-            said.append(
-                f"To show the same, {len(good)} engines must be given values of {title(name)} that"
-                f" differ by {spread:.2g}{_unit(name)}: their steps differ."
-            )
-    return said
+    return WaveValid(step_s, max(case.duration_s for case in setup.fitted), ranges)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from simcompare import units
 from simcompare.errors import InputError, UnknownName
 from simcompare.inference import plan as plans
 from simcompare.inference import sources
@@ -13,6 +14,7 @@ from simcompare.inference.plan import Plan
 from simcompare.inference.segment_reader import segments_of
 from simcompare.inference.segments import Segment
 from simcompare.inference.sources import Source
+from simcompare.results.records.fit_waveforms import Chosen
 from simcompare.scenarios.scenario_file import ScenarioFile
 
 
@@ -27,7 +29,7 @@ class Setup:
         probes: what is compared, the leading one first.
         fitted: stretches that are fitted.
         held: stretches that are predicted.
-        told: what the reader must know of this choice.
+        chosen: what of each recording is fitted, and what is held out.
     """
 
     plan: Plan
@@ -36,7 +38,7 @@ class Setup:
     probes: tuple[str, ...]
     fitted: tuple[Segment, ...]
     held: tuple[Segment, ...]
-    told: tuple[str, ...]
+    chosen: tuple[Chosen, ...]
 
     @property
     def every(self) -> tuple[str, ...]:
@@ -87,18 +89,18 @@ def prepare(
     names, nuisance = _unknowns(file, plan, unknowns, given)
     fitted: list[Segment] = []
     held: list[Segment] = []
-    told: list[str] = []
+    chosen = []
     for source, own in found:
-        one, other, words = _split(file, source, own, given)
+        one, other, what = _split(file, source, own, given)
         several = len(found) > 1
         fitted += _named(one, source, several)
         held += _named(other, source, several)
-        told.append(words)
+        chosen.append(what)
     for name in hold_out:
         source, own = _found(file, name, mapping)
         held += _named(segments_of(file, own, source.recording, own.streams, given), source, True)
     probes = tuple(probe for probe, compared in plan.compare.items() if compared.judged)
-    return Setup(plan, names, nuisance, probes, tuple(fitted), tuple(held), tuple(told))
+    return Setup(plan, names, nuisance, probes, tuple(fitted), tuple(held), tuple(chosen))
 
 
 def _found(file: ScenarioFile, name: str, mapping: str | Path | None) -> tuple[Source, Plan]:
@@ -121,8 +123,6 @@ def _unknowns(
     file: ScenarioFile, plan: Plan, asked: Sequence[str], given: Mapping[str, float]
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """What is sought, and what besides."""
-    from simcompare import units
-
     assert file.fit is not None
     fittable = file.fit.parameters
     names: list[str] = []
@@ -147,28 +147,23 @@ def _unknowns(
 
 def _split(
     file: ScenarioFile, source: Source, plan: Plan, given: Mapping[str, float]
-) -> tuple[list[Segment], list[Segment], str]:
+) -> tuple[list[Segment], list[Segment], Chosen]:
     """Stretches that are fitted, and those that are predicted, as a validation has them."""
     wanted = plan.calibrate
     judged = segments_of(file, plan, source.recording, plan.streams, given)
     if wanted is None:
-        return judged, [], (
-            f"{source.name} does not say which streams are fitted (calibrate:), so all"
-            f" {len(judged)} are, and nothing is held out."
-        )  # fmt: skip
+        return judged, [], Chosen(source.name, _streams(judged), source.name, (), stated=False)
     other = source if wanted.recording is None else sources.find(wanted.recording)
     own = plan if wanted.recording is None else plans.choose(other.plans, plan.scenario)
     fitted = segments_of(file, own, other.recording, wanted.streams, given, wanted.most_s)
     if wanted.recording is None:
         names = {case.stream for case in fitted}
         judged = [case for case in judged if case.stream not in names]
-    streams = ", ".join(case.stream for case in fitted)
-    held = ", ".join(case.stream for case in judged) or "nothing"
-    if wanted.recording is not None:
-        return fitted, judged, (
-            f"Fitted to {other.name} ({streams}); held out: {source.name} ({held})."
-        )  # fmt: skip
-    return fitted, judged, f"Fitted to {streams} of {source.name}; held out: {held}."
+    return fitted, judged, Chosen(other.name, _streams(fitted), source.name, _streams(judged))
+
+
+def _streams(cases: Sequence[Segment]) -> tuple[str, ...]:
+    return tuple(case.stream for case in cases)
 
 
 def _named(cases: Sequence[Segment], source: Source, several: bool) -> list[Segment]:

@@ -22,6 +22,8 @@ def of_today(data: Mapping[str, Any], today: int) -> Row:
     if isinstance(data.get("against"), Mapping):
         found["against"] = dict(data["against"])
         _rows(found["against"], "matches", _match)
+    if isinstance(data.get("fit"), Mapping):  # a fit of bounces did not say what it is
+        found["fit"] = {"by": "bounces", **data["fit"]}
     return found
 
 

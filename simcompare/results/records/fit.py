@@ -1,12 +1,17 @@
-"""What run.json says of a fit."""
+"""What run.json and fit.json say of a fit, and what all kinds of fits have in common."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Annotated, Literal
 
+from pydantic import Field
+
+from simcompare.results.records.fit_bounces import BouncesFit
+from simcompare.results.records.fit_waveforms import WaveformFit
 from simcompare.results.records.run import Record
+
+AnyFit = Annotated[BouncesFit | WaveformFit, Field(discriminator="by")]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,5 +24,5 @@ class FitRecord(Record):
     """
 
     kind: Literal["fit"] = "fit"
-    fit: Mapping[str, Any] = field(default_factory=dict)
+    fit: AnyFit
     recording_asked: str | tuple[str, ...] = ()
