@@ -190,17 +190,3 @@ class Head:
     path: Path
     start: bytes
     members: tuple[str, ...] = ()
-
-    @property
-    def text(self) -> str:
-        """The beginning as text, whatever its encoding; empty for what is not text."""
-        for mark, name in (
-            (b"\xff\xfe", "utf-16"),
-            (b"\xfe\xff", "utf-16"),
-            (b"\xef\xbb\xbf", "utf-8-sig"),
-        ):
-            if self.start.startswith(mark):
-                return self.start.decode(name, errors="replace")
-        if b"\0" in self.start:
-            return ""
-        return self.start.decode("utf-8", errors="replace")
