@@ -8,7 +8,7 @@ import pytest
 from simcompare.errors import InputError
 from simcompare.hardware import mapping
 from simcompare.hardware.logs import importers
-from simcompare.hardware.logs.text import text as _text
+from simcompare.hardware.logs.text import source as _source
 from simcompare.verbs.import_log import import_log
 
 #: line of the first row in GOOD
@@ -177,7 +177,7 @@ def test_a_damaged_header_is_refused(faults):
 
 
 def test_segments_longer_than_a_block_are_read_whole(save, monkeypatch):
-    monkeypatch.setattr(_text, "BLOCK_BYTES", 500)
+    monkeypatch.setattr(_source, "BLOCK_BYTES", 500)
     rows = "".join(f"\t{i}.5\t{i}\n" for i in range(2000))
     stream = read(save(lvm(rows, samples="2000\t2000"))).streams[0]
     assert np.array_equal(stream.column("acc").values, np.arange(2000.0))

@@ -11,7 +11,7 @@ import pytest
 from simcompare.errors import InputError
 from simcompare.hardware import mapping
 from simcompare.hardware.logs import importers
-from simcompare.hardware.logs.text import text as _text
+from simcompare.hardware.logs.text import source as _source
 from simcompare.verbs.import_log import import_log
 
 DATA = os.environ.get("SIMCOMPARE_DATA", "")
@@ -337,7 +337,7 @@ def test_what_is_no_table_is_refused(faults, text, words):
 
 
 def test_blocks_join_without_a_seam_and_a_fault_in_one_keeps_its_line(log, monkeypatch, faults):
-    monkeypatch.setattr(_text, "BLOCK_BYTES", 1000)
+    monkeypatch.setattr(_source, "BLOCK_BYTES", 1000)
     rows = [f"{i / 8},{i}" for i in range(3000)]
     path = log("t,x\n" + "\n".join(rows) + "\n")
     found = importers.read(path, "csv", mapping.NOTHING).streams[0]
@@ -351,7 +351,7 @@ def test_blocks_join_without_a_seam_and_a_fault_in_one_keeps_its_line(log, monke
 
 
 def test_remarks_and_midnights_in_a_long_log_keep_their_lines(log, monkeypatch):
-    monkeypatch.setattr(_text, "BLOCK_BYTES", 1000)
+    monkeypatch.setattr(_source, "BLOCK_BYTES", 1000)
     rows = [f"{(23 * 3600 + i) // 3600 % 24:02d}:{i // 60 % 60:02d}:{i % 60:02d},{i}"
             for i in range(4000)]  # fmt: skip
     lines = ["time,x"]

@@ -10,8 +10,8 @@ import pytest
 from simcompare.errors import InputError
 from simcompare.hardware import mapping
 from simcompare.hardware.logs import importers
+from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text import state as _state
-from simcompare.hardware.logs.text import text as _text
 
 
 @pytest.fixture
@@ -62,11 +62,11 @@ def test_a_line_of_a_megabyte_is_no_row(read):
 
 @pytest.mark.parametrize("end", ["100,", ""])
 def test_a_text_is_given_in_blocks_of_whole_lines(monkeypatch, end):
-    monkeypatch.setattr(_text, "BLOCK_BYTES", 30)
+    monkeypatch.setattr(_source, "BLOCK_BYTES", 30)
     text = "".join(f"{i},1\n" for i in range(100)) + end
-    source = _text.opened("log", lambda: io.BytesIO(text.encode()))
+    source = _source.opened("log", lambda: io.BytesIO(text.encode()))
     for first in (1, 2, 8, 95, 100):
-        blocks = list(_text.blocks(source, first))
+        blocks = list(_source.blocks(source, first))
         assert len(blocks) == 1 or max(len(block.lines) for block in blocks) < 15
         assert [block.ended for block in blocks] == [True] * (len(blocks) - 1) + [not end]
         lines = [pair for block in blocks for pair in enumerate(block.lines, start=block.line)]

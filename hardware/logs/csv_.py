@@ -11,10 +11,11 @@ import numpy as np
 
 from simcompare import units
 from simcompare.errors import InputError
+from simcompare.hardware.logs.text import cell as _cell
 from simcompare.hardware.logs.text import dates as _dates
 from simcompare.hardware.logs.text import rostopic, sniff
+from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text import table as _table
-from simcompare.hardware.logs.text import text as _text
 from simcompare.hardware.logs.text.sniff import Layout
 from simcompare.hardware.logs.text.state import Table
 from simcompare.hardware.mapping import Mapping
@@ -33,11 +34,11 @@ def recognises(head: Head) -> int:
     """Low for every text that holds a table: others know better."""
     if head.members:
         return 0
-    lines = _text.head_lines(head.start)
+    lines = _source.head_lines(head.start)
     if not lines or lines[0].lstrip().startswith(("{", "<", "[{", "[[")):
         return 0
     try:
-        layout = sniff.sniff(_text.opened(str(head.path), lambda: head.path.open("rb")))
+        layout = sniff.sniff(_source.opened(str(head.path), lambda: head.path.open("rb")))
     except InputError as error:
         # a table in which something is wrong: its reader says what
         return 5 if any("line " in fault for fault in error.faults) else 0
@@ -52,12 +53,12 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     Raises:
         InputError: every fault with its line and column, up to twenty, then their number.
     """
-    return read_source(_text.source_of(path), mapping)
+    return read_source(_source.source_of(path), mapping)
 
 
-def read_source(source: _text.Source, mapping: Mapping) -> RawLog:
+def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
     """The same for a file within an archive."""
-    layout = sniff.sniff(source, _text.wanted_names(mapping))
+    layout = sniff.sniff(source, _cell.wanted_names(mapping))
     names = [name for name, _ in layout.names]
     if rostopic.is_echo(names):
         layout = replace(layout, names=tuple(rostopic.named(layout.names)))
@@ -73,7 +74,7 @@ def read_source(source: _text.Source, mapping: Mapping) -> RawLog:
     log = RawLog(
         [RawStream("log", table.columns, time, clock=clock, first_row=table.first_row,
                    rows=table.rows, truncated=table.truncated)],
-        repairs=repairs, ignored=table.ignored, about=_text.about_of(layout.preamble),
+        repairs=repairs, ignored=table.ignored, about=_cell.about_of(layout.preamble),
     )  # fmt: skip
     if rostopic.is_echo(names):
         rostopic.finish(log)
@@ -87,7 +88,7 @@ def _time_columns(layout: Layout) -> list[int]:
     ros = [k for k in usable if layout.names[k][0] == "field.header.stamp"]
     if ros:
         return ros
-    named = [k for k in usable if _text.is_time(layout.names[k][0])]
+    named = [k for k in usable if _cell.is_time(layout.names[k][0])]
     if named:
         return named
     timed = [k for k in usable if layout.kinds[k] == "date" or _is_time_unit(layout.names[k][1])]
@@ -103,7 +104,7 @@ def _is_time_unit(unit: str) -> bool:
         return False
 
 
-def _with_integer_stamps(source: _text.Source, layout: Layout, times: Sequence[int]) -> Layout:
+def _with_integer_stamps(source: _source.Source, layout: Layout, times: Sequence[int]) -> Layout:
     """Stamps of 16 digits and more are read as whole numbers: a float would round them."""
     if layout.first_line > len(source.head):
         return layout
@@ -144,12 +145,12 @@ def _time(
     if mapping.time is not None and mapping.time.columns:
         names = [*mapping.time.columns]
     if len(names) > 1:
-        raise InputError(label, [_text.several_times(names)])
+        raise InputError(label, [_cell.several_times(names)])
     if not names or names[0] not in [column.name for column in table.columns]:
         return None, Clock("no clock")
     column = next(c for c in table.columns if c.name == names[0])
     k = next((k for k, (name, _) in enumerate(layout.names) if name == names[0]), -1)
-    column.unit = column.unit or _text.unit_of_time(column.name)
+    column.unit = column.unit or _cell.unit_of_time(column.name)
     start = _started(table, layout, column, k, repairs)
     return column.name, Clock(f"column {column.name}", start)
 

@@ -14,7 +14,7 @@ from typing import Any
 
 from simcompare.errors import InputError
 from simcompare.hardware.logs.text import records as _records
-from simcompare.hardware.logs.text import text as _text
+from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text.state import Faults
 from simcompare.hardware.mapping import Mapping
 from simcompare.hardware.raw import Head, RawLog
@@ -28,7 +28,7 @@ _OPEN, _CLOSE = "[{", {"[": "]", "{": "}"}
 
 def recognises(head: Head) -> int:
     """High for what begins as JSON does."""
-    lines = [] if head.members else _text.head_lines(head.start)
+    lines = [] if head.members else _source.head_lines(head.start)
     text = "\n".join(lines).lstrip()
     begins = re.match(r'\{\s*"[^"]*"\s*:|\[\s*[\[{\d\-]|\{\s*\}', text)
     return 70 if begins and not re.match(r"\[[^\]\n,:]*\]\s*$", lines[0].strip()) else 0
@@ -40,7 +40,7 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     Raises:
         InputError: no JSON, no records, or values that are no numbers.
     """
-    source = _text.source_of(path)
+    source = _source.source_of(path)
     log = RawLog([], repairs=list(source.repairs))
     if _is_lines(source):
         lines = _Lines(source)
@@ -69,7 +69,7 @@ def read(path: Path, mapping: Mapping) -> RawLog:
 # ---- JSON lines -------------------------------------------------------------------------------
 
 
-def _is_lines(source: _text.Source) -> bool:
+def _is_lines(source: _source.Source) -> bool:
     """Whether every line is a record of its own."""
     full = [line.strip() for line in source.head if line.strip()][:2]
     try:
@@ -80,14 +80,14 @@ def _is_lines(source: _text.Source) -> bool:
 
 
 class _Lines:
-    def __init__(self, source: _text.Source) -> None:
+    def __init__(self, source: _source.Source) -> None:
         self.source = source
         self.truncated = ""
 
     def records(self) -> Iterator[tuple[int, Any]]:
         """All records with their lines."""
         faults = Faults(self.source.label)
-        for block in _text.blocks(self.source):
+        for block in _source.blocks(self.source):
             for at, line in enumerate(block.lines, start=block.line):
                 if not line.strip():
                     continue

@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs.text import sniff
+from simcompare.hardware.logs.text import cell as _cell
+from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text import table as _table
-from simcompare.hardware.logs.text import text as _text
+from simcompare.hardware.logs.text.marks import marks as decimal_marks
 from simcompare.hardware.logs.text.sniff import Layout
 from simcompare.hardware.logs.text.state import Table
 from simcompare.hardware.mapping import Mapping
@@ -54,7 +55,7 @@ class _Segment:
 
 def recognises(head: Head) -> int:
     """Certain by its first line."""
-    lines = _text.head_lines(head.start) if not head.members else []
+    lines = _source.head_lines(head.start) if not head.members else []
     return 99 if lines and lines[0].startswith("LabVIEW Measurement") else 0
 
 
@@ -64,7 +65,7 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     Raises:
         InputError: a damaged header, or rows that are no numbers.
     """
-    source = _text.source_of(path)
+    source = _source.source_of(path)
     parts = _Parts(source)
     general, segments = parts.general, parts.segments
     if not segments:
@@ -80,14 +81,14 @@ def read(path: Path, mapping: Mapping) -> RawLog:
 class _Parts:
     """Headers and where the rows stand; the rows themselves are not kept."""
 
-    def __init__(self, source: _text.Source) -> None:
+    def __init__(self, source: _source.Source) -> None:
         self.source = source
         self.general: dict[str, list[str]] = {}
         self.segments: list[_Segment] = []
         self.separator = "\t"
         self._open = _Segment()
         self._take = self._in_general
-        for block in _text.blocks(source):
+        for block in _source.blocks(source):
             for at, line in enumerate(block.lines, start=block.line):
                 self._one(at, line)
 
@@ -146,7 +147,7 @@ def _separator(label: str, general: dict[str, list[str]]) -> str:
 
 def _add(
     log: RawLog,
-    source: _text.Source,
+    source: _source.Source,
     general: dict[str, list[str]],
     segment: _Segment,
     prefix: str,
@@ -226,7 +227,7 @@ def _layout(
     full = tuple((name, "") for name in names)
     stated = (general.get("Decimal_Separator") or [""])[0].strip()
     is_stated = stated in (".", ",")
-    marks = (stated, "", True) if is_stated else sniff.marks(label, rows, kinds, full)
+    marks = (stated, "", True) if is_stated else decimal_marks(label, rows, kinds, full)
     return Layout(separator, segment.first, tuple(kinds), full, *marks, header_line=1,
                   stop_line=segment.last, short_rows=True)  # fmt: skip
 
@@ -256,7 +257,7 @@ def _stream(
             columns.append(RawColumn(channel, source.values, unit))
     first, x_name = channels[0][0], channels[0][2]
     clock = Clock("LabVIEW", _clock(segment, first))
-    promised = _text.number(segment.of("Samples", first)) or 0.0
+    promised = _cell.number(segment.of("Samples", first)) or 0.0
     rows, values = table.rows, columns[0].values if columns else np.empty(0)
     count = len(values)
     if 0 < promised < count:
@@ -276,13 +277,13 @@ def _stream(
         stream.truncated = stream.truncated or (
             f"holds {count} of the {promised:g} samples that its header promises"
         )
-    step = _text.number(segment.of("Delta_X", first).replace(",", "."))
+    step = _cell.number(segment.of("Delta_X", first).replace(",", "."))
     if x_name and x_name in by_name:
         time = RawColumn("X_Value", by_name[x_name].values[:count], "s")
         stream.columns.insert(0, time)
         stream.time = "X_Value"
     elif step is not None and 0 < step < np.inf:
-        start = _text.number(segment.of("X0", first).replace(",", "."))
+        start = _cell.number(segment.of("X0", first).replace(",", "."))
         stream.increment_s = step
         stream.start_s = start if start is not None and np.isfinite(start) else 0.0
     dimension = segment.of("X_Dimension", first)

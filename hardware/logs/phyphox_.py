@@ -22,9 +22,10 @@ import numpy as np
 
 from simcompare.errors import InputError
 from simcompare.hardware.logs.binary import zip_guard
+from simcompare.hardware.logs.text import cell as _cell
 from simcompare.hardware.logs.text import sniff
+from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text import table as _table
-from simcompare.hardware.logs.text import text as _text
 from simcompare.hardware.logs.text.state import Table
 from simcompare.hardware.mapping import Mapping
 from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream
@@ -61,7 +62,7 @@ def recognises(head: Head) -> int:
     if names:
         tables = [name for name in names if name.lower().endswith(".csv")]
         return 60 if tables and head.start[:2] == b"PK" and _first_fits(head.path, tables[0]) else 0
-    lines = _text.head_lines(head.start)
+    lines = _source.head_lines(head.start)
     return 85 if lines and (_QUOTED.match(lines[0]) or _KNOWN.match(lines[0])) else 0
 
 
@@ -103,21 +104,21 @@ def read(path: Path, mapping: Mapping) -> RawLog:
 
 
 @contextmanager
-def _members(path: Path) -> Iterator[dict[str, _text.Source]]:
+def _members(path: Path) -> Iterator[dict[str, _source.Source]]:
     """Every CSV of the export by its name."""
     if path.is_dir():
         files = sorted(p for p in path.rglob("*.csv") if p.is_file())
-        yield {f.relative_to(path).as_posix(): _text.source_of(f) for f in files}
+        yield {f.relative_to(path).as_posix(): _source.source_of(f) for f in files}
     elif zipfile.is_zipfile(path):
         with zipfile.ZipFile(path) as archive:
             names = [n for n in archive.namelist() if n.lower().endswith(".csv")]
             kept = [n for n in names if not n.startswith("__MACOSX")]
-            yield {n: _text.opened(f"{path}/{n}", partial(archive.open, n)) for n in kept}
+            yield {n: _source.opened(f"{path}/{n}", partial(archive.open, n)) for n in kept}
     else:
-        yield {_ALONE: _text.source_of(path)}
+        yield {_ALONE: _source.source_of(path)}
 
 
-def _pairs(source: _text.Source | None) -> dict[str, str]:
+def _pairs(source: _source.Source | None) -> dict[str, str]:
     """``"property","value"`` as a mapping."""
     if source is None:
         return {}
@@ -125,12 +126,12 @@ def _pairs(source: _text.Source | None) -> dict[str, str]:
     return {row[0]: row[1] for row in rows if len(row) > 1 and row[1] not in ("", "null")}
 
 
-def _separator(source: _text.Source) -> str:
+def _separator(source: _source.Source) -> str:
     match = re.match(r'"[^"]*"([,;\t])|[^",;\t]*([,;\t])', "".join(source.head[:1]))
     return (match[1] or match[2]) if match else ","
 
 
-def _add(log: RawLog, name: str, source: _text.Source, device: dict[str, str]) -> None:
+def _add(log: RawLog, name: str, source: _source.Source, device: dict[str, str]) -> None:
     """Adds one table: samples of a sensor, or the instants of a stopwatch or of bounces."""
     log.repairs += source.repairs
     rows = [(i + 1, line) for i, line in enumerate(source.head[:300]) if i and line.strip()]
@@ -138,7 +139,7 @@ def _add(log: RawLog, name: str, source: _text.Source, device: dict[str, str]) -
         log.ignored[name] = "holds no samples"
         return
     separator = _separator(source)
-    names = _text.headings(sniff.split(source.head[0], separator))
+    names = _cell.headings(sniff.split(source.head[0], separator))
     cells = [(line, sniff.split(text, separator)) for line, text in rows]
     layout = sniff.below_header(source.label, cells, names, separator)
     layout = replace(layout, first_line=2, header=source.head[0], header_line=1)
@@ -169,7 +170,7 @@ def _describe(column: RawColumn, device: dict[str, str]) -> None:
         column.frame = "sensor"
     sensor = _SENSORS.get(column.name.split(" ")[0], "")
     column.sensor = device.get(f"{sensor} Name", "") if sensor else ""
-    reach = _text.number(device.get(f"{sensor} Range", "").replace(",", ".")) if sensor else None
+    reach = _cell.number(device.get(f"{sensor} Range", "").replace(",", ".")) if sensor else None
     if reach is not None and reach > 0 and column.unit in ("m/s^2", "rad/s"):
         column.limits = (-reach, reach)
 
@@ -206,7 +207,7 @@ def _add_instants(log: RawLog, name: str, table: Table) -> None:
     )  # fmt: skip
 
 
-def _clocks(log: RawLog, source: _text.Source | None) -> None:
+def _clocks(log: RawLog, source: _source.Source | None) -> None:
     """Start and pauses of the measurement."""
     if source is None:
         return
@@ -215,7 +216,7 @@ def _clocks(log: RawLog, source: _text.Source | None) -> None:
     for line in source.head[1:]:
         cells = sniff.split(line, separator)
         if len(cells) > 2 and cells[0] in ("START", "PAUSE"):
-            values = [_text.number(cell.replace(",", ".")) for cell in cells[1:3]]
+            values = [_cell.number(cell.replace(",", ".")) for cell in cells[1:3]]
             if values[0] is not None and values[1] is not None:
                 marks.append((cells[0], values[0], values[1]))
     starts = [mark for mark in marks if mark[0] == "START"]

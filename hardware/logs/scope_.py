@@ -14,9 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from simcompare.errors import InputError
+from simcompare.hardware.logs.text import cell as _cell
 from simcompare.hardware.logs.text import sniff
+from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text import table as _table
-from simcompare.hardware.logs.text import text as _text
 from simcompare.hardware.logs.text.sniff import Layout
 from simcompare.hardware.logs.text.state import Table
 from simcompare.hardware.mapping import Mapping
@@ -66,7 +67,7 @@ def recognises(head: Head) -> int:
     """High where the first lines are laid out as by an oscilloscope."""
     if head.members:
         return 0
-    lines = _text.head_lines(head.start)
+    lines = _source.head_lines(head.start)
     if not lines:
         return 0
     try:
@@ -81,7 +82,7 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     Raises:
         InputError: of none of the known layouts, or with rows that are no numbers.
     """
-    source = _text.source_of(path)
+    source = _source.source_of(path)
     plan = _plan(str(path), source.head)
     if plan is None:
         raise InputError(
@@ -145,7 +146,7 @@ def _rigol(label: str, lines: Sequence[str]) -> Plan | None:
         return None
     below = [cell.strip() for cell in sniff.split(lines[1], ",")] if len(lines) > 1 else []
     at = head.index("Increment")
-    start, step = (_text.number(c) for c in (_padded(below, at + 1))[at - 1 : at + 1])
+    start, step = (_cell.number(c) for c in (_padded(below, at + 1))[at - 1 : at + 1])
     if start is None or step is None or not step > 0:
         shown = ", ".join(below[at - 1 : at + 1])
         raise InputError(
@@ -163,7 +164,7 @@ def _settings_beside(label: str, lines: Sequence[str]) -> Plan | None:
     first = sniff.split(lines[0], ",") if lines else []
     if len(first) < 5 or first[0].strip().lower() != "record length":
         return None
-    if any(_text.number(cell) is None or not cell.strip() for cell in first[3:5]):
+    if any(_cell.number(cell) is None or not cell.strip() for cell in first[3:5]):
         return None
     about: dict[str, str] = {}
     for line in lines[:40]:
@@ -210,7 +211,7 @@ def _after_keys(label: str, lines: Sequence[str], header: int, cells: Sequence[s
     units = [entry.rpartition(":")[2] for entry in low.get("vertical units", [])]
     names = [("time", "s")]
     for k in range(width):
-        name, in_name = _text.heading(labels[k])
+        name, in_name = _cell.heading(labels[k])
         below = cells[k + 1] if siglent else ""
         unit_found = in_name or (unit(units[k]) if k < len(units) else "") or unit(below)
         names.append((name, unit_found))
@@ -305,7 +306,7 @@ def _short(plan: Plan, table: Table) -> str:
     """Whether fewer samples follow than the file promises."""
     text = next((v for k, v in plan.about.items() if k.lower() == "record length"), "")
     match = re.search(r"[\d.]+(?:[eE][+-]?\d+)?", text.rpartition(":")[2])
-    promised = _text.number(match[0]) if match else None
+    promised = _cell.number(match[0]) if match else None
     if promised is None or not promised > len(table):
         return ""
     return f"holds {len(table)} of the {promised:g} samples that its record length says"

@@ -17,9 +17,10 @@ from pathlib import Path
 import numpy as np
 
 from simcompare.errors import InputError
+from simcompare.hardware.logs.text import cell as _cell
 from simcompare.hardware.logs.text import sniff
+from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text import table as _table
-from simcompare.hardware.logs.text import text as _text
 from simcompare.hardware.logs.text.sniff import Layout
 from simcompare.hardware.mapping import Mapping
 from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream
@@ -40,7 +41,7 @@ def recognises(head: Head) -> int:
     """Certain with ``#multi:``; high with a line of one name above ``t`` and variables."""
     if head.members:
         return 0
-    lines = _text.head_lines(head.start)
+    lines = _source.head_lines(head.start)
     if not lines or len(lines) < 3:
         return 0
     if lines[0].strip().lower().startswith("#multi:"):
@@ -54,7 +55,7 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     Raises:
         InputError: not laid out as Tracker does, or with cells that are no numbers.
     """
-    source = _text.source_of(path)
+    source = _source.source_of(path)
     lines = source.head
     multi = _line(lines, 0).strip().lower().startswith("#multi:")
     at = 1 if multi else 0
@@ -94,7 +95,7 @@ def _separator(lines: Sequence[str], at: int) -> str:
             names = [_line(lines, at).strip()]
         known = [bool(_VARIABLES.fullmatch(c)) for c in cells[1:] if c]
         # the line above holds names alone: no remark, no second header and no numbers
-        named = any(names) and not any(_text.number(n) is not None for n in names if n)
+        named = any(names) and not any(_cell.number(n) is not None for n in names if n)
         named = named and not re.search(r"^\s*[#%]|[:=]", _line(lines, at))
         if named and names[0] != "t" and known and (all(known) or sum(map(bool, names)) == 1):
             return separator
@@ -139,7 +140,7 @@ def _named(above: Sequence[str], cells: Sequence[str], *, several: bool) -> list
             track = above[k]
         elif k == 1 and above[0]:  # without a leading separator the name stands above t
             track = above[0]
-        name, unit = _text.heading(cell)
+        name, unit = _cell.heading(cell)
         unit = unit or ("1" if name in _COUNTS else "")
         columns.append((f"{track} {name}" if several else name or f"column_{k + 1}", unit))
     return columns

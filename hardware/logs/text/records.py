@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.errors import InputError
+from simcompare.hardware.logs.text import cell as _cell
 from simcompare.hardware.logs.text import dates as _dates
-from simcompare.hardware.logs.text import text as _text
 from simcompare.hardware.logs.text.state import Faults
 from simcompare.hardware.mapping import Mapping
 from simcompare.hardware.raw import RawColumn, RawLog, RawStream, Spool
@@ -73,7 +73,7 @@ def add(log: RawLog, where: str, name: str, word: str, records: Records, mapping
     table = _Filled(where, kept, sorted(dates), word, {time: origin} if origin else {})
     for number, record in records():
         table.row(number, record)
-    columns, rows = table.columns(log, name, _text.wanted_names(mapping))
+    columns, rows = table.columns(log, name, _cell.wanted_names(mapping))
     called = None if time is None else columns[table.place[time]].name
     stream = RawStream(name, columns, called, row_word=word, rows=rows)
     stream.clock = Clock(f"column {time}" if time else "no clock", table.start(time, origin, log))
@@ -92,17 +92,17 @@ def _notice(content: _Seen, value: Any) -> None:  # noqa: ANN401
 
 
 def _is_date(name: str, content: _Seen) -> bool:
-    return _text.is_time(name.rpartition(".")[2]) and _dates.style_of([content.example]) is not None
+    return _cell.is_time(name.rpartition(".")[2]) and _dates.style_of([content.example]) is not None
 
 
 def _time_of(where: str, names: list[str], mapping: Mapping) -> str | None:
-    short = {name: _text.heading(name)[0] for name in names}
+    short = {name: _cell.heading(name)[0] for name in names}
     if mapping.time is not None:
         wanted = {*mapping.time.columns}
         return next((n for n in names if wanted & {n, short[n]}), None)
-    times = [name for name in names if _text.is_time(short[name].rpartition(".")[2])]
+    times = [name for name in names if _cell.is_time(short[name].rpartition(".")[2])]
     if len(times) > 1:
-        raise InputError(where, [_text.several_times(times)])
+        raise InputError(where, [_cell.several_times(times)])
     return times[0] if times else None
 
 
@@ -170,7 +170,7 @@ class _Filled:
         if self.missing:
             text = f"{self.missing} {self.word}s lack a value that others have; it is missing there"
             log.repairs.append(Repair("missing_keys", INFO, text, stream))
-        heads = _text.headings(list(self.place), keep=keep)
+        heads = _cell.headings(list(self.place), keep=keep)
         columns = [
             RawColumn(name, values, "s" if key in self.dates else unit)
             for key, (name, unit), values in zip(

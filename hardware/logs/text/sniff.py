@@ -9,8 +9,10 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs.text import text as _text
+from simcompare.hardware.logs.text import cell as _cell
+from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text.dates import DateStyle, looks_like_date, style_of
+from simcompare.hardware.logs.text.marks import marks
 
 #: separators that are tried, the surest first; a blank stands for any run of them
 SEPARATORS = "\t;|, "
@@ -18,7 +20,6 @@ COMMENTS = ("#", "%", "//", "!")
 _LIST = re.compile(r"[\[(]\s*[-+.\deE,;\s]*[\])]")
 _FLAGS = {"true": 1.0, "false": 0.0}
 _MAX_LINES = 1000
-_GROUPS = re.compile(r"\d{1,3}(?:,\d{3})+")
 
 
 @dataclass(frozen=True)
@@ -71,9 +72,9 @@ def split(line: str, separator: str) -> list[str]:
 def kind_of(cell: str) -> str:
     """What one cell holds."""
     text = cell.strip()
-    if text in _text.MISSING:
+    if text in _cell.MISSING:
         return "empty"
-    if any(_text.number(text, d, t) is not None for d, t in ((".", ","), (",", "."))):
+    if any(_cell.number(text, d, t) is not None for d, t in ((".", ","), (",", "."))):
         return "number"
     if text.lower() in _FLAGS:
         return "flag"
@@ -87,7 +88,7 @@ def is_comment(line: str) -> bool:
     return line.lstrip().startswith(COMMENTS)
 
 
-def sniff(source: _text.Source, keep: Collection[str] = ()) -> Layout:
+def sniff(source: _source.Source, keep: Collection[str] = ()) -> Layout:
     """The layout of a table with any separator and any header.
 
     Args:
@@ -124,7 +125,7 @@ def sniff(source: _text.Source, keep: Collection[str] = ()) -> Layout:
     header, units_row = _header(source, lines, first, separator, kinds)
     head_cells = _header_cells(lines[header], separator, width) if header is not None else []
     below = _header_cells(lines[units_row], separator, width) if units_row is not None else []
-    names = _text.headings((head_cells + [""] * width)[:width], below, keep)
+    names = _cell.headings((head_cells + [""] * width)[:width], below, keep)
     body = [(i + 1, cells[i]) for i in rows if i >= first and len(cells[i]) == width]
     decimal, thousands, decided = marks(source.label, body, kinds, names)
     styles = {k: s for k in range(width) if kinds[k] == "date"
@@ -234,7 +235,7 @@ def _header_cells(line: str, separator: str, width: int) -> list[str]:
 
 
 def _header(
-    source: _text.Source, lines: Sequence[str], first: int, separator: str, kinds: Sequence[str]
+    source: _source.Source, lines: Sequence[str], first: int, separator: str, kinds: Sequence[str]
 ) -> tuple[int | None, int | None]:
     """Where the header is and where a row of units below it."""
     width = len(kinds)
@@ -266,7 +267,7 @@ def _is_units_row(cells: Sequence[str], above: Sequence[str]) -> bool:
     plain = [cell.strip() for cell in cells]
     bare = [text.strip("()[]{}<>") for text in plain]
     bracketed = sum(text != b for text, b in zip(plain, bare, strict=True) if text)
-    known = sum(_text.is_unit(text) for text in bare)
+    known = sum(_cell.is_unit(text) for text in bare)
     full = sum(bool(text) for text in plain)
     return full > 0 and (bracketed == full or known == full)
 
@@ -297,60 +298,3 @@ def below_header(
     return Layout(
         separator, rows[0][0], tuple(kinds), tuple(full), *marks(label, rows, kinds, full)
     )
-
-
-def marks(
-    label: str,
-    body: Sequence[tuple[int, Sequence[str]]],
-    kinds: Sequence[str],
-    names: Sequence[tuple[str, str]],
-) -> tuple[str, str, bool]:
-    """Decimal mark, mark of thousands, and whether one was seen.
-
-    Raises:
-        InputError: a comma may be either.
-    """
-    unsure: list[str] = []
-    counts: Counter[str] = Counter()
-    for line, row in body:
-        for k, cell in enumerate(row[: len(kinds)]):
-            verdict = mark_of(cell) if kinds[k] == "number" else ""
-            counts[verdict] += 1
-            if verdict == "?" and len(unsure) < 3:
-                unsure.append(doubt(line, names[k][0], cell))
-    both = [v for v in (".,", ",.") if counts[v]]  # decimal mark first, then that of thousands
-    if len(both) > 1 or (both == [".,"] and counts[","]):
-        raise InputError(
-            label, ["commas stand for decimals in some numbers and for thousands in others;"
-                    " write the log with decimal points and without marks of thousands"],
-        )  # fmt: skip
-    if both:
-        return both[0][0], both[0][1], True
-    if counts[","]:
-        return ",", "", True
-    if counts["?"]:
-        raise InputError(label, unsure)
-    return ".", "", bool(counts["."])
-
-
-def doubt(line: int, name: str, cell: str) -> str:
-    """What to say of a number that may be two."""
-    plain = cell.strip().replace(",", "")
-    return (
-        f"line {line}, column {name!r}: {cell.strip()!r} may be {plain} or"
-        f" {cell.strip().replace(',', '.')}; write the log with decimal points and without marks of"
-        " thousands"
-    )
-
-
-def mark_of(cell: str) -> str:
-    """What a number tells of the marks: "." or "," decimal, both with thousands, "?" or nothing."""
-    text = cell.strip().lstrip("+-")
-    points, commas = text.count("."), text.count(",")
-    if not commas:
-        return "." if points else ""
-    if points:
-        return ".," if text.rindex(".") > text.rindex(",") else ",."
-    if commas > 1:
-        return ".," if _GROUPS.fullmatch(text) else ""
-    return "?" if re.fullmatch(r"[1-9]\d{0,2},\d{3}", text) else ","

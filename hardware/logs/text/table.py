@@ -14,9 +14,11 @@ from dataclasses import replace
 import numpy as np
 
 from simcompare.errors import InputError
+from simcompare.hardware.logs.text import cell as _cell
 from simcompare.hardware.logs.text import dates
-from simcompare.hardware.logs.text import text as _text
-from simcompare.hardware.logs.text.sniff import COMMENTS, Layout, doubt, mark_of, split
+from simcompare.hardware.logs.text import source as _source
+from simcompare.hardware.logs.text.marks import doubt, mark_of
+from simcompare.hardware.logs.text.sniff import COMMENTS, Layout, split
 from simcompare.hardware.logs.text.state import Faults, State, Table
 from simcompare.hardware.raw import RawColumn, Spool
 from simcompare.model.trajectory import Array
@@ -34,7 +36,7 @@ _DAY_NS = 86_400 * 10**9
 _Odd = tuple[int, int, str]
 
 
-def read(source: _text.Source, layout: Layout, *, joined: bool = False) -> Table:
+def read(source: _source.Source, layout: Layout, *, joined: bool = False) -> Table:
     """Reads all rows.
 
     Args:
@@ -50,7 +52,7 @@ def read(source: _text.Source, layout: Layout, *, joined: bool = False) -> Table
 
 
 class _Reader:
-    def __init__(self, source: _text.Source, layout: Layout, joined: bool) -> None:
+    def __init__(self, source: _source.Source, layout: Layout, joined: bool) -> None:
         self.source, self.layout, self.joined = source, layout, joined
         self.header = layout.header.strip()
         self.state, self.faults = State(), Faults(source.label)
@@ -59,7 +61,7 @@ class _Reader:
 
     def table(self) -> Table:
         state, layout = self.state, self.layout
-        for block in _text.blocks(self.source, layout.first_line):
+        for block in _source.blocks(self.source, layout.first_line):
             if layout.stop_line and block.line > layout.stop_line:
                 break
             self._take(block)
@@ -76,7 +78,7 @@ class _Reader:
 
     # ---- lines become rows ----------------------------------------------------------------------
 
-    def _take(self, block: _text.Block) -> None:
+    def _take(self, block: _source.Block) -> None:
         """Adds the rows of one block."""
         rows: list[list[str]] = []
         numbers: list[int] = []
@@ -138,7 +140,7 @@ class _Reader:
         """Whether the last cell of the last line is no whole number."""
         kind, cell = self.layout.kinds[-1], cells[-1].strip()
         if kind == "number":
-            value = _text.number(cell, self.layout.decimal, self.layout.thousands)
+            value = _cell.number(cell, self.layout.decimal, self.layout.thousands)
             return value is None or not cell
         return kind == "list" and not cell.endswith(("]", ")"))
 
@@ -175,7 +177,7 @@ class _Reader:
         for row in rows:
             for k in self.used:
                 mark = mark_of(row[k]) if self.layout.kinds[k] == "number" else ""
-                if mark in (".", ",") and _text.number(row[k], mark) is not None:
+                if mark in (".", ",") and _cell.number(row[k], mark) is not None:
                     self.layout = replace(self.layout, decimal=mark, decided=True)
                     return
 
@@ -200,11 +202,11 @@ class _Reader:
         """The values of some cells, ``None`` where one is odd."""
         kind = self.layout.kinds[k]
         if kind == "number":
-            return _text.numbers(cells, self.layout.decimal, self.layout.thousands)
+            return _cell.numbers(cells, self.layout.decimal, self.layout.thousands)
         if kind == "integer":
             return self._counted(k, cells)
         if kind == "flag":
-            return _text.flags(cells)
+            return _cell.flags(cells)
         return self._lists(k, cells) if kind == "list" else self._dated(k, cells, numbers)
 
     def _counted(self, k: int, cells: Sequence[str]) -> Array | None:
@@ -243,7 +245,7 @@ class _Reader:
         length = self.state.lengths.setdefault(k, len(parts[0]))
         if any(len(part) != length for part in parts):
             return None
-        values = _text.numbers([cell for part in parts for cell in part])
+        values = _cell.numbers([cell for part in parts for cell in part])
         return None if values is None else values.reshape(len(parts), length)
 
     def _fault(self, line: int, k: int, cell: str) -> str:
