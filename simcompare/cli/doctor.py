@@ -19,6 +19,7 @@ def doctor(
     from simcompare.cli import console
     from simcompare.engine import elsewhere
     from simcompare.engine.helps import known
+    from simcompare.model.plain import plain
     from simcompare.running import doctor as examination
     from simcompare.running.jobs import FAILED
 
@@ -27,10 +28,14 @@ def doctor(
     if as_json:
         console.print_json(
             {
-                "engines": [diagnosis.to_dict() for diagnosis in found],
+                "engines": [
+                    {"engine": one.engine, "status": one.status, "message": one.message,
+                     **plain(one.facts)}
+                    for one in found
+                ],
                 "engines_elsewhere": [engine.to_dict() for engine in not_here],
             }
-        )
+        )  # fmt: skip
     else:
         for diagnosis in found:
             facts = diagnosis.facts
@@ -38,14 +43,15 @@ def doctor(
             typer.echo(f"{named}: {diagnosis.message}")
             if facts.features:
                 typer.echo(f"  can do: {', '.join(facts.features)}")
-            for text, reference in facts.known_limits:
-                typer.echo(f"  limit: {text} [{reference}]")
+            for limit in facts.known_limits:
+                typer.echo(f"  limit: {limit.text} [{limit.reference}]")
             if facts.mapping:
                 typer.echo(f"  mapping: {facts.mapping}")
             if facts.helps:
                 typer.echo(f"  helps: {known(facts.helps)}")
-            for name, text, reference in facts.variants:
-                typer.echo(f"  variant {diagnosis.engine}:{name}: {text} [{reference}]")
+            for one in facts.variants:
+                name = f"{diagnosis.engine}:{one.name}"
+                typer.echo(f"  variant {name}: {one.text} [{one.reference}]")
         _tell_elsewhere(not_here)
     raise typer.Exit(3 if any(diagnosis.status == FAILED for diagnosis in found) else 0)
 

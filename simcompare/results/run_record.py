@@ -21,7 +21,6 @@ from simcompare.hardware.recordings.bounce_table import BounceTable
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import Settings
 from simcompare.results.records.run import (
-    Limit,
     Machine,
     Measurement,
     Record,
@@ -49,7 +48,7 @@ def of_source(name: str, mode: str, outcomes: Sequence[Outcome]) -> SourceRecord
         wall_s=_wall([trajectory.wall_s for trajectory in done]),
         noise=outcomes[0].noise,
         mapping=facts.mapping,
-        known_limits=tuple(Limit(*limit) for limit in facts.known_limits),
+        known_limits=facts.known_limits,
     )
     if bad:
         longest_s = bad[0].longest_step_s

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from simcompare.engine import engines
 from simcompare.model.scenario import Scenario
@@ -44,23 +43,6 @@ class Diagnosis:
     status: str
     message: str
     facts: Facts
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        return {
-            "engine": self.engine,
-            "status": self.status,
-            "message": self.message,
-            "version": self.facts.version,
-            "features": list(self.facts.features),
-            "known_limits": self.facts.limits_as_dicts(),
-            "mapping": self.facts.mapping,
-            "helps": list(self.facts.helps),
-            "variants": [
-                {"name": name, "text": text, "reference": source}
-                for name, text, source in self.facts.variants
-            ],
-        }
 
 
 def doctor() -> list[Diagnosis]:

@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Generic, TypeVar
 
 from simcompare.engine import engines
-from simcompare.engine.backend import Backend
+from simcompare.engine.backend import Backend, KnownLimit
 from simcompare.engine.calibration.calibration import CannotCalibrate
 from simcompare.engine.features import Feature
 from simcompare.engine.helps import HELPS
@@ -20,6 +20,8 @@ from simcompare.errors import EngineBroken, EngineMissing, SimcompareError, Unsu
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import Settings
 from simcompare.model.trajectory import Trajectory
+
+Answer = TypeVar("Answer")
 
 #: how a job can end
 OK, UNSUPPORTED, MISSING, FAILED = "ok", "unsupported", "missing", "failed"
@@ -67,7 +69,7 @@ class Job:
 
 
 @dataclass(frozen=True)
-class Inquiry:
+class Inquiry(Generic[Answer]):
     """One question to one engine, answered in a process of its own.
 
     Attributes:
@@ -77,10 +79,10 @@ class Inquiry:
     """
 
     engine: str
-    ask: Callable[[Backend], Any]
+    ask: Callable[[Backend], Answer]
     about: str = ""
 
-    def execute(self) -> Reply:
+    def execute(self) -> Reply[Answer]:
         """Asks in this process."""
         version: str | None = None
         try:
@@ -93,13 +95,13 @@ class Inquiry:
         except (Exception, SystemExit) as error:  # noqa: BLE001
             return self.failed(f"{self.engine}: {type(error).__name__}: {error}")
 
-    def failed(self, reason: str, noise: str = "") -> Reply:
+    def failed(self, reason: str, noise: str = "") -> Reply[Answer]:
         """The answer to a question that never came back."""
         return Reply(self, FAILED, reason, noise=noise)
 
 
 @dataclass(frozen=True)
-class Reply:
+class Reply(Generic[Answer]):
     """What came of an inquiry.
 
     Attributes:
@@ -111,12 +113,27 @@ class Reply:
         noise: what the engine's process printed.
     """
 
-    job: Inquiry
+    job: Inquiry[Answer]
     status: str
     reason: str | None = None
-    value: Any = None
+    value: Answer | None = None
     version: str | None = None
     noise: str = ""
+
+
+@dataclass(frozen=True)
+class VariantFacts:
+    """What a backend states about one of its variants.
+
+    Attributes:
+        name: without that of the engine.
+        text: what differs, in one sentence.
+        reference: where it is documented.
+    """
+
+    name: str
+    text: str
+    reference: str
 
 
 @dataclass(frozen=True)
@@ -127,21 +144,17 @@ class Facts:
         version: version of the installed engine, ``None`` where it is not installed.
         features: what the backend can do, as people read it.
         mapping: how the scenario's contact is translated.
-        known_limits: text and reference of each.
+        known_limits: what a user should know, each with its reference.
         helps: which of our helps it can take.
-        variants: name, text and reference of each.
+        variants: the engine with one of its own choices made otherwise.
     """
 
     version: str | None = None
     features: tuple[str, ...] = ()
     mapping: str = ""
-    known_limits: tuple[tuple[str, str], ...] = ()
+    known_limits: tuple[KnownLimit, ...] = ()
     helps: tuple[str, ...] = ()
-    variants: tuple[tuple[str, str, str], ...] = ()
-
-    def limits_as_dicts(self) -> list[dict[str, str]]:
-        """The known limits for JSON."""
-        return [{"text": text, "reference": source} for text, source in self.known_limits]
+    variants: tuple[VariantFacts, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -242,10 +255,10 @@ def facts_of(backend: Backend) -> Facts:
         version,
         tuple(str(feature) for feature in Feature if feature in backend.features),
         str(backend.mapping),
-        tuple((str(limit.text), str(limit.reference)) for limit in backend.known_limits),
+        tuple(KnownLimit(str(one.text), str(one.reference)) for one in backend.known_limits),
         tuple(name for name in HELPS if name in getattr(backend, "helps", ())),
         tuple(
-            (str(name), str(variant.text), str(variant.reference))
+            VariantFacts(str(name), str(variant.text), str(variant.reference))
             for name, variant in getattr(backend, "variants", {}).items()
         ),
     )

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 from typing import IO, Any, overload
 
 from simcompare.errors import InputError
-from simcompare.running.jobs import Inquiry, Job, Outcome, Reply
+from simcompare.running.jobs import Answer, Inquiry, Job, Outcome, Reply
 from simcompare.running.worker import read_frame, write_frame
 
 #: longest time that one job may take, the engine's import included [s]
@@ -29,7 +29,7 @@ _MAX_WAIT_S = 3600.0
 _NOISE_KEPT = 4000
 
 Progress = Callable[[str, int, int], None]
-_Ended = Outcome | Reply
+_Ended = Outcome | Reply[Any]
 
 
 @dataclass(eq=False)
@@ -37,7 +37,7 @@ class _Worker:
     """One engine's process and what is still expected of it."""
 
     engine: str
-    jobs: Sequence[Job | Inquiry]
+    jobs: Sequence[Job | Inquiry[Any]]
     deadline: float = 0.0
     process: subprocess.Popen[bytes] | None = None
     stderr: IO[bytes] = field(default_factory=tempfile.TemporaryFile)
@@ -131,14 +131,14 @@ def run_jobs(
 ) -> list[Outcome]: ...
 @overload
 def run_jobs(
-    jobs: Iterable[Inquiry],
+    jobs: Iterable[Inquiry[Answer]],
     *,
     time_limit_s: float = ...,
     processes: int | None = ...,
     progress: Progress | None = ...,
-) -> list[Reply]: ...
+) -> list[Reply[Answer]]: ...
 def run_jobs(
-    jobs: Iterable[Job | Inquiry],
+    jobs: Iterable[Job | Inquiry[Any]],
     *,
     time_limit_s: float = TIME_LIMIT_S,
     processes: int | None = None,
@@ -160,7 +160,7 @@ def run_jobs(
         Interrupted: on Ctrl-C, with the outcomes so far; no process is left behind.
     """
     check_time_limit(time_limit_s)
-    by_engine: dict[str, list[Job | Inquiry]] = {}
+    by_engine: dict[str, list[Job | Inquiry[Any]]] = {}
     for job in (ordered := list(jobs)):
         by_engine.setdefault(job.engine, []).append(job)
     waiting = [_Worker(engine, own) for engine, own in by_engine.items()]
@@ -249,10 +249,10 @@ class _Crew:
 
 
 def _collect(
-    by_engine: dict[str, list[Job | Inquiry]],
-    ordered: list[Job | Inquiry],
+    by_engine: dict[str, list[Job | Inquiry[Any]]],
+    ordered: list[Job | Inquiry[Any]],
     results: dict[tuple[str, int], _Ended],
-) -> list[Any]:
+) -> list[_Ended]:
     places = {id(job): (job.engine, i) for own in by_engine.values() for i, job in enumerate(own)}
     return [
         results.get(places[id(job)], job.failed("interrupted before it ran")) for job in ordered

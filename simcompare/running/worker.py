@@ -10,7 +10,7 @@ import pickle
 import struct
 import sys
 import threading
-from typing import IO
+from typing import IO, Any
 
 from simcompare.running.jobs import Inquiry, Job
 
@@ -22,13 +22,13 @@ def main() -> None:
     results = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     payload = read_frame(sys.stdin.buffer)
-    jobs: list[Job | Inquiry] = pickle.loads(payload) if payload is not None else []
+    jobs: list[Job | Inquiry[Any]] = pickle.loads(payload) if payload is not None else []
     threading.Thread(target=_end_with_parent, daemon=True).start()
     for index, job in enumerate(jobs):
         write_frame(results, _pickled(index, job))
 
 
-def _pickled(index: int, job: Job | Inquiry) -> bytes:
+def _pickled(index: int, job: Job | Inquiry[Any]) -> bytes:
     outcome = job.execute()
     try:
         return pickle.dumps((index, outcome), protocol=5)

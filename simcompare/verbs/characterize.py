@@ -8,13 +8,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from simcompare.characterization.behaviour import Behaviour
 from simcompare.characterization.bounce import BounceQuestion
+from simcompare.characterization.experiment import Experiment
 from simcompare.characterization.force import ForceQuestion
 from simcompare.characterization.friction import FrictionQuestion
 from simcompare.characterization.joint import JointQuestion
 from simcompare.compare.repeats import one_step_s
 from simcompare.engine import engines
-from simcompare.engine.calibration.question import Question
 from simcompare.errors import BackendError, InputError, UnknownName
 from simcompare.model.settings import CONTACT_LEVELS, OLD_LEVELS
 from simcompare.reports.characterization import findings
@@ -26,7 +27,7 @@ from simcompare.running.jobs import MISSING, Inquiry, Reply
 from simcompare.running.runner import TIME_LIMIT_S, Progress, check_time_limit, run_jobs
 
 #: experiment -> the question that is asked at a contact level and a step
-EXPERIMENTS: Mapping[str, Callable[[str, float], Question[Any]]] = {
+EXPERIMENTS: Mapping[str, Callable[[str, float], Experiment[Any]]] = {
     "bounce": BounceQuestion,
     "friction": FrictionQuestion,
     "joint": JointQuestion,
@@ -124,14 +125,14 @@ def _step_s(step: str | float) -> float:
     return step_s
 
 
-def _refuse_nothing(replies: Sequence[Reply]) -> None:
+def _refuse_nothing(replies: Sequence[Reply[Behaviour]]) -> None:
     """Raises the first reason where no engine is there at all."""
     if all(reply.status == MISSING for reply in replies):
         reasons = dict.fromkeys(str(reply.reason) for reply in replies)
         raise BackendError("\n".join(reasons))
 
 
-def _trial(reply: Reply) -> Trial:
+def _trial(reply: Reply[Behaviour]) -> Trial:
     name, level = reply.job.about.split()
     return Trial(
         reply.job.engine, reply.version, name, level, reply.status, reply.reason, reply.value

@@ -324,7 +324,7 @@ def _from_cache(name: str, request: Request) -> TuneResult | None:
     return _with_snippet(backend, TuneResult(name, version, request, OK, None, statement))
 
 
-def _row(found: Reply, request: Request) -> TuneResult:
+def _row(found: Reply[Statement], request: Request) -> TuneResult:
     row = TuneResult(
         found.job.engine, found.version, request, found.status, found.reason, found.value
     )

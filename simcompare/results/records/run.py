@@ -11,6 +11,7 @@ from pydantic import Field
 from simcompare.compare.ablation import Ablation
 from simcompare.compare.against import Match
 from simcompare.compare.comparison import Score
+from simcompare.engine.backend import KnownLimit
 from simcompare.model.answer import Answer
 from simcompare.model.audit import AuditRow
 from simcompare.model.scenario import Dither, Probe, Tolerance
@@ -19,19 +20,6 @@ from simcompare.running.jobs import OK
 
 #: version of what is stored
 FORMAT = 2
-
-
-@dataclass(frozen=True)
-class Limit:
-    """What a backend states that its engine cannot do, or does otherwise.
-
-    Attributes:
-        text: the limit.
-        reference: where it is documented, or how it was measured.
-    """
-
-    text: str
-    reference: str
 
 
 @dataclass(frozen=True)
@@ -92,7 +80,7 @@ class SourceRecord:
     noise: str = ""
     audit: tuple[AuditRow, ...] = ()
     mapping: str = ""
-    known_limits: tuple[Limit, ...] = ()
+    known_limits: tuple[KnownLimit, ...] = ()
     engine: str | None = None
     engine_step_s: float | None = None
 
