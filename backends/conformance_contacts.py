@@ -8,7 +8,6 @@ import numpy as np
 
 from simcompare.backends.conformance_scenes import (
     STEP_S,
-    G,
     PhysicsCheck,
     all_near,
     ball,
@@ -21,10 +20,11 @@ from simcompare.backends.conformance_scenes import (
     signal,
 )
 from simcompare.model.scenario import Scenario
+from simcompare.model.scenes import G_M_S2
 from simcompare.model.trajectory import Trajectory
 
 _DROP_M, _RADIUS_M, _E = 0.3, 0.05, 0.6
-_LANDS_S = math.sqrt(2 * _DROP_M / G)
+_LANDS_S = math.sqrt(2 * _DROP_M / G_M_S2)
 
 
 def _drop(name: str, restitution: float) -> Scenario:
@@ -55,7 +55,7 @@ def stays_down_without_restitution(run: Trajectory) -> None:
     near("a ball without restitution rises to", _rises_to(run), 0.0, 0.02 * _DROP_M, "m")
     # what one step goes deep may stay, where an engine does not push bodies out of each other
     end = float(signal(run, "ball.position_m")[-1, 2]) - _RADIUS_M
-    near("it comes to rest at a height of", end, 0.0, STEP_S * G * _LANDS_S, "m")
+    near("it comes to rest at a height of", end, 0.0, STEP_S * G_M_S2 * _LANDS_S, "m")
 
 
 _SPEED = 1.0
@@ -81,7 +81,7 @@ def friction_brakes(run: Trajectory) -> None:
     for name, mu in _GRIPS.items():
         place = signal(run, f"{name}.position_m")
         slid = float(place[-1, 0] - place[0, 0])
-        wanted = _SPEED**2 / (2 * mu * G)
+        wanted = _SPEED**2 / (2 * mu * G_M_S2)
         # a step counts with the velocity of one of its ends: v·dt/2 more or less; twice that
         wrong = "does not brake" if slid > 2 * wanted else "brakes wrongly"
         near(f"friction {wrong}, µ = {mu:g}: slid", slid, wanted, _SPEED * STEP_S, "m")
@@ -111,7 +111,7 @@ def friction_brakes_in_all_directions(run: Trajectory) -> None:
     way = signal(run, "block.position_m")[-1]
     ahead = np.array([math.cos(_ASIDE), math.sin(_ASIDE)])
     slid, aside = float(way[:2] @ ahead), float(way[1] * ahead[0] - way[0] * ahead[1])
-    wanted = _SPEED**2 / (2 * 0.5 * G)
+    wanted = _SPEED**2 / (2 * 0.5 * G_M_S2)
     near("friction brakes wrongly aslant: slid", slid, wanted, _SPEED * STEP_S, "m")
     near("a block that slides aslant leaves its line by", aside, 0.0, 0.01 * wanted, "m")
 
@@ -181,7 +181,7 @@ def stack_stands(run: Trajectory) -> None:
     settled = run.time_s > 0.1
     for name, mass in (("below", _LOW_KG + _HIGH_KG), ("between", _HIGH_KG)):
         force = float(signal(run, f"{name}.normal_force_N")[settled].mean())
-        near(f"the contact {name} bears", force, mass * G, 0.01 * mass * G, "N")
+        near(f"the contact {name} bears", force, mass * G_M_S2, 0.01 * mass * G_M_S2, "N")
 
 
 @physics(

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from simcompare.backends.conformance_scenes import (
     STEP_S,
-    G,
     PhysicsCheck,
     all_near,
     box_moments,
@@ -21,6 +19,7 @@ from simcompare.backends.conformance_scenes import (
     turned,
 )
 from simcompare.model.rotations import matrix_of, multiply, rotate
+from simcompare.model.scenes import G_M_S2, Part, joint, pushed
 from simcompare.model.trajectory import Trajectory
 
 #: 30 and -20 degrees
@@ -43,16 +42,15 @@ _PUSH_N, _MASS_KG = 3.0, 0.5
             },
         },
         0.3,
-        joints={"rail": {"type": "slider", "parent": "frame", "child": "cart", "axis": [1, 0, 0]}},
-        inputs={"push": {"signal": "constant", "value": _PUSH_N / 2}},
-        actuators={"motor": {"type": "force", "joint": "rail", "input": "push", "gear": 2.0}},
+        joints={"rail": joint("slider", "cart", (1, 0, 0))},
+        **pushed("rail", _PUSH_N / 2, "force", gear=2.0),
     )
 )
 def slider_goes_where_it_is_pushed(run: Trajectory) -> None:
     """A force moves a slider along its leaning axis by (F/m + g along it)·t²/2."""
     # the axis x of a frame that is turned about y points downwards by the sine of the angle
     along = np.array([math.cos(_LEAN), 0.0, -math.sin(_LEAN)])
-    change = _PUSH_N / _MASS_KG - G * along[2]
+    change = _PUSH_N / _MASS_KG - G_M_S2 * along[2]
     t, end_s = run.time_s, float(run.time_s[-1])
     # first order in the step, doubled
     slack = change * STEP_S
@@ -84,17 +82,8 @@ _LEVER_START = np.array([0.2, 0, 1.0]) + _ARM_M * np.array([math.cos(_TURN), 0.0
         },
         0.4,
         (0.0, 0.0, 0.0),
-        joints={
-            "hinge": {
-                "type": "hinge",
-                "parent": "frame",
-                "child": "lever",
-                "axis": [0, 1, 0],
-                "rate": _SPIN,
-            }
-        },
-        inputs={"push": {"signal": "constant", "value": _TORQUE_N_M}},
-        actuators={"motor": {"type": "torque", "joint": "hinge", "input": "push"}},
+        joints={"hinge": joint("hinge", "lever", (0, 1, 0), rate=_SPIN)},
+        **pushed("hinge", _TORQUE_N_M),
     )
 )
 def hinge_turns_as_it_is_pushed(run: Trajectory) -> None:
@@ -130,9 +119,8 @@ _SKEW = turned(0.5, (2.0, -1.0, 1.0))
             },
         },
         0.3,
-        joints={"hinge": {"type": "hinge", "parent": "frame", "child": "rotor", "axis": _SLANTED}},
-        inputs={"push": {"signal": "constant", "value": 0.05}},
-        actuators={"motor": {"type": "torque", "joint": "hinge", "input": "push"}},
+        joints={"hinge": joint("hinge", "rotor", _SLANTED)},
+        **pushed("hinge", 0.05),
     )
 )
 def hinge_has_its_axis_in_the_parents_frame(run: Trajectory) -> None:
@@ -167,16 +155,16 @@ _LOAD_KG = 0.7
             },
         },
         0.1,
-        (2.0, 0.0, -G),
+        (2.0, 0.0, -G_M_S2),
         joints={"weld": {"type": "fixed", "parent": "frame", "child": "load"}},
         sensors={"gauge": {"type": "force", "joint": "weld"}},
     )
 )
 def weld_bears_the_weight(run: Trajectory) -> None:
     """A force sensor in a weld reads the force that holds the load up, in the load's frame."""
-    wanted = matrix_of(turned(_TURN).tolist()).T @ (-_LOAD_KG * np.array([2.0, 0.0, -G]))
+    wanted = matrix_of(turned(_TURN).tolist()).T @ (-_LOAD_KG * np.array([2.0, 0.0, -G_M_S2]))
     # at rest nothing is lost in a step: a thousandth is for solvers that stop before
-    slack = 1e-3 * _LOAD_KG * G
+    slack = 1e-3 * _LOAD_KG * G_M_S2
     all_near("the weld bears", signal(run, "gauge.force_N")[5:], wanted, slack, "N")
     held = signal(run, "load.position_m")
     all_near("the load hangs at", held, np.array([0.3, 0.0, 0.9]), 1e-5, "m")
@@ -188,15 +176,9 @@ _HOLDS_N_M = 0.05
 _RUNS_N_M = 0.09
 
 
-def _bearing(child: str, rate: float = 0.0) -> dict[str, Any]:
-    return {
-        "type": "hinge",
-        "parent": "frame",
-        "child": child,
-        "axis": [0, 1, 0],
-        "friction": _HOLDS_N_M,
-        "rate": rate,
-    }
+def _bearing(child: str, x_m: float = 0.0, rate: float = 0.0) -> Part:
+    more = {"anchor_m": [x_m, 0, 0], "friction": _HOLDS_N_M, "rate": rate}
+    return joint("hinge", child, (0, 1, 0), **more)
 
 
 @physics(
@@ -212,8 +194,8 @@ def _bearing(child: str, rate: float = 0.0) -> dict[str, Any]:
         (0.0, 0.0, 0.0),
         joints={
             "holds": _bearing("held"),
-            "runs": {**_bearing("driven"), "anchor_m": [1.0, 0, 0]},
-            "stops": {**_bearing("coasting", rate=10.0), "anchor_m": [2.0, 0, 0]},
+            "runs": _bearing("driven", 1.0),
+            "stops": _bearing("coasting", 2.0, rate=10.0),
         },
         inputs={
             "weak": {"signal": "constant", "value": 0.8 * _HOLDS_N_M},

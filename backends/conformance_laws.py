@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from simcompare.backends.conformance_scenes import (
     STEP_S,
-    G,
     PhysicsCheck,
     all_near,
     near,
@@ -20,6 +18,8 @@ from simcompare.backends.conformance_scenes import (
     turned,
 )
 from simcompare.model.rotations import matrix_of, rotate
+from simcompare.model.scenario import Scenario
+from simcompare.model.scenes import G_M_S2, Part, joint, pushed
 from simcompare.model.trajectory import Array, Trajectory
 
 _TERMINAL_M_S = 2.0
@@ -28,9 +28,9 @@ _DOWN = np.array([0.6, 0.0, -0.8])
 _FALLS = {"slow": (0.2, 0.0), "fast": (0.5, 2.0)}
 
 
-def _falling(number: int, mass_kg: float, ratio: float) -> dict[str, Any]:
+def _falling(number: int, mass_kg: float, ratio: float) -> Part:
     # m·g = ½·ρ·C_d·A·v² at the terminal speed
-    area_m2 = 2 * mass_kg * G / (1.2 * 0.5 * _TERMINAL_M_S**2)
+    area_m2 = 2 * mass_kg * G_M_S2 / (1.2 * 0.5 * _TERMINAL_M_S**2)
     return {
         "mass_kg": mass_kg,
         "inertia_kg_m2": [1e-3] * 3,
@@ -45,17 +45,17 @@ def _falling(number: int, mass_kg: float, ratio: float) -> dict[str, Any]:
         "falls_in_air",
         {name: _falling(n, *fall) for n, (name, fall) in enumerate(_FALLS.items())},
         0.3,
-        (0.6 * G, 0.0, -0.8 * G),
+        (0.6 * G_M_S2, 0.0, -0.8 * G_M_S2),
     )
 )
 def air_slows_what_falls(run: Trajectory) -> None:
     """Drag lets a body that falls aslant come to its terminal speed, from below and from above."""
-    x = G / _TERMINAL_M_S * run.time_s
+    x = G_M_S2 / _TERMINAL_M_S * run.time_s
     for number, (name, (_, ratio)) in enumerate(_FALLS.items()):
         fast = (np.sinh(x) + ratio * np.cosh(x)) / (np.cosh(x) + ratio * np.sinh(x))
-        way = _TERMINAL_M_S**2 / G * np.log(np.cosh(x) + ratio * np.sinh(x))
+        way = _TERMINAL_M_S**2 / G_M_S2 * np.log(np.cosh(x) + ratio * np.sinh(x))
         # a step uses the speed of one of its ends: the greatest acceleration, for one step
-        slack = max(1.0, ratio**2 - 1) * G * STEP_S
+        slack = max(1.0, ratio**2 - 1) * G_M_S2 * STEP_S
         speed = signal(run, f"{name}.velocity_m_s")
         wanted = _TERMINAL_M_S * fast[:, None] * _DOWN
         all_near(f"in air, what falls {name} has a speed of", speed, wanted, slack, "m/s")
@@ -75,12 +75,12 @@ def _swing(rest: float, time_s: Array) -> Array:
     return np.asarray(rest * (1 - np.exp(-_DECAY * time_s) * wave))
 
 
-def _sprung(kind: str, axis: list[float], inertia: float, rest: float) -> dict[str, Any]:
-    own = {"stiffness": inertia * _OMEGA**2, "damping": 2 * inertia * _DECAY, "rest": rest}
-    return {"type": kind, "parent": "frame", "child": "body", "axis": axis, **own}
+def _sprung(kind: str, axis: tuple[float, float, float], inertia: float, rest: float) -> Part:
+    stiffness, damping = inertia * _OMEGA**2, 2 * inertia * _DECAY
+    return joint(kind, "body", axis, stiffness=stiffness, damping=damping, rest=rest)
 
 
-def _alone(name: str, joint: dict[str, Any], **parts: object) -> Any:  # noqa: ANN401
+def _alone(name: str, joint: Part, **parts: object) -> Scenario:
     """A scene of one body that hangs on a fixed frame, without gravity."""
     body = {"mass_kg": _MASS_KG, "inertia_kg_m2": [6e-4, _J_KG_M2, 6e-4]}
     bodies = {"frame": {"fixed": True}, "body": body}
@@ -95,13 +95,13 @@ def _swings(run: Trajectory, what: str, rest: float, unit: str) -> None:
     all_near(f"a spring moves its {what} to", signal(run, f"joint.{unit}"), wanted, slack, "")
 
 
-@physics(_alone("sprung_hinge", _sprung("hinge", [0, 1, 0], _J_KG_M2, 0.5)))
+@physics(_alone("sprung_hinge", _sprung("hinge", (0, 1, 0), _J_KG_M2, 0.5)))
 def spring_swings_a_hinge(run: Trajectory) -> None:
     """Spring and damper let a hinge swing about its rest with its period, and die away."""
     _swings(run, "hinge", 0.5, "angle_rad")
 
 
-@physics(_alone("sprung_slider", _sprung("slider", [1, 0, 0], _MASS_KG, 0.05)))
+@physics(_alone("sprung_slider", _sprung("slider", (1, 0, 0), _MASS_KG, 0.05)))
 def spring_swings_a_slider(run: Trajectory) -> None:
     """Spring and damper let a slider swing about its rest with its period, and die away."""
     _swings(run, "slider", 0.05, "position_m")
@@ -113,15 +113,8 @@ _ARMATURE_KG_M2, _TORQUE_N_M = 1.5e-3, 0.05
 @physics(
     _alone(
         "motor_with_rotor",
-        {
-            "type": "hinge",
-            "parent": "frame",
-            "child": "body",
-            "axis": [0, 1, 0],
-            "armature": _ARMATURE_KG_M2,
-        },
-        inputs={"push": {"signal": "constant", "value": _TORQUE_N_M}},
-        actuators={"motor": {"type": "torque", "joint": "joint", "input": "push"}},
+        joint("hinge", "body", (0, 1, 0), armature=_ARMATURE_KG_M2),
+        **pushed("joint", _TORQUE_N_M),
     )
 )
 def armature_resists_a_motor(run: Trajectory) -> None:
@@ -137,9 +130,9 @@ _RUBS_N, _SPEED_M_S = 3.0, 1.0
 _CART = {"mass_kg": _MASS_KG, "inertia_kg_m2": [1e-3] * 3}
 
 
-def _rail(child: str, x: float, rate: float = 0.0) -> dict[str, Any]:
-    rail = {"type": "slider", "parent": "frame", "child": child, "axis": [1, 0, 0]}
-    return {**rail, "anchor_m": [x, 0, 0], "friction": _RUBS_N, "rate": rate}
+def _rail(child: str, x: float, rate: float = 0.0) -> Part:
+    more = {"anchor_m": [x, 0, 0], "friction": _RUBS_N, "rate": rate}
+    return joint("slider", child, (1, 0, 0), **more)
 
 
 @physics(
@@ -148,8 +141,7 @@ def _rail(child: str, x: float, rate: float = 0.0) -> dict[str, Any]:
         {"frame": {"fixed": True}, "coasting": _CART, "held": {**_CART, "position_m": [2, 0, 0]}},
         0.3,
         joints={"stops": _rail("coasting", 0.0, _SPEED_M_S), "holds": _rail("held", 2.0)},
-        inputs={"push": {"signal": "constant", "value": 0.8 * _RUBS_N}},
-        actuators={"motor": {"type": "force", "joint": "holds", "input": "push"}},
+        **pushed("holds", 0.8 * _RUBS_N, "force"),
     )
 )
 def friction_stops_a_slider(run: Trajectory) -> None:
@@ -191,16 +183,7 @@ _ARM = np.array([0.05, 0.0, -0.06])
         },
         0.3,
         (0.0, 0.0, 0.0),
-        joints={
-            "hinge": {
-                "type": "hinge",
-                "parent": "frame",
-                "child": "lever",
-                "anchor_m": _ANCHOR.tolist(),
-                "axis": [0, 1, 0],
-                "rate": _RATE,
-            }
-        },
+        joints={"hinge": joint("hinge", "lever", (0, 1, 0), anchor_m=_ANCHOR.tolist(), rate=_RATE)},
     )
 )
 def hinge_turns_about_its_anchor(run: Trajectory) -> None:

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from simcompare.model import scenes
 from simcompare.model.scenario import Scenario
+from simcompare.model.scenes import G_M_S2, Part, Parts
 from simcompare.model.trajectory import Array, Trajectory
 
-#: standard gravity [m/s²]
-G = 9.80665
 #: time between samples, which is one step of the engine [s]
 STEP_S = 0.001
 
@@ -54,19 +53,16 @@ def physics(scenario: Scenario) -> Callable[[Judge], PhysicsCheck]:
 
 def scene(
     name: str,
-    bodies: Mapping[str, Any],
+    bodies: Parts,
     duration_s: float,
-    gravity: tuple[float, float, float] = (0.0, 0.0, -G),
+    gravity_m_s2: tuple[float, float, float] = (0.0, 0.0, -G_M_S2),
     **parts: object,
 ) -> Scenario:
-    """A scene of bodies, joints and so on, written as in a scenario's file."""
-    world = {"gravity_m_s2": gravity, "duration_s": duration_s, "step_s": STEP_S}
-    title = name.replace("_", " ").capitalize()
-    head = {"name": name, "title": title, "question": "Does it do what physics says?"}
-    return Scenario.model_validate({**head, "world": world, "bodies": bodies, **parts})
+    """A scene at the step of the checks."""
+    return scenes.scene(name, bodies, duration_s, STEP_S, gravity_m_s2, **parts)
 
 
-def ball(mass_kg: float, radius_m: float, **more: object) -> dict[str, Any]:
+def ball(mass_kg: float, radius_m: float, **more: object) -> Part:
     """A solid sphere."""
     moment = 0.4 * mass_kg * radius_m**2
     return {
@@ -77,7 +73,7 @@ def ball(mass_kg: float, radius_m: float, **more: object) -> dict[str, Any]:
     }
 
 
-def box(mass_kg: float, size_m: tuple[float, float, float], **more: object) -> dict[str, Any]:
+def box(mass_kg: float, size_m: tuple[float, float, float], **more: object) -> Part:
     """A solid box."""
     return {
         "mass_kg": mass_kg,
@@ -93,7 +89,7 @@ def box_moments(mass_kg: float, size_m: tuple[float, float, float]) -> list[floa
     return [mass_kg * (y + z) / 12, mass_kg * (x + z) / 12, mass_kg * (x + y) / 12]
 
 
-def floor() -> dict[str, Any]:
+def floor() -> Part:
     """Everything below z = 0."""
     return {"fixed": True, "shapes": [{"type": "plane"}]}
 

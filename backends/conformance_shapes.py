@@ -7,14 +7,11 @@ the plane too high, could stay there in an engine that does not push bodies out 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
 from simcompare.backends.conformance_scenes import (
     STEP_S,
-    G,
     PhysicsCheck,
     all_near,
     box,
@@ -27,6 +24,7 @@ from simcompare.backends.conformance_scenes import (
 )
 from simcompare.model.rotations import matrix_of
 from simcompare.model.scenario import Scenario
+from simcompare.model.scenes import G_M_S2, Part, Parts
 from simcompare.model.trajectory import Array, Trajectory
 
 _X, _Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
@@ -35,7 +33,7 @@ _QUARTER = math.pi / 2
 _DROP_M, _SETTLED_S = 0.002, 0.1
 #: what one step goes deep may stay, where an engine does not push bodies out of each other, and
 #: springs give way by 0.02 mm (measured); a body that does not come down is off by all of its drop
-_SINKS_M = math.sqrt(2 * G * _DROP_M) * STEP_S + 1e-4
+_SINKS_M = math.sqrt(2 * G_M_S2 * _DROP_M) * STEP_S + 1e-4
 #: an engine that finds one point of a contact in a step lets one corner land before the others:
 #: 8 mrad (measured); a shape that is turned wrongly falls over, or hits with an edge
 _LEANS = 0.01
@@ -44,7 +42,7 @@ _SIZE_M = (0.1, 0.14, 0.06)
 _ROUND_M, _LONG_M = 0.03, 0.1
 
 
-def _at_rest(name: str, bodies: Mapping[str, Any]) -> Scenario:
+def _at_rest(name: str, bodies: Parts) -> Scenario:
     """Bodies in a row that come down on the floor, drawn at the height at which they rest."""
     row = {}
     for number, (one, body) in enumerate(bodies.items()):
@@ -64,7 +62,7 @@ def _rests(run: Trajectory, scenario: Scenario) -> None:
         orientations_near(f"at rest, the one {name} leans", got, turn, _LEANS)
 
 
-def _side(height_m: float, angle_rad: float, axis: tuple[float, float, float]) -> dict[str, Any]:
+def _side(height_m: float, angle_rad: float, axis: tuple[float, float, float]) -> Part:
     turn = turned(angle_rad, axis).tolist()
     return box(0.4, _SIZE_M, position_m=[0, 0, height_m], orientation_wxyz=turn)
 
@@ -90,7 +88,7 @@ def boxes_rest_edgewise(run: Trajectory) -> None:
     _rests(run, _EDGEWISE)
 
 
-def _rod(kind: str, height_m: float, **turns: Array) -> dict[str, Any]:
+def _rod(kind: str, height_m: float, **turns: Array) -> Part:
     """A rod along z, of which the body is turned, or the shape within it."""
     shape = {"type": kind, "radius_m": _ROUND_M, "length_m": _LONG_M}
     if "shape" in turns:
@@ -193,7 +191,7 @@ def _slope(
     above = (place + up * _DROP_M).tolist()
     block = box(0.5, _FLAT_M, position_m=above, orientation_wxyz=lean.tolist())
     bodies = {"ground": {"fixed": True, "shapes": [plane], **ground}, "block": block}
-    down = np.array([0, 0, -G])
+    down = np.array([0, 0, -G_M_S2])
     contacts = [{"pair": ["block", "ground"]}]
     return scene(name, bodies, 0.25, contacts=contacts), place, down - (down @ up) * up
 

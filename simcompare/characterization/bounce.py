@@ -16,9 +16,8 @@ from simcompare.characterization.behaviour import (
     SpreadAtStep,
     StepLimits,
 )
-from simcompare.characterization.experiment import Experiment
+from simcompare.characterization.experiment import Experiment, over_steps
 from simcompare.characterization.grids import first_edge, geometric
-from simcompare.characterization.scenes import over_steps
 from simcompare.engine.backend import Backend, EngineBackend, refuse
 from simcompare.engine.calibration.calibration import CannotCalibrate
 from simcompare.engine.calibration.drops import even_phases

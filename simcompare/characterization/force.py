@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from simcompare.characterization.behaviour import ForceBehaviour, ForceReading, Forces, ForcesAtStep
-from simcompare.characterization.experiment import Experiment
+from simcompare.characterization.experiment import Experiment, over_steps, scene
 from simcompare.characterization.friction import FrictionQuestion
 from simcompare.characterization.grids import STEPS_S
-from simcompare.characterization.scenes import G_M_S2, over_steps, run, scene
 from simcompare.engine.backend import Backend
 from simcompare.errors import BackendError, Unsupported
 from simcompare.model.scenario import Scenario
+from simcompare.model.scenes import G_M_S2
 from simcompare.model.trajectory import Array
 
 #: mass of the block, of the base that is moved, and of what is welded to it [kg]
@@ -64,7 +64,7 @@ class ForceQuestion(Experiment[ForceBehaviour]):
         return Forces(cases=cases, lacks=lacks)
 
     def _case(self, backend: Backend, step_s: float, name: str) -> ForceReading:
-        found = run(backend, scene_of(name, step_s), self.level)
+        found = self.run(backend, scene_of(name, step_s))
         signal = "cell.normal_force_N" if name.startswith("contact") else "cell.force_N"
         if signal in found.lacks:
             raise Unsupported(found.lacks[signal])

@@ -16,11 +16,11 @@ from simcompare.characterization.behaviour import (
     FrictionAtStep,
     FrictionBehaviour,
 )
-from simcompare.characterization.experiment import Experiment
+from simcompare.characterization.experiment import Experiment, over_steps, scene
 from simcompare.characterization.grids import STEPS_S
-from simcompare.characterization.scenes import G_M_S2, over_steps, run, scene
 from simcompare.engine.backend import Backend
 from simcompare.model.scenario import Scenario
+from simcompare.model.scenes import G_M_S2
 from simcompare.model.trajectory import Array, Trajectory
 
 #: the block's edges [m]; it is so low that it does not tip at the largest load
@@ -97,7 +97,7 @@ class FrictionQuestion(Experiment[FrictionBehaviour]):
         return scene("block", bodies, duration_s, step_s, gravity, contacts=[contact])
 
     def _lies(self, backend: Backend, step_s: float, load: float) -> Trajectory:
-        return run(backend, self.scene(step_s, _LIES_S, load), self.level)
+        return self.run(backend, self.scene(step_s, _LIES_S, load))
 
     def creep(self, backend: Backend, step_s: float, load: float) -> Creep:
         """Creep of a block that should stick, over the second half of the time; how it sinks."""
@@ -137,7 +137,7 @@ class FrictionQuestion(Experiment[FrictionBehaviour]):
         for mass_kg in MASSES_KG:
             time_s = 0.7 * speed_m_s / (self.friction * G_M_S2)
             slides = self.scene(step_s, time_s, 0.0, speed_m_s, mass_kg)
-            found.append(_deceleration(run(backend, slides, self.level), speed_m_s))
+            found.append(_deceleration(self.run(backend, slides), speed_m_s))
         parts = np.array(found) / (self.friction * G_M_S2)
         moves = bool(np.isfinite(parts).all())
         return Braking(

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from simcompare.characterization.behaviour import Hinge, HingeAtStep, JointBehaviour
-from simcompare.characterization.experiment import Experiment
+from simcompare.characterization.experiment import Experiment, over_steps, scene
 from simcompare.characterization.grids import STEPS_S
-from simcompare.characterization.scenes import over_steps, run, scene
 from simcompare.engine.backend import Backend
 from simcompare.errors import BackendError
 from simcompare.model.scenario import Scenario
+from simcompare.model.scenes import joint, pushed
 from simcompare.model.trajectory import Array
 
 #: moment of inertia and armature [kg·m²]; torque of the motor [N·m]
@@ -69,17 +69,13 @@ class JointQuestion(Experiment[JointBehaviour]):
         whole = _INERTIA + armature
         hinge = {"damping": DECAY * whole, "rate": _START_RAD_S}
         made = hinge_scene(step_s, _WATCHED_S, hinge, armature)
-        rate = _signal(backend, made, self.level, "rate_rad_s")
+        rate = self._signal(backend, made, "rate_rad_s")
         return decay_rate(rate, step_s) / DECAY
 
     def inertia(self, backend: Backend, step_s: float) -> float:
         """Torque over acceleration, over J + armature."""
-        motor = {
-            "inputs": {"push": {"signal": "constant", "value": _TORQUE}},
-            "actuators": {"motor": {"type": "torque", "joint": "hinge", "input": "push"}},
-        }
-        made = hinge_scene(step_s, _WATCHED_S, {}, _ARMATURE, **motor)
-        angle = _signal(backend, made, self.level, "angle_rad")
+        made = hinge_scene(step_s, _WATCHED_S, {}, _ARMATURE, **pushed("hinge", _TORQUE))
+        angle = self._signal(backend, made, "angle_rad")
         time_s = np.arange(len(angle)) * step_s
         change = 2 * float(np.polyfit(time_s, angle, 2)[0])
         return _TORQUE / change / (_INERTIA + _ARMATURE) if change else math.inf
@@ -92,8 +88,11 @@ class JointQuestion(Experiment[JointBehaviour]):
             "rate": _START_RAD_S,
         }
         made = hinge_scene(step_s, _SWINGS_S, hinge, 0.0)
-        omega, zeta = swing_of(_signal(backend, made, self.level, "angle_rad"), step_s)
+        omega, zeta = swing_of(self._signal(backend, made, "angle_rad"), step_s)
         return {"frequency": omega / OMEGA, "damping_ratio": zeta / ZETA}
+
+    def _signal(self, backend: Backend, made: Scenario, part: str) -> Array:
+        return np.asarray(self.run(backend, made).signals[f"hinge.{part}"])
 
 
 def hinge_scene(
@@ -102,22 +101,9 @@ def hinge_scene(
     """A body that turns about its centre on a fixed frame, without gravity."""
     body = {"mass_kg": 0.5, "inertia_kg_m2": [6e-4, _INERTIA, 6e-4]}
     bodies = {"frame": {"fixed": True}, "body": body}
-    joint: dict[str, object] = {
-        "type": "hinge",
-        "parent": "frame",
-        "child": "body",
-        "axis": [0, 1, 0],
-        **hinge,
-    }
-    if armature:
-        joint["armature"] = armature
-    return scene(
-        "hinge", bodies, duration_s, step_s, (0.0, 0.0, 0.0), joints={"hinge": joint}, **parts
-    )
-
-
-def _signal(backend: Backend, made: Scenario, level: str, part: str) -> Array:
-    return np.asarray(run(backend, made, level).signals[f"hinge.{part}"])
+    own = {**hinge, "armature": armature} if armature else hinge
+    joints = {"hinge": joint("hinge", "body", (0, 1, 0), **own)}
+    return scene("hinge", bodies, duration_s, step_s, (0.0, 0.0, 0.0), joints=joints, **parts)
 
 
 def decay_rate(rate: Array, step_s: float) -> float:

@@ -5,25 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from simcompare.engine import engines
-from simcompare.model.scenario import Scenario
+from simcompare.model.scenes import scene
 from simcompare.model.settings import Settings
 from simcompare.running.jobs import FAILED, OK, Facts, Job, Outcome
 from simcompare.running.runner import run_jobs
 
 #: a sphere in free fall, without any contact
-_FALL = {
-    "name": "self_test",
-    "title": "Free fall",
-    "question": "Does the engine step?",
-    "world": {"duration_s": 0.2, "step_s": 0.001},
-    "bodies": {
-        "ball": {
-            "mass_kg": 1.0,
-            "inertia_kg_m2": [0.1, 0.1, 0.1],
-            "position_m": [0.0, 0.0, 10.0],
-            "shapes": [{"type": "sphere", "radius_m": 0.5}],
-        }
-    },
+_BALL = {
+    "mass_kg": 1.0,
+    "inertia_kg_m2": [0.1, 0.1, 0.1],
+    "position_m": [0.0, 0.0, 10.0],
+    "shapes": [{"type": "sphere", "radius_m": 0.5}],
 }
 SELF_TEST_LIMIT_S = 60.0
 
@@ -47,8 +39,8 @@ class Diagnosis:
 
 def doctor() -> list[Diagnosis]:
     """Examines every known engine; each is imported and stepped in a process of its own."""
-    scenario = Scenario.model_validate(_FALL)
-    jobs = [Job(name, scenario, Settings()) for name in engines.names()]
+    fall = scene("free_fall", {"ball": _BALL}, 0.2, 0.001)
+    jobs = [Job(name, fall, Settings()) for name in engines.names()]
     return [_diagnose(outcome) for outcome in run_jobs(jobs, time_limit_s=SELF_TEST_LIMIT_S)]
 
 

@@ -14,6 +14,7 @@ from simcompare.engine.simulation import Simulation
 from simcompare.engine.state import BodyState, State
 from simcompare.errors import SimulationDiverged
 from simcompare.model.scenario import Scenario
+from simcompare.model.scenes import scene
 from simcompare.model.settings import ASSISTED, TUNED, DropPlan, PairNumbers, Settings
 from simcompare.model.trajectory import Array
 
@@ -145,25 +146,15 @@ class EngineDrops:
 
 def _scene(plan: DropPlan, gravity_m_s2: float) -> Scenario:
     moment = 0.4 * plan.mass_kg * (plan.size_m / 2) ** 2
-    return Scenario.model_validate(
-        {
-            "name": "drop",
-            "title": "One bounce",
-            "question": "How fast does it leave?",
-            "world": {
-                "gravity_m_s2": [0, 0, -gravity_m_s2],
-                "duration_s": 1000 * plan.step_s,
-                "step_s": plan.step_s,
-            },
-            "bodies": {
-                FLOOR: {"fixed": True, "shapes": [{"type": "plane", "normal": [0, 0, 1]}]},
-                BALL: {
-                    "mass_kg": plan.mass_kg,
-                    "inertia_kg_m2": [moment] * 3,
-                    "position_m": [0, 0, plan.size_m + plan.speed_m_s * plan.step_s],
-                    "shapes": [{"type": "sphere", "radius_m": plan.size_m / 2}],
-                },
-            },
-            "contacts": [{"pair": list(PAIR), "restitution": plan.restitution}],
-        }
-    )
+    ball = {
+        "mass_kg": plan.mass_kg,
+        "inertia_kg_m2": [moment] * 3,
+        "position_m": [0, 0, plan.size_m + plan.speed_m_s * plan.step_s],
+        "shapes": [{"type": "sphere", "radius_m": plan.size_m / 2}],
+    }
+    floor = {"fixed": True, "shapes": [{"type": "plane", "normal": [0, 0, 1]}]}
+    return scene(
+        "drop", {FLOOR: floor, BALL: ball}, 1000 * plan.step_s, plan.step_s,
+        (0.0, 0.0, -gravity_m_s2),
+        contacts=[{"pair": list(PAIR), "restitution": plan.restitution}],
+    )  # fmt: skip
