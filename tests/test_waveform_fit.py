@@ -37,7 +37,7 @@ def measured(scenario, values, noise, *, rate_Hz=200.0, seed=0):
         signal = truth.signals[wanted.observe]
         signal = signal if wanted.component is None else signal[:, wanted.component]
         signal = signal + wanted.offset + generator.normal(0, u, len(time_s))
-        found[probe] = Channel(signal, units_of(probe), u)
+        found[probe] = Channel(signal, units_of(probe), u=u)
     return Stream(time_s, found, Clock("device"))
 
 
