@@ -30,9 +30,14 @@ def number(value: float | None, u: float | None = None) -> str:
     return f"{value:.{places}f}({digits})"
 
 
+def capital(text: str) -> str:
+    """Text whose first letter is a capital; all others stay."""
+    return text[:1].upper() + text[1:]
+
+
 def sentence(text: str) -> str:
     """A remark with a capital and a full stop."""
-    return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
+    return capital(text) + ("" if text.endswith(".") else ".")
 
 
 def finite(value: Any) -> Any:  # noqa: ANN401

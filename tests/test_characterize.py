@@ -23,7 +23,7 @@ from simcompare.reports.characterization import figures, findings, words
 from simcompare.reports.characterization import page as characterized
 from simcompare.reports.characterization import tables as characterized_tables
 from simcompare.reports.render import numbers, tables
-from simcompare.reports.render.figures import MOST_PANELS
+from simcompare.reports.render.figures import MAX_PANELS
 from simcompare.results.records.characterization import Characterization, Trial
 from simcompare.results.records.run import Software
 from simcompare.verbs import characterize
@@ -274,7 +274,7 @@ def test_the_first_picture_shows_the_default_where_something_happens():
     little = pictures(0.09)
     # no more panels side by side than can be read
     assert little["speed"] + little["speed2"] == ["By default", *known]
-    assert max(map(len, little.values())) <= MOST_PANELS
+    assert max(map(len, little.values())) <= MAX_PANELS
     assert little["off_speed"] == known  # 89 % off leaves every panel of deviations
     assert pictures(0.0)["speed"] == known
 

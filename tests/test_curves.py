@@ -8,7 +8,7 @@ import pytest
 from simcompare.compare.comparison import Score
 from simcompare.reports.render import plotly_
 from simcompare.reports.render.figures import style_of
-from simcompare.reports.run import curve_figures, score_figures
+from simcompare.reports.run import curve_figures, event_figures
 from simcompare.reports.sections import pictures
 from simcompare.reports.sections.headline import headline
 from tests.records import changed
@@ -136,7 +136,7 @@ def test_an_engine_that_is_far_off_by_default_does_not_press_all_others_flat():
 
 
 def test_curves_are_no_events():
-    assert score_figures.event_measures(swept()) == ["restitution"]
+    assert event_figures.event_measures(swept()) == ["restitution"]
 
 
 def test_a_run_stored_before_there_were_axes_still_reads():

@@ -32,7 +32,7 @@ from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED
 from simcompare.model.trajectory import Array
 from simcompare.reports.characterization.words import by_engine, capital
 from simcompare.reports.render.figures import (
-    MOST_PANELS,
+    MAX_PANELS,
     Band,
     Figure,
     Panel,
@@ -186,7 +186,7 @@ def _over_step(result: Characterization, levels: Sequence[str]) -> Iterator[Figu
 
 def _in_rows(name: str, title: str, caption: str, panels: list[Panel]) -> Iterator[Figure]:
     """One figure, or two where there are more panels than can be read side by side."""
-    rows = math.ceil(len(panels) / MOST_PANELS)
+    rows = math.ceil(len(panels) / MAX_PANELS)
     for i in range(rows):
         part = tuple(panels[i * len(panels) // rows : (i + 1) * len(panels) // rows])
         number, more = (f"{i + 1}", ", continued") if i else ("", "")

@@ -14,9 +14,9 @@ from simcompare.engine import engines
 from simcompare.model.trajectory import AT, Array
 
 #: a line of more points than this is thinned out before it is drawn
-MOST_POINTS = 5000
+MAX_POINTS = 5000
 #: more panels than this side by side cannot be read
-MOST_PANELS = 3
+MAX_PANELS = 3
 #: so many letters fit side by side below a panel
 _TICK_LETTERS = 50
 #: a span below this part of the size is no variation, and values below the second are rounding
@@ -375,7 +375,7 @@ def _calm_range(values: Array) -> tuple[float, float] | None:
     return middle - 0.1 * size, middle + 0.1 * size
 
 
-def decimated(x: Array, y: Array, most: int = MOST_POINTS) -> tuple[Array, Array]:
+def decimated(x: Array, y: Array, most: int = MAX_POINTS) -> tuple[Array, Array]:
     """At most so many points of a line: the lowest and highest of every bin, and its gaps.
 
     Impacts stay as sharp as they are, which even thinning would round off.

@@ -7,6 +7,7 @@ import numpy as np
 from simcompare.compare.repeats import step_words
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import TRUTH
+from simcompare.notation import capital
 from simcompare.reports.render import numbers
 from simcompare.reports.render.figures import Figure, Panel, Series, Style, style_of
 from simcompare.reports.run import listing, runs
@@ -51,7 +52,7 @@ def figure(run: Run, lead: Lead) -> Figure | None:
         caption += f"; bars are one standard deviation over {run.record.repeats} repeats"
     if lead.is_judged:
         caption += "; the band is the tolerance at each step"
-    title = f"{lead.words[0].upper()}{lead.words[1:]} over the step"
+    title = f"{capital(lead.words)} over the step"
     return Figure("answer-steps", title, f"{caption}.", panels)
 
 
@@ -111,7 +112,7 @@ def _panel(run: Run, lead: Lead, mode: str) -> Panel:
     ]
     series = [one for one in series if len(one.x)]
     return Panel(
-        runs.mode_title(mode), "step (ms)", f"{lead.words}{runs.unit_words(lead.unit)}",
+        runs.mode_title(mode), "step (ms)", runs.label(lead.measure, lead.unit),
         (*(_truth(run, lead) if series else ()), *series), log_x=True,
     )  # fmt: skip
 

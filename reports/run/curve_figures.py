@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from simcompare.compare.comparison import Score
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import TRUTH, Array
+from simcompare.notation import capital
 from simcompare.reports.render.figures import (
-    MOST_PANELS,
+    MAX_PANELS,
     TRUTH_STYLE,
     Figure,
     Panel,
@@ -20,8 +21,9 @@ from simcompare.reports.render.figures import (
     fitted_range,
 )
 from simcompare.reports.run import runs
-from simcompare.reports.run.score_figures import column, events_of
-from simcompare.reports.run.source_styles import look
+from simcompare.reports.run.event_values import column, deviation_scale, deviation_unit, events_of
+from simcompare.reports.run.listing import joined
+from simcompare.reports.run.source_styles import level_look
 from simcompare.results.run import Run
 
 #: curves of more points than this are drawn as lines only
@@ -33,29 +35,22 @@ _ABSOLUTE = ("deg", "rad", "s")
 
 
 def axes_drawn(run: Run) -> list[str]:
-    """Measures that serve as an axis and were found, in the order of the scenario."""
-    found = {score.measure for score in run.scores if score.index is not None}
-    return [axis for axis in dict.fromkeys(runs.axes(run).values()) if axis in found]
-
-
-def over(run: Run, axis: str) -> list[str]:
-    """Measures that are drawn over an axis."""
-    return [name for name, own in runs.axes(run).items() if own == axis]
-
-
-def is_answer(run: Run, axis: str) -> bool:
-    """Whether an axis is something else than time, so that its curves answer the question."""
-    return _unit(run, axis) != "s"
+    """Measures that serve as an axis and were measured, in the order of the scenario."""
+    measured = {score.measure for score in run.scores if score.index is not None}
+    return [axis for axis in dict.fromkeys(runs.axes(run).values()) if axis in measured]
 
 
 def leading_axis(run: Run) -> str | None:
-    """The axis whose curves answer the question, ``None`` where the motion does."""
-    return next((axis for axis in axes_drawn(run) if is_answer(run, axis)), None)
+    """The axis whose curves answer the question, ``None`` where the motion does.
+
+    It is one of something else than time.
+    """
+    return next((axis for axis in axes_drawn(run) if _unit(run, axis) != "s"), None)
 
 
 def curves_figures(run: Run, axis: str) -> list[Figure]:
     """Everything that is drawn over one axis, one panel each, a few panels a figure."""
-    panels = [_values(run, *panel) for panel in _panels(run, axis)]
+    panels = [_values(plot) for plot in _plots(run, axis)]
     true = any(series.style == TRUTH_STYLE for panel in panels for series in panel.series)
     caption = f"The thick grey line is the truth ({TRUTH}). " if true else ""
     hollow = [runs.mode_words(mode) for mode in runs.modes(run) if mode in SHOWN_LEVELS]
@@ -71,7 +66,7 @@ def curves_figures(run: Run, axis: str) -> list[Figure]:
 
 def deviations_figures(run: Run, axis: str) -> list[Figure]:
     """How far every curve over an axis is from the truth; empty where there is no truth."""
-    panels = [_deviations(run, *panel) for panel in _panels(run, axis)]
+    panels = [_deviations(plot) for plot in _plots(run, axis)]
     modes = " and ".join(runs.mode_words(mode) for mode in runs.judged_modes(run))
     return _figures(
         f"deviations-{axis}",
@@ -81,118 +76,128 @@ def deviations_figures(run: Run, axis: str) -> list[Figure]:
     )
 
 
-def _panels(run: Run, axis: str) -> list[tuple[str, str, str]]:
-    """Axis, measure and level of each panel; two levels that are judged never share one."""
-    return [(axis, name, mode) for name in over(run, axis) for mode in runs.judged_modes(run)]
+@dataclass(frozen=True)
+class _Plot:
+    """What a panel shows: one measure over an axis; two levels that are judged never share one.
+
+    Attributes:
+        run: of which it is a part.
+        axis: the measure that gives the x values.
+        measure: the measure that gives the y values.
+        mode: the level that is judged.
+    """
+
+    run: Run
+    axis: str
+    measure: str
+    mode: str
+
+    @property
+    def unit(self) -> str:
+        """Of the y values."""
+        return _unit(self.run, self.measure)
+
+    def scores(self, name: str, mode: str) -> list[Score]:
+        """What is drawn of a source at a level."""
+        return events_of(self.run, self.measure).get((name, mode), [])
+
+    def panel(
+        self,
+        label: str,
+        series: Iterable[Series],
+        y_range: tuple[float, float] | None = None,
+    ) -> Panel:
+        """The panel with these series."""
+        words, unit = runs.measure_words(self.measure), _unit(self.run, self.axis)
+        if len(runs.judged_modes(self.run)) > 1:
+            words += f", {runs.mode_words(self.mode)}"
+        x_label = _words(self.run, self.axis) + runs.unit_words(unit)
+        return Panel(words, x_label, label, tuple(series), log_x=unit == "Hz", y_range=y_range)
 
 
-def _title(run: Run, measure: str, mode: str) -> str:
-    words = runs.measure_words(measure)
-    return f"{words}, {runs.mode_words(mode)}" if len(runs.judged_modes(run)) > 1 else words
+def _plots(run: Run, axis: str) -> list[_Plot]:
+    measures = [name for name, own in runs.axes(run).items() if own == axis]
+    return [_Plot(run, axis, name, mode) for name in measures for mode in runs.judged_modes(run)]
 
 
 def _figures(name: str, ending: str, caption: str, panels: Sequence[Panel]) -> list[Figure]:
     """Panels in as few figures as can be read, as even as possible."""
-    count = math.ceil(len(panels) / MOST_PANELS)
+    count = math.ceil(len(panels) / MAX_PANELS)
     size = math.ceil(len(panels) / max(count, 1))
-    found = []
+    figures = []
     for i in range(count):
         part = tuple(panels[i * size : (i + 1) * size])
-        *others, last = (panel.title for panel in part)
-        listed = f"{', '.join(others)} and {last}" if others else last
-        title = f"{listed[0].upper()}{listed[1:]} {ending}"
-        found.append(Figure(f"{name}-{i + 1}" if i else name, title, caption, part))
-    return found
+        title = f"{capital(joined([panel.title for panel in part]))} {ending}"
+        figures.append(Figure(f"{name}-{i + 1}" if i else name, title, caption, part))
+    return figures
 
 
-def _values(run: Run, axis: str, measure: str, judged: str) -> Panel:
-    rows = events_of(run, measure)
-    modes = [mode for mode in runs.modes(run) if mode in SHOWN_LEVELS and mode != judged]
+def _values(plot: _Plot) -> Panel:
+    run = plot.run
+    shown = [mode for mode in runs.modes(run) if mode in SHOWN_LEVELS and mode != plot.mode]
     series = [
-        _curve(run, name, mode, (axis, measure), rows.get((name, mode), []))
-        for mode in (*modes, judged)
+        _curve(plot, name, mode, scores)
+        for mode in (*shown, plot.mode)
         for name in runs.names(run)
-        if rows.get((name, mode))
+        if (scores := plot.scores(name, mode))
     ]
-    true = _truth(run, axis, measure)
-    return Panel(
-        _title(run, measure, judged),
-        _axis_label(run, axis),
-        _label(run, measure),
-        (*true, *series),
-        log_x=_unit(run, axis) == "Hz",
-        y_range=_near_range((*true, *(s for s in series if not s.style.hollow)), series),
-    )
+    true = _truth(plot)
+    near = (*true, *(one for one in series if not one.style.hollow))
+    label = runs.label(plot.measure, plot.unit)
+    return plot.panel(label, (*true, *series), _near_range(near, series))
 
 
 def _near_range(near: Sequence[Series], every: Sequence[Series]) -> tuple[float, float] | None:
     """The range of what is judged, where what is only shown would press it flat."""
-    own, whole = (fitted_range(tuple(rows), ()) for rows in (near, every))
-    return own if near and whole[1] - whole[0] > _FLAT * (own[1] - own[0]) else None
+    narrow, wide = (fitted_range(tuple(series), ()) for series in (near, every))
+    return narrow if near and wide[1] - wide[0] > _FLAT * (narrow[1] - narrow[0]) else None
 
 
-def _deviations(run: Run, axis: str, measure: str, judged: str) -> Panel:
-    rows = events_of(run, measure)
-    unit = _unit(run, measure)
-    found = [score for scores in rows.values() for score in scores if score.truth is not None]
+def _deviations(plot: _Plot) -> Panel:
+    scores = {name: plot.scores(name, plot.mode) for name in runs.names(plot.run)}
+    every = events_of(plot.run, plot.measure).values()
+    truths = [score.truth for row in every for score in row if score.truth is not None]
     # a part of a value that passes through zero means nothing
-    relative = unit not in _ABSOLUTE and all(score.truth for score in found)
-    series = []
-    for name in runs.names(run):
-        known = [s for s in rows.get((name, judged), []) if s.truth is not None]
-        if not known:
-            continue
-        true = column(known, "truth")
-        scale = 100 / np.abs(true) if relative else 1.0
-        drawn = _curve(run, name, judged, (axis, measure), known)
-        series.append(replace(drawn, y=(column(known, "value") - true) * scale))
-    label = "deviation (%)" if relative else f"deviation{runs.unit_words(unit)}"
-    return Panel(
-        _title(run, measure, judged), _axis_label(run, axis), label, tuple(series),
-        log_x=_unit(run, axis) == "Hz",
-    )  # fmt: skip
+    relative = plot.unit not in _ABSOLUTE and all(truths)
+    series = [
+        _deviation(plot, name, known, relative=relative)
+        for name, row in scores.items()
+        if (known := [score for score in row if score.truth is not None])
+    ]
+    return plot.panel(f"deviation{deviation_unit(plot.unit, relative=relative)}", series)
 
 
-def _curve(
-    run: Run, name: str, mode: str, names: tuple[str, str], scores: Sequence[Score]
-) -> Series:
-    axis, _ = names
-    x = _places(run, axis, (name, mode), scores)
-    plain = mode in SHOWN_LEVELS and len(runs.modes(run)) > 1
-    style = replace(look(run, name), hollow=plain)
+def _deviation(plot: _Plot, name: str, scores: Sequence[Score], *, relative: bool) -> Series:
+    curve, true = _curve(plot, name, plot.mode, scores), column(scores, "truth")
+    return replace(curve, y=(curve.y - true) * deviation_scale(true, relative=relative))
+
+
+def _curve(plot: _Plot, name: str, mode: str, scores: Sequence[Score]) -> Series:
+    x, style = _places(plot, (name, mode), scores), level_look(plot.run, name, mode)
     few = len(scores) <= _FEW
-    return Series(name, x, column(scores, "value"), style, points=few, line=not (few and plain))
+    line = not (few and style.hollow)
+    return Series(name, x, column(scores, "value"), style, points=few, line=line)
 
 
-def _truth(run: Run, axis: str, measure: str) -> list[Series]:
-    for key, scores in events_of(run, measure).items():
+def _truth(plot: _Plot) -> list[Series]:
+    for key, scores in events_of(plot.run, plot.measure).items():
         known = [score for score in scores if score.truth is not None]
         if known:
-            x = _places(run, axis, key, known, of="truth")
+            x = _places(plot, key, known, of="truth")
             return [Series(f"truth ({TRUTH})", x, column(known, "truth"), TRUTH_STYLE)]
     return []
 
 
-def _places(
-    run: Run, axis: str, key: tuple[str, str], scores: Sequence[Score], of: str = "value"
-) -> Array:
+def _places(plot: _Plot, key: tuple[str, str], scores: Sequence[Score], of: str = "value") -> Array:
     """Where on the axis the scores of one source stand; what has no place there is a gap."""
-    places = {score.index: getattr(score, of) for score in events_of(run, axis).get(key, [])}
-    found = [places.get(score.index) for score in scores]
-    return np.array([np.nan if value is None else float(value) for value in found])
+    events = events_of(plot.run, plot.axis).get(key, [])
+    places = dict(zip([score.index for score in events], column(events, of), strict=True))
+    return np.array([places.get(score.index, np.nan) for score in scores])
 
 
 def _words(run: Run, axis: str) -> str:
     """What an axis is called; every axis of time has a name of its own in a scenario."""
     return "time" if _unit(run, axis) == "s" else runs.measure_words(axis)
-
-
-def _axis_label(run: Run, axis: str) -> str:
-    return f"{_words(run, axis)}{runs.unit_words(_unit(run, axis))}"
-
-
-def _label(run: Run, measure: str) -> str:
-    return f"{runs.measure_words(measure)}{runs.unit_words(_unit(run, measure))}"
 
 
 def _unit(run: Run, measure: str) -> str:

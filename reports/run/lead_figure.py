@@ -9,6 +9,7 @@ import numpy as np
 
 from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, SHOWN_LEVELS, TUNED
 from simcompare.model.trajectory import TRUTH
+from simcompare.notation import capital
 from simcompare.reports.render.figures import Figure, Note, Panel, Series, Span, Style, spread
 from simcompare.reports.run import runs
 from simcompare.reports.run.lead import NOTHING, Lead, Row, lead_of, rows_of
@@ -78,7 +79,7 @@ def lead_figure(run: Run) -> Figure | None:
     panels = tuple(_panel(run, lead, found, scale, i) for i, scale in enumerate(scales))
     rows = len(runs.names(run)) * (len(found) + 0.6)
     height = min(max(_FRAME + _ROW * rows, _SMALLEST), _TALLEST)
-    title = f"{lead.words[0].upper()}{lead.words[1:]} in every engine"
+    title = f"{capital(lead.words)} in every engine"
     return Figure("answer", title, _caption(run, lead, scales), panels, True, height)
 
 
@@ -128,7 +129,7 @@ def _panel(run: Run, lead: Lead, found: dict[str, list[Row]], scale: _Scale, pla
         for i, name in enumerate(names)
         if name not in drawn
     ]
-    label = f"{lead.words}{runs.unit_words(lead.unit)}"
+    label = runs.label(lead.measure, lead.unit)
     return Panel(
         scale.title, label, "", tuple(series), spans=_truth(run, lead), y_ticks=tuple(names),
         x_limits=(scale.low, scale.high), notes=tuple(notes), weight=1.0 if place == 0 else 1.3,

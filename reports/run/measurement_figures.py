@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,10 +14,12 @@ from simcompare.reports.render.figures import (
     Figure,
     Panel,
     Series,
+    Style,
     fitted_range,
     spread,
 )
 from simcompare.reports.run import runs
+from simcompare.reports.run.event_values import column, deviation_scale, deviation_unit
 from simcompare.reports.run.source_styles import look
 from simcompare.results.run import Run
 
@@ -33,20 +34,19 @@ def matches_of(run: Run) -> tuple[Match, ...]:
     return () if against is None else against.matches
 
 
-def quantities(run: Run) -> list[str]:
-    """Names of the measured quantities."""
-    return list(dict.fromkeys(row.quantity for row in matches_of(run)))
+def measured_figures(run: Run) -> tuple[Figure, ...]:
+    """A figure for each measured quantity."""
+    quantities = dict.fromkeys(row.quantity for row in matches_of(run))
+    return tuple(_figure(run, quantity) for quantity in quantities)
 
 
-def measured_figure(run: Run, quantity: str) -> Figure:
+def _figure(run: Run, quantity: str) -> Figure:
     """Every engine beside the measured values of one quantity, one panel a contact level."""
     matches = [row for row in matches_of(run) if row.quantity == quantity]
     several = len({row.bounce for row in matches}) > 1
-    panels = []
-    for mode in runs.modes(run):
-        rows = [row for row in matches if row.contact == mode]
-        if rows:
-            panels.append((_by_event if several else _by_engine)(run, mode, rows))
+    by_mode = {mode: [r for r in matches if r.contact == mode] for mode in runs.modes(run)}
+    panel = _by_event if several else _by_engine
+    panels = tuple(panel(run, mode, rows) for mode, rows in by_mode.items() if rows)
     if several:
         caption = (
             "Deviations from the measured values; black bars are the measurement's limits,"
@@ -58,59 +58,53 @@ def measured_figure(run: Run, quantity: str) -> Figure:
         caption += " Mind the scales: each panel has its own."
     if not several and any(row.value is None for row in matches):
         caption += " (none): there is no such event in the engine."
-    words = runs.measure_words(quantity)
-    title = f"Measured {words}"
-    return Figure(f"measured-{quantity}", title, caption, tuple(panels))
+    title = f"Measured {runs.measure_words(quantity)}"
+    return Figure(f"measured-{quantity}", title, caption, panels)
 
 
 def _by_engine(run: Run, mode: str, rows: Rows) -> Panel:
     """One measured value: a band, and the engines side by side."""
-    first = rows[0]
-    band = _band(first)
-    ticks, series = [], []
-    for i, row in enumerate(rows):
-        ticks.append(f"{row.source}\n(none)" if row.value is None else str(row.source))
-        y, u = _floats([row], "value"), _floats([row], "scatter")
-        x, style = np.array([float(i)]), look(run, row.source)
-        series.append(Series(row.source, x, y, style, u, points=True, line=False))
-    drawn = tuple(series)
+    band = _band(rows[0])
+    ticks = tuple(f"{row.source}\n(none)" if row.value is None else row.source for row in rows)
+    series = tuple(
+        _points(row.source, np.array([float(i)]), column([row], "value"), look(run, row.source),
+                column([row], "scatter"))
+        for i, row in enumerate(rows)
+    )  # fmt: skip
     return Panel(
-        runs.mode_title(mode), "", _y_label(first), drawn, (band,), tuple(ticks),
-        y_range=fitted_range(drawn, (band,)),
+        runs.mode_title(mode), "", runs.label(rows[0].quantity, rows[0].unit), series, (band,),
+        ticks, y_range=fitted_range(series, (band,)),
     )  # fmt: skip
 
 
 def _by_event(run: Run, mode: str, rows: Rows) -> Panel:
     """Several measured events: deviations, for on one scale no engine can be told from another."""
-    own = [row for row in rows if row.source == rows[0].source]
-    relative = all(row.measured for row in own)
-    names = [*dict.fromkeys(str(row.source) for row in rows)]
-    count = len(names) + 1
-    half = np.array([(band.high - band.low) / 2 for band in map(_band, own)]) * _scale(
-        own, relative
-    )
-    place = _floats(own, "bounce") + spread(0, count, _SPREAD)
-    centre = np.array([(band.high + band.low) / 2 for band in map(_band, own)])
-    zero = (centre - _floats(own, "measured")) * _scale(own, relative)
-    series = [
-        Series("measured", place, zero, MEASURED_STYLE, half, points=True, line=False),
-    ]
-    for i, name in enumerate(names):
-        found = [row for row in rows if row.source == name]
-        scale = _scale(found, relative)
-        y = (_floats(found, "value") - _floats(found, "measured")) * scale
-        x = _floats(found, "bounce") + spread(i + 1, count, _SPREAD)
-        u = _floats(found, "scatter") * scale
-        series.append(Series(name, x, y, look(run, name), u, points=True, line=False))
-    unit = " (%)" if relative else runs.unit_words(rows[0].unit)
+    by_source: dict[str, list[Match]] = {}
+    for row in rows:
+        by_source.setdefault(row.source, []).append(row)
+    first, count = by_source[rows[0].source], len(by_source) + 1
+    relative = all(row.measured for row in first)
+    bands = [_band(row) for row in first]
+    low, high = column(bands, "low"), column(bands, "high")
+    measured = column(first, "measured")
+    scale = deviation_scale(measured, relative=relative)
+    x = column(first, "bounce") + spread(0, count, _SPREAD)
+    y, u = ((high + low) / 2 - measured) * scale, (high - low) / 2 * scale
+    series = [_points("measured", x, y, MEASURED_STYLE, u)]
+    for i, (name, own) in enumerate(by_source.items(), start=1):
+        measured = column(own, "measured")
+        scale = deviation_scale(measured, relative=relative)
+        x = column(own, "bounce") + spread(i, count, _SPREAD)
+        y, u = (column(own, "value") - measured) * scale, column(own, "scatter") * scale
+        series.append(_points(name, x, y, look(run, name), u))
+    unit = deviation_unit(rows[0].unit, relative=relative)
     label = f"{runs.measure_words(rows[0].quantity)} − measured{unit}"
     title = runs.mode_title(mode)
     return Panel(title, "number of the event", label, tuple(series), whole_x=True)
 
 
-def _scale(rows: Rows, relative: bool) -> Array:
-    """Factors that turn deviations into per cent of the measured value, or leave them."""
-    return 100 / np.abs(_floats(rows, "measured")) if relative else np.ones(len(rows))
+def _points(label: str, x: Array, y: Array, style: Style, u: Array) -> Series:
+    return Series(label, x, y, style, u, points=True, line=False)
 
 
 def _band(row: Match) -> Band:
@@ -120,12 +114,3 @@ def _band(row: Match) -> Band:
     half = 2 * float(row.u_measured or 0.0)
     label = "measured ± 2u" if half else "measured"
     return Band(centre - half, centre + half, label, centre)
-
-
-def _y_label(row: Match) -> str:
-    return f"{runs.measure_words(row.quantity)}{runs.unit_words(row.unit)}"
-
-
-def _floats(rows: Rows, key: str) -> Array:
-    values = [getattr(row, key) for row in rows]
-    return np.array([math.nan if value is None else float(value) for value in values])

@@ -82,6 +82,11 @@ def unit_words(unit: str) -> str:
     return "" if unit in ("", "1") else f" ({unit})"
 
 
+def label(measure: str, unit: str) -> str:
+    """A measure with its unit, for an axis or a head."""
+    return f"{measure_words(measure)}{unit_words(unit)}"
+
+
 def axes(run: Run) -> dict[str, str]:
     """Series that are drawn over another one: measure -> the measure that gives its x values."""
     return dict(run.record.axes)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Sequence
+from dataclasses import replace
 
 from simcompare.engine import engines
+from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import AT
 from simcompare.reports.render.figures import PATTERNS, Style, style_of, with_pattern
 from simcompare.reports.run import runs
@@ -20,6 +22,12 @@ def look(run: Run, source: str) -> Style:
     enough of them.
     """
     return looks(tuple(runs.names(run)))[source]
+
+
+def level_look(run: Run, source: str, mode: str) -> Style:
+    """The same at one level: hollow where that is shown beside others and not judged."""
+    hollow = mode in SHOWN_LEVELS and len(runs.modes(run)) > 1
+    return replace(look(run, source), hollow=hollow)
 
 
 @functools.cache

@@ -68,7 +68,7 @@ def _short(run: Run, name: str, items: Sequence[Ablation]) -> tuple[str, ...]:
     share, source, row = _largest(run, items)
     if row is None or share <= _NOTHING:
         return *head, acts, "nothing that is judged", "–", "–", "–", "0"
-    what = f"{runs.measure_words(row.measure)}{runs.unit_words(row.unit)} in {source}"
+    what = f"{runs.label(row.measure, row.unit)} in {source}"
     values = (numbers.plain(value, 5) for value in _values(row))
     return *head, acts, what, *values, numbers.plain(share, 2)
 
@@ -116,7 +116,7 @@ def _every(run: Run, left_out: Sequence[Ablation]) -> Table:
             rows += [
                 (
                     item.source,
-                    runs.measure_words(measure) + runs.unit_words(shown[measure].unit),
+                    runs.label(measure, shown[measure].unit),
                     *map(numbers.plain, _values(shown[measure])),
                 )
                 for measure in lead

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from simcompare.reports.render.parts import Part
 from simcompare.reports.render.tables import Column, Group, Table
-from simcompare.reports.run import runs, score_figures
+from simcompare.reports.run import event_figures, runs
+from simcompare.reports.run.event_values import events_of
 from simcompare.reports.sections.pictures import others
 from simcompare.results.run import Run
 
 
 def events(run: Run) -> Part | None:
     """A figure and a table for each measure; ``None`` where nothing was measured per event."""
-    measures = score_figures.event_measures(run)
+    measures = event_figures.event_measures(run)
     if not measures:
         return None
-    first, *rest = (score_figures.events_figure(run, measure) for measure in measures)
+    first, *rest = (event_figures.events_figure(run, measure) for measure in measures)
     words = ", ".join(map(runs.measure_words, measures[1:]))
     tables = tuple(_table(run, measure) for measure in measures)
     numbers = Part("The numbers", notes=(_note(run),), tables=tables, folded=True, brief=False)
@@ -33,7 +34,7 @@ def _note(run: Run) -> str:
 
 
 def _table(run: Run, measure: str) -> Table:
-    scores = score_figures.events_of(run, measure)
+    scores = events_of(run, measure)
     longest = max(scores.values(), key=len)
     columns = [Column(f"{name}, {runs.mode_words(mode)}") for name, mode in scores]
     rows = [
@@ -43,5 +44,5 @@ def _table(run: Run, measure: str) -> Table:
         )
         for k in range(len(longest))
     ]
-    title = runs.measure_words(measure) + runs.unit_words(longest[0].unit)
+    title = runs.label(measure, longest[0].unit)
     return Table(title, (Column("Event", text=True), *columns), (Group("", tuple(rows)),))

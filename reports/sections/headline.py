@@ -60,7 +60,7 @@ def _second_figure(run: Run) -> Figure | None:
 
 def _scoreboard(run: Run, lead: Lead | None) -> Table:
     """Every engine in one row: the leading measure at each level, and what was met."""
-    over = f"{lead.words}{runs.unit_words(lead.unit)}" if lead else ""
+    over = runs.label(lead.measure, lead.unit) if lead else ""
     columns = [Column(runs.mode_words(mode), over=over) for mode in runs.modes(run)]
     columns += [Column("Tolerances met", text=True), Column("Version", text=True)]
     return of_engines(columns, [Group("", tuple(_row(run, n, lead) for n in runs.names(run)))])

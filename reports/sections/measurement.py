@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from simcompare.compare.against import Match
+from simcompare.notation import capital
 from simcompare.reports.render import numbers
 from simcompare.reports.render.parts import Part
 from simcompare.reports.render.tables import Column, Group, of_engines
@@ -37,10 +38,7 @@ def measurement(run: Run) -> Part | None:
         "measurement",
         answer=tuple(_sentence(run, mode) for mode in runs.modes(run)),
         notices=(against.caution,) if against.caution else (),
-        figures=tuple(
-            measurement_figures.measured_figure(run, name)
-            for name in measurement_figures.quantities(run)
-        ),
+        figures=measurement_figures.measured_figures(run),
         facts=_facts(against),
         tables=(of_engines(_COLUMNS, _groups(against.matches), _NOTE),),
     )
@@ -98,6 +96,5 @@ def _sentence(run: Run, mode: str) -> str:
             by_source.setdefault(match.source, []).append(match.inside)
     good = sum(all(inside) for inside in by_source.values())
     are = "is" if good in (0, 1) or len(by_source) == 1 else "are"
-    head = runs.mode_title(mode)
     subject = count_of(good, len(by_source))
-    return f"{head[0].upper()}{head[1:]}: {subject} {are} consistent with the measurement."
+    return f"{capital(runs.mode_title(mode))}: {subject} {are} consistent with the measurement."

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Part
-from simcompare.reports.run import curve_figures, motion_figures, runs, score_figures
+from simcompare.reports.run import curve_figures, motion_figures, runs
+from simcompare.reports.run.contrast_figure import contrast_figure
 from simcompare.results.run import Run
 
 #: so many signals are seen at once, the others on request
@@ -36,7 +37,7 @@ def energy(run: Run) -> Part | None:
 
 def contrast(run: Run) -> Part | None:
     """All judged scores of all engines at a glance; ``None`` where nothing has a truth."""
-    figure = score_figures.contrast_figure(run)
+    figure = contrast_figure(run)
     if figure is None:
         return None
     return Part("Deviation in tolerances", "contrast", figures=(figure,))

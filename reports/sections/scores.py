@@ -59,7 +59,7 @@ def _group(run: Run, measure: str) -> Group:
         (name, *(cell for mode in runs.modes(run) for cell in _cells(run, name, mode, measure)))
         for name in dict.fromkeys(names)
     )
-    title = runs.measure_words(measure) + runs.unit_words(found[0].unit)
+    title = runs.label(measure, found[0].unit)
     return Group(title, rows, _accepted(run, found))
 
 

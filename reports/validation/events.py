@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from simcompare.compare.events import Interval
-from simcompare.reports.render.figures import MOST_PANELS, Figure, Panel, Series, spread, style_of
+from simcompare.reports.render.figures import MAX_PANELS, Figure, Panel, Series, spread, style_of
 from simcompare.reports.render.tables import Column, Group, Scale, Table, of_engines, scale_of
 from simcompare.reports.run import runs
 from simcompare.reports.validation import phrases, validations
@@ -26,7 +26,7 @@ def _streams(rows: Sequence[TimingRecord]) -> list[str]:
 def figure(run: Run) -> Figure | None:
     """Simulated minus measured length of every interval between two events."""
     rows = [row for row in validations.validation(run).timings if row.intervals]
-    streams = _streams(rows)[:MOST_PANELS]
+    streams = _streams(rows)[:MAX_PANELS]
     if not streams:
         return None
     panels = tuple(
