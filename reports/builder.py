@@ -13,8 +13,9 @@ from markupsafe import Markup, escape
 from simcompare.errors import UnknownName
 from simcompare.reports import pages
 from simcompare.reports.render import matplotlib_, numbers, output, plotly_
-from simcompare.reports.render.figures import Figure, style_of
+from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Block
+from simcompare.reports.render.styles import style_of
 from simcompare.reports.sections import of_run
 from simcompare.results.records.run import RunRecord
 from simcompare.results.run import Run

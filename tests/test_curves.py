@@ -7,7 +7,7 @@ import pytest
 
 from simcompare.compare.comparison import Score
 from simcompare.reports.render import plotly_
-from simcompare.reports.render.figures import style_of
+from simcompare.reports.render.styles import style_of
 from simcompare.reports.run import curve_figures, event_figures
 from simcompare.reports.sections import pictures
 from simcompare.reports.sections.headline import headline

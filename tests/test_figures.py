@@ -9,6 +9,7 @@ import pytest
 from simcompare.model.scenario import Probe
 from simcompare.model.trajectory import Trajectory
 from simcompare.reports.render import matplotlib_, plotly_
+from simcompare.reports.render.decimation import decimated
 from simcompare.reports.render.figures import (
     Band,
     Bars,
@@ -16,12 +17,10 @@ from simcompare.reports.render.figures import (
     Panel,
     Series,
     Span,
-    Style,
-    decimated,
     fitted_range,
     spread,
-    style_of,
 )
+from simcompare.reports.render.styles import Style, style_of
 from simcompare.reports.run import energy
 
 HEIGHT = Probe(observe="ball.position_m", component=2, label="height", unit="m")

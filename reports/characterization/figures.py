@@ -39,8 +39,8 @@ from simcompare.reports.render.figures import (
     Series,
     fitted_range,
     spread,
-    style_of,
 )
+from simcompare.reports.render.styles import style_of
 from simcompare.results.records.characterization import Characterization
 
 Row = TypeVar("Row")

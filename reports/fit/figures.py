@@ -10,17 +10,8 @@ import numpy as np
 from simcompare.model.trajectory import Array
 from simcompare.reports.fit import fits
 from simcompare.reports.fit.fits import CLOSED, RESTITUTION
-from simcompare.reports.render.figures import (
-    MEASURED_STYLE,
-    Figure,
-    Panel,
-    Series,
-    Span,
-    Style,
-    fitted_range,
-    spread,
-    style_of,
-)
+from simcompare.reports.render.figures import Figure, Panel, Series, Span, fitted_range, spread
+from simcompare.reports.render.styles import MEASURED_STYLE, Style, style_of
 from simcompare.reports.run import runs
 from simcompare.results.records.fit_bounces import BouncesEngine, Law, Residuals, Unknown
 from simcompare.results.records.fit_parts import EngineParameter

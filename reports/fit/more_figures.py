@@ -13,17 +13,8 @@ from simcompare.reports.fit import fits
 from simcompare.reports.fit.fits import CLOSED, RESTITUTION
 from simcompare.reports.fit.form_words import EXCLUDED, RIVAL
 from simcompare.reports.render import numbers
-from simcompare.reports.render.figures import (
-    Bars,
-    Figure,
-    Matrix,
-    Panel,
-    Series,
-    Span,
-    Style,
-    spread,
-    style_of,
-)
+from simcompare.reports.render.figures import Bars, Figure, Matrix, Panel, Series, Span, spread
+from simcompare.reports.render.styles import Style, style_of
 from simcompare.reports.validation import validations
 from simcompare.results.records.fit_bounces import (
     EngineHoldout,

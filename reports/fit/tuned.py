@@ -7,7 +7,8 @@ import numpy as np
 from simcompare.reports.fit import fits
 from simcompare.reports.fit.fits import CLOSED
 from simcompare.reports.render import numbers
-from simcompare.reports.render.figures import Figure, Panel, Series, Style, spread, style_of
+from simcompare.reports.render.figures import Figure, Panel, Series, spread
+from simcompare.reports.render.styles import Style, style_of
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.reports.validation import validations
 from simcompare.results.records.fit_bounces import Impact, PredictedHeight

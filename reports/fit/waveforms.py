@@ -11,7 +11,8 @@ from simcompare.model.resampling import interpolated
 from simcompare.model.trajectory import Trajectory
 from simcompare.reports.fit import fits
 from simcompare.reports.render import numbers
-from simcompare.reports.render.figures import Band, Figure, Panel, Series, style_of
+from simcompare.reports.render.figures import Band, Figure, Panel, Series
+from simcompare.reports.render.styles import style_of
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.reports.run import runs
 from simcompare.reports.validation import validations

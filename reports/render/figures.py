@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import functools
-import itertools
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from simcompare.engine import engines
-from simcompare.model.trajectory import AT, Array
+from simcompare.model.trajectory import Array
+from simcompare.reports.render.styles import Style
 
-#: a line of more points than this is thinned out before it is drawn
-MAX_POINTS = 5000
 #: more panels than this side by side cannot be read
 MAX_PANELS = 3
 #: so many letters fit side by side below a panel
@@ -23,38 +19,6 @@ _TICK_LETTERS = 50
 _NO_SPAN, _DUST = 1e-6, 1e-9
 #: sizes whose ticks read well without a power of ten
 _PLAIN_SIZES = (1e-3, 1e6)
-# Okabe and Ito: told apart by colour-blind readers; yellow is left out, it vanishes on white, and
-# Tol's wine stands in its place
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#882255")
-_DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
-_MARKERS = ("circle", "square", "diamond", "triangle-up", "triangle-down", "x", "star")
-#: shades of an engine's colour for its variants: how bright the grey is, and its part
-_SHADES = ((0, 0.65), (0, 0.35), (255, 0.4))
-PATTERNS = len(_DASHES) * len(_MARKERS)
-
-
-@dataclass(frozen=True)
-class Style:
-    """How one source looks in every figure; it is never told by its colour alone.
-
-    Attributes:
-        colour: as ``#rrggbb``.
-        dash: solid, dash, dot, dashdot, longdash or longdashdot.
-        marker: circle, square, diamond, triangle-up, triangle-down, triangle-left,
-            triangle-right, x or star.
-        width: width of lines [px].
-        hollow: whether markers are outlines.
-    """
-
-    colour: str
-    dash: str = "solid"
-    marker: str = "circle"
-    width: float = 2.5
-    hollow: bool = False
-
-
-TRUTH_STYLE = Style("#BDBDBD", width=8.0)
-MEASURED_STYLE = Style("#000000", marker="circle")
 
 
 @dataclass(frozen=True)
@@ -291,51 +255,6 @@ class Figure:
         return _PLAIN_SIZES[0] <= float(np.abs(values).max()) < _PLAIN_SIZES[1]
 
 
-@functools.cache
-def style_of(source: str) -> Style:
-    """The look of an engine, the same in every report; see ``looks`` where it has several sources.
-
-    One of several steps has its colour with another dash and marker, a variant of it a shade of
-    it besides.
-    """
-    name = source.partition(AT)[0]
-    engine, variant = engines.split(name)
-    plain = _style_of(engine)
-    if source == engine:
-        return plain
-    known = list(engines.quick_variants(engine))
-    ahead = 1 + (known.index(variant) if variant in known else 0)
-    own = with_pattern(plain, _MARKERS.index(plain.marker) + ahead)
-    return (
-        replace(own, colour=_shade(own.colour, *_SHADES[ahead % len(_SHADES)])) if variant else own
-    )
-
-
-def _shade(colour: str, grey: int, part: float) -> str:
-    """A colour with so much of it replaced by a grey."""
-    own = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
-    return "#" + "".join(f"{round((1 - part) * one + part * grey):02X}" for one in own)
-
-
-def with_pattern(style: Style, number: int) -> Style:
-    """A style with one of 42 pairs of dash and marker."""
-    turn, place = divmod(number % PATTERNS, len(_MARKERS))
-    return replace(style, dash=_DASHES[(turn + place) % len(_DASHES)], marker=_MARKERS[place])
-
-
-def _style_of(engine: str) -> Style:
-    known = engines.names()
-    # an engine of somebody else's that is no longer installed still gets a look of its own
-    number = known.index(engine) if engine in known else len(known) + sum(map(ord, engine))
-    # only the first one is solid: a solid line over dashed ones would hide them
-    turn = 2 * (number // len(_DASHES))
-    return Style(
-        _COLOURS[number % len(_COLOURS)],
-        _DASHES[(number + turn) % len(_DASHES)],
-        _MARKERS[number % len(_MARKERS)],
-    )
-
-
 def spread(i: int, count: int, width: float = 0.4) -> float:
     """Sideways shift of the i-th of some series, so that their uncertainty bars stand apart."""
     return (i - (count - 1) / 2) / max(count, 2) * width
@@ -373,23 +292,3 @@ def _calm_range(values: Array) -> tuple[float, float] | None:
         return None
     middle = (low + high) / 2
     return middle - 0.1 * size, middle + 0.1 * size
-
-
-def decimated(x: Array, y: Array, most: int = MAX_POINTS) -> tuple[Array, Array]:
-    """At most so many points of a line: the lowest and highest of every bin, and its gaps.
-
-    Impacts stay as sharp as they are, which even thinning would round off.
-    """
-    if len(y) <= most:
-        return x, y
-    edges = np.linspace(0, len(y), max(most // 3, 1) + 1).astype(int)
-    keep = {0, len(y) - 1}
-    gaps = ~np.isfinite(y)
-    low, high = np.where(gaps, math.inf, y), np.where(gaps, -math.inf, y)
-    for begin, end in itertools.pairwise(edges):
-        if gaps[begin:end].any():
-            keep.add(int(begin + np.argmax(gaps[begin:end])))
-        keep.add(int(begin + np.argmin(low[begin:end])))
-        keep.add(int(begin + np.argmax(high[begin:end])))
-    chosen = np.array(sorted(keep))
-    return x[chosen], y[chosen]

@@ -6,6 +6,7 @@ import io
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
+from simcompare.reports.render.decimation import decimated
 from simcompare.reports.render.figures import (
     MATRIX_COLOURS,
     Band,
@@ -16,7 +17,6 @@ from simcompare.reports.render.figures import (
     Panel,
     Series,
     Span,
-    decimated,
 )
 
 if TYPE_CHECKING:

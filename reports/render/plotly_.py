@@ -13,6 +13,7 @@ import numpy as np
 
 from simcompare.errors import OutputError
 from simcompare.model.trajectory import Array
+from simcompare.reports.render.decimation import decimated
 from simcompare.reports.render.figures import (
     MATRIX_COLOURS,
     Band,
@@ -23,7 +24,6 @@ from simcompare.reports.render.figures import (
     Panel,
     Series,
     Span,
-    decimated,
 )
 
 FONT_PX = 16

@@ -9,7 +9,8 @@ from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import TRUTH
 from simcompare.notation import capital
 from simcompare.reports.render import numbers
-from simcompare.reports.render.figures import Figure, Panel, Series, Style, style_of
+from simcompare.reports.render.figures import Figure, Panel, Series
+from simcompare.reports.render.styles import Style, style_of
 from simcompare.reports.run import listing, runs
 from simcompare.reports.run.lead import MIXED, OUTSIDE, Lead, Row, rows_of
 from simcompare.reports.run.level_phrases import how

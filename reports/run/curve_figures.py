@@ -12,14 +12,8 @@ from simcompare.compare.comparison import Score
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import TRUTH, Array
 from simcompare.notation import capital
-from simcompare.reports.render.figures import (
-    MAX_PANELS,
-    TRUTH_STYLE,
-    Figure,
-    Panel,
-    Series,
-    fitted_range,
-)
+from simcompare.reports.render.figures import MAX_PANELS, Figure, Panel, Series, fitted_range
+from simcompare.reports.render.styles import TRUTH_STYLE
 from simcompare.reports.run import runs
 from simcompare.reports.run.event_values import column, deviation_scale, deviation_unit, events_of
 from simcompare.reports.run.listing import joined

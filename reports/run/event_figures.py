@@ -10,15 +10,8 @@ from simcompare.compare.comparison import Score
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import TRUTH
 from simcompare.notation import capital
-from simcompare.reports.render.figures import (
-    TRUTH_STYLE,
-    Band,
-    Figure,
-    Panel,
-    Series,
-    fitted_range,
-    spread,
-)
+from simcompare.reports.render.figures import Band, Figure, Panel, Series, fitted_range, spread
+from simcompare.reports.render.styles import TRUTH_STYLE
 from simcompare.reports.run import runs
 from simcompare.reports.run.event_values import column, deviation_scale, deviation_unit, events_of
 from simcompare.reports.run.source_styles import level_look

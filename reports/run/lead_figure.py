@@ -10,7 +10,8 @@ import numpy as np
 from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, SHOWN_LEVELS, TUNED
 from simcompare.model.trajectory import TRUTH
 from simcompare.notation import capital
-from simcompare.reports.render.figures import Figure, Note, Panel, Series, Span, Style, spread
+from simcompare.reports.render.figures import Figure, Note, Panel, Series, Span, spread
+from simcompare.reports.render.styles import Style
 from simcompare.reports.run import runs
 from simcompare.reports.run.lead import NOTHING, Lead, Row, lead_of, rows_of
 from simcompare.results.run import Run

@@ -8,16 +8,8 @@ import numpy as np
 
 from simcompare.compare.against import Match
 from simcompare.model.trajectory import Array
-from simcompare.reports.render.figures import (
-    MEASURED_STYLE,
-    Band,
-    Figure,
-    Panel,
-    Series,
-    Style,
-    fitted_range,
-    spread,
-)
+from simcompare.reports.render.figures import Band, Figure, Panel, Series, fitted_range, spread
+from simcompare.reports.render.styles import MEASURED_STYLE, Style
 from simcompare.reports.run import runs
 from simcompare.reports.run.event_values import column, deviation_scale, deviation_unit
 from simcompare.reports.run.source_styles import look

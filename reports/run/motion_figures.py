@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 
 from simcompare.model.scenario import Probe
 from simcompare.model.trajectory import TRUTH, Array, Trajectory
-from simcompare.reports.render.figures import TRUTH_STYLE, Figure, Panel, Series
+from simcompare.reports.render.figures import Figure, Panel, Series
+from simcompare.reports.render.styles import TRUTH_STYLE
 from simcompare.reports.run import energy, runs
 from simcompare.reports.run.source_styles import look
 from simcompare.results.run import Run

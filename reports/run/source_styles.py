@@ -9,7 +9,7 @@ from dataclasses import replace
 from simcompare.engine import engines
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import AT
-from simcompare.reports.render.figures import PATTERNS, Style, style_of, with_pattern
+from simcompare.reports.render.styles import PATTERNS, Style, style_of, with_pattern
 from simcompare.reports.run import runs
 from simcompare.results.run import Run
 

@@ -9,16 +9,8 @@ from typing import TypeVar
 import numpy as np
 
 from simcompare.model.trajectory import Array
-from simcompare.reports.render.figures import (
-    Bars,
-    Figure,
-    Panel,
-    Series,
-    Span,
-    Style,
-    spread,
-    style_of,
-)
+from simcompare.reports.render.figures import Bars, Figure, Panel, Series, Span, spread
+from simcompare.reports.render.styles import Style, style_of
 from simcompare.reports.run import runs
 from simcompare.reports.validation import answer_values, phrases, validations
 from simcompare.results.records.validation import (

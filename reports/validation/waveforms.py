@@ -10,7 +10,8 @@ import numpy as np
 
 from simcompare.model.resampling import interpolated
 from simcompare.model.trajectory import TRUTH, Array, Trajectory
-from simcompare.reports.render.figures import Band, Figure, Panel, Series, Span, Style, style_of
+from simcompare.reports.render.figures import Band, Figure, Panel, Series, Span
+from simcompare.reports.render.styles import Style, style_of
 from simcompare.reports.render.tables import scale_of
 from simcompare.reports.run import runs
 from simcompare.reports.validation import validations
