@@ -10,7 +10,7 @@ from simcompare.engine.backend import Backend
 from simcompare.engine.scene import Traits
 from simcompare.engine.simulation import Simulation, sample_times
 from simcompare.engine.state import State
-from simcompare.model.scenario import ACTUATOR_SIGNALS, MOVABLE, SENSOR_SIGNALS, Scenario
+from simcompare.model.scenario import Scenario
 from simcompare.model.settings import Settings
 from simcompare.model.shapes import Vector
 from simcompare.model.trajectory import Array, Trajectory
@@ -117,15 +117,8 @@ def shorter(run: Run) -> Scenario:
 
 def further_signals(scenario: Scenario) -> dict[str, int]:
     """What is recorded besides bodies, with the number of components."""
-    found = {}
-    for name, joint in scenario.movable_joints().items():
-        found.update({f"{name}.{part}": 1 for part in MOVABLE[joint.type]})
-    for name, actuator in scenario.actuators.items():
-        found.update({f"{name}.{part}": 1 for part in ACTUATOR_SIGNALS[actuator.type]})
-    for name, sensor in scenario.sensors.items():
-        part, width = SENSOR_SIGNALS[sensor.type]
-        found[f"{name}.{part}"] = width
-    return found
+    signals = scenario.signals().items()
+    return {name: n for name, n in signals if name.partition(".")[0] not in scenario.bodies}
 
 
 def thrown(scenario: Scenario) -> Scenario:

@@ -6,16 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from simcompare import measures, units
 from simcompare.errors import UnknownName
-from simcompare.model.scenario import (
-    ACTUATOR_SIGNALS,
-    MOVABLE,
-    SENSOR_SIGNALS,
-    Joint,
-    Measure,
-    Probe,
-    Scenario,
-)
-from simcompare.model.trajectory import BODY_SIGNALS
+from simcompare.model.scenario import Joint, Measure, Probe, Scenario
 
 
 def faults_between_parts(scenario: Scenario) -> dict[str, str]:
@@ -192,30 +183,13 @@ def _impossible_probes(scenario: Scenario) -> dict[str, str]:
     found = {}
     for name, probe in scenario.probes.items():
         owner, _, part = probe.observe.partition(".")
-        known = _signals_of(scenario, owner)
+        known = scenario.signals_of(owner)
         if part not in known:
             have = ", ".join(known) or "none"
             found[f"probes.{name}.observe"] = f"{owner} has no signal {part!r} (there are: {have})"
         elif fault := _component_fault(probe, part, known[part]) or _unit_fault(probe, part):
             found[f"probes.{name}"] = fault
     return found
-
-
-def _signals_of(scenario: Scenario, owner: str) -> dict[str, int]:
-    """What is recorded of a body, joint, actuator or sensor, with its number of components."""
-    if owner in scenario.bodies:
-        return {} if scenario.bodies[owner].fixed else dict(BODY_SIGNALS)
-    if owner in scenario.joints:
-        return dict.fromkeys(MOVABLE.get(scenario.joints[owner].type, ()), 1)
-    if owner in scenario.actuators:
-        return dict.fromkeys(ACTUATOR_SIGNALS[scenario.actuators[owner].type], 1)
-    return dict([SENSOR_SIGNALS[scenario.sensors[owner].type]])
-
-
-def recorded_signals(scenario: Scenario) -> list[str]:
-    """Names of everything that is recorded, in the order of the file."""
-    owners = (*scenario.bodies, *scenario.joints, *scenario.actuators, *scenario.sensors)
-    return [f"{owner}.{part}" for owner in owners for part in _signals_of(scenario, owner)]
 
 
 def _component_fault(probe: Probe, part: str, width: int) -> str | None:

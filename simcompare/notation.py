@@ -3,11 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any, TypeAlias
-
-#: an object of JSON, or a mapping of YAML, where it is read or written: it may hold anything
-Plain: TypeAlias = dict[str, Any]
 
 
 def number(value: float | None, u: float | None = None) -> str:
@@ -38,12 +33,3 @@ def capital(text: str) -> str:
 def sentence(text: str) -> str:
     """A remark with a capital and a full stop."""
     return capital(text) + ("" if text.endswith(".") else ".")
-
-
-def finite(value: Any) -> Any:  # noqa: ANN401
-    """Nested plain values with ``None`` for numbers that are not finite, for JSON."""
-    if isinstance(value, Mapping):
-        return {name: finite(part) for name, part in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(part) for part in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -104,8 +104,8 @@ def main() -> None:
     app.command("import")(import_.import_)
     app.command("fit")(fit.fit)
     # an engine's own numbers are options too, by the names that it has for them
-    own = {"allow_extra_args": True, "ignore_unknown_options": True}
-    app.command("tune", context_settings=own)(tune.tune)
+    foreign = {"allow_extra_args": True, "ignore_unknown_options": True}
+    app.command("tune", context_settings=foreign)(tune.tune)
     app.command("validate")(validate.validate)
     app.add_typer(data.data, name="data")
     for stream in (sys.stdout, sys.stderr):

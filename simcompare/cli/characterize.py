@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from simcompare.cli import complete
+from simcompare.cli import complete, console, ending
 from simcompare.errors import UnknownName
 
 if TYPE_CHECKING:
@@ -41,7 +41,6 @@ def characterize(
     time_limit: float = typer.Option(120.0, help="Longest time for one experiment, in seconds."),
 ) -> None:
     """Show how engines bounce, stick, swing and tell forces, over speeds and steps."""
-    from simcompare.cli import console
     from simcompare.model.plain import plain
     from simcompare.reports.render import matplotlib_
     from simcompare.verbs import characterize as verb
@@ -58,29 +57,30 @@ def characterize(
             time_limit_s=time_limit,
             progress=progress,
         )
-    written = _write(result, figures, report=report)
-    if as_json:
-        console.print_json({**plain(result), "exit_code": result.exit_code})
-    else:
-        _print(result, written, details=details)
-    raise typer.Exit(result.exit_code)
+    last_file = _write(result, figures, report=report)
+    ending.finish(
+        lambda: {**plain(result), "exit_code": result.exit_code},
+        lambda: _show(result, last_file, details=details),
+        result.exit_code,
+        as_json=as_json,
+    )
 
 
-def _write(result: Characterization, figures: str | None, *, report: bool) -> list[Path]:
+def _write(result: Characterization, figures: str | None, *, report: bool) -> Path | None:
+    """Writes figures and report; returns the last file of them."""
     from simcompare.reports.characterization import page
 
     assert result.folder is not None
-    written = []
+    files = []
     if figures is not None:
-        written += page.write_figures(result, result.folder / "figures", figures)
+        files += page.write_figures(result, result.folder / "figures", figures)
     if report:
-        written.append(page.write_html(result, result.folder / "report.html"))
-    return written
+        files.append(page.write_html(result, result.folder / "report.html"))
+    return files[-1] if files else None
 
 
-def _print(result: Characterization, written: list[Path], *, details: bool) -> None:
+def _show(result: Characterization, last_file: Path | None, *, details: bool) -> None:
     """The answer in sentences, what did not run, and the tables where they are wanted."""
-    from simcompare.cli import console
     from simcompare.reports.characterization import tables as characterized_tables
     from simcompare.reports.render import numbers
 
@@ -88,15 +88,12 @@ def _print(result: Characterization, written: list[Path], *, details: bool) -> N
     console.print_wrapped(map(numbers.tied, sentences))
     for name in result.experiments:
         if details:
-            _print_table(result, name)
+            _show_table(result, name)
         console.print_wrapped(characterized_tables.reasons(result, name))
-    typer.echo(f"Stored in {result.folder}")
-    for path in written[-1:]:
-        typer.echo(f"Report: {path}")
+    ending.show_places(result.folder, last_file)
 
 
-def _print_table(result: Characterization, name: str) -> None:
-    from simcompare.cli import console
+def _show_table(result: Characterization, name: str) -> None:
     from simcompare.reports.characterization import tables as characterized_tables
     from simcompare.reports.render import tables
 

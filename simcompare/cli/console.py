@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from simcompare.errors import InputError
+
 if TYPE_CHECKING:
     from simcompare.running.runner import Progress
 
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
 #: what stands on both sides of it stays on one line
 _TIED = "\u00a0"
 #: such as a value and its scatter
-_WHOLE = {" ± ": f"{_TIED}±{_TIED}", "(± ": f"(±{_TIED}"}
+_UNBROKEN = {" ± ": f"{_TIED}±{_TIED}", "(± ": f"(±{_TIED}"}
 #: what stands before a command
 _CURE = "; cure: "
 
@@ -34,18 +36,18 @@ def table(*columns: str) -> Any:  # noqa: ANN401
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    made = Table(box=SIMPLE_HEAD, pad_edge=False)
+    grid = Table(box=SIMPLE_HEAD, pad_edge=False)
     for column in columns:
-        made.add_column(column, overflow="fold")
-    return made
+        grid.add_column(column, overflow="fold")
+    return grid
 
 
-def show_table(made: Any) -> None:  # noqa: ANN401
+def show_table(grid: Any) -> None:  # noqa: ANN401
     """Prints a table to stdout; colours obey NO_COLOR and are left out of pipes."""
     from rich.console import Console
 
     width = None if sys.stdout.isatty() else 140
-    Console(width=width, markup=False).print(made)  # a unit in brackets is no markup
+    Console(width=width, markup=False).print(grid)  # a unit in brackets is no markup
 
 
 def width() -> int:
@@ -56,10 +58,10 @@ def width() -> int:
 def print_wrapped(sentences: Iterable[str]) -> None:
     """Sentences one below the other, lines that go on indented."""
     for sentence in sentences:
-        said, cure, command = sentence.partition(_CURE)
-        text = said + cure
-        for plain, whole in _WHOLE.items():
-            text = text.replace(plain, whole)
+        fault, cure, command = sentence.partition(_CURE)
+        text = fault + cure
+        for plain, unbroken in _UNBROKEN.items():
+            text = text.replace(plain, unbroken)
         for line in textwrap.wrap(
             text, width(), subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
         ):
@@ -89,14 +91,12 @@ def progress_bar(what: str) -> Iterator[Progress | None]:
 
 def pairs(settings: list[str], where: str = "--set") -> dict[str, str | float]:
     """Reads arguments of the form parameter=value, such as those of ``--set``."""
-    from simcompare.errors import InputError
-
-    found: dict[str, str | float] = {}
+    values: dict[str, str | float] = {}
     for text in settings:
         name, equals, value = text.partition("=")
         if not equals or not name.strip() or not value.strip():
             raise InputError(where, [f"{text!r} is not of the form parameter=value"])
-        if name.strip() in found:
+        if name.strip() in values:
             raise InputError(where, [f"{name.strip()} is given twice"])
-        found[name.strip()] = value.strip()
-    return found
+        values[name.strip()] = value.strip()
+    return values

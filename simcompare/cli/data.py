@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import typer
 
+from simcompare.cli import console
+
 data = typer.Typer(help="Public recordings of real hardware.", no_args_is_help=True)
 
 
@@ -18,7 +20,6 @@ def list_(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
     """Every public recording: what it is, its licence, whether it is here."""
-    from simcompare.cli import console
     from simcompare.hardware.recordings import registry
 
     sets = {name: registry.get(name) for name in registry.files()}

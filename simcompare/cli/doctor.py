@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from simcompare.cli import console
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -16,28 +18,27 @@ def doctor(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
     """Engines found, versions, features, known limits, a self-test, and what is missing."""
-    from simcompare.cli import console
     from simcompare.engine import elsewhere
     from simcompare.engine.helps import known
     from simcompare.model.plain import plain
     from simcompare.running import doctor as examination
     from simcompare.running.jobs import FAILED
 
-    found = examination.doctor()
-    not_here = elsewhere.others([diagnosis.engine for diagnosis in found])
+    diagnoses = examination.doctor()
+    not_here = elsewhere.others([diagnosis.engine for diagnosis in diagnoses])
     if as_json:
         console.print_json(
             {
                 "engines": [
                     {"engine": one.engine, "status": one.status, "message": one.message,
                      **plain(one.facts)}
-                    for one in found
+                    for one in diagnoses
                 ],
                 "engines_elsewhere": [engine.to_dict() for engine in not_here],
             }
         )  # fmt: skip
     else:
-        for diagnosis in found:
+        for diagnosis in diagnoses:
             facts = diagnosis.facts
             named = f"{diagnosis.engine} {facts.version}" if facts.version else diagnosis.engine
             typer.echo(f"{named}: {diagnosis.message}")
@@ -52,11 +53,11 @@ def doctor(
             for one in facts.variants:
                 name = f"{diagnosis.engine}:{one.name}"
                 typer.echo(f"  variant {name}: {one.text} [{one.reference}]")
-        _tell_elsewhere(not_here)
-    raise typer.Exit(3 if any(diagnosis.status == FAILED for diagnosis in found) else 0)
+        _show_elsewhere(not_here)
+    raise typer.Exit(3 if any(diagnosis.status == FAILED for diagnosis in diagnoses) else 0)
 
 
-def _tell_elsewhere(engines: Sequence[Elsewhere]) -> None:
+def _show_elsewhere(engines: Sequence[Elsewhere]) -> None:
     """Engines that cannot run here: why, how a scene gets there, and how results come back."""
     from simcompare.engine import elsewhere
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
 
+from simcompare.cli import console
+
 if TYPE_CHECKING:
     from simcompare.model.recording import Provenance, Recording
-    from simcompare.notation import Plain
 
 #: rows of a repair that are printed; recording.json has all
 _SHOWN = 5
@@ -45,10 +45,9 @@ def import_(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
     """Read a log of a real device; everything noticed or repaired is recorded."""
-    from simcompare.cli import console
     from simcompare.hardware import importing
-    from simcompare.notation import finite
-    from simcompare.verbs.import_log import import_log
+    from simcompare.model.plain import plain
+    from simcompare.verbs.import_log import facts, import_log
 
     if template:
         typer.echo(importing.template(log, kind=kind), nl=False)
@@ -58,48 +57,29 @@ def import_(
         log, kind=kind, mapping=mapping, strict=strict, assume_units=assume_units, out=place
     )
     if as_json:
-        console.print_json(finite({"recording": str(place), **_plain(recording)}))
+        console.print_json(plain(facts(recording, place)))
         return
     _print(recording)
     typer.echo(f"Stored in {place}")
-
-
-def _plain(recording: Recording) -> Plain:
-    """What a recording holds, without its samples."""
-    return {
-        "provenance": asdict(recording.provenance),
-        "events": [asdict(event) for event in recording.events],
-        "streams": {
-            name: {
-                "samples": len(stream.time_s),
-                "duration_s": float(stream.time_s[-1]) if len(stream.time_s) else 0.0,
-                "clock": asdict(stream.clock),
-                "gaps": len(stream.gaps),
-                "channels": {c: channel.unit for c, channel in stream.channels.items()},
-            }
-            for name, stream in recording.streams.items()
-        },
-    }
 
 
 def _print(recording: Recording) -> None:
     import numpy as np
 
     from simcompare import units
-    from simcompare.cli import console
 
     about = recording.provenance
     typer.echo(f"{about.file}: {about.importer}, {about.size_bytes / 1e6:.3g} MB")
-    made = console.table("stream", "samples", "seconds", "channel", "unit", "from", "range")
+    table = console.table("stream", "samples", "seconds", "channel", "unit", "from", "range")
     for name, stream in recording.streams.items():
         start = [name, str(len(stream.time_s)), f"{stream.time_s[-1]:.6g}"]
         for channel, content in stream.channels.items():
             known = content.values[np.isfinite(content.values)]
             span = f"{known.min():.4g} … {known.max():.4g}" if len(known) else "nothing measured"
             unit = units.symbol(content.unit)
-            made.add_row(*start, channel, "" if unit == "1" else unit, content.raw, span)
+            table.add_row(*start, channel, "" if unit == "1" else unit, content.raw, span)
             start = ["", "", ""]
-    console.show_table(made)
+    console.show_table(table)
     if recording.events:
         typer.echo(f"{len(recording.events)} events: " + _times(recording))
     for row in about.conversions:

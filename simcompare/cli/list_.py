@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import typer
 
+from simcompare.cli import complete, console
+
 
 def list_(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
@@ -14,17 +16,15 @@ def list_(
 
     scenarios = catalogue.summaries()
     names = engines.names()
-    not_here = elsewhere.names(names)
+    not_here, measurements = elsewhere.names(names), complete.tables("")
     if as_json:
-        from simcompare.cli.console import print_json
-
-        print_json(
+        console.print_json(
             {
                 "scenarios": [{"name": name, "summary": text} for name, text in scenarios],
                 "engines": names,
                 "variants": {name: [*engines.quick_variants(name)] for name in names},
                 "engines_elsewhere": not_here,
-                "measurements": _measurements(),
+                "measurements": measurements,
             }
         )
         return
@@ -40,11 +40,5 @@ def list_(
     typer.echo("Engines that cannot run here (why, and what to do: simcompare doctor):")
     typer.echo(f"  {', '.join(not_here)}")
     typer.echo("Published measurements (simcompare run SCENARIO --against NAME):")
-    for name in _measurements():
+    for name in measurements:
         typer.echo(f"  {name}")
-
-
-def _measurements() -> list[str]:
-    from simcompare.cli.complete import tables
-
-    return tables("")

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import typer
 
+from simcompare.errors import UnknownName
+
 FORMATS = ("html", "pdf", "md", "png", "svg")
 
 
@@ -24,7 +26,6 @@ def report(
     ),
 ) -> None:
     """Write a comparison report from stored runs."""
-    from simcompare.errors import UnknownName
     from simcompare.reports import builder
     from simcompare.results import store
 

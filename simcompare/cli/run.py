@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from simcompare.cli import complete
+from simcompare import notation
+from simcompare.cli import complete, console, ending
 
 if TYPE_CHECKING:
     from simcompare.compare.against import Match
+    from simcompare.model.plain import Plain
     from simcompare.results.records.run import Measurement, Record
     from simcompare.results.run import Run
 
@@ -59,7 +61,6 @@ def run(
     time_limit: float = typer.Option(120.0, help="Longest time for one simulation, in seconds."),
 ) -> None:
     """Simulate a scenario on engines, compare, store, and write a report."""
-    from simcompare.cli import console
     from simcompare.verbs import run as experiment
 
     with console.progress_bar(scenario) as progress:
@@ -78,63 +79,49 @@ def run(
             time_limit_s=time_limit,
             progress=progress,
         )
-    written = _write_report(result) if report else None
-    if as_json:
-        from simcompare.model.plain import plain
-
-        more = {"headline": _headline(result), "exit_code": result.exit_code}
-        console.print_json({**plain(result.record), **more})
-    else:
-        _print(result, written, details=details)
-    raise typer.Exit(130 if result.record.interrupted else result.exit_code)
+    ending.finish_run(
+        result,
+        lambda: _plain(result),
+        lambda: _show(result, details=details),
+        report=report,
+        as_json=as_json,
+    )
 
 
-def _write_report(result: Run) -> Path | None:
-    from simcompare.reports import builder
-
-    if result.folder is None:
-        return None
-    return builder.write_html([result], result.folder / "report.html")
-
-
-def _headline(result: Run) -> list[str]:
+def _plain(result: Run) -> Plain:
+    from simcompare.model.plain import plain
     from simcompare.reports.run import answer
 
-    return answer.sentences(result)
+    more = {"headline": answer.sentences(result), "exit_code": result.exit_code}
+    return {**plain(result.record), **more}
 
 
-def _print(result: Run, written: Path | None, *, details: bool) -> None:
+def _show(result: Run, *, details: bool) -> None:
     """The answer, the leading measure level by level, and what the reader must know of both."""
-    from simcompare.cli import console
     from simcompare.reports.run import answer, lead_table, remarks
 
     console.print_wrapped(answer.sentences(result))
-    for made in lead_table.lead_tables(result, every=details):
-        typer.echo("\n".join(["", *lead_table.text(made, console.width())]))
+    for table in lead_table.lead_tables(result, every=details):
+        typer.echo("\n".join(["", *lead_table.text(table, console.width())]))
     typer.echo()
     console.print_wrapped([*remarks.remarks(result), *_levels(result.record)])
-    _print_remarks(result)
-    if result.record.interrupted:
-        typer.echo("Interrupted: what had finished is kept.", err=True)
-    if result.folder is not None:
-        typer.echo(f"Stored in {result.folder}")
-    if written is not None:
-        typer.echo(f"Report: {written}")
+    _show_remarks(result)
 
 
 def _levels(record: Record) -> list[str]:
     """What the levels of the table are, in a sentence each, and what was run."""
-    asked = dict.fromkeys(source.contact for source in record.sources)
-    said = dict(_LEVELS)
+    levels = dict.fromkeys(source.contact for source in record.sources)
+    texts = dict(_LEVELS)
     if record.assist == "none":
-        said["assisted"] = "here with none of our helps, so the same as tuned."
+        texts["assisted"] = "here with none of our helps, so the same as tuned."
     # one engine may stand in several rows, each with its step behind an @
     known = [source for source in record.sources if source.version]
     versions = {source.name.partition("@")[0]: source.version for source in known}
-    found = [f"{level}: {said[level]}" for level in asked if level in said]
+    sentences = [f"{level}: {texts[level]}" for level in levels if level in texts]
     if versions:
-        found.append(f"Versions: {', '.join(f'{name} {own}' for name, own in versions.items())}.")
-    return found
+        named = ", ".join(f"{name} {version}" for name, version in versions.items())
+        sentences.append(f"Versions: {named}.")
+    return sentences
 
 
 #: level -> what stands in its rows
@@ -147,40 +134,34 @@ _LEVELS = {
 }
 
 
-def _print_remarks(result: Run) -> None:
+def _show_remarks(result: Run) -> None:
     """What did not run, what was held against, and what lies outside of a fit's range."""
-    from simcompare.cli import console
     from simcompare.reports.run import runs
     from simcompare.reports.run.not_run import not_run
 
     console.print_wrapped(f"{row.name} ({row.modes}): {row.reason}" for row in not_run(result))
     record = runs.own_record(result)
     if record.against is not None:
-        _print_against(record.against)
-    console.print_wrapped(f"Caution: {said}" for said in record.cautions)
+        _show_against(record.against)
+    console.print_wrapped(f"Caution: {caution}" for caution in record.cautions)
 
 
 def _measured(match: Match) -> str:
-    from simcompare import notation
-
     if match.low is not None:
         return f"{match.low:.5g} to {match.high:.5g}"
     return notation.number(match.measured, match.u_measured)
 
 
-def _print_against(against: Measurement) -> None:
-    from simcompare import notation
-    from simcompare.cli import console
-
+def _show_against(against: Measurement) -> None:
     head = against.head
     typer.echo(f"Against {head.get('title', against.file)}")
     typer.echo(f"  {head.get('citation', 'no citation given')}")
     if against.caution:
         typer.echo(f"  {against.caution}")
-    made = console.table("engine", "contact", "quantity", "simulated", "measured", "E_n", "inside")
+    table = console.table("engine", "contact", "quantity", "simulated", "measured", "E_n", "inside")
     for match in against.matches:
         inside = {True: "yes", False: "no", None: "no uncertainty is known"}[match.inside]
-        made.add_row(
+        table.add_row(
             match.source,
             match.contact,
             f"{match.quantity} {match.bounce} [{match.unit}]",
@@ -189,4 +170,4 @@ def _print_against(against: Measurement) -> None:
             "–" if match.e_n is None else f"{match.e_n:+.2f}".replace("-0.00", "+0.00"),
             inside,
         )
-    console.show_table(made)
+    console.show_table(table)

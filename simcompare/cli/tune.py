@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from simcompare.cli import complete
+from simcompare.cli import complete, console, ending
 from simcompare.errors import InputError
 
 
@@ -48,7 +48,7 @@ def tune(
     time_limit: float = typer.Option(120.0, help="Longest time for one engine, in seconds."),
 ) -> None:
     """What to type into engines for a restitution, or what comes of what was typed in."""
-    from simcompare.cli import console, tune_tables
+    from simcompare.cli import tune_tables
     from simcompare.model.plain import plain
     from simcompare.running.jobs import exit_code_of
     from simcompare.tuning import typed_numbers
@@ -67,15 +67,15 @@ def tune(
             contact=contact, set=console.pairs(settings), preset=preset, time_limit_s=time_limit,
             progress=progress,
         )  # fmt: skip
-    if as_json:
-        console.print_json({"answers": [plain(row) for row in rows]})
-    elif snippet:
-        tune_tables.show_snippets(rows)
-    else:
-        tune_tables.show(rows)
+    show = tune_tables.show_snippets if snippet else tune_tables.show
     # numbers that cannot be had are the answer, where another step or speed has them
-    statuses = [row.status for row in rows]
-    raise typer.Exit(exit_code_of(statuses, engine, out_of_reach=True))
+    code = exit_code_of([row.status for row in rows], engine, out_of_reach=True)
+    ending.finish(
+        lambda: {"answers": [plain(row) for row in rows]},
+        lambda: show(rows),
+        code,
+        as_json=as_json,
+    )
 
 
 def _own_options(first: str | None, rest: list[str]) -> tuple[str | None, dict[str, str]]:

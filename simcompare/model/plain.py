@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import Annotated, Any, TypeVar, cast
+from typing import Annotated, Any, TypeAlias, TypeVar, cast
 
 from pydantic import BeforeValidator, PlainSerializer, TypeAdapter
 
 Record = TypeVar("Record")
+#: an object of JSON or a mapping of YAML, where it is read or written: it may hold anything
+Plain: TypeAlias = dict[str, Any]
 
 
 def _or_nan(value: object) -> object:
@@ -27,9 +29,9 @@ def _or_none(value: float) -> float | None:
 Finite = Annotated[float, BeforeValidator(_or_nan), PlainSerializer(_or_none)]
 
 
-def plain(record: object) -> dict[str, Any]:
+def plain(record: object) -> Plain:
     """A record, or any part of one, as JSON holds it."""
-    found: dict[str, Any] = _adapter(cast("Any", type(record))).dump_python(
+    found: Plain = _adapter(cast("Any", type(record))).dump_python(
         record, mode="json", by_alias=True
     )
     return found

@@ -6,23 +6,19 @@ A recording holds one or more streams, each with its own clock: a log may hold a
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator
 
 from simcompare import units
 from simcompare.errors import InputError, UnknownName
+from simcompare.model.plain import Finite
 from simcompare.model.trajectory import Array
 
 #: INFO: no defect; WARNING: a defect that was left and marked; REPAIR: something was changed
 INFO, WARNING, REPAIR = "info", "warning", "repair"
-#: as JSON holds it: null stands for a number that is not finite
-Number = Annotated[float, BeforeValidator(lambda value: math.nan if value is None else value)]
 
 
 @dataclass(frozen=True)
@@ -111,8 +107,8 @@ class Repair:
     channel: str = ""
     rows: tuple[tuple[int, int], ...] = ()
     count: int = 0
-    before: Mapping[str, Number] = field(default_factory=dict)
-    after: Mapping[str, Number] = field(default_factory=dict)
+    before: Mapping[str, Finite] = field(default_factory=dict)
+    after: Mapping[str, Finite] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

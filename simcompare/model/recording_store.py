@@ -11,15 +11,15 @@ import json
 import re
 import shutil
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import TypeAdapter
 
 from simcompare.errors import InputError, OutputError
 from simcompare.model import parquet
+from simcompare.model.plain import of_plain, plain
 from simcompare.model.recording import (
     Channel,
     Clock,
@@ -28,7 +28,6 @@ from simcompare.model.recording import (
     Recording,
     Stream,
 )
-from simcompare.notation import finite
 
 HEAD = "recording.json"
 #: version of what recording.json holds
@@ -135,7 +134,7 @@ def _write(recording: Recording, folder: Path) -> None:
             _write_table(connection, folder / head.table, stream, head)
             streams[name] = head
     whole = _Head(FORMAT, recording.provenance, recording.events, streams)
-    text = json.dumps(finite(asdict(whole)), indent=1, ensure_ascii=False, allow_nan=False)
+    text = json.dumps(plain(whole), indent=1, ensure_ascii=False, allow_nan=False)
     (folder / HEAD).write_text(text + "\n", encoding="utf-8")
 
 
@@ -172,7 +171,7 @@ def load(folder: Path) -> Recording:
             raise InputError(
                 str(path), [f"format {content['format']!r} is not known; expected {FORMAT}"]
             )
-        head = TypeAdapter(_Head).validate_python(content)
+        head = of_plain(_Head, content)
         streams = {
             name: _stream(one, parquet.read(folder / one.table))
             for name, one in head.streams.items()

@@ -15,6 +15,7 @@ from pydantic import Field, PositiveFloat, field_validator, model_validator
 from simcompare.model.answer import Answer
 from simcompare.model.shapes import Frozen, Nonnegative, Pose, Shape, Vector, not_zero
 from simcompare.model.signals import Signal
+from simcompare.model.trajectory import BODY_SIGNALS
 
 #: samples of one run; more fill the memory of an ordinary machine
 MOST_SAMPLES = 1e7
@@ -319,6 +320,25 @@ class Scenario(Frozen):
     tolerances: Mapping[str, Tolerance] = Field(default_factory=dict)
     dither: Dither | None = None
     answer: Answer | None = None
+
+    def signals(self) -> dict[str, int]:
+        """All that is recorded -> its number of components, in the order of the file."""
+        owners = (*self.bodies, *self.joints, *self.actuators, *self.sensors)
+        return {
+            f"{owner}.{part}": width
+            for owner in owners
+            for part, width in self.signals_of(owner).items()
+        }
+
+    def signals_of(self, owner: str) -> dict[str, int]:
+        """What is recorded of a body, joint, actuator or sensor -> its number of components."""
+        if owner in self.bodies:
+            return {} if self.bodies[owner].fixed else dict(BODY_SIGNALS)
+        if owner in self.joints:
+            return dict.fromkeys(MOVABLE.get(self.joints[owner].type, ()), 1)
+        if owner in self.actuators:
+            return dict.fromkeys(ACTUATOR_SIGNALS[self.actuators[owner].type], 1)
+        return dict([SENSOR_SIGNALS[self.sensors[owner].type]])
 
     def moving_bodies(self) -> dict[str, Body]:
         """Bodies that are not fixed to the world, in the order of the file."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime
 import hashlib
+import math
 import platform
 import statistics
 import sys
@@ -12,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
-from simcompare import measures, notation
+from simcompare import measures
 from simcompare.compare.against import Match
 from simcompare.compare.comparison import Score
 from simcompare.compare.repeats import AtStep
@@ -57,7 +58,7 @@ def of_source(name: str, mode: str, outcomes: Sequence[Outcome]) -> SourceRecord
             status=bad[0].status,
             reason=bad[0].reason,
             out_of_reach=longest_s is not None,
-            longest_step_s=notation.finite(longest_s),
+            longest_step_s=longest_s if math.isfinite(longest_s or 0.0) else None,
         )
     if not done:
         return found

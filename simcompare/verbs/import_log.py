@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 from simcompare.hardware import importing
 from simcompare.hardware import mapping as mappings
 from simcompare.model import recording_store
-from simcompare.model.recording import Recording
+from simcompare.model.recording import Clock, Event, Provenance, Recording
 
 
 def import_log(
@@ -44,3 +46,51 @@ def import_log(
     if out is not None:
         recording_store.save(recording, Path(out))
     return recording
+
+
+@dataclass(frozen=True)
+class StreamFacts:
+    """A stream without its samples.
+
+    Attributes:
+        samples: how many there are.
+        duration_s: time of the last one [s].
+        clock: where the times come from.
+        gaps: how many places lack samples.
+        channels: name -> unit.
+    """
+
+    samples: int
+    duration_s: float
+    clock: Clock
+    gaps: int
+    channels: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class RecordingFacts:
+    """A recording without its samples.
+
+    Attributes:
+        recording: the folder in which it is stored.
+        provenance: where it comes from, and all that was done to it.
+        events: instants that were found in it.
+        streams: name -> stream.
+    """
+
+    recording: str
+    provenance: Provenance
+    events: tuple[Event, ...]
+    streams: Mapping[str, StreamFacts]
+
+
+def facts(recording: Recording, folder: Path) -> RecordingFacts:
+    """What a recording holds, without its samples."""
+    streams = {
+        name: StreamFacts(
+            len(stream.time_s), float(stream.time_s[-1]) if len(stream.time_s) else 0.0,
+            stream.clock, len(stream.gaps), {c: one.unit for c, one in stream.channels.items()},
+        )
+        for name, stream in recording.streams.items()
+    }  # fmt: skip
+    return RecordingFacts(str(folder), recording.provenance, recording.events, streams)

@@ -1,0 +1,78 @@
+"""How a command ends: the report is written, the answer printed, and the exit code given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
+
+import typer
+
+from simcompare.cli import console
+
+if TYPE_CHECKING:
+    from simcompare.model.plain import Plain
+    from simcompare.results.run import Run
+
+#: exit code of what Ctrl-C ended
+INTERRUPTED = 130
+
+
+def finish(
+    plain: Callable[[], Plain], show: Callable[[], None], exit_code: int, *, as_json: bool
+) -> NoReturn:
+    """Prints the answer, as one JSON object or for people, and ends the command."""
+    if as_json:
+        console.print_json(plain())
+    else:
+        show()
+    raise typer.Exit(exit_code)
+
+
+def finish_run(
+    result: Run,
+    plain: Callable[[], Plain],
+    show: Callable[[], None],
+    *,
+    report: bool,
+    as_json: bool,
+    show_folder: Callable[[Path], None] | None = None,
+) -> NoReturn:
+    """Ends a run, a fit or a validation, with its report.
+
+    Args:
+        result: what came out.
+        plain: gives what ``--json`` prints.
+        show: prints it for people.
+        report: whether report.html is written into the run's folder.
+        as_json: whether JSON is printed.
+        show_folder: prints where it is stored, in place of one line.
+    """
+    page = _write_report(result) if report else None
+
+    def show_all() -> None:
+        show()
+        if result.record.interrupted:
+            typer.echo("Interrupted: what had finished is kept.", err=True)
+        if show_folder is not None and result.folder is not None:
+            show_folder(result.folder)
+        show_places(None if show_folder is not None else result.folder, page)
+
+    code = INTERRUPTED if result.record.interrupted else result.exit_code
+    finish(plain, show_all, code, as_json=as_json)
+
+
+def show_places(folder: Path | None, page: Path | None) -> None:
+    """Prints where results are stored, and their report."""
+    if folder is not None:
+        typer.echo(f"Stored in {folder}")
+    if page is not None:
+        typer.echo(f"Report: {page}")
+
+
+def _write_report(result: Run) -> Path | None:
+    from simcompare.reports import builder
+
+    if result.folder is None:
+        return None
+    return builder.write_html([result], result.folder / "report.html")

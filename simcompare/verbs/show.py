@@ -1,0 +1,127 @@
+"""The verb ``show``: what there is to know of a scenario before it is run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from simcompare import units
+from simcompare.engine import engines
+from simcompare.engine.features import Feature, needs
+from simcompare.errors import SimcompareError
+from simcompare.model.scenario import Joint, Sensor, Tolerance, World
+from simcompare.scenarios import catalogue
+from simcompare.scenarios.scenario_file import Preset
+
+
+@dataclass(frozen=True)
+class ParameterFacts:
+    """A parameter with its bounds, in its unit."""
+
+    value: float
+    min: float
+    max: float
+    text: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class ScenarioFacts:
+    """What there is to know of a scenario.
+
+    Attributes:
+        name: of the scenario.
+        title: of the scenario.
+        question: that it asks.
+        file: the YAML file.
+        parameters: name -> parameter.
+        presets: name -> named set of parameters.
+        world: gravity, duration and step.
+        bodies: name -> half a sentence, as for joints, actuators and sensors.
+        joints: name -> half a sentence.
+        actuators: name -> half a sentence.
+        sensors: name -> half a sentence.
+        signals: names of all that is recorded.
+        needs: features that it uses.
+        engines: engine -> the features that it lacks, or why it cannot be asked.
+        variants: engine -> its variants.
+        truth: where the truth comes from.
+        tolerances: measured value -> tolerance.
+    """
+
+    name: str
+    title: str
+    question: str
+    file: str
+    parameters: Mapping[str, ParameterFacts]
+    presets: Mapping[str, Preset]
+    world: World
+    bodies: Mapping[str, str]
+    joints: Mapping[str, str]
+    actuators: Mapping[str, str]
+    sensors: Mapping[str, str]
+    signals: list[str]
+    needs: list[str]
+    engines: Mapping[str, list[str]]
+    variants: Mapping[str, list[str]]
+    truth: str
+    tolerances: Mapping[str, Tolerance]
+
+
+def show(scenario: str) -> ScenarioFacts:
+    """The facts of a scenario given by name, folder or file."""
+    file = catalogue.load(scenario)
+    scene = file.resolve()
+    features = needs(scene)
+    return ScenarioFacts(
+        name=scene.name,
+        title=scene.title,
+        question=scene.question,
+        file=str(file.path),
+        parameters={
+            name: ParameterFacts(p.value, p.min, p.max, p.text, units.symbol(units.unit_of(name)))
+            for name, p in file.parameters.items()
+        },
+        presets=file.presets,
+        world=scene.world,
+        bodies={
+            name: "fixed" if body.fixed else f"{body.mass_kg:g} kg at {list(body.position_m)} m"
+            for name, body in scene.bodies.items()
+        },
+        joints={name: _joint_words(joint) for name, joint in scene.joints.items()},
+        actuators={
+            name: f"{actuator.type} on {actuator.joint}, input {actuator.input}"
+            f" ({scene.inputs[actuator.input].signal})"
+            for name, actuator in scene.actuators.items()
+        },
+        sensors={name: _sensor_words(sensor) for name, sensor in scene.sensors.items()},
+        signals=list(scene.signals()),
+        needs=sorted(features.required | features.optional),
+        engines={name: _lacking(name, features.required) for name in engines.names()},
+        variants={name: [*engines.quick_variants(name)] for name in engines.names()},
+        truth="closed form or reference in reference.py"
+        if catalogue.reference_of(file.path)
+        else "none: engines are compared with each other only",
+        tolerances=scene.tolerances,
+    )
+
+
+def _sensor_words(sensor: Sensor) -> str:
+    return f"{sensor.type} of {sensor.body or sensor.joint or '-'.join(sensor.pair or ())}"
+
+
+def _joint_words(joint: Joint) -> str:
+    parts = ("stiffness", "damping", "friction", "armature", "rate")
+    axis = "" if joint.type in ("fixed", "ball") else f" about {list(joint.axis)}"
+    axis = axis.replace("about", "along") if joint.type == "slider" else axis
+    values = {part: value for part in parts if (value := getattr(joint, part))}
+    more = "".join(f", {part} {value:g}" for part, value in values.items())
+    return f"{joint.type}{axis}, {joint.child} on {joint.parent}{more}"
+
+
+def _lacking(engine: str, features: frozenset[Feature]) -> list[str]:
+    """Features that an engine lacks, or the one reason why it cannot be asked."""
+    try:
+        return sorted(features - engines.get(engine).features)
+    except SimcompareError as error:
+        return [str(error)]
