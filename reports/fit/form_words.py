@@ -94,14 +94,14 @@ def choice(found: Choice, best: Form) -> tuple[str, ...]:
         best: the chosen one.
     """
     first, *rest = found.candidates
-    value = first.aic if found.criterion == "AIC" else _inf(first.aicc)
+    value = _inf(first.score(found.criterion))
     words = [
         f"{first.text} describes the data best ({found.criterion} {value:.1f}, Akaike weight"
         f" {first.weight:.0%})"
     ]
     rivals = [c for c in rest if _inf(c.delta) < RIVAL and c.weight > 0]
     if rivals:
-        words.append(_ambiguous(first, rivals, drag_is_given=_SPEED in best.fixed))
+        words.append(_ambiguous(found.criterion, first, rivals, drag_is_given=_SPEED in best.fixed))
     simple = next((c for c in rest if c.model == "constant"), None)
     if simple is not None and _inf(simple.delta) > EXCLUDED:
         words.append(_left_out(found.criterion, first, simple))
@@ -122,9 +122,11 @@ def _restitution(one: Candidate) -> float | None:
     return None if row is None else row.value
 
 
-def _ambiguous(best: Candidate, rivals: Sequence[Candidate], *, drag_is_given: bool) -> str:
+def _ambiguous(
+    criterion: str, best: Candidate, rivals: Sequence[Candidate], *, drag_is_given: bool
+) -> str:
     """What the data leave undecided, and what would decide it."""
-    names = ", ".join(f"{c.text} (ΔAIC {_inf(c.delta):.1f})" for c in rivals)
+    names = ", ".join(f"{c.text} (Δ{criterion} {_inf(c.delta):.1f})" for c in rivals)
     among = [best, *rivals]
     known = [value for c in among if (value := _restitution(c)) is not None]
     spread = ""
@@ -153,7 +155,7 @@ def _extends(form: Candidate, simple: Candidate) -> bool:
 
 def _left_out(criterion: str, best: Candidate, simple: Candidate) -> str:
     """What a constant restitution without drag would have said."""
-    text = f"constant restitution without drag is excluded (ΔAIC {_inf(simple.delta):.0f})"
+    text = f"constant restitution without drag is excluded (Δ{criterion} {_inf(simple.delta):.0f})"
     ours, theirs = _restitution(best), _restitution(simple)
     if ours is None or theirs is None:
         return text

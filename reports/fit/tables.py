@@ -102,15 +102,16 @@ def forms(run: Run) -> Table:
         found = row.parameters.get(RESTITUTION)
         rows.append((
             row.text, numbers.plain(row.unknowns, 3), _criterion(row.chi2),
-            _criterion(row.aicc), _criterion(row.delta), _criterion(row.bic),
+            _criterion(row.score(choice.criterion)), _criterion(row.delta), _criterion(row.bic),
             f"{row.weight:.2f}", fits.value_words(found),
         ))  # fmt: skip
     columns = (
-        Column("Closed form", text=True), Column("k"), Column("χ²"), Column("AICc"),
-        Column("ΔAICc"), Column("BIC"), Column("Weight"), Column("Restitution ± u"),
+        Column("Closed form", text=True), Column("k"), Column("χ²"),
+        Column(choice.criterion), Column(f"Δ{choice.criterion}"), Column("BIC"), Column("Weight"), Column("Restitution ± u"),
     )  # fmt: skip
+    few = " + 2k(k + 1)/(n − k − 1)" if choice.criterion == "AICc" else ""
     note = (
-        "k: unknowns that the data determine. AICc = χ² + 2k + 2k(k + 1)/(n − k − 1), BIC = χ² +"
+        f"k: unknowns that the data determine. {choice.criterion} = χ² + 2k{few}, BIC = χ² +"
         " k·ln n."
     )
     if choice.scatter > 1:

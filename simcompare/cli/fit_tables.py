@@ -135,7 +135,7 @@ def _print_choice(found: BouncesFit) -> None:
     made = console.table("closed form", "unknowns", "χ²", criterion, "BIC", "weight", "restitution")
     for row in found.choice.candidates:
         e = row.parameters.get("restitution", Value(None, None))
-        value = row.aic if criterion == "AIC" else row.aicc
+        value = row.score(criterion)
         told = "–" if value is None else f"{value:.1f}"
         made.add_row(
             row.text, f"{row.unknowns:.1f}", f"{row.chi2:.1f}", told, f"{row.bic:.1f}",

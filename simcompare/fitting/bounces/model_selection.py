@@ -112,7 +112,10 @@ def compare(
         raise InputError("fit", list(dict.fromkeys(refused.values())))
     scatter = _scatter(list(fits.values()))
     stated = scatter == 1.0 and all(drop.u_known for drop in every)
-    candidates = _weighed(fits, scatter, stated)
+    rows = [_candidate(name, one, scatter) for name, one in fits.items()]
+    # too few data for AICc of any model: AIC has to do
+    criterion = "AIC" if stated or all(math.isinf(row.aicc) for row in rows) else "AICc"
+    candidates = _weighed(rows, criterion)
     best = candidates[0]
     asked = list(best.fit.names) if len(every) == 1 else _usual(every, model_of(best.model), extra)
     profiled = fit(
@@ -121,7 +124,7 @@ def compare(
     )  # fmt: skip
     rest = candidates[1:]
     chosen = replace(best, fit=profiled)
-    return Choice((chosen, *rest), "AIC" if stated else "AICc", scatter, refused)
+    return Choice((chosen, *rest), criterion, scatter, refused)
 
 
 def _usual(drops: Sequence[Impacts], model: Model, extra: Sequence[str]) -> list[str]:
@@ -143,17 +146,18 @@ def _scatter(fits: Sequence[Fit]) -> float:
     return 1.0 if richest.problem.u_known and by_chance else richest.s2
 
 
-def _weighed(fits: Mapping[str, Fit], scatter: float, stated: bool) -> list[Candidate]:
-    rows = []
-    for name, one in fits.items():
-        k, n, chi2 = one.effective, one.count, one.chi2 / scatter
-        left = n - k - 1
-        aic = chi2 + 2 * k
-        aicc = aic + 2 * k * (k + 1) / left if left > 1e-6 else math.inf
-        rows.append(Candidate(name, one, k, chi2, aic, aicc, chi2 + k * math.log(n), 0.0, 0.0))
-    # too few data for AICc of any model: AIC has to do
-    plain = stated or all(math.isinf(row.aicc) for row in rows)
-    scores = [row.aic if plain else row.aicc for row in rows]
+def _candidate(name: str, one: Fit, scatter: float) -> Candidate:
+    """A model with its criteria, not yet weighed."""
+    k, n, chi2 = one.effective, one.count, one.chi2 / scatter
+    rest = n - k - 1
+    aic = chi2 + 2 * k
+    aicc = aic + 2 * k * (k + 1) / rest if rest > 1e-6 else math.inf
+    return Candidate(name, one, k, chi2, aic, aicc, chi2 + k * math.log(n), 0.0, 0.0)
+
+
+def _weighed(rows: Sequence[Candidate], criterion: str) -> list[Candidate]:
+    """Models with what they are above the best, and their weights; best first."""
+    scores = [row.aic if criterion == "AIC" else row.aicc for row in rows]
     least = min(scores)
     shares = [
         0.0 if row.fit.at_bound else math.exp(-(score - least) / 2)

@@ -194,6 +194,10 @@ class Candidate:
     weight: float
     parameters: Mapping[str, Value]
 
+    def score(self, criterion: str) -> float | None:
+        """AIC or AICc, by its name."""
+        return self.aic if criterion == "AIC" else self.aicc
+
 
 @dataclass(frozen=True, kw_only=True)
 class Choice:
