@@ -107,7 +107,8 @@ def forms(run: Run) -> Table:
         ))  # fmt: skip
     columns = (
         Column("Closed form", text=True), Column("k"), Column("χ²"),
-        Column(choice.criterion), Column(f"Δ{choice.criterion}"), Column("BIC"), Column("Weight"), Column("Restitution ± u"),
+        Column(choice.criterion), Column(f"Δ{choice.criterion}"), Column("BIC"), Column("Weight"),
+        Column("Restitution ± u"),
     )  # fmt: skip
     few = " + 2k(k + 1)/(n − k − 1)" if choice.criterion == "AICc" else ""
     note = (
