@@ -9,14 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from simcompare.model.trajectory import Array
+from simcompare.reports.render.ranges import calm_range
 from simcompare.reports.render.styles import Style
 
 #: more panels than this side by side cannot be read
 MAX_PANELS = 3
 #: so many letters fit side by side below a panel
 _TICK_LETTERS = 50
-#: a span below this part of the size is no variation, and values below the second are rounding
-_NO_SPAN, _DUST = 1e-6, 1e-9
 #: sizes whose ticks read well without a power of ten
 _PLAIN_SIZES = (1e-3, 1e6)
 
@@ -136,6 +135,11 @@ class Note:
     side: str = "right"
     colour: str = "#222222"
 
+    @property
+    def anchor(self) -> str:
+        """End of the letters that is at the place: left, right or center."""
+        return {"left": "right", "right": "left"}.get(self.side, "center")
+
 
 @dataclass(frozen=True)
 class Panel:
@@ -201,6 +205,17 @@ class Panel:
         return 1.08 * float(np.sum([bars.heights for bars in self.bars], axis=0).max()) or 1.0
 
     @property
+    def lying(self) -> bool:
+        """Whether values run along x, so that bars lie."""
+        return self.y_ticks is not None
+
+    @property
+    def x_names(self) -> list[str]:
+        """The names at x as they are written; those that are slanted have one line."""
+        ticks = self.x_ticks or ()
+        return [tick.replace("\n", " ") if self.slanted else tick for tick in ticks]
+
+    @property
     def slanted(self) -> bool:
         """Whether the names at the ticks would run into each other if they lay flat."""
         lines = [line for tick in self.x_ticks or () for line in tick.split("\n")]
@@ -246,7 +261,7 @@ class Figure:
         if panel.bars:
             return 0.0, panel._longest
         panels = self.panels if self.share_y else (panel,)
-        return _calm_range(_values(row for one in panels for row in one.series))
+        return calm_range(_values(row for one in panels for row in one.series))
 
     def plain_y(self, panel: Panel) -> bool:
         """Whether the numbers at the y axis of a panel read well without a power of ten."""
@@ -267,7 +282,7 @@ def fitted_range(series: tuple[Series, ...], bands: tuple[Band, ...]) -> tuple[f
         return 0.0, 1.0
     low, high = float(values.min()), float(values.max())
     margin = 0.08 * (high - low)
-    return _calm_range(values) or (low - margin, high + margin)
+    return calm_range(values) or (low - margin, high + margin)
 
 
 def _values(series: Iterable[Series]) -> Array:
@@ -278,17 +293,3 @@ def _values(series: Iterable[Series]) -> Array:
         parts += [row.y - u, row.y + u]
     values = np.concatenate(parts)
     return values[np.isfinite(values)]
-
-
-def _calm_range(values: Array) -> tuple[float, float] | None:
-    """A range in which rounding looks like nothing; ``None`` where the values really vary."""
-    if len(values) == 0:
-        return None
-    low, high = float(values.min()), float(values.max())
-    size = max(abs(low), abs(high))
-    if size < _DUST:
-        return -_NO_SPAN, _NO_SPAN
-    if high - low >= _NO_SPAN * size:
-        return None
-    middle = (low + high) / 2
-    return middle - 0.1 * size, middle + 0.1 * size

@@ -116,7 +116,7 @@ def draw(page: Any, figure: Figure) -> None:  # noqa: ANN401  (a Figure or a Sub
         for bars, handle in _stacked(axes, panel):
             handles.setdefault(bars.label, handle)
         for rank, series in enumerate(panel.series):
-            handle = _series(axes, series, rank, lying=panel.y_ticks is not None)
+            handle = _series(axes, series, rank, lying=panel.lying)
             if series is legend[series.label]:
                 handles[series.label] = handle
         _frame(axes, panel, figure.y_range(panel), labelled=i == 0 or not figure.share_y)
@@ -175,8 +175,7 @@ def _frame(
 def _names(axes: Axes, panel: Panel) -> None:
     """Names instead of numbers along an axis."""
     if panel.x_ticks is not None:
-        ticks = [tick.replace("\n", " ") if panel.slanted else tick for tick in panel.x_ticks]
-        axes.set_xticks(range(len(ticks)), list(map(_text, ticks)))
+        axes.set_xticks(range(len(panel.x_names)), list(map(_text, panel.x_names)))
         if panel.slanted:
             axes.tick_params("x", rotation=40)
             for text in axes.get_xticklabels():
@@ -224,7 +223,7 @@ def _stacked(axes: Axes, panel: Panel) -> Iterator[tuple[Bars, Any]]:
         look: dict[str, Any] = {
             "color": bars.colour, "hatch": 2 * bars.hatch, "edgecolor": "#ffffff", "linewidth": 0,
         }  # fmt: skip
-        if panel.y_ticks is not None:
+        if panel.lying:
             drawn = axes.barh(places, bars.heights, 0.7, left=floor, **look)
         else:
             drawn = axes.bar(places, bars.heights, 0.6, bottom=floor, **look)
@@ -246,9 +245,8 @@ def _label(axes: Axes, bars: Bars, drawn: Any) -> None:  # noqa: ANN401
 
 
 def _note(axes: Axes, note: Note) -> None:
-    ends = {"left": "right", "right": "left"}
     axes.text(
-        note.x, note.y, _text(note.text), color=note.colour, ha=ends.get(note.side, "center"),
+        note.x, note.y, _text(note.text), color=note.colour, ha=note.anchor,
         va="center", fontsize="small", zorder=6,
     )  # fmt: skip
 
