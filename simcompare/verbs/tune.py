@@ -4,29 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from simcompare import units
-from simcompare.compare.repeats import one_step_s, sample_step_s
+from simcompare.compare.repeats import sample_step_s
 from simcompare.engine import engines
-from simcompare.engine.backend import Backend
 from simcompare.engine.calibration.calibration import CannotCalibrate
 from simcompare.engine.calibration.engine_drops import MIN_GRAVITY_M_S2
 from simcompare.engine.calibration.plan import drop_plans
 from simcompare.errors import EngineBroken, EngineMissing, InputError
 from simcompare.model.settings import COEFFICIENTS, TUNED
-from simcompare.running.jobs import OK, UNSUPPORTED, Inquiry, Reply
+from simcompare.running.jobs import OK, UNSUPPORTED, Inquiry
 from simcompare.running.runner import TIME_LIMIT_S, Progress, run_jobs
 from simcompare.scenarios import catalogue
 from simcompare.tuning.question import StatementQuestion
 from simcompare.tuning.request import Request
 from simcompare.tuning.statement import Statement
 from simcompare.tuning.typed_numbers import check_numbers
+from simcompare.verbs import tune_arguments
 
 #: impact speeds and step where none are given
 SPEEDS_M_S, STEP_S = (0.5, 4.0), 0.001
-#: steps that make sense for something that bounces [s]
-MIN_STEP_S, MAX_STEP_S = 1e-6, 0.1
 #: masses and radii of a ball that engines can be expected to take
 MASSES_KG, RADII_M = (1e-6, 1e6), (1e-4, 1e2)
 #: contact levels in which numbers can be typed in
@@ -40,7 +37,7 @@ class TuneResult:
     Attributes:
         engine: its name.
         version: its version, ``None`` where it is not installed.
-        request: what was asked.
+        request: what was goal.
         status: "ok", "unsupported", "missing" or "failed".
         reason: one sentence where the status is not "ok"; the nearest that can be had is in it.
         statement: what to type in, and what it does; ``None`` where the status is not "ok".
@@ -108,20 +105,20 @@ def tune(
         SimcompareError: faults of the arguments.
     """
     chosen = engines.select(engine)
-    asked = _Asked(scenario, restitution, tuple(numbers), contact, chosen)
+    goal = _Goal(scenario, restitution, tuple(numbers), contact, chosen)
     if numbers:
-        check_numbers(chosen[0], asked.numbers, "--numbers")
+        check_numbers(chosen[0], goal.numbers, "--numbers")
     if scenario is None:
-        asked.refuse_for_scenario(set, preset)
+        goal.refuse_for_scenario(set, preset)
         plans = [_Question(_request(restitution, mass, radius, step))]
     else:
-        asked.refuse_for_drop(mass, radius)
+        goal.refuse_for_drop(mass, radius)
         plans = list(_of_scenario(scenario, set or {}, preset, step))
-    speeds_m_s = None if speed is None else _speeds_m_s(speed)
+    speeds_m_s = None if speed is None else tune_arguments.speeds_m_s(speed)
     limits = (
-        _part(within, "--within"),
-        None if scatter is None else _part(scatter, "--scatter"),
-        None if depth is None else _above_0(depth, "m", "--depth"),
+        tune_arguments.part(within, "--within"),
+        None if scatter is None else tune_arguments.part(scatter, "--scatter"),
+        None if depth is None else tune_arguments.above_0(depth, "m", "--depth"),
     )
     questions = []
     for plan in plans:
@@ -130,7 +127,7 @@ def tune(
             plan.request, lowest_m_s=lowest, highest_m_s=highest, within=limits[0],
             scatter_part=limits[1], depth_m=limits[2], numbers=tuple(numbers),
         )  # fmt: skip
-        for level in asked.levels:
+        for level in goal.levels:
             questions.append(replace(plan, request=replace(request, level=level)))
     return _answered(chosen, questions, time_limit_s, progress)
 
@@ -145,8 +142,8 @@ class _Question:
 
 
 @dataclass(frozen=True)
-class _Asked:
-    """What was given, to be refused where it contradicts itself."""
+class _Goal:
+    """What is to be found, refused where it contradicts itself."""
 
     scenario: str | None
     restitution: str | float | None
@@ -176,7 +173,7 @@ class _Asked:
         raise InputError("tune", [fault])
 
     @staticmethod
-    def refuse_for_scenario(settings: Mapping[str, Any] | None, preset: str | None) -> None:
+    def refuse_for_scenario(settings: Mapping[str, object] | None, preset: str | None) -> None:
         given = [name for name, value in (("--set", settings), ("--preset", preset)) if value]
         if given:
             raise InputError("tune", [f"{name} is for a scenario; name one" for name in given])
@@ -198,11 +195,13 @@ def _request(
     wanted = None if restitution is None else units.to_si(restitution, "1", "--restitution")
     if wanted is not None and not 0 < wanted <= 1:
         raise InputError("--restitution", [f"{restitution}: expected a number above 0, up to 1"])
-    request = Request(wanted, *SPEEDS_M_S, STEP_S if step is None else _step_s(step))
+    request = Request(wanted, *SPEEDS_M_S, STEP_S if step is None else tune_arguments.step_s(step))
     if mass is not None:
-        request = replace(request, mass_kg=_between(mass, "kg", "--mass", MASSES_KG))
+        request = replace(request, mass_kg=tune_arguments.between(mass, "kg", "--mass", MASSES_KG))
     if radius is not None:
-        request = replace(request, size_m=2 * _between(radius, "m", "--radius", RADII_M))
+        request = replace(
+            request, size_m=2 * tune_arguments.between(radius, "m", "--radius", RADII_M)
+        )
     return request
 
 
@@ -231,61 +230,6 @@ def _of_scenario(
         )  # fmt: skip
 
 
-def _speeds_m_s(speed: str | float | Sequence[float]) -> tuple[float, float]:
-    """The lowest and the highest impact speed."""
-    parts: list[str | float]
-    if isinstance(speed, str):
-        parts = [*speed.split("..")]
-    else:
-        parts = [float(speed)] if isinstance(speed, (int, float)) else [*speed]
-    if not 1 <= len(parts) <= 2 or any(isinstance(p, str) and not p.strip() for p in parts):
-        raise InputError("--speed", [f"{speed}: expected one speed, or a range such as 1..2m/s"])
-    unit = _unit_of(parts[-1])
-    values = [_above_0(_with_unit(part, unit), "m/s", "--speed") for part in parts]
-    if values[0] > values[-1]:
-        raise InputError("--speed", [f"{speed}: the first speed is above the second"])
-    return values[0], values[-1]
-
-
-def _unit_of(text: str | float) -> str:
-    return "" if not isinstance(text, str) else text.strip().lstrip("+-0123456789.eE").strip()
-
-
-def _with_unit(text: str | float, unit: str) -> str | float:
-    """A part of a range, in the unit that stands behind the other: ``50..400cm/s``."""
-    return f"{text}{unit}" if isinstance(text, str) and not _unit_of(text) else text
-
-
-def _step_s(step: str | float) -> float:
-    found = one_step_s(step)
-    if not MIN_STEP_S <= found <= MAX_STEP_S:
-        wanted = f"expected {MIN_STEP_S:g} s to {MAX_STEP_S:g} s, such as 2ms"
-        raise InputError("--step", [f"{step} is {found:g} s; {wanted}"])
-    return found
-
-
-def _above_0(value: str | float, unit: str, where: str) -> float:
-    found = units.to_si(value, unit, where)
-    if not found > 0:
-        raise InputError(where, [f"{value}: expected a number above 0 in {units.symbol(unit)}"])
-    return found
-
-
-def _between(value: str | float, unit: str, where: str, limits: tuple[float, float]) -> float:
-    found = _above_0(value, unit, where)
-    if not limits[0] <= found <= limits[1]:
-        low, high = (f"{limit:g} {unit}" for limit in limits)
-        raise InputError(where, [f"{value}: expected {low} to {high}"])
-    return found
-
-
-def _part(value: str | float, where: str) -> float:
-    found = units.to_si(value, "1", where)
-    if not 0 < found < 1:
-        raise InputError(where, [f"{value}: expected a part between 0 and 1, such as 0.01 or 1%"])
-    return found
-
-
 def _answered(
     chosen: Sequence[str],
     questions: Sequence[_Question],
@@ -294,51 +238,54 @@ def _answered(
 ) -> list[TuneResult]:
     """Answers from the cache, and from engines where it has none."""
     rows: dict[tuple[str, int], TuneResult] = {}
-    open_ones = []
+    inquiries, places = [], []
     for name in chosen:
         for i, question in enumerate(questions):
-            row = _from_cache(name, question.request)
-            if row is None:
-                open_ones.append((Inquiry(name, StatementQuestion(question.request)), i))
-            else:
-                rows[name, i] = replace(row, about=question.about, notes=question.notes)
-    jobs = [job for job, _ in open_ones]
-    answers = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
-    for found, (job, i) in zip(answers, open_ones, strict=True):
-        row, question = _row(found, questions[i].request), questions[i]
-        rows[job.engine, i] = replace(row, about=question.about, notes=question.notes)
+            row = _from_cache(name, question)
+            if row is not None:
+                rows[name, i] = row
+                continue
+            inquiries.append(Inquiry(name, StatementQuestion(question.request)))
+            places.append((name, i))
+    replies = run_jobs(inquiries, time_limit_s=time_limit_s, progress=progress)
+    for reply, (name, i) in zip(replies, places, strict=True):
+        rows[name, i] = _result(
+            questions[i], name, reply.version, reply.status, reply.reason, reply.value
+        )
     return [rows[name, i] for i in range(len(questions)) for name in chosen]
 
 
-def _from_cache(name: str, request: Request) -> TuneResult | None:
+def _from_cache(name: str, question: _Question) -> TuneResult | None:
     try:
         backend = engines.get(name)
         version = backend.version()
-        statement = StatementQuestion(request).known(backend)
+        statement = StatementQuestion(question.request).known(backend)
     except (EngineMissing, EngineBroken):  # the row says so
         return None
     except CannotCalibrate as error:
-        return TuneResult(name, version, request, UNSUPPORTED, str(error))
+        return _result(question, name, version, UNSUPPORTED, str(error))
     if statement is None:
         return None
-    return _with_snippet(backend, TuneResult(name, version, request, OK, None, statement))
+    return _result(question, name, version, OK, None, statement)
 
 
-def _row(found: Reply[Statement], request: Request) -> TuneResult:
-    row = TuneResult(
-        found.job.engine, found.version, request, found.status, found.reason, found.value
-    )
-    if found.status != OK:
-        return row
-    return _with_snippet(engines.get(found.job.engine), row)
+def _result(
+    question: _Question,
+    name: str,
+    version: str | None,
+    status: str,
+    reason: str | None = None,
+    statement: Statement | None = None,
+) -> TuneResult:
+    snippet = "" if statement is None else _snippet(name, question.request, statement)
+    return TuneResult(
+        name, version, question.request, status, reason, statement, snippet, question.about,
+        question.notes,
+    )  # fmt: skip
 
 
-def _with_snippet(backend: Backend, row: TuneResult) -> TuneResult:
-    """The row with the lines to copy, where the engine has some for all that is set."""
-    found, request = row.statement, row.request
-    template = getattr(backend, "snippet", "") if request.level == TUNED else ""
-    if found is None or not template:
-        return row
-    typed = {one.parameter: one.value for one in found.typed}
-    snippet = template.format(*found.numbers, step_s=request.step_s, typed=typed)
-    return replace(row, snippet=snippet)
+def _snippet(name: str, request: Request, statement: Statement) -> str:
+    """The lines to copy, where the engine has some for all that is set."""
+    template = getattr(engines.get(name), "snippet", "") if request.level == TUNED else ""
+    typed = {one.parameter: one.value for one in statement.typed}
+    return str(template).format(*statement.numbers, step_s=request.step_s, typed=typed)
