@@ -319,7 +319,7 @@ def test_the_command_prints_parameters_and_what_was_held_out(swings, tmp_path, c
     page = written.with_name("report.html").read_text(encoding="utf-8")
     assert "What engines then show" in page
     assert "Values of the stretches that were held out" in page
-    assert "simcompare fit pendulum --recording" in page
+    assert "simcompare fit pendulum --engine" in page
 
 
 def test_json_has_the_record(swings, tmp_path, call):

@@ -55,6 +55,7 @@ from simcompare.running.runner import TIME_LIMIT_S, Progress
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs import fit_waveforms, levels
+from simcompare.verbs.request import FitRequest
 
 
 def fit(
@@ -107,6 +108,11 @@ def fit(
     Raises:
         InputError: every fault of the request or of a recording.
     """
+    request = FitRequest(
+        scenario=scenario, recordings=tuple(recordings), hold_out=tuple(hold_out), engine=engine,
+        model=model, unknowns=tuple(unknowns), fixed=fixed, priors=priors, u_time_s=u_time_s,
+        set=set, preset=preset, mapping=mapping, step=step, assist=assist,
+    )  # fmt: skip
     chosen = engines.select(engine)
     file = catalogue.load(scenario)
     if not recordings:
@@ -120,11 +126,10 @@ def fit(
     if file.fit.by == WAVEFORM:
         only = {"--prior": priors, "--model": model != "auto", "--u-time": u_time_s is not None,
                 "--assist": assist not in (None, ALL)}  # fmt: skip
+        set_by_user = fit_waveforms.given_of(file, preset, fixed or {}, set or {}, only)
         done = fit_waveforms.fit_waveform(
-            file, recordings=recordings, hold_out=hold_out, engine=engine, unknowns=unknowns,
-            given=fit_waveforms.given_of(file, preset, fixed or {}, set or {}, only),
-            mapping=mapping, step=step, time_limit_s=time_limit_s, progress=progress,
-        )  # fmt: skip
+            file, request, set_by_user, time_limit_s=time_limit_s, progress=progress
+        )
         return _saved(done, out)
     helps = levels.chosen_helps(NONE if assist is None else assist, engine)
     given = given_of(file, set, preset)
@@ -149,23 +154,13 @@ def fit(
         raise InputError("--unknown", [*words, "leave it out, or --fix what it mixes with"])
     how = _How(chosen, helps, step_s, time_limit_s, progress)
     start, found, predicted, wanted = _engines(roles, choice, drops, held, asked, how)
-    command = ["simcompare", "fit", scenario, "--engine", engine, "--model", model]
-    for option, values in (
-        ("--recording", recordings), ("--hold-out", hold_out), ("--preset", [preset]),
-        ("--unknown", [",".join(unknowns)]), ("--map", [mapping]), ("--step", [step]),
-        ("--u-time", [u_time_s and f"{u_time_s!r}s"]), ("--assist", [assist and how.assist]),
-        ("--fix", [f"{name}={value}" for name, value in (fixed or {}).items()]),
-        ("--prior", [f"{name}={value!r}:{u!r}" for name, (value, u) in (priors or {}).items()]),
-        ("--set", [f"{name}={value}" for name, value in (set or {}).items()]),
-    ):  # fmt: skip
-        command += [word for value in values if value for word in (option, str(value))]
     scene = file.resolve(roles.values(start.problem.values(start.x, 0)), step_s=step_s)
     found_fit = records.of_fit(
         roles, choice, start, found, predicted, (drops, held),
         records.Made(TUNED if how.tuned else ASSISTED, how.assist, wanted, scene),
     )  # fmt: skip
     told_of = {
-        "engines_asked": engine, "scenario_asked": scenario, "command": tuple(command),
+        "engines_asked": engine, "scenario_asked": scenario, "command": request.command(),
         "recording_asked": tuple(map(str, recordings)),
     }  # fmt: skip
     return _saved(_gather(file, answer.worded(finite(found_fit)), found, told_of, scene), out)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
 
 from simcompare import units
 from simcompare.compare.comparison import INFO, Score
@@ -27,6 +25,7 @@ from simcompare.results.records.fit_waveforms import WaveHoldout
 from simcompare.results.run import Run, Stored
 from simcompare.running.runner import TIME_LIMIT_S, Progress
 from simcompare.scenarios.scenario_file import ScenarioFile
+from simcompare.verbs.request import FitRequest
 
 #: mode under which fitted engines are recorded, and what measured signals are stored under
 MEASURED = "measured"
@@ -34,14 +33,9 @@ MEASURED = "measured"
 
 def fit_waveform(
     file: ScenarioFile,
+    request: FitRequest,
+    given: Mapping[str, float],
     *,
-    recordings: Sequence[str | Path],
-    hold_out: Sequence[str | Path] = (),
-    engine: str = "all",
-    unknowns: Sequence[str] = (),
-    given: Mapping[str, float] | None = None,
-    mapping: str | Path | None = None,
-    step: str | float | None = None,
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
 ) -> Run:
@@ -49,55 +43,33 @@ def fit_waveform(
 
     Args:
         file: a scenario that can be fitted by waveform.
-        recordings: logs, stored recordings, or public data sets that are fitted.
-        hold_out: the same, which are not fitted but predicted.
-        engine: ``"all"`` or names with commas.
-        unknowns: what is sought; what the recording's plan calibrates, or all that the scenario
-            names, where empty.
-        given: parameters that the user sets; they are not sought.
-        mapping: mapping file for the logs.
-        step: time between samples.
+        request: what the user asked for; without unknowns that are named, those that the
+            recording's plan calibrates, or all that the scenario names.
+        given: parameters that the user sets; they are not fitted.
         time_limit_s: longest time for one simulation [s].
         progress: called as jobs end.
 
     Returns:
-        The run; ``record["fit"]`` holds what was found.
+        The run; ``record.fit`` holds what was found.
 
     Raises:
         InputError: every fault of the request or of a recording.
     """
-    chosen = engines.select(engine)
+    chosen = engines.select(request.engine)
     model = model_of(file)
     if model.reference is None:
         raise InputError(file.name, ["has no reference.py, so its parameters cannot be fitted"])
-    step_s = None if step is None else units.to_si(step, "s", "--step")
+    step_s = None if request.step is None else units.to_si(request.step, "s", "--step")
     setup = prepare(
-        file, [str(name) for name in recordings], [str(name) for name in hold_out],
-        unknowns=unknowns, given=given or {}, mapping=mapping,
+        file, list(map(str, request.recordings)), list(map(str, request.hold_out)),
+        unknowns=request.unknowns, given=given, mapping=request.mapping,
     )  # fmt: skip
     fitted = fit_reference(model, setup)
     found = fit_engines(
         model, setup, fitted, chosen, step_s=step_s, time_limit_s=time_limit_s, progress=progress
     )
     predicted = holdout.predict(model, setup, fitted, found, step_s)
-    words = ["simcompare", "fit", file.name]
-    words += [word for name in recordings for word in ("--recording", str(name))]
-    words += [word for name in hold_out for word in ("--hold-out", str(name))]
-    words += ["--engine", engine] + (["--unknown", ",".join(unknowns)] if unknowns else [])
-    words += [w for name, value in (given or {}).items() for w in ("--set", f"{name}={value}")]
-    words += ["--map", str(mapping)] if mapping is not None else []
-    words += ["--step", str(step)] if step is not None else []
-    asked = _Asked(engine, tuple(map(str, recordings)), words)
-    return _gather(model, setup, fitted, found, predicted, given or {}, step_s, asked)
-
-
-@dataclass(frozen=True)
-class _Asked:
-    """What the user asked for: engines, recordings, and the words to ask for it again."""
-
-    engine: str
-    recordings: tuple[str, ...]
-    command: Sequence[str]
+    return _gather(model, setup, fitted, found, predicted, given, step_s, request)
 
 
 def given_of(
@@ -134,7 +106,7 @@ def _gather(
     predicted: WaveHoldout,
     given: Mapping[str, float],
     step_s: float | None,
-    asked: _Asked,
+    request: FitRequest,
 ) -> Run:
     sources = [run_record.of_source(one.engine, FITTED, one.outcomes) for one in found]
     best = fitted.estimate.as_dict()
@@ -149,8 +121,8 @@ def _gather(
     ]  # fmt: skip
     record = run_record.of_run(
         FitRecord, model.file, [scene], TRUTH, sources, scores, fit=fit,
-        engines_asked=asked.engine, scenario_asked=model.file.name,
-        recording_asked=tuple(asked.recordings), command=tuple(asked.command),
+        engines_asked=request.engine, scenario_asked=request.scenario,
+        recording_asked=tuple(map(str, request.recordings)), command=request.command(),
     )  # fmt: skip
     return Run(record, tuple(_stored(model, setup, fitted, found, step_s)))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, NamedTuple, get_type_hints
@@ -89,7 +89,7 @@ class FitRequest(Request):
     u_time_s: Annotated[float | None, Option("--u-time", unit="s")] = None
     preset: Annotated[str | None, Option("--preset")] = None
     mapping: Annotated[Place | None, Option("--map")] = None
-    assist: Annotated[str | None, Option("--assist")] = None
+    assist: Annotated[str | Sequence[str] | None, Option("--assist", commas=True)] = None
 
 
 @dataclass(frozen=True, kw_only=True)
