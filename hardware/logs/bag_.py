@@ -11,7 +11,7 @@ from pathlib import Path
 from simcompare.errors import InputError
 from simcompare.hardware.logs.bags import folder, mcap, reader, ros1, sqlite
 from simcompare.hardware.logs.bags.container import Connection, State
-from simcompare.hardware.logs.bags.stream import Finished, finish
+from simcompare.hardware.logs.bags.stream import finish
 from simcompare.hardware.logs.bags.topic import EPOCH_NS, Topic
 from simcompare.hardware.mapping import Mapping
 from simcompare.hardware.raw import Head, RawLog
@@ -66,29 +66,25 @@ def read(path: Path, mapping: Mapping) -> RawLog:
 
 
 def _log(path: Path, state: State, topics: dict[Key, Topic]) -> RawLog:
-    done = [finish(topic, name, _missing(state, topic)) for name, topic in _named(topics)]
-    ignored = {name: why for one in done for name, why in one.ignored.items()}
+    log = RawLog([], repairs=_damaged(state), about=dict(state.about))
+    for topic, name in _named(topics):
+        finish(topic, name, _missing(state, topic), log)
     silent = {c.topic for c in state.connections} - {key[0] for key in topics}
-    ignored |= {_name(topic): "holds no messages" for topic in sorted(silent)}
-    log = RawLog(
-        [stream for one in done for stream in one.streams],
-        repairs=[*_damaged(state), *(repair for one in done for repair in one.repairs)],
-        ignored=ignored,
-        about={key: text for key, text in _about(state, done).items() if text},
-    )
+    log.ignored |= {_name(topic): "holds no messages" for topic in sorted(silent)}
+    log.about = {key: text for key, text in log.about.items() if text}
     if not log.streams:
         raise InputError(str(path), _reasons(state, log))
     return log
 
 
-def _named(topics: dict[Key, Topic]) -> list[tuple[str, Topic]]:
+def _named(topics: dict[Key, Topic]) -> list[tuple[Topic, str]]:
     """Every topic with its name; the type is in it where a topic has several."""
     names = [_name(key[0]) for key in topics]
     unique = [
         name if names.count(name) == 1 else f"{name}:{key[1]}"
         for name, key in zip(names, topics, strict=True)
     ]
-    return list(zip(unique, topics.values(), strict=True))
+    return list(zip(topics.values(), unique, strict=True))
 
 
 def _name(topic: str) -> str:
@@ -113,13 +109,6 @@ def _damaged(state: State) -> list[Repair]:
             Repair("damaged_record", WARNING, f"{more} more records are damaged", count=more)
         )
     return shown
-
-
-def _about(state: State, done: list[Finished]) -> dict[str, str]:
-    about = dict(state.about)
-    for one in done:
-        about |= one.about
-    return about
 
 
 def _reasons(state: State, log: RawLog) -> list[str]:

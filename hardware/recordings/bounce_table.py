@@ -15,7 +15,6 @@ u = half-width/√3 (JCGM 100:2008, 4.3.7).
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import math
 import re
@@ -25,6 +24,7 @@ from pathlib import Path
 
 from simcompare import units
 from simcompare.errors import InputError, UnknownName
+from simcompare.hardware.logs.text.sniff import split
 
 _MAX_HEADING = 100
 FACTS_FOLDER = Path(__file__).parent
@@ -164,12 +164,12 @@ def _quantities(
         return []
     number, header = body[0]
     separator = max(",;\t", key=header.count)
-    columns = _columns(number, _cells(header, separator), known, faults)
+    columns = _columns(number, split(header, separator), known, faults)
     if faults:
         return []
     quantities: list[Quantity] = []
     for counted, (row_number, line) in enumerate(body[1:], start=1):
-        cells = _cells(line, separator)
+        cells = split(line, separator)
         if len(cells) == len(columns):
             comma = separator != ","  # then a comma within a number can only be the decimal one
             quantities += _row(row_number, cells, columns, faults, counted, decimal_comma=comma)
@@ -178,14 +178,6 @@ def _quantities(
                 f"line {row_number}: {len(cells)} cells but the header has {len(columns)} columns"
             )
     return quantities
-
-
-def _cells(line: str, separator: str) -> list[str]:
-    """Cells of one line; a line that the csv module refuses is one cell, and so a fault."""
-    try:
-        return next(csv.reader([line], delimiter=separator), [""])
-    except csv.Error:
-        return [line[:40]]
 
 
 def _columns(

@@ -2,62 +2,43 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.hardware.logs.bags.layout import Number
 from simcompare.hardware.logs.bags.topic import EPOCH_NS, Table, Topic
 from simcompare.hardware.logs.binary.arrays import iso_ns
-from simcompare.hardware.raw import MAX_ROWS, RawColumn, RawStream
+from simcompare.hardware.raw import MAX_ROWS, RawColumn, RawLog, RawStream
 from simcompare.model.recording import INFO, WARNING, Clock, Repair, ranges
 from simcompare.model.trajectory import Array
 
 STAMP, RECEIVED, COUNTER = "header.stamp", "bag receive time", "header.seq"
 
 
-@dataclass
-class Finished:
-    """What became of a topic.
-
-    Attributes:
-        streams: one for each frame.
-        repairs: what was noticed.
-        ignored: name -> why it was left out.
-        about: what is known of it besides.
-    """
-
-    streams: list[RawStream] = field(default_factory=list)
-    repairs: list[Repair] = field(default_factory=list)
-    ignored: dict[str, str] = field(default_factory=dict)
-    about: dict[str, str] = field(default_factory=dict)
-
-
-def finish(topic: Topic, name: str, truncated: str) -> Finished:
-    """Streams of a topic all of whose messages were taken.
+def finish(topic: Topic, name: str, truncated: str, log: RawLog) -> None:
+    """Adds the streams of a topic all of whose messages were taken, one for each frame.
 
     Args:
         topic: the topic.
         name: what its stream is called.
         truncated: what is missing at the end of the bag.
+        log: what they are added to.
     """
     topic.flush()
-    done = Finished()
     if topic.refused or not topic.tables:
         reason = topic.refused or (topic.broken[0][1] if topic.broken else "holds no messages")
-        done.ignored[name] = f"{topic.connection.kind}: {reason}"
+        log.ignored[name] = f"{topic.connection.kind}: {reason}"
         if topic.broken or (topic.refused and topic.connection.schema and not topic.defined):
             text = f"no message of the topic {name} can be read: {reason}"
-            done.repairs.append(Repair("topic_lost", WARNING, text, name, count=topic.count))
-        return done
+            log.repairs.append(Repair("topic_lost", WARNING, text, name, count=topic.count))
+        return
     for table in topic.tables.values():
         frames = "".join(f"[{key}]" for key in (table.frame, table.child) if key)
         full = f"{name}{frames}" if len(topic.tables) > 1 else name
-        _Stream(topic, table, full, truncated, done).make()
+        _Stream(topic, table, full, truncated, log).make()
     if topic.broken:
         rows = [number for number, _ in topic.broken]
-        done.repairs.append(
+        log.repairs.append(
             Repair(
                 "undecodable_message", WARNING,
                 f"{len(rows)} messages do not fit their definition and were left out;"
@@ -69,17 +50,14 @@ def finish(topic: Topic, name: str, truncated: str) -> Finished:
         text = (
             f"the bag does not define {topic.connection.kind}; ROS 2 {topic.source} does, and fits"
         )
-        done.repairs.append(Repair("shipped_definition", INFO, text, name))
-    return done
+        log.repairs.append(Repair("shipped_definition", INFO, text, name))
 
 
 class _Stream:
     """One table on its way to a raw stream."""
 
-    def __init__(
-        self, topic: Topic, table: Table, name: str, truncated: str, done: Finished
-    ) -> None:
-        self.topic, self.table, self.name, self.done = topic, table, name, done
+    def __init__(self, topic: Topic, table: Table, name: str, truncated: str, log: RawLog) -> None:
+        self.topic, self.table, self.name, self.log = topic, table, name, log
         number, self.received, self.stamps, *values = table.spool.columns()
         self.count = len(number)
         self.numbers = list(table.numbers.values())
@@ -89,7 +67,7 @@ class _Stream:
         self.columns: dict[str, RawColumn] = {}
 
     def make(self) -> None:
-        """Adds the stream to what is done, or says why there is none."""
+        """Adds the stream to the log, or says why there is none."""
         for number in self.numbers:
             if not number.of:
                 frame = self.table.child if number.child else self.table.frame
@@ -101,27 +79,27 @@ class _Stream:
         self._limits()
         counter = self._counter()
         for path, why in self.table.skipped.items():
-            self.done.ignored[f"{self.name}/{path}"] = why
+            self.log.ignored[f"{self.name}/{path}"] = why
         for path, why in self.table.notes.items():
             severity = WARNING if "rounded" in why else INFO
             self._note("number_kept", f"{path} {why}", severity, path)
         if self.count < 2 or not set(self.columns) - {COUNTER}:
             one = "holds a single message; a recording needs two"
             none = "holds no numbers"
-            self.done.ignored[self.name] = one if self.count < 2 else none
+            self.log.ignored[self.name] = one if self.count < 2 else none
             return
         time, clock = self._clock()
         stream = RawStream(
             self.name, [time, *self.columns.values()], time.name, counter=counter, clock=clock,
             row_word="message", first_row=self.first_row, rows=self.rows, truncated=self.truncated,
         )  # fmt: skip
-        self.done.streams.append(stream)
+        self.log.streams.append(stream)
 
     def _note(self, rule: str, text: str, severity: str, channel: str = "", rows=None) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001
         indices = np.asarray([] if rows is None else rows, dtype=np.int64)
         shown = indices[:MAX_ROWS]
         numbers = shown + self.first_row if self.rows is None else self.rows[shown]
-        self.done.repairs.append(
+        self.log.repairs.append(
             Repair(rule, severity, text, self.name, channel, ranges(numbers), len(indices))
         )
 
@@ -143,7 +121,7 @@ class _Stream:
         origin = (self.table.origin_ns or 0) - self.topic.origin_ns
         delay = self.received - self.stamps - origin * 1e-9
         mean, spread = float(delay.mean()), float(delay.std())
-        self.done.about[f"{self.name}: receipt after header.stamp"] = (
+        self.log.about[f"{self.name}: receipt after header.stamp"] = (
             f"{mean:.6g} s, standard deviation {spread:.3g} s"
         )
 
@@ -155,7 +133,7 @@ class _Stream:
         low, high = _extremes(column.values)
         if low == high or len(self.topic.publishers) > 1 or len(self.topic.tables) > 1:
             del self.columns[COUNTER]
-            self.done.ignored[f"{self.name}/{COUNTER}"] = (
+            self.log.ignored[f"{self.name}/{COUNTER}"] = (
                 "is always the same" if low == high else "counts several publishers or frames"
             )
             return None
@@ -178,7 +156,7 @@ class _Stream:
         if low == same_low and high == same_high and low < high:
             wanted.limits = (low, high)
             del self.columns["min_range"], self.columns["max_range"]
-            self.done.ignored[f"{self.name}/min_range, max_range"] = (
+            self.log.ignored[f"{self.name}/min_range, max_range"] = (
                 f"are always {low:.6g} m and {high:.6g} m: the limits of range"
             )
 
@@ -207,7 +185,7 @@ class _Stream:
         for name in targets:
             if len(absent) == self.count:
                 del self.columns[name]
-                self.done.ignored[f"{self.name}/{name}"] = f"{path}[0] is -1: it is not measured"
+                self.log.ignored[f"{self.name}/{name}"] = f"{path}[0] is -1: it is not measured"
             else:
                 self.columns[name].values[absent] = np.nan
                 text = f"{path}[0] is -1: nothing was measured there (NaN)"
