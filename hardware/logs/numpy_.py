@@ -68,10 +68,7 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     if ragged is not None:
         log.streams = _items(content, *ragged, log)
     else:
-        try:
-            log.streams = _streams(content, log)
-        except _Ambiguous as reason:
-            raise InputError(str(path), [str(reason)]) from None
+        log.streams = _streams(path, content, log)
     if not log.streams:
         reasons = [f"array {name}: {why}" for name, why in log.ignored.items()]
         raise InputError(str(path), reasons or ["holds no array of numbers"])
@@ -129,10 +126,6 @@ def _take(
         return
     count = 0 if _refusal(shape, dtype) else math.prod(shape)
     _place(name, shape, fortran, _numbers(file, dtype, count), content, log, faults)
-
-
-class _Ambiguous(Exception):
-    """An array whose axes cannot be told apart."""
 
 
 def _header(file: BinaryIO) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
@@ -273,11 +266,11 @@ def _items(
     return streams
 
 
-def _streams(content: dict[str, _Array], log: RawLog) -> list[RawStream]:
+def _streams(path: Path, content: dict[str, _Array], log: RawLog) -> list[RawStream]:
     """One stream for each number of samples."""
     groups: dict[int, list[_Array]] = {}
     for one in content.values():
-        groups.setdefault(len(_turned(one, content).values), []).append(one)
+        groups.setdefault(len(_turned(path, one, content).values), []).append(one)
     longest = max(groups, default=0)
     kept = []
     for samples, members in groups.items():
@@ -293,11 +286,11 @@ def _streams(content: dict[str, _Array], log: RawLog) -> list[RawStream]:
     return [_stream(members, log, single=len(kept) == 1) for members in kept]
 
 
-def _turned(one: _Array, content: dict[str, _Array]) -> _Array:
+def _turned(path: Path, one: _Array, content: dict[str, _Array]) -> _Array:
     """An array with its samples as rows; whether they are is told by its shape or its neighbours.
 
     Raises:
-        _Ambiguous: neither tells.
+        InputError: neither tells.
     """
     if len(one.shape) == 1 or one.shape[0] > one.shape[1]:
         return one
@@ -305,7 +298,7 @@ def _turned(one: _Array, content: dict[str, _Array]) -> _Array:
     if one.shape[0] in others:
         return one
     if one.shape[1] not in others:
-        raise _Ambiguous(arrays.ambiguous(f"array {one.name}", one.shape))
+        raise InputError(str(path), [arrays.ambiguous(f"array {one.name}", one.shape)])
     one.values, one.shape = one.values.T, one.shape[::-1]
     return one
 

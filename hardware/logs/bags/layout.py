@@ -10,6 +10,7 @@ as long.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -134,6 +135,37 @@ def layout_of(types: Types, kind: str, data: bytes, encoding: str) -> Layout:
     return walk.layout
 
 
+@dataclass(frozen=True)
+class _Field:
+    """A field of a message while it is gone through.
+
+    Attributes:
+        owner: type that it is a field of.
+        name: its name there.
+        path: its full name in the message.
+        unit: of all that is in it.
+        child: whether it is given in ``child_frame_id``.
+        depth: types around it.
+    """
+
+    owner: str
+    name: str
+    path: str
+    unit: str
+    child: bool
+    depth: int
+
+    @property
+    def beside(self) -> str:
+        """How the names of its neighbours begin."""
+        return self.path.removesuffix(self.name)
+
+    @property
+    def infinite(self) -> bool:
+        """Whether ±infinity means "out of range" in it."""
+        return (self.owner, self.name) in OUT_OF_RANGE
+
+
 class _Walk:
     """Goes through one message, field by field."""
 
@@ -170,66 +202,62 @@ class _Walk:
                 continue
             full = f"{path}.{name}" if path else name
             inside = child or (kind, name) in IN_CHILD_FRAME
-            self._field(kind, name, full, description, unit_of(kind, name, unit), inside, depth)
+            part = _Field(kind, name, full, unit_of(kind, name, unit), inside, depth)
+            self._field(part, *description)
 
-    def _field(self, kind, name, path, description, unit, child, depth) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001
-        form, what = description
+    def _field(self, field: _Field, form: int, what: Any) -> None:  # noqa: ANN401  (as rosbags describes it)
         if form == NAME:
-            self.struct(what, path, unit, child, depth + 1)
+            self.struct(what, field.path, field.unit, field.child, field.depth + 1)
         elif form == BASE:
-            self._single(kind, name, path, what[0], unit, child)
+            self._single(field, what[0])
         else:
             (inner, element), count = what
             fixed = form == ARRAY
             if not fixed:
                 count = self._count()
             if inner == NAME:
-                self._structs(element, path, count, unit, child, depth)
+                self._structs(field, element, count)
             elif element[0] in ("string", "wstring"):
-                self.names[path] = [self._text() for _ in range(self._limited(count))]
+                self.names[field.path] = [self._text() for _ in range(self._limited(count))]
             else:
-                self._array(kind, name, path, element[0], count, unit, child, fixed)
+                self._array(field, element[0], count, fixed)
 
-    def _single(self, kind: str, name: str, path: str, base: str, unit: str, child: bool) -> None:
+    def _single(self, field: _Field, base: str) -> None:
         if base == "string":
-            self.layout.texts[path] = self._text()
+            self.layout.texts[field.path] = self._text()
             return
-        dtype = self._dtype(base, path)
+        dtype = self._dtype(base, field.path)
         at = self._take(np.dtype(dtype).itemsize, np.dtype(dtype).itemsize)
-        beside = path[: len(path) - len(name)]
-        of = VARIANCES.get((kind, name), "")
-        infinite = (kind, name) in OUT_OF_RANGE
-        unit = "1" if base == "bool" and not unit else unit
+        of = VARIANCES.get((field.owner, field.name), "")
+        unit = "1" if base == "bool" and not field.unit else field.unit
+        of = field.beside + of if of else ""
         self.layout.numbers.append(
-            Number(path, at, dtype, unit, child, infinite, beside + of if of else "")
+            Number(field.path, at, dtype, unit, field.child, field.infinite, of)
         )
 
-    def _array(self, kind, name, path, base, count, unit, child, fixed) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001
+    def _array(self, field: _Field, base: str, count: int, fixed: bool) -> None:
+        path = field.path
         dtype = self._dtype(base, path)
         size = np.dtype(dtype).itemsize
         at = self._take(size * count, size) if count or fixed else self.at
-        if (kind, name) in COVARIANCES:
-            self._covariance(
-                path[: len(path) - len(name)], path, COVARIANCES[kind, name], at, dtype
-            )
+        if (field.owner, field.name) in COVARIANCES:
+            self._covariance(field, at, dtype)
             return
         self.arrays[path] = (at, dtype, count)
         if count > MAX_COLUMNS:
             self.layout.skipped[path] = f"has {count} elements; at most {MAX_COLUMNS} are read"
             return
-        infinite = (kind, name) in OUT_OF_RANGE
-        for i in range(count):
-            self.layout.numbers.append(
-                Number(f"{path}.{i}", at + i * size, dtype, unit, child, infinite)
-            )
+        self.layout.numbers += [
+            Number(f"{path}.{i}", at + i * size, dtype, field.unit, field.child, field.infinite)
+            for i in range(count)
+        ]
 
-    def _covariance(
-        self, beside: str, path: str, parts: tuple[str, ...], at: int, dtype: str
-    ) -> None:
+    def _covariance(self, field: _Field, at: int, dtype: str) -> None:
         """Only the diagonal becomes columns, as the variance of what it belongs to."""
+        path, parts = field.path, COVARIANCES[field.owner, field.name]
         side, size = 3 * len(parts), np.dtype(dtype).itemsize
         for i in range(side):
-            of = f"{beside}{parts[i // 3]}"
+            of = f"{field.beside}{parts[i // 3]}"
             # a quaternion has four components, so its three variances stay together
             target = of if of.endswith("orientation") else f"{of}.{'xyz'[i % 3]}"
             self.layout.numbers.append(
@@ -238,14 +266,14 @@ class _Walk:
         cells = at + np.arange(side * side * size).reshape(-1, size)
         self.layout.off_diagonal[path] = cells[np.arange(side * side) % (side + 1) != 0].ravel()
 
-    def _structs(self, kind, path, count, unit, child, depth) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001
+    def _structs(self, field: _Field, kind: str, count: int) -> None:
         """Elements are gone through to find their end; only those of fixed types become columns."""
         before = len(self.layout.numbers)
         for i in range(self._limited(count)):
-            self.struct(kind, f"{path}.{i}", unit, child, depth + 1)
-        if path != "fields" and count:
+            self.struct(kind, f"{field.path}.{i}", field.unit, field.child, field.depth + 1)
+        if field.path != "fields" and count:
             del self.layout.numbers[before:]
-            self.layout.skipped[path] = f"is a list of {kind}"
+            self.layout.skipped[field.path] = f"is a list of {kind}"
 
     def _time(self, kind: str, path: str) -> None:
         at = self._take(8, 4)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -95,8 +97,15 @@ class _Stream:
         )  # fmt: skip
         self.log.streams.append(stream)
 
-    def _note(self, rule: str, text: str, severity: str, channel: str = "", rows=None) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001
-        indices = np.asarray([] if rows is None else rows, dtype=np.int64)
+    def _note(
+        self,
+        rule: str,
+        text: str,
+        severity: str,
+        channel: str = "",
+        rows: Sequence[int] | NDArray[np.int64] = (),
+    ) -> None:
+        indices = np.asarray(rows, dtype=np.int64)
         shown = indices[:MAX_ROWS]
         numbers = shown + self.first_row if self.rows is None else self.rows[shown]
         self.log.repairs.append(
