@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.hardware.logs.bags.container import Connection
-from simcompare.hardware.logs.bags.layout import Layout, Misfit, Number, TooMuch, layout_of, pick
+from simcompare.hardware.logs.bags.layout import Layout, Misfit, Number, TooMuch, pick
 from simcompare.hardware.logs.bags.types import NOT_MEASURED, NotDefined, Types, definitions
+from simcompare.hardware.logs.bags.walk import layout_of
 from simcompare.hardware.raw import Spool, blocks
 from simcompare.model.trajectory import Array
 
