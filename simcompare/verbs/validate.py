@@ -11,10 +11,9 @@ from simcompare.engine import engines
 from simcompare.errors import UnknownName
 from simcompare.inference import plan as plans
 from simcompare.inference import sources
-from simcompare.inference.estimate import Estimate, estimate
+from simcompare.inference.calibration import calibrated
 from simcompare.inference.evaluated import Evaluated, evaluate
-from simcompare.inference.plan import Plan
-from simcompare.inference.reference_model import Model, model_of
+from simcompare.inference.reference_model import model_of
 from simcompare.inference.segment_reader import segments_of
 from simcompare.inference.segments import as_trajectory
 from simcompare.inference.simulated import BEST, NOMINAL, Engine, simulate
@@ -85,7 +84,7 @@ def validate(
         store.check_writable(Path(out))
     model = model_of(file)
     segments = segments_of(file, plan, source.recording, streams or plan.streams, overrides)
-    fit = _fit(model, plan, source, overrides, mapping)
+    fit = calibrated(model, plan, source, overrides, mapping)
     evaluated = [evaluate(model, plan, segment, fit, step_s) for segment in segments]
     simulated = simulate(
         model, segments, None if fit is None else fit.as_dict(), chosen, contact=contact,
@@ -97,36 +96,6 @@ def validate(
     )  # fmt: skip
     done = _run_of(request, file, Compared(source, plan, fit, evaluated, simulated))
     return done if out is None else store.save(done, Path(out))
-
-
-def _fit(
-    model: Model,
-    plan: Plan,
-    source: sources.Source,
-    overrides: Mapping[str, float],
-    mapping: str | Path | None,
-) -> Estimate | None:
-    """The plan's parameters fitted to its streams; those that the user sets are not fitted."""
-    calibrate = plan.calibrate
-    names = [n for n in calibrate.parameters if n not in overrides] if calibrate is not None else []
-    if calibrate is None or not names:
-        return None
-    other = source
-    if calibrate.recording is not None:
-        other = sources.find(calibrate.recording, mapping=mapping)
-        # a log that has no plan of its own is read by that of the recording that is judged
-        if other.plans:
-            plan = plans.choose(other.plans, plan.scenario)
-        plans.checked(plan, model.file.resolve(), other.name)
-    segments = segments_of(
-        model.file, plan, other.recording, calibrate.streams, overrides, calibrate.most_s
-    )
-    probe = tuple(name for name, compared in plan.compare.items() if compared.judged)
-    fitted = {*names, *calibrate.nuisance}
-    known = {n: one.u for n, one in plan.parameters.items() if one.u > 0 and n not in fitted}
-    known = {n: u for n, u in known.items() if n not in overrides}
-    starts = [name for name in plan.start if name not in overrides]
-    return estimate(model, segments, probe, names, calibrate.nuisance, starts=starts, known=known)
 
 
 def _run_of(request: ValidateRequest, file: ScenarioFile, done: Compared) -> Run:
