@@ -55,10 +55,12 @@ def build(
     bits = scene.contacts.bits(scene.engine, 64) if scene.gives(COEFFICIENTS) else {}
     bodies = {}
     for name in scene.scenario.bodies:
-        told = box2d.shape_def(material=box2d.surface_material(**surfaces[name]))
+        definition = box2d.shape_def(material=box2d.surface_material(**surfaces[name]))
         if bits:
-            told.filter = box2d.make_filter(category_bits=bits[name][0], mask_bits=bits[name][1])
-        bodies[name] = _body(box2d, world, scene, name, told)
+            definition.filter = box2d.make_filter(
+                category_bits=bits[name][0], mask_bits=bits[name][1]
+            )
+        bodies[name] = _body(box2d, world, scene, name, definition)
     return world, bodies, {n: _joint(box2d, world, bodies, j, hertz) for n, j in joints.items()}
 
 
@@ -69,14 +71,14 @@ def rotation(box2d: Any, angle: float) -> Any:
     return found
 
 
-def _body(box2d: Any, world: Any, scene: Scene, name: str, told: Any) -> Any:
+def _body(box2d: Any, world: Any, scene: Scene, name: str, definition: Any) -> Any:
     body, kinds = scene.scenario.bodies[name], box2d.BodyType
     held = world.create_body(
         type=kinds.STATIC if body.fixed else kinds.DYNAMIC,
         position=planar(body.position_m),
         rotation=rotation(box2d, angle_of(body.orientation_wxyz)),
     )
-    held.create_shapes(told, [_shape(box2d, shape) for shape in scene.shapes[name]])
+    held.create_shapes(definition, [_shape(box2d, shape) for shape in scene.shapes[name]])
     if not body.fixed:  # else they would follow from the shapes
         inertia = box2d.MassData()
         inertia.mass, inertia.rotational_inertia = body.mass_kg, scene.moments(name)[1]

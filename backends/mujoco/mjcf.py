@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any
 from xml.etree import ElementTree as ET
 
 from simcompare.backends.mujoco.variants import ELLIPTIC, VARIANTS, Choice
@@ -74,7 +73,7 @@ def _add_bodies(worldbody: ET.Element, scene: Scene) -> None:
                 diaginertia=_text(body.inertia_kg_m2 or ()),
             )  # fmt: skip
         for i, shape in enumerate(scene.shapes[name]):
-            ET.SubElement(element, "geom", name=geom_name(name, i), **_shape(shape))
+            ET.SubElement(element, "geom", {"name": geom_name(name, i), **_shape(shape)})
 
 
 def _add_joint(element: ET.Element, scene: Scene, joint: SceneJoint) -> None:
@@ -89,8 +88,8 @@ def _add_joint(element: ET.Element, scene: Scene, joint: SceneJoint) -> None:
             element, "joint", name=joint.name, type=joint.joint.type.replace("slider", "slide"),
             pos=_text(joint.mount.anchor_m), axis=_text(joint.mount.axis),
             stiffness=repr(own.stiffness), springref=repr(own.rest), damping=repr(own.damping),
-            frictionloss=repr(own.friction), armature=repr(own.armature), **_texts(friction),
-        )  # fmt: skip
+            frictionloss=repr(own.friction), armature=repr(own.armature),
+        ).attrib.update(_texts(friction))  # fmt: skip
 
 
 def _add_actuators(actuators: ET.Element, scene: Scene) -> None:
@@ -121,8 +120,8 @@ def _add_pairs(contacts: ET.Element, scene: Scene, pair: Pair) -> None:
     for name, (one, other) in pair_names(scene, pair).items():
         ET.SubElement(
             contacts, "pair", name=name, geom1=one, geom2=other, condim="3" if mu > 0 else "1",
-            friction=_text((mu, mu, 0.005, 0.0001, 0.0001)), **springs,
-        )  # fmt: skip
+            friction=_text((mu, mu, 0.005, 0.0001, 0.0001)),
+        ).attrib.update(springs)  # fmt: skip
 
 
 def springs_of(scene: Scene, pair: Pair) -> dict[str, tuple[float, ...]]:
@@ -150,7 +149,7 @@ def pair_names(scene: Scene, pair: Pair) -> dict[str, tuple[str, str]]:
     return {f"{one}-{other}": (one, other) for one in first for other in second}
 
 
-def _shape(shape: Shape) -> dict[str, Any]:
+def _shape(shape: Shape) -> dict[str, str]:
     # of all lengths but radii MuJoCo takes the half
     sizes = [size if name == "radius_m" else size / 2 for name, size in sizes_m(shape).items()]
     found = {"type": shape.type, "pos": _text(shape.position_m)}
@@ -168,5 +167,5 @@ def _text(values: Iterable[float]) -> str:
     return " ".join(repr(float(value)) for value in values)
 
 
-def _texts(values: Mapping[str, Iterable[float]]) -> dict[str, Any]:
+def _texts(values: Mapping[str, Iterable[float]]) -> dict[str, str]:
     return {name: _text(numbers) for name, numbers in values.items()}

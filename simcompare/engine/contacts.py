@@ -38,8 +38,8 @@ def touching_pairs(scenario: Scenario) -> list[Contact]:
     for (first, a), (second, b) in combinations(scenario.bodies.items(), 2):
         can_touch = a.shapes and b.shapes and not (a.fixed and b.fixed)
         pair = frozenset((first, second))
-        told = a.fixed or b.fixed or pair in named
-        if can_touch and told and pair not in jointed:
+        may_touch = a.fixed or b.fixed or pair in named
+        if can_touch and may_touch and pair not in jointed:
             found.append(scenario.contact_of(first, second))
     return found
 

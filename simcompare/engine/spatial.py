@@ -275,7 +275,7 @@ class SpatialSimulation(Simulation):
     def save(self) -> Saved:
         """A token of the present state, which also knows the turns of all joints."""
         saved = super().save()
-        turns = {name: link.seen for name, link in self._links.items()}
+        turns = {name: link.turned for name, link in self._links.items()}
         return dataclasses.replace(saved, snapshot=(saved.snapshot, turns, self._clock_s))
 
     def restore(self, saved: Saved) -> None:
@@ -284,7 +284,7 @@ class SpatialSimulation(Simulation):
         snapshot, turns, self._clock_s = saved.snapshot
         super().restore(dataclasses.replace(saved, snapshot=snapshot))
         for name, link in self._links.items():
-            link.seen = turns[name]
+            link.turned = turns[name]
 
     def snapshot(self) -> object:
         """Motion of all bodies; for engines that remember nothing else."""

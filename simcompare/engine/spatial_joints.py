@@ -33,7 +33,7 @@ class Link(ABC):
         child: name of the body that it carries.
         axis: unit axis in the child's frame.
         ground: motion of a parent that is fixed; ``None`` where it moves.
-        seen: how far a hinge had turned when it was last looked at.
+        turned: how far a hinge had turned when it was last looked at.
     """
 
     def __init__(self, joint: SceneJoint, parent: Body) -> None:
@@ -43,7 +43,7 @@ class Link(ABC):
         still = (0.0, 0.0, 0.0)
         placed = (parent.position_m, parent.orientation_wxyz)
         self.ground = BodyState(*placed, still, still) if parent.fixed else None
-        self.seen = Turned(0.0, joint.joint.rate)
+        self.turned = Turned(0.0, joint.joint.rate)
 
     @abstractmethod
     def look(self, parent: BodyState, child: BodyState, time_s: float) -> tuple[float, float]:
@@ -57,7 +57,7 @@ class Link(ABC):
 
     def begin(self, coordinate: float, rate: float) -> None:
         """Begins anew from a coordinate, which tells how many turns were made."""
-        self.seen = Turned(coordinate, rate)
+        self.turned = Turned(coordinate, rate)
 
 
 class Hinge(Link):
@@ -77,8 +77,8 @@ class Hinge(Link):
         )
         axis = turned(child.orientation_wxyz, self.axis)
         rate = dot(axis, minus(child.rate_rad_s, parent.rate_rad_s))
-        self.seen = self.seen.later(2 * math.atan2(sine, cosine), rate, time_s)
-        return self.seen.angle, rate
+        self.turned = self.turned.later(2 * math.atan2(sine, cosine), rate, time_s)
+        return self.turned.angle, rate
 
 
 class Slider(Link):

@@ -48,7 +48,7 @@ class Turns:
 
     def __init__(self) -> None:
         self._time_s = 0.0
-        self._seen: dict[str, Turned] = {}
+        self._turned: dict[str, Turned] = {}
 
     def passed(self, time_s: float) -> None:
         """Tells that the engine went on by a time."""
@@ -56,7 +56,7 @@ class Turns:
 
     def put(self, body: str, angle: float, rate: float) -> None:
         """Takes note of the angle that a body was put to, turns included."""
-        self._seen[body] = Turned(angle, rate, self._time_s)
+        self._turned[body] = Turned(angle, rate, self._time_s)
 
     def angle(self, body: str, within_a_turn: float, rate: float) -> float:
         """Angle of a body with all its turns; one that was put somewhere before.
@@ -66,5 +66,5 @@ class Turns:
             within_a_turn: its angle as the engine has it, less or more any number of turns.
             rate: its rate now.
         """
-        seen = self._seen[body] = self._seen[body].later(within_a_turn, rate, self._time_s)
-        return seen.angle
+        turned = self._turned[body] = self._turned[body].later(within_a_turn, rate, self._time_s)
+        return turned.angle

@@ -109,7 +109,8 @@ class Recoil:
         self.lag = 1 / (self._part * (1 - most))
         if self.lag > MAX_LAG:
             raise Unsupported(
-                f"{_told(rotors)} too large for an engine without it: {self._late('would lag')}"
+                f"{_armatures(rotors)} too large for an engine without it:"
+                f" {self._late('would lag')}"
             )
         #: steps in which it settles to a thousandth of a thousandth
         self.tries = math.ceil(14 * self.lag)
@@ -121,7 +122,7 @@ class Recoil:
     def notes(self) -> tuple[str, ...]:
         """What a run has to tell of it."""
         late = self.lag > NOTED_LAG
-        return (f"{_told(self.rotors)} large: {self._late('lags')}",) if late else ()
+        return (f"{_armatures(self.rotors)} large: {self._late('lags')}",) if late else ()
 
     def torques(self, motions: Sequence[Motion]) -> list[Torques]:
         """Torques of the next step for each rotor.
@@ -174,11 +175,11 @@ class Recoil:
 
 def note_without(rotors: Sequence[Rotor]) -> str:
     """What a run has to tell where recoil is not given."""
-    told = "part of the child's moment of inertia, and has no recoil on the parent"
-    return f"{_told(rotors)} {told}"
+    where = "part of the child's moment of inertia, and has no recoil on the parent"
+    return f"{_armatures(rotors)} {where}"
 
 
-def _told(rotors: Sequence[Rotor]) -> str:
+def _armatures(rotors: Sequence[Rotor]) -> str:
     return f"the armature of {', '.join(rotor.joint for rotor in rotors)} is"
 
 

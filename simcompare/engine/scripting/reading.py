@@ -79,8 +79,8 @@ def reading(
 
 def _columns(group: Group) -> dict[str, tuple[str, ...]]:
     columns = zip(*group.items.values(), strict=True)
-    told = zip(group.variables, columns, strict=True)
-    return {name: values for name, values in told if len(set(values)) > 1}
+    by_name = zip(group.variables, columns, strict=True)
+    return {name: values for name, values in by_name if len(set(values)) > 1}
 
 
 def _of_one(group: Group) -> tuple[list[str], list[str]]:
@@ -89,9 +89,9 @@ def _of_one(group: Group) -> tuple[list[str], list[str]]:
     varied = _columns(group)
     fixed = {n: text for n, text in zip(group.variables, first, strict=True) if n not in varied}
 
-    def told(text: str) -> str:
+    def filled_in(text: str) -> str:
         for name, source in fixed.items():
             text = re.sub(rf"\b{name}\b", lambda _, source=source: source, text)  # type: ignore[misc]
         return text
 
-    return [told(line) for line in group.reads], [told(text) for text in group.seen]
+    return [filled_in(line) for line in group.reads], [filled_in(text) for text in group.seen]

@@ -111,12 +111,12 @@ def _loop(
         args = []
         placed = names.get(statement.call.rpartition(".")[2], ())
         for j, arg in enumerate(statement.args or ()):
-            told = tuple((part[i].args or ())[j] for part in rounds)
-            if len(set(told)) == 1:
+            texts = tuple((part[i].args or ())[j] for part in rounds)
+            if len(set(texts)) == 1:
                 args.append(arg)
                 continue
             keyword = arg.partition("=")[0] if _named(arg) else ""
-            values = tuple(one.removeprefix(f"{keyword}=") if keyword else one for one in told)
+            values = tuple(one.removeprefix(f"{keyword}=") if keyword else one for one in texts)
             wanted = names.get(keyword, [keyword])[0] if keyword else ""
             wanted = wanted or (placed[j] if j < len(placed) else "item")
             name = unused(wanted, taken)

@@ -121,7 +121,7 @@ class Writer:
             assert isinstance(event.target, Attribute)
             placed += [event.target.owner, *event.args]
         named: dict[str, Any] = {}
-        told: list[tuple[str, Any]] = []
+        setters: list[tuple[str, Any]] = []
         owners = [event]
         for later in self.events:
             if not isinstance(later, Call) or not isinstance(later.target, Attribute):
@@ -138,11 +138,11 @@ class Writer:
                 continue
             self._inside.add(id(later))
             if not keyword:
-                told.append((name, later.args[0]))
+                setters.append((name, later.args[0]))
             elif not later.idle:
                 named[keyword] = later.args[0]
-        told.sort(key=lambda one: [*helper.order, one[0]].index(one[0]))
-        placed += [value for _, value in told]
+        setters.sort(key=lambda one: [*helper.order, one[0]].index(one[0]))
+        placed += [value for _, value in setters]
         self._folded[id(event)] = helper, placed, named
 
     def _need_all(self, event: Event) -> None:
