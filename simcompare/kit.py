@@ -4,7 +4,8 @@ Each name is explained in the module that it comes from; CONTRIBUTING.md leads t
 """
 
 from simcompare.engine.backend import EngineBackend, KnownLimit
-from simcompare.engine.contacts import Pair, Rule, combined, untouching_pairs
+from simcompare.engine.combination import Rule, combined
+from simcompare.engine.contacts import Pair, untouching_pairs
 from simcompare.engine.features import JOINTS_AND_FORCES, SPATIAL_RIGID_BODIES, Feature
 from simcompare.engine.helps import (
     CENTRED_EFFORTS,

@@ -8,18 +8,18 @@ from dataclasses import replace
 import pytest
 
 import simcompare
-from simcompare import notation
 from simcompare.characterization.behaviour import (
     BounceBehaviour,
     ForceBehaviour,
     FrictionBehaviour,
     JointBehaviour,
+    Spread,
 )
 from simcompare.characterization.force import CASES
 from simcompare.engine.calibration import cache
 from simcompare.model.plain import of_plain, plain
 from simcompare.model.settings import CONTACT_LEVELS
-from simcompare.reports.characterization import figures, findings, words
+from simcompare.reports.characterization import bounce_figures, findings, words
 from simcompare.reports.characterization import page as characterized
 from simcompare.reports.characterization import tables as characterized_tables
 from simcompare.reports.render import numbers, tables
@@ -267,7 +267,7 @@ def test_the_first_picture_shows_the_default_where_something_happens():
     others = [bounce_of("x", level) for level in ("coefficients", "tuned", "assisted")]
 
     def pictures(mean):
-        drawn = figures.of_bounce(record_of([bouncing_with("default", mean), *others]))
+        drawn = bounce_figures.of_bounce(record_of([bouncing_with("default", mean), *others]))
         return {figure.name: [panel.title for panel in figure.panels] for figure in drawn}
 
     known = ["Coefficients typed in", "Tuned", "With our helps"]
@@ -464,7 +464,6 @@ def test_the_command_says_what_could_not_be_asked_and_where_the_answers_lie(call
 
 
 def test_numbers_that_are_not_finite_are_none():
-    assert notation.finite({"a": math.inf, "b": [math.nan, 1]}) == {
-        "a": None,
-        "b": [None, 1],
-    }
+    found = plain(Spread(mean=math.inf, scatter=math.nan, bounced=1.0))
+    assert (found["mean"], found["scatter"], found["bounced"]) == (None, None, 1.0)
+    assert math.isnan(of_plain(Spread, found).mean)

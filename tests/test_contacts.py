@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from simcompare.engine.contacts import combined, per_body, plan_contacts, touching_pairs
+from simcompare.engine.combination import combined, per_body
+from simcompare.engine.contacts import plan_contacts, touching_pairs
 from simcompare.errors import Unsupported
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import TUNED, Settings

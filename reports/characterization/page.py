@@ -7,8 +7,8 @@ from pathlib import Path
 
 from simcompare.model.settings import CONTACT_LEVELS
 from simcompare.reports import builder
+from simcompare.reports.characterization import bounce_figures, tables
 from simcompare.reports.characterization import figures as characterized_figures
-from simcompare.reports.characterization import tables
 from simcompare.reports.render import output
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Block, Part, part_of
@@ -16,7 +16,7 @@ from simcompare.results.records.characterization import Characterization
 from simcompare.running.jobs import MISSING
 
 _FIGURES: Mapping[str, Callable[[Characterization], list[Figure]]] = {
-    "bounce": characterized_figures.of_bounce,
+    "bounce": bounce_figures.of_bounce,
     "friction": characterized_figures.of_friction,
     "joint": characterized_figures.of_joint,
     "force": characterized_figures.of_force,

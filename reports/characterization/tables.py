@@ -16,7 +16,7 @@ from simcompare.characterization.behaviour import (
 )
 from simcompare.characterization.bounce import BounceQuestion
 from simcompare.characterization.friction import LOAD
-from simcompare.reports.characterization.figures import LEVELS
+from simcompare.reports.characterization.curves import LEVELS
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Table, of_engines
 from simcompare.results.records.characterization import Characterization, Trial

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from simcompare.engine.clearance import reach_m
 from simcompare.engine.contacts import touching_pairs
-from simcompare.engine.helps.landing import reach_m
 from simcompare.model.rotations import matrix_of
 from simcompare.model.scenario import Body, Contact, Scenario
 from simcompare.model.settings import DropPlan

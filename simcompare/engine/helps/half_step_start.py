@@ -15,8 +15,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from simcompare.engine.clearance import starts_in_flight
 from simcompare.engine.contacts import touching_pairs
-from simcompare.engine.helps.landing import starts_in_flight
 from simcompare.engine.kinematics import add_children
 from simcompare.engine.planar_joints import angle_of
 from simcompare.engine.state import BodyState, State

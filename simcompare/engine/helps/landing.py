@@ -24,10 +24,9 @@ import numpy as np
 
 from simcompare.engine.contacts import touching_pairs
 from simcompare.errors import Unsupported
-from simcompare.model.rotations import matrix_of
-from simcompare.model.scenario import Body, Scenario
-from simcompare.model.shapes import Plane, Shape, Sphere, Vector
-from simcompare.model.trajectory import Array
+from simcompare.model.scenario import Scenario
+from simcompare.model.shapes import Plane, Sphere, Vector
+from simcompare.model.vectors import dot
 
 
 class Steppable(Protocol):
@@ -76,15 +75,15 @@ class Approach:
 
     def gap_m(self, position_m: Vector) -> float:
         """Distance of the sphere's surface from the plane [m]; negative when they overlap."""
-        return _dot(self.normal, position_m) - self.offset_m
+        return dot(self.normal, position_m) - self.offset_m
 
     def free_time_s(self, gap_m: float, velocity_m_s: Vector) -> float:
         """Lower bound of the time to contact [s] from a positive gap.
 
         Drag is bounded by its present value: it slows a rising ball and never speeds a falling one.
         """
-        closing = -_dot(self.normal, velocity_m_s)
-        speed_squared = _dot(velocity_m_s, velocity_m_s)
+        closing = -dot(self.normal, velocity_m_s)
+        speed_squared = dot(velocity_m_s, velocity_m_s)
         pull = max(self.gravity_m_s2, 0.0) + self.drag_per_m * speed_squared
         root = math.sqrt(closing * closing + 2 * pull * gap_m)
         if closing + root <= 0:
@@ -166,73 +165,11 @@ def _sphere_on_plane(scenario: Scenario, first: str, second: str) -> Approach | 
         return Approach(
             mover,
             normal,
-            _dot(normal, origin) + sphere.radius_m,
-            -_dot(normal, scenario.world.gravity_m_s2),
+            dot(normal, origin) + sphere.radius_m,
+            -dot(normal, scenario.world.gravity_m_s2),
             drag,
         )
     return None
-
-
-def starts_in_flight(scenario: Scenario) -> bool:
-    """Whether no body can touch another within the first engine steps: all are clear of planes."""
-    bodies = scenario.bodies
-    for contact in touching_pairs(scenario):
-        for mover, ground in (contact.pair, contact.pair[::-1]):
-            if bodies[mover].fixed:
-                continue
-            planes = [shape for shape in bodies[ground].shapes if isinstance(shape, Plane)]
-            if not bodies[ground].fixed or len(planes) < len(bodies[ground].shapes):
-                return False
-            if min(clearance_m(bodies[mover], bodies[ground], p) for p in planes) <= _first_path_m(
-                scenario, bodies[mover]
-            ):
-                return False
-    return not scenario.joints
-
-
-def clearance_m(body: Body, ground: Body, plane: Plane) -> float:
-    """Height of a body's lowest point above a plane at the start [m]."""
-    base = matrix_of(ground.orientation_wxyz)
-    normal = base @ plane.normal / math.hypot(*plane.normal)
-    origin = base @ plane.position_m + ground.position_m
-    turn = matrix_of(body.orientation_wxyz)
-    heights = [
-        normal @ (turn @ shape.position_m + body.position_m - origin)
-        - reach_m(shape, matrix_of(shape.orientation_wxyz).T @ turn.T @ normal)
-        for shape in body.shapes
-        if not isinstance(shape, Plane)
-    ]
-    return float(min(heights))
-
-
-def reach_m(shape: Shape, direction: Vector | Array) -> float:
-    """How far a shape reaches from its centre, at most, in a direction of its own frame [m]."""
-    x, y, z = (abs(float(component)) for component in direction)
-    match shape.type:
-        case "sphere":
-            return shape.radius_m
-        case "box":
-            return _dot((x, y, z), shape.size_m) / 2
-        case "cylinder":
-            return math.hypot(x, y) * shape.radius_m + z * shape.length_m / 2
-        case "capsule":
-            return shape.radius_m + z * shape.length_m / 2
-        case _:
-            return math.inf
-
-
-def _first_path_m(scenario: Scenario, body: Body) -> float:
-    """Longest way of any point of a body in the first two engine steps [m]."""
-    time_s = 2 * scenario.world.engine_step_s
-    size = max(
-        math.hypot(*shape.position_m) + sum(reach_m(shape, axis) for axis in _AXES)
-        for shape in body.shapes
-    )
-    speed = math.hypot(*body.velocity_m_s) + math.hypot(*body.rate_rad_s) * size
-    return speed * time_s + math.hypot(*scenario.world.gravity_m_s2) * time_s**2
-
-
-_AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 class Landing:
@@ -303,13 +240,9 @@ class Landing:
                     free = min(free, parts)
                     continue
             touching = True
-            slow = abs(_dot(pair.normal, velocity)) <= self._rest_speed
+            slow = abs(dot(pair.normal, velocity)) <= self._rest_speed
             if slow and abs(gap) <= self._rest_depth:
                 resting.add(pair.body)
             else:
                 impact = True
         return free, touching, frozenset() if impact else frozenset(resting)
-
-
-def _dot(a: Vector | tuple[float, ...], b: Vector | tuple[float, ...]) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
