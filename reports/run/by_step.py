@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from simcompare.compare.repeats import step_words
@@ -11,9 +13,10 @@ from simcompare.notation import capital
 from simcompare.reports.render import numbers
 from simcompare.reports.render.figures import Figure, Panel, Series
 from simcompare.reports.render.styles import Style, style_of
-from simcompare.reports.run import listing, runs
+from simcompare.reports.run import runs
 from simcompare.reports.run.lead import MIXED, OUTSIDE, Lead, Row, rows_of
 from simcompare.reports.run.level_phrases import how
+from simcompare.reports.run.listing import engines, grouped, joined
 from simcompare.results.records.run import StepRecord
 from simcompare.results.run import Run
 
@@ -26,18 +29,20 @@ At = tuple[float, Row]
 
 def lines(run: Run, lead: Lead, mode: str) -> list[str]:
     """A head, and for each engine its values in the order of the steps; those alike on one line."""
-    found = _by_engine(run, lead, mode)
-    if not found:
+    by_engine = _by_engine(run, lead, mode)
+    if not by_engine:
         return []
     judged = mode not in SHOWN_LEVELS and lead.truth is not None
-    engines: dict[str, list[str]] = {}
-    for engine, own in found.items():
-        values = [_value(lead, at, judged) for at in own]
-        same = len(set(values)) == 1 and len(values) > 1
-        text = f"{values[0]} at every step" if same else ", ".join(values)
-        engines.setdefault(text, []).append(engine)
-    ends = [f"{listing.engines(names, list(found))}: {values}" for values, names in engines.items()]
+    texts = grouped((_values(lead, own, judged), engine) for engine, own in by_engine.items())
+    ends = [f"{engines(names, list(by_engine))}: {text}" for text, names in texts.items()]
     return [_head(run, lead, mode, judged=judged), *ends]
+
+
+def _values(lead: Lead, steps: Sequence[At], judged: bool) -> str:
+    """What an engine has at its steps, once where that is everywhere the same."""
+    values = [_value(lead, at, judged) for at in steps]
+    same = len(set(values)) == 1 and len(values) > 1
+    return f"{values[0]} at every step" if same else ", ".join(values)
 
 
 def figure(run: Run, lead: Lead) -> Figure | None:
@@ -59,14 +64,14 @@ def figure(run: Run, lead: Lead) -> Figure | None:
 
 def _head(run: Run, lead: Lead, mode: str, *, judged: bool) -> str:
     each = widths(run, lead)
-    steps = listing.joined([step.removesuffix("ms") for step, _ in each])
+    steps = joined([step.removesuffix("ms") for step, _ in each])
     truth = f", where the {TRUTH} gives {lead.true}" if lead.truth is not None else ""
     mean = " (mean over all events of a repeat)" if lead.of_events else ""
     text = f"{how(run, mode)} {lead.words}{mean} at steps of {steps} ms{truth}"
     if judged and lead.width is not None:
         accepted = [numbers.plain(width, 2) for _, width in each]
         shown = accepted[:1] if len(set(accepted)) == 1 else accepted
-        text += f" ({_MISSED.strip()} is off by more than {listing.joined(shown)})"
+        text += f" ({_MISSED.strip()} is off by more than {joined(shown)})"
     return f"{text}:"
 
 
@@ -83,13 +88,10 @@ def _value(lead: Lead, at: At, judged: bool) -> str:
 
 def _by_engine(run: Run, lead: Lead, mode: str) -> dict[str, list[At]]:
     """What each engine has of the leading measure, at each of its steps from the shortest on."""
-    found: dict[str, list[At]] = {}
-    for row in rows_of(run, lead, mode):
-        source = runs.source_of(run, row.name, mode)
-        assert source is not None  # rows are of sources that ran
-        own = found.setdefault(source.engine or source.name, [])
-        own.append((source.engine_step_s or 0.0, row))
-    return {engine: sorted(own, key=lambda at: at[0]) for engine, own in found.items()}
+    sources = {source.name: source for source in run.record.sources if source.contact == mode}
+    rows = [(sources[row.name], row) for row in rows_of(run, lead, mode)]
+    groups = grouped((s.engine or s.name, (s.engine_step_s or 0.0, row)) for s, row in rows)
+    return {engine: sorted(steps, key=lambda at: at[0]) for engine, steps in groups.items()}
 
 
 def _steps(run: Run) -> list[StepRecord]:

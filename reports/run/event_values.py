@@ -9,16 +9,15 @@ import numpy as np
 from simcompare.compare.comparison import Score
 from simcompare.model.trajectory import Array
 from simcompare.reports.run import runs
+from simcompare.reports.run.listing import grouped
 from simcompare.results.run import Run
 
 
 def events_of(run: Run, measure: str) -> dict[tuple[str, str], list[Score]]:
     """Scores of one measure by source and mode, in the order of the events."""
-    scores: dict[tuple[str, str], list[Score]] = {}
-    for score in run.scores:
-        if score.measure == measure and score.index is not None:
-            scores.setdefault((score.source, score.contact), []).append(score)
-    return {key: sorted(rows, key=lambda s: s.index or 0) for key, rows in scores.items()}
+    scores = [s for s in run.scores if s.measure == measure and s.index is not None]
+    scores.sort(key=lambda score: score.index or 0)
+    return grouped(((score.source, score.contact), score) for score in scores)
 
 
 def column(rows: Sequence[object], field: str) -> Array:

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Iterable, Sequence
+from typing import TypeVar
 
 from simcompare.model.trajectory import AT
 
+K = TypeVar("K", bound=Hashable)
+V = TypeVar("V")
 #: more names than this are counted where they are all that there are; no more are left out
 _FEW = 2
+
+
+def grouped(pairs: Iterable[tuple[K, V]]) -> dict[K, list[V]]:
+    """Values by their keys, in the order in which they come."""
+    groups: dict[K, list[V]] = {}
+    for key, value in pairs:
+        groups.setdefault(key, []).append(value)
+    return groups
 
 
 def joined(names: Sequence[str]) -> str:
@@ -28,14 +39,13 @@ def engines(names: Sequence[str], every: Sequence[str]) -> str:
 
 def steps_together(names: Sequence[str], every: Sequence[str]) -> list[str]:
     """The same, an engine at all of its steps as one, and at some as one with these steps."""
-    found: dict[str, list[str]] = {}
-    for name in names:
-        engine, _, step = name.partition(AT)
-        found.setdefault(engine, []).append(step)
-    whole = {e: [n for n in every if n.partition(AT)[0] == e] for e in found}
+    steps, every_step = (
+        grouped((name.partition(AT)[0], name.partition(AT)[2]) for name in some)
+        for some in (names, every)
+    )
     return [
-        engine if len(steps) == len(whole[engine]) else f"{engine}{AT}{'/'.join(steps)}"
-        for engine, steps in found.items()
+        engine if len(own) == len(every_step[engine]) else f"{engine}{AT}{'/'.join(own)}"
+        for engine, own in steps.items()
     ]
 
 

@@ -12,6 +12,7 @@ from simcompare.reports.render.figures import Band, Figure, Panel, Series, fitte
 from simcompare.reports.render.styles import MEASURED_STYLE, Style
 from simcompare.reports.run import runs
 from simcompare.reports.run.event_values import column, deviation_scale, deviation_unit
+from simcompare.reports.run.listing import grouped
 from simcompare.reports.run.source_styles import look
 from simcompare.results.run import Run
 
@@ -71,9 +72,7 @@ def _by_engine(run: Run, mode: str, rows: Rows) -> Panel:
 
 def _by_event(run: Run, mode: str, rows: Rows) -> Panel:
     """Several measured events: deviations, for on one scale no engine can be told from another."""
-    by_source: dict[str, list[Match]] = {}
-    for row in rows:
-        by_source.setdefault(row.source, []).append(row)
+    by_source = grouped((row.source, row) for row in rows)
     first, count = by_source[rows[0].source], len(by_source) + 1
     relative = all(row.measured for row in first)
     bands = [_band(row) for row in first]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.reports.run import runs
+from simcompare.reports.run.listing import grouped
 from simcompare.results.run import Run
 
 _COLUMNS = tuple(Column(head, text=True) for head in ("Did not run", "Mode", "Status", "Reason"))
@@ -30,11 +31,11 @@ class NotRun:
 
 def not_run(run: Run) -> list[NotRun]:
     """Everything that did not run, one row for one reason."""
-    rows: dict[tuple[str, str, str], list[str]] = {}
-    for source in run.record.sources:
-        if not source.ran:
-            key = (source.name, source.status, source.reason or "no reason is known")
-            rows.setdefault(key, []).append(runs.mode_words(source.contact))
+    sources = [source for source in run.record.sources if not source.ran]
+    rows = grouped(
+        ((s.name, s.status, s.reason or "no reason is known"), runs.mode_words(s.contact))
+        for s in sources
+    )
     return [
         NotRun(name, ", ".join(modes), status, reason.removeprefix(f"{name}: "))
         for (name, status, reason), modes in rows.items()

@@ -10,7 +10,7 @@ from simcompare.reports.render import numbers
 from simcompare.reports.render.parts import Part
 from simcompare.reports.render.tables import Column, Group, of_engines
 from simcompare.reports.run import measurement_figures, runs
-from simcompare.reports.run.listing import count_of
+from simcompare.reports.run.listing import count_of, grouped
 from simcompare.results.records.run import Measurement
 from simcompare.results.run import Run
 
@@ -58,16 +58,14 @@ def _facts(against: Measurement) -> dict[str, str]:
 
 def _groups(matches: Sequence[Match]) -> list[Group]:
     """One group of rows for each measured value."""
-    found: dict[tuple[str, int], list[Match]] = {}
-    for match in matches:
-        found.setdefault((match.quantity, match.bounce), []).append(match)
+    by_value = grouped(((match.quantity, match.bounce), match) for match in matches)
     return [
         Group(
             f"{runs.measure_words(quantity)}, event {event}{runs.unit_words(rows[0].unit)}",
             tuple(map(_row, rows)),
             _measured(rows[0]),
         )
-        for (quantity, event), rows in found.items()
+        for (quantity, event), rows in by_value.items()
     ]
 
 
@@ -90,10 +88,8 @@ def _row(match: Match) -> tuple[str, ...]:
 
 def _sentence(run: Run, mode: str) -> str:
     """How many engines are consistent with every measured value."""
-    by_source: dict[str, list[bool | None]] = {}
-    for match in measurement_figures.matches_of(run):
-        if match.contact == mode:
-            by_source.setdefault(match.source, []).append(match.inside)
+    matches = [m for m in measurement_figures.matches_of(run) if m.contact == mode]
+    by_source = grouped((match.source, match.inside) for match in matches)
     good = sum(all(inside) for inside in by_source.values())
     are = "is" if good in (0, 1) or len(by_source) == 1 else "are"
     subject = count_of(good, len(by_source))

@@ -7,7 +7,7 @@ from simcompare.model.tuning import TuningRow
 from simcompare.reports.render import numbers
 from simcompare.reports.render.parts import Part
 from simcompare.reports.render.tables import Column, Group, of_engines
-from simcompare.reports.run.remarks import typed
+from simcompare.reports.run.tuning_phrases import numbers_typed
 from simcompare.results.records.run import SourceRecord
 from simcompare.results.run import Run
 
@@ -48,7 +48,7 @@ def tuning(run: Run) -> Part | None:
 def _title(source: SourceRecord, row: TuningRow) -> str:
     pairs = ", ".join("-".join(pair) for pair in row.pairs)
     said = (
-        f"{source.name}: {typed(source, row)} for {numbers.plain(row.restitution)}"
+        f"{source.name}: {numbers_typed(source, row)} for {numbers.plain(row.restitution)}"
         f" between {pairs}, at a step of {numbers.plain(1e3 * row.step_s)} ms"
     )
     if row.stall_speed_m_s:
