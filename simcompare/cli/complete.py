@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from simcompare.scenarios import catalogue
+
 
 def scenarios(incomplete: str) -> list[str]:
     """Names of scenarios."""
-    from simcompare.scenarios import catalogue
-
     return [name for name in catalogue.names() if name.startswith(incomplete)]
 
 
@@ -37,6 +37,13 @@ def tables(incomplete: str) -> list[str]:
     from simcompare.hardware.recordings import bounce_table
 
     return [name for name in bounce_table.facts() if name.startswith(incomplete)]
+
+
+def recordings(incomplete: str) -> list[str]:
+    """Public recordings."""
+    from simcompare.hardware.recordings import registry
+
+    return [name for name in registry.files() if name.startswith(incomplete)]
 
 
 def experiments(incomplete: str) -> list[str]:

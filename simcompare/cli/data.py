@@ -4,15 +4,9 @@ from __future__ import annotations
 
 import typer
 
-from simcompare.cli import console
+from simcompare.cli import complete, console
 
 data = typer.Typer(help="Public recordings of real hardware.", no_args_is_help=True)
-
-
-def _names(incomplete: str) -> list[str]:
-    from simcompare.hardware.recordings import registry
-
-    return [name for name in registry.files() if name.startswith(incomplete)]
 
 
 @data.command("list")
@@ -52,7 +46,9 @@ def list_(
 
 @data.command("fetch")
 def fetch(
-    names: list[str] = typer.Argument(None, help="Names of recordings.", autocompletion=_names),
+    names: list[str] = typer.Argument(
+        None, help="Names of recordings.", autocompletion=complete.recordings
+    ),
 ) -> None:
     """Fetch recordings into the user's cache, checked by SHA-256."""
     from simcompare.hardware.recordings import registry

@@ -32,34 +32,30 @@ def finish(
 def finish_run(
     result: Run,
     plain: Callable[[], Plain],
-    show: Callable[[], None],
+    show: Callable[[Path | None], None],
     *,
     report: bool,
     as_json: bool,
-    show_folder: Callable[[Path], None] | None = None,
 ) -> NoReturn:
-    """Ends a run, a fit or a validation, with its report.
+    """Ends a run, a fit or a validation.
 
     Args:
         result: what came out.
         plain: gives what ``--json`` prints.
-        show: prints it for people.
+        show: prints it for people; it is given the page of the report, ``None`` without one.
         report: whether report.html is written into the run's folder.
         as_json: whether JSON is printed.
-        show_folder: prints where it is stored, in place of one line.
     """
     page = _write_report(result) if report else None
-
-    def show_all() -> None:
-        show()
-        if result.record.interrupted:
-            typer.echo("Interrupted: what had finished is kept.", err=True)
-        if show_folder is not None and result.folder is not None:
-            show_folder(result.folder)
-        show_places(None if show_folder is not None else result.folder, page)
-
     code = INTERRUPTED if result.record.interrupted else result.exit_code
-    finish(plain, show_all, code, as_json=as_json)
+    finish(plain, lambda: show(page), code, as_json=as_json)
+
+
+def show_end(result: Run, page: Path | None) -> None:
+    """Prints that a run was interrupted, where it is stored, and its report."""
+    if result.record.interrupted:
+        typer.echo("Interrupted: what had finished is kept.", err=True)
+    show_places(result.folder, page)
 
 
 def show_places(folder: Path | None, page: Path | None) -> None:

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import typer
 
-from simcompare.cli import complete
-
-if TYPE_CHECKING:
-    pass
+from simcompare.cli import complete, console, ending
+from simcompare.errors import InputError, UnknownName
 
 
 def fit(
@@ -64,7 +61,9 @@ def fit(
 ) -> None:
     """Fit contact parameters to measured bounces, on every engine, with uncertainty."""
     from simcompare import units
-    from simcompare.cli import console, fit_tables
+    from simcompare.cli import fit_tables
+    from simcompare.model.plain import plain
+    from simcompare.reports.fit import fits
     from simcompare.verbs import fit as fitting
 
     with console.progress_bar(scenario) as progress:
@@ -87,29 +86,21 @@ def fit(
             time_limit_s=time_limit,
             progress=progress,
         )
-    written = None
-    if report and result.folder is not None:
-        from simcompare.reports import builder
-
-        written = builder.write_html([result], result.folder / "report.html")
-    if as_json:
-        from simcompare.model.plain import plain
-        from simcompare.reports.fit import fits
-
-        console.print_json({**plain(fits.record(result)), "run": str(result.folder)})
-    else:
-        fit_tables.show(result, written)
-    raise typer.Exit(130 if result.record.interrupted else result.exit_code)
+    ending.finish_run(
+        result,
+        lambda: {**plain(fits.record(result)), "run": str(result.folder)},
+        lambda page: fit_tables.show(result, page),
+        report=report,
+        as_json=as_json,
+    )
 
 
 def _priors(texts: list[str]) -> dict[str, tuple[float, float]]:
     """Reads ``drop_height=1m:2mm``."""
     from simcompare import units
-    from simcompare.cli import console
-    from simcompare.errors import InputError, UnknownName
     from simcompare.fitting.bounces.bounce_models import DEFAULTS
 
-    found = {}
+    priors = {}
     for given, text in console.pairs(texts, "--prior").items():
         value, colon, u = str(text).partition(":")
         if not colon:
@@ -121,7 +112,7 @@ def _priors(texts: list[str]) -> dict[str, tuple[float, float]]:
         if name is None:
             raise UnknownName("unknown of a bounce", given, DEFAULTS)
         unit = units.unit_of(name)
-        found[name] = (
+        priors[name] = (
             units.to_si(value, unit, f"--prior {given}"), units.to_si(u, unit, f"--prior {given}")
         )  # fmt: skip
-    return found
+    return priors

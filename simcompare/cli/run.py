@@ -82,7 +82,7 @@ def run(
     ending.finish_run(
         result,
         lambda: _plain(result),
-        lambda: _show(result, details=details),
+        lambda page: _show(result, page, details=details),
         report=report,
         as_json=as_json,
     )
@@ -96,7 +96,7 @@ def _plain(result: Run) -> Plain:
     return {**plain(result.record), **more}
 
 
-def _show(result: Run, *, details: bool) -> None:
+def _show(result: Run, page: Path | None, *, details: bool) -> None:
     """The answer, the leading measure level by level, and what the reader must know of both."""
     from simcompare.reports.run import answer, lead_table, remarks
 
@@ -106,6 +106,7 @@ def _show(result: Run, *, details: bool) -> None:
     typer.echo()
     console.print_wrapped([*remarks.remarks(result), *_levels(result.record)])
     _show_remarks(result)
+    ending.show_end(result, page)
 
 
 def _levels(record: Record) -> list[str]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from simcompare.cli import complete
+from simcompare.cli import complete, console, ending
 
 if TYPE_CHECKING:
     from simcompare.reports.render.tables import Table
@@ -17,12 +17,6 @@ if TYPE_CHECKING:
 
 #: letters on a line where nobody knows how wide the reader's window is
 _PIPE_WIDTH = 140
-
-
-def _recordings(incomplete: str) -> list[str]:
-    from simcompare.hardware.recordings import registry
-
-    return [name for name in registry.files() if name.startswith(incomplete)]
 
 
 def validate(
@@ -34,7 +28,7 @@ def validate(
         "--recording",
         "-r",
         help="A public recording (simcompare data list), an imported one, or a log.",
-        autocompletion=_recordings,
+        autocompletion=complete.recordings,
     ),
     engine: str = typer.Option(
         "all", help="'all' or names with commas.", autocompletion=complete.engines
@@ -57,7 +51,7 @@ def validate(
     time_limit: float = typer.Option(120.0, help="Longest time for one simulation, in seconds."),
 ) -> None:
     """Hold simulations against a recording of a real device, with uncertainty."""
-    from simcompare.cli import console
+    from simcompare.model.plain import plain
     from simcompare.verbs import validate as validating
 
     with console.progress_bar(scenario) as progress:
@@ -75,21 +69,16 @@ def validate(
             time_limit_s=time_limit,
             progress=progress,
         )
-    written = None
-    if report and result.folder is not None:
-        from simcompare.reports import builder
-
-        written = builder.write_html([result], result.folder / "report.html")
-    if as_json:
-        from simcompare.model.plain import plain
-
-        console.print_json({**plain(result.record), "exit_code": result.exit_code})
-    else:
-        _print(result, written)
-    raise typer.Exit(130 if result.record.interrupted else result.exit_code)
+    ending.finish_run(
+        result,
+        lambda: {**plain(result.record), "exit_code": result.exit_code},
+        lambda page: _print(result, page),
+        report=report,
+        as_json=as_json,
+    )
 
 
-def _print(result: Run, written: Path | None) -> None:
+def _print(result: Run, page: Path | None) -> None:
     from simcompare.reports.validation import events, parameter_tables, tables, validations
 
     validation = validations.validation(result)
@@ -107,12 +96,7 @@ def _print(result: Run, written: Path | None) -> None:
     typer.echo("")
     for sentence in validation.sentences:
         _say(sentence)
-    if result.record.interrupted:
-        typer.echo("Interrupted: what had finished is kept.", err=True)
-    if result.folder is not None:
-        typer.echo(f"Stored in {result.folder}")
-    if written is not None:
-        typer.echo(f"Report: {written}")
+    ending.show_end(result, page)
 
 
 def _say(text: str) -> None:
