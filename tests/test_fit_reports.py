@@ -17,7 +17,7 @@ from simcompare.reports.fit import tuned as fitted_tuned
 from simcompare.reports.render import matplotlib_, numbers, plotly_
 from simcompare.reports.render.figures import Figure, Matrix, Panel
 from simcompare.reports.sections import FIT, of_run
-from simcompare.results.records.fit_bounces import Dropped, Prior, ProfileRow, Unknown
+from simcompare.results.records.fit_bounces import Prior, ProfileRow, Rejected, Unknown
 from simcompare.results.records.fit_parts import Value
 from simcompare.verbs import fit as fitting
 from tests import records
@@ -156,7 +156,7 @@ def test_every_figure_has_a_title_and_a_caption_and_is_drawn_by_both(any_run):
 
 def test_markdown_has_every_table(any_run, tmp_path):
     text = builder.write_markdown([any_run], tmp_path / "r.md").read_text(encoding="utf-8")
-    assert text.startswith("# Bouncing ball")
+    assert text.startswith("# Deviation ball")
     for head in ("Restitution of each engine", "Closed forms", "Combinations of unknowns", "Drops"):
         assert f"### {head}" in text
 
@@ -451,7 +451,7 @@ def test_what_was_measured_and_where_it_holds_are_told(heard):
 
 def test_what_was_left_out_is_told_with_its_reason(heard):
     assert tables.left_out(heard) is None
-    click = Dropped("impact", 6, 1.25, "a click of the switch")
+    click = Rejected("impact", 6, 1.25, "a click of the switch")
     first, *rest = heard.record.fit.measured
     first = replace(first, missed=(4,), dropped=(click,))
     rows = cells(tables.left_out(changed(heard, measured=(first, *rest))))

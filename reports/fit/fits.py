@@ -100,7 +100,7 @@ def with_unit(name: str) -> str:
 
 
 def value_words(row: Estimate | None, name: str = "") -> str:
-    """A value with its standard uncertainty; a dash where it was not sought."""
+    """A value with its standard uncertainty; a dash where it was not fitted."""
     if row is None:
         return "–"
     if row.value is None:

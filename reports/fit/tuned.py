@@ -35,8 +35,8 @@ def typed(run: Run) -> Table:
             _milli(contact.delay_s),
         )  # fmt: skip
         for place, row in enumerate(source.numbers):
-            told = f"{row.name} = {numbers.with_u(row.value, row.u or None, row.unit)}"
-            rows.append((source.name, told, *(cells if place == 0 else ("",) * len(cells))))
+            typed_number = f"{row.name} = {numbers.with_u(row.value, row.u or None, row.unit)}"
+            rows.append((source.name, typed_number, *(cells if place == 0 else ("",) * len(cells))))
         if not source.numbers:
             rows.append((source.name, "–", *cells))
     columns = (

@@ -94,12 +94,12 @@ def _print_waves(found: WaveformFit) -> None:
         if source.status != "ok":
             made.add_row(source.name, source.contact, source.status)
             continue
-        left = {row.source: row.rms[lead] for row in source.holdout}
+        rms_of = {row.source: row.rms[lead] for row in source.holdout}
         made.add_row(
             f"{source.name} {source.version or ''}",
             source.contact,
             *_cells(source.parameters, names),
-            *(f"{left[row.stream]:.3g}" if row.stream in left else "" for row in held),
+            *(f"{rms_of[row.stream]:.3g}" if row.stream in rms_of else "" for row in held),
             str(source.simulations), f"{source.wall_s:.2f}",
         )  # fmt: skip
     made.add_row("closed form", "", *_cells(closed.parameters, names),
@@ -136,9 +136,9 @@ def _print_choice(found: BouncesFit) -> None:
     for row in found.choice.candidates:
         e = row.parameters.get("restitution", Value(None, None))
         value = row.score(criterion)
-        told = "–" if value is None else f"{value:.1f}"
+        score = "–" if value is None else f"{value:.1f}"
         made.add_row(
-            row.text, f"{row.unknowns:.1f}", f"{row.chi2:.1f}", told, f"{row.bic:.1f}",
+            row.text, f"{row.unknowns:.1f}", f"{row.chi2:.1f}", score, f"{row.bic:.1f}",
             f"{row.weight:.2f}", notation.number(e.value, e.u),
         )  # fmt: skip
     console.show_table(made)

@@ -23,7 +23,7 @@ from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.fitting.bounces.reading import drops_of
 from simcompare.fitting.bounces.request import (
-    Asked,
+    Request,
     candidates,
     check_request,
     given_of,
@@ -31,8 +31,8 @@ from simcompare.fitting.bounces.request import (
 )
 from simcompare.fitting.bounces.roles import Roles, roles_of
 from simcompare.fitting.bounces.tune_engines import tune_engines
+from simcompare.fitting.bounces.tuning_goal import TuningGoal, goal_of
 from simcompare.fitting.bounces.unknowns import SPEED
-from simcompare.fitting.bounces.wanted import Wanted, wanted_of
 from simcompare.model.fittable import WAVEFORM
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, TUNED
@@ -86,9 +86,9 @@ def fit(
         hold_out: the same, which are not fitted but predicted.
         engine: ``"all"`` or names with commas.
         model: closed form, or "auto": the one with the least AICc.
-        unknowns: what is sought beside what the model has, such as "clock_skew"; by waveform,
-            all that is sought.
-        fixed: values of what is not sought.
+        unknowns: what is fitted beside what the model has, such as "clock_skew"; by waveform,
+            all that is fitted.
+        fixed: values of what is not fitted.
         priors: unknown -> value and standard uncertainty.
         u_time_s: standard uncertainty of an impact time, where a recording does not say [s].
         set: parameters of the scenario, such as the ball's mass.
@@ -108,7 +108,7 @@ def fit(
     Raises:
         InputError: every fault of the request or of a recording.
     """
-    request = FitRequest(
+    options = FitRequest(
         scenario=scenario, recordings=tuple(recordings), hold_out=tuple(hold_out), engine=engine,
         model=model, unknowns=tuple(unknowns), fixed=fixed, priors=priors, u_time_s=u_time_s,
         set=set, preset=preset, mapping=mapping, step=step, assist=assist,
@@ -128,42 +128,46 @@ def fit(
                 "--assist": assist not in (None, ALL)}  # fmt: skip
         set_by_user = fit_waveforms.given_of(file, preset, fixed or {}, set or {}, only)
         done = fit_waveforms.fit_waveform(
-            file, request, set_by_user, time_limit_s=time_limit_s, progress=progress
+            file, options, set_by_user, time_limit_s=time_limit_s, progress=progress
         )
         return _saved(done, out)
     helps = levels.chosen_helps(NONE if assist is None else assist, engine)
     given = given_of(file, set, preset)
     step_s = None if step is None else sample_step_s(file, given, None, step)
     roles = roles_of(file, given)
-    asked = Asked(
+    request = Request(
         extra=tuple(unknowns),
         fixed=roles.known(numbers_of(fixed or {})),
         priors={name: Prior(value, u) for name, (value, u) in (priors or {}).items()},
     )
     check_request(recordings, hold_out, u_time_s, roles, file.read_settings(set or {}))
-    how_read = (mapping, u_time_s, asked.fixed.get("gravity_m_s2", bounce_models.GRAVITY))
-    drops = [drop for name in recordings for drop in drops_of(name, *how_read)]
-    held = [drop for name in hold_out for drop in drops_of(name, *how_read)]
+    reading = (mapping, u_time_s, request.fixed.get("gravity_m_s2", bounce_models.GRAVITY))
+    drops = [drop for name in recordings for drop in drops_of(name, *reading)]
+    held = [drop for name in hold_out for drop in drops_of(name, *reading)]
     choice = model_selection.compare(
-        drops, candidates(model, asked), extra=asked.extra, fixed=asked.fixed, priors=asked.priors
+        drops,
+        candidates(model, request),
+        extra=request.extra,
+        fixed=request.fixed,
+        priors=request.priors,
     )
     known = identifiability(choice.best)
-    if asked.extra and known.is_blind:
+    if request.extra and known.is_blind:
         filmed = any(drop.track for drop in drops)
-        words = identifiability_words.of_bounces(known, asked.priors, filmed=filmed)
+        words = identifiability_words.of_bounces(known, request.priors, filmed=filmed)
         raise InputError("--unknown", [*words, "leave it out, or --fix what it mixes with"])
     how = _How(chosen, helps, step_s, time_limit_s, progress)
-    start, found, predicted, wanted = _engines(roles, choice, drops, held, asked, how)
+    start, found, predicted, wanted = _engines(roles, choice, drops, held, request, how)
     scene = file.resolve(roles.values(start.problem.values(start.x, 0)), step_s=step_s)
     found_fit = records.of_fit(
         roles, choice, start, found, predicted, (drops, held),
         records.Made(TUNED if how.tuned else ASSISTED, how.assist, wanted, scene),
     )  # fmt: skip
-    told_of = {
-        "engines_asked": engine, "scenario_asked": scenario, "command": request.command(),
+    about = {
+        "engines_asked": engine, "scenario_asked": scenario, "command": options.command(),
         "recording_asked": tuple(map(str, recordings)),
     }  # fmt: skip
-    return _saved(_gather(file, answer.worded(finite(found_fit)), found, told_of, scene), out)
+    return _saved(_gather(file, answer.worded(finite(found_fit)), found, about, scene), out)
 
 
 @dataclass(frozen=True)
@@ -192,22 +196,22 @@ def _engines(
     choice: model_selection.Choice,
     drops: Sequence[Impacts],
     held: Sequence[Impacts],
-    asked: Asked,
+    request: Request,
     how: _How,
-) -> tuple[Fit, Sequence[EngineFit], Holdout, Wanted | None]:
+) -> tuple[Fit, Sequence[EngineFit], Holdout, TuningGoal | None]:
     """The closed form that engines get, what they make of it, and held-out drops."""
-    closed = holdout.predict(choice.best, held, asked.fixed)
+    closed = holdout.predict(choice.best, held, request.fixed)
     more: dict[str, Any] = {
         "step_s": how.step_s, "time_limit_s": how.time_limit_s, "progress": how.progress,
     }  # fmt: skip
     if how.tuned:
         best = choice.best
-        wanted = wanted_of(roles, best, [one.predicted for one in closed])
+        wanted = goal_of(roles, best, [one.predicted for one in closed])
         tuned = tune_engines(roles, best, wanted, how.engines, **more)
         return best, tuned, holdout.of_engines(closed, closed, tuned), wanted
-    start = _for_engines(roles, choice.best, _joined(choice.best, drops, asked), asked)
+    start = _for_engines(roles, choice.best, _joined(choice.best, drops, request), request)
     assisted = fit_engines(roles, start, how.engines, helps=how.helps, **more)
-    other = closed if start is choice.best else holdout.predict(start, held, asked.fixed)
+    other = closed if start is choice.best else holdout.predict(start, held, request.fixed)
     return start, assisted, holdout.of_engines(closed, other, assisted), None
 
 
@@ -223,27 +227,27 @@ def _saved(done: Run, out: str | Path | None) -> Run:
     return saved
 
 
-def _joined(best: Fit, drops: Sequence[Impacts], asked: Asked) -> list[Impacts]:
+def _joined(best: Fit, drops: Sequence[Impacts], request: Request) -> list[Impacts]:
     """Impacts of videos where arcs with the drag that was found meet, and not parabolas."""
-    speed = best.as_dict().get(SPEED, asked.fixed.get(SPEED, math.inf))
+    speed = best.as_dict().get(SPEED, request.fixed.get(SPEED, math.inf))
     if not math.isfinite(speed):
         return list(drops)
-    gravity = float(asked.fixed.get("gravity_m_s2", bounce_models.GRAVITY))
+    gravity = float(request.fixed.get("gravity_m_s2", bounce_models.GRAVITY))
     return [drop if drop.track is None else rejoined(drop, speed, gravity) for drop in drops]
 
 
-def _for_engines(roles: Roles, best: Fit, drops: Sequence[Impacts], asked: Asked) -> Fit:
+def _for_engines(roles: Roles, best: Fit, drops: Sequence[Impacts], request: Request) -> Fit:
     """The fit with the contact that engines have: a restitution that does not depend on speed."""
     model = bounce_models.model_of(best.model)
-    with_drag = (model.drag or SPEED in asked.fixed) and roles.has_drag
+    with_drag = (model.drag or SPEED in request.fixed) and roles.has_drag
     given = model.law == "constant" and (roles.has_drag or not model.drag)
     if given and all(drop.track is None for drop in drops):
         return best
     name = "constant+drag" if with_drag else "constant"
-    priors = {n: prior for n, prior in asked.priors.items() if n != "exponent"}
-    fixed = {n: value for n, value in asked.fixed.items() if n != "exponent"}
+    priors = {n: prior for n, prior in request.priors.items() if n != "exponent"}
+    fixed = {n: value for n, value in request.fixed.items() if n != "exponent"}
     return model_selection.compare(
-        drops, [name], extra=asked.extra, fixed=fixed, priors=priors
+        drops, [name], extra=request.extra, fixed=fixed, priors=priors
     ).best
 
 

@@ -79,7 +79,7 @@ def given_of(
     settings: Mapping[str, str | float],
     only_bounces: Mapping[str, object],
 ) -> dict[str, float]:
-    """Parameters that the user sets, which are not sought.
+    """Parameters that the user sets, which are not fitted.
 
     Raises:
         InputError: an option that belongs to bounces.

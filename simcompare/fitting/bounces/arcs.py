@@ -2,7 +2,7 @@
 
 Adding g·t²/2 makes a flight a straight line and an impact a kink upwards; where the slope before
 and after differs by more than noise, there is an impact. Each flight is then fitted by an arc of
-given shape (a parabola, or with drag), of which only the apex is sought, and neighbouring arcs are
+given shape (a parabola, or with drag), of which only the apex is fitted, and neighbouring arcs are
 intersected: neither the floor's level nor a frame at the impact is needed.
 """
 
@@ -18,7 +18,7 @@ from simcompare.errors import InputError
 from simcompare.fitting.bounces import bounce_models
 from simcompare.fitting.bounces.impacts import TRACK, Impacts, Track
 from simcompare.model.trajectory import Array
-from simcompare.results.records.fit_bounces import Dropped
+from simcompare.results.records.fit_bounces import Rejected
 from simcompare.statistics.agreement import MAD_TO_SD
 
 #: samples that a flight must have
@@ -92,7 +92,7 @@ def from_heights(
         flight = np.where(flight >= 0, np.searchsorted(_joins(arcs), time), -1)
         if np.array_equal(before[0], kept) and np.array_equal(before[1], flight):
             break
-    dropped += [Dropped("sample", int(k) + 1, float(time[k]), why[k]) for k in sorted(why)]
+    dropped += [Rejected("sample", int(k) + 1, float(time[k]), why[k]) for k in sorted(why)]
     arcs = _fitted(time, height, u, np.where(kept, flight, -1), gravity_m_s2, drag)
     return _impacts(time, height, u, np.where(kept, flight, -1), arcs, source, dropped, notes)
 
@@ -111,13 +111,13 @@ def rejoined(impacts: Impacts, terminal_speed_m_s: float, gravity_m_s2: float) -
 
 def _samples(
     time_s: ArrayLike, height_m: ArrayLike, u_m: ArrayLike | None, source: str
-) -> tuple[Array, Array, Array, list[Dropped]]:
+) -> tuple[Array, Array, Array, list[Rejected]]:
     time, height = np.asarray(time_s, dtype=float), np.asarray(height_m, dtype=float)
     u = np.full(len(time), np.nan)
     if u_m is not None:
         u[:] = u_m
     whole = np.isfinite(time) & np.isfinite(height)
-    gone = [Dropped("sample", int(k) + 1, float(time[k]), "nothing was seen in it")
+    gone = [Rejected("sample", int(k) + 1, float(time[k]), "nothing was seen in it")
             for k in np.flatnonzero(~whole)]  # fmt: skip
     faults = []
     if np.count_nonzero(whole) < 2 * LEAST:
@@ -270,18 +270,18 @@ def _good(
     time: Array, height: Array, u: Array, flight: NDArray[np.int64], arcs: _Arcs, noise: float
 ) -> tuple[NDArray[np.bool_], dict[int, str]]:
     """Which samples follow their arcs, and why the others do not."""
-    left = np.where(flight >= 0, height - arcs.at(time, np.maximum(flight, 0)), 0.0)
+    residual = np.where(flight >= 0, height - arcs.at(time, np.maximum(flight, 0)), 0.0)
     used = flight >= 0
-    scatter = MAD_TO_SD * float(np.median(np.abs(left[used])))
+    scatter = MAD_TO_SD * float(np.median(np.abs(residual[used])))
     limit = _OUTLIER * np.maximum(np.where(np.isfinite(u), u, noise), scatter)
     # a ball in a hand does not fall: samples before the first apex count only where they follow
     held = used & (flight == 0) & (time < arcs.apex_s[0])
-    early = held.any() and bool(np.any(np.abs(left[held]) > limit[held]))
+    early = held.any() and bool(np.any(np.abs(residual[held]) > limit[held]))
     why: dict[int, str] = {}
     if early:
         why |= {int(k): "the ball had not been released" for k in np.flatnonzero(held)}
-    off = used & (np.abs(left) > limit) & ~(held & early)
-    why |= {int(k): f"{1e3 * left[k]:.0f} mm off its flight" for k in np.flatnonzero(off)}
+    off = used & (np.abs(residual) > limit) & ~(held & early)
+    why |= {int(k): f"{1e3 * residual[k]:.0f} mm off its flight" for k in np.flatnonzero(off)}
     good = used & ~off & ~(held & early)
     for number in range(int(flight.max()) + 1):  # never so many that nothing is left of a flight
         inside = flight == number
@@ -309,15 +309,15 @@ def _joins(arcs: _Arcs) -> Array:
 
 def _impacts(
     time: Array, height: Array, u: Array, flight: NDArray[np.int64], arcs: _Arcs, source: str,
-    dropped: list[Dropped], notes: tuple[str, ...],
+    dropped: list[Rejected], notes: tuple[str, ...],
 ) -> Impacts:  # fmt: skip
     """Joins, their covariance, and apexes above the level at which the arcs meet."""
     used = flight >= 0
-    left = height[used] - arcs.at(time[used], flight[used])
+    residual = height[used] - arcs.at(time[used], flight[used])
     flights = len(arcs.apex_s)
     stated = bool(np.isfinite(u[used]).all())
-    degrees = max(len(left) - 2 * flights, 1)
-    variance = 1.0 if stated else float(left @ left) / degrees
+    degrees = max(len(residual) - 2 * flights, 1)
+    variance = 1.0 if stated else float(residual @ residual) / degrees
     joins = _joins(arcs)
     change, floor = np.zeros((len(joins), 2 * flights)), np.empty(len(joins))
     for n, t in enumerate(joins.tolist()):

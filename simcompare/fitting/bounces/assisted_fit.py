@@ -9,20 +9,20 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from simcompare.fitting.bounces import bounce_models, likelihood
-from simcompare.fitting.bounces.beside import (
-    Bouncing,
-    Part,
-    beside,
+from simcompare.fitting.bounces.deviations import (
+    Deviation,
+    RunDeviation,
+    deviation_of,
     ends_s,
     engine_bounces,
+    mean_deviation,
     scenes,
-    together,
 )
 from simcompare.fitting.bounces.engine_fit import EngineFit, contact_rows
 from simcompare.fitting.bounces.likelihood import Fit
-from simcompare.fitting.bounces.problem import Problem, seen_in
+from simcompare.fitting.bounces.problem import Problem, observed_in
 from simcompare.fitting.bounces.roles import Roles
-from simcompare.fitting.bounces.unknowns import shown
+from simcompare.fitting.bounces.unknowns import external
 from simcompare.inference.defect_correction import Corrected, correct
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, Settings
@@ -101,11 +101,11 @@ class _Shown:
         bouncing: of every drop, mean over the dithers.
         parts: of every drop, dither by dither.
         runs: the middle simulation of every drop.
-        spread: the sought numbers that each dither alone would give (DITHERS, p).
+        spread: the internal numbers that each dither alone would give (DITHERS, p).
     """
 
-    bouncing: tuple[Bouncing, ...]
-    parts: tuple[tuple[Part, ...], ...]
+    bouncing: tuple[Deviation, ...]
+    parts: tuple[tuple[RunDeviation, ...], ...]
     runs: tuple[tuple[Scenario, Trajectory], ...]
     spread: Array = field(default_factory=lambda: np.zeros(0))
 
@@ -133,37 +133,37 @@ def _shown(roles: Roles, problem: Problem, x: Array, outcomes: Sequence[Outcome]
             for o in outcomes if o.job.repeat == drop and o.trajectory is not None
         ]  # fmt: skip
         values = problem.values(x, drop)
-        parts = tuple(beside(roles, values, scene, run, impacts.count) for scene, run in runs)
+        parts = tuple(deviation_of(roles, values, scene, run, impacts.count) for scene, run in runs)
         middle.append(runs[DITHERS // 2])
-        bouncing.append(together(parts, impacts.count, whole=True))
+        bouncing.append(mean_deviation(parts, impacts.count, whole=True))
         every.append(parts)
     return _Shown(tuple(bouncing), tuple(every), tuple(middle))
 
 
-def _without_defects(problem: Problem, x: Array, shown: _Shown) -> Array:
-    """The sought numbers for data less the mean defect, and less that of each dither alone."""
+def _without_defects(problem: Problem, x: Array, external: _Shown) -> Array:
+    """The internal numbers for data less the mean defect, and less that of each dither alone."""
     dithers = [
-        [together([parts[i]], impacts.count, whole=True)
-         for parts, impacts in zip(shown.parts, problem.drops, strict=True)]
+        [mean_deviation([parts[i]], impacts.count, whole=True)
+         for parts, impacts in zip(external.parts, problem.drops, strict=True)]
         for i in range(DITHERS)
     ]  # fmt: skip
     data = np.stack(
-        [problem.data - _in_data(problem, x, one) for one in (shown.bouncing, *dithers)]
+        [problem.data - _in_data(problem, x, one) for one in (external.bouncing, *dithers)]
     )
     return likelihood.minimise(problem, np.repeat(x[None, :], len(data), axis=0), data).x
 
 
-def _in_data(problem: Problem, x: Array, shown: Sequence[Bouncing]) -> Array:
+def _in_data(problem: Problem, x: Array, external: Sequence[Deviation]) -> Array:
     """The defect as it shows in the measured numbers."""
     parts = []
-    for drop, (impacts, seen) in enumerate(zip(problem.drops, shown, strict=True)):
+    for drop, (impacts, deviation) in enumerate(zip(problem.drops, external, strict=True)):
         values = problem.values(x, drop)
         closed = bounce_models.bounces(problem.model, values, impacts.count)
-        engine = engine_bounces(closed, seen)
+        engine = engine_bounces(closed, deviation)
         for block in problem.blocks:
             if block.drop == drop:
-                ours = seen_in(block, impacts, engine, values, ())
-                parts.append(ours - seen_in(block, impacts, closed, values, ()))
+                ours = observed_in(block, impacts, engine, values, ())
+                parts.append(ours - observed_in(block, impacts, closed, values, ()))
     return np.concatenate(parts)
 
 
@@ -177,7 +177,7 @@ def _failed(name: str, one: Corrected) -> AssistedFit:
 def _result(name: str, problem: Problem, start: Fit, one: Corrected, engine: _Shown) -> AssistedFit:
     last = one.last[0]
     assert last.trajectory is not None
-    values = np.array([float(shown(n, v)) for n, v in zip(problem.names, one.x, strict=True)])
+    values = np.array([float(external(n, v)) for n, v in zip(problem.names, one.x, strict=True)])
     spread = np.std(engine.spread, axis=0, ddof=1) / math.sqrt(DITHERS)
     u_num = {
         unknown: float(s * likelihood.scale_of(unknown, value))
@@ -196,7 +196,7 @@ def _result(name: str, problem: Problem, start: Fit, one: Corrected, engine: _Sh
         name, last.facts.version, ASSISTED, OK, None, fitted, u_num, effective,
         _whole_u(fitted, effective[1]), engine.bouncing, contact_rows(last.trajectory),
         one.simulations, one.wall_s, last, engine.runs,
-        tuple(_left(problem, one.x, engine, drop) for drop in range(len(problem.drops))),
+        tuple(_residuals_s(problem, one.x, engine, drop) for drop in range(len(problem.drops))),
     )  # fmt: skip
 
 
@@ -213,8 +213,8 @@ def _effective(engine: _Shown) -> tuple[float, float]:
 
     Taken in the last round, at parameters that the last fit moved by no more than its own scatter.
     """
-    every = np.concatenate([seen.restitution for seen in engine.bouncing])
-    each = np.concatenate([seen.u_restitution for seen in engine.bouncing])
+    every = np.concatenate([deviation.restitution for deviation in engine.bouncing])
+    each = np.concatenate([deviation.u_restitution for deviation in engine.bouncing])
     return float(every.mean()), float(np.sqrt(np.mean(each**2) / (DITHERS * len(every))))
 
 
@@ -225,7 +225,7 @@ def _whole_u(fitted: Fit, u_phase: float) -> float:
     return math.hypot(u_phase, float(fitted.u[fitted.names.index("restitution")]))
 
 
-def _left(problem: Problem, x: Array, engine: _Shown, drop: int) -> tuple[float, ...]:
+def _residuals_s(problem: Problem, x: Array, engine: _Shown, drop: int) -> tuple[float, ...]:
     """Measured less simulated impact times of one drop, at the fitted parameters."""
     impacts = problem.drops[drop]
     if not len(impacts.times_s):

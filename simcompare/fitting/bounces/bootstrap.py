@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.fitting.bounces.likelihood import Fit, minimise
-from simcompare.fitting.bounces.unknowns import shown
+from simcompare.fitting.bounces.unknowns import external
 from simcompare.model.trajectory import Array
 
 DRAWS = 200
@@ -62,7 +62,7 @@ def parametric(fit: Fit, draws: int = DRAWS, seed: int = 0) -> Bootstrap:
 
 
 def _summary(fit: Fit, x: Array, fine: NDArray[np.bool_], seed: int) -> Bootstrap:
-    whole = np.column_stack([shown(name, x[fine][:, k]) for k, name in enumerate(fit.names)])
+    whole = np.column_stack([external(name, x[fine][:, k]) for k, name in enumerate(fit.names)])
     finite = np.isfinite(whole).all(axis=0)
     safe = np.where(np.isfinite(whole), whole, 0.0)
     low, high, middle = (_quantile(whole, q) for q in (0.025, 0.975, 0.5))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from simcompare.fitting.bounces.beside import Bouncing
+from simcompare.fitting.bounces.deviations import Deviation
 from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.model.audit import AuditRow
 from simcompare.model.scenario import Scenario
@@ -49,7 +49,7 @@ class EngineFit:
     u_num: Mapping[str, float] = field(default_factory=dict)
     effective: tuple[float, float] | None = None
     u_effective: float = 0.0
-    shown: tuple[Bouncing, ...] = ()
+    shown: tuple[Deviation, ...] = ()
     native: tuple[AuditRow, ...] = ()
     simulations: int = 0
     wall_s: float = 0.0

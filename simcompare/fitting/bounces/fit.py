@@ -30,9 +30,9 @@ def fit(
     Args:
         drops: what was measured.
         model: name of the model.
-        unknowns: what is sought; by default all of the model, and the height and release time of
+        unknowns: what is fitted; by default all of the model, and the height and release time of
             each drop.
-        fixed: values of what is not sought, such as gravity_m_s2 or terminal_speed_m_s.
+        fixed: values of what is not fitted, such as gravity_m_s2 or terminal_speed_m_s.
         priors: what is known of unknowns.
         profiles: whether intervals are profiled where the normal ones may be wrong.
 
@@ -89,7 +89,7 @@ def _pull(fit: Fit, name: str) -> float:
     k = fit.names.index(name)
     index, mean, u = fit.problem.prior_rows
     at = index.tolist().index(k)
-    left = float(u[at] ** 2 - fit.sought_covariance[k, k])
+    left = float(u[at] ** 2 - fit.internal_covariance[k, k])
     if left <= 1e-9 * u[at] ** 2:
         return 0.0
     found = float(fit.x[k] - mean[at]) / math.sqrt(left)

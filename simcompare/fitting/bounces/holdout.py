@@ -35,7 +35,7 @@ class Prediction:
     Attributes:
         drop: what was measured.
         predicted: the fit of its own height and release, everything else as it was fitted.
-        again: the fit of its own restitution besides; ``None`` where none was sought.
+        again: the fit of its own restitution besides; ``None`` where none was fitted.
         row: what the record says of it.
     """
 
@@ -55,7 +55,7 @@ def predict(best: Fit, held: Sequence[Impacts], fixed: Mapping[str, float]) -> l
     Args:
         best: the closed form that was fitted.
         held: drops that were not fitted.
-        fixed: what was not sought.
+        fixed: what was not fitted.
     """
     return [_closed(number, best, drop, fixed) for number, drop in enumerate(held, start=1)]
 
@@ -116,7 +116,7 @@ def _closed(number: int, best: Fit, drop: Impacts, fixed: Mapping[str, float]) -
 
 
 def _u_of_kept(
-    best: Fit, drop: Impacts, asked: list[str], single: Mapping[str, float], value: float
+    best: Fit, drop: Impacts, names: list[str], single: Mapping[str, float], value: float
 ) -> float:
     """What all that was fitted before contributes to e_held - e_fitted, with its covariance.
 
@@ -132,7 +132,7 @@ def _u_of_kept(
             continue
         step = 0.1 * float(best.u[k])
         moved = {**single, base(name): float(best.values[k]) + step}
-        again = fit(drop, best.model, unknowns=asked, fixed=moved, profiles=False)
+        again = fit(drop, best.model, unknowns=names, fixed=moved, profiles=False)
         slopes[k] = (again.as_dict()["restitution"] - value) / step
     covariance = np.where(np.isfinite(best.covariance), best.covariance, 0.0)
     return math.sqrt(max(0.0, float(slopes @ covariance @ slopes)))
@@ -216,10 +216,10 @@ def _assisted(one: EngineFit, row: HeldOutDrop) -> EngineHoldout:
 
 def _tuned(one: TunedFit, place: int, closed: Prediction) -> EngineHoldout:
     """The plain loop at the height of the held-out drop: its first bounce, and its heights."""
-    seen = one.held[place]
-    value, phases = float(seen.restitution[0]), math.sqrt(one.phases)
+    deviation = one.held[place]
+    value, phases = float(deviation.restitution[0]), math.sqrt(one.phases)
     # the mean over the phases, and over those in which the numbers were found
-    own = math.sqrt(2) * float(seen.u_restitution[0]) / phases
+    own = math.sqrt(2) * float(deviation.u_restitution[0]) / phases
     score = held = u_held = None
     if closed.again is not None:
         speed = closed.again.speeds_m_s[1]
@@ -228,22 +228,24 @@ def _tuned(one: TunedFit, place: int, closed: Prediction) -> EngineHoldout:
     return EngineHoldout(
         restitution=value, u=math.hypot(own, one.restitution[1]), held=held, u_held=u_held,
         e_n=score, heights=tuple(_engine_heights(one, place, closed)),
-        late_s=tuple(seen.late_s.tolist()), scatter_s=tuple(seen.scatter_s.tolist()),
+        late_s=tuple(deviation.late_s.tolist()), scatter_s=tuple(deviation.scatter_s.tolist()),
     )  # fmt: skip
 
 
 def _engine_heights(one: TunedFit, place: int, closed: Prediction) -> Iterator[PredictedHeight]:
     """Rebound heights of a plain loop: those of the closed form, moved as the engine moves them."""
-    seen = one.held[place]
+    deviation = one.held[place]
     # errors of several bounces add up
     scatter = (
-        np.cumsum(seen.u_restitution / seen.restitution) * math.sqrt(2) / math.sqrt(one.phases)
+        np.cumsum(deviation.u_restitution / deviation.restitution)
+        * math.sqrt(2)
+        / math.sqrt(one.phases)
     )
     values = closed.predicted.problem.values(closed.predicted.x, 0)
     shown = bounce_models.bounces(closed.predicted.problem.model, values, closed.drop.count)
     for row in closed.row.heights:
         k = row.number
-        if k > len(seen.restitution):
+        if k > len(deviation.restitution):
             break
         part = float(one.held_m[place][k]) / float(np.ravel(shown.apex_m)[k])
         predicted = row.predicted * part

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.model.trajectory import Array
-from simcompare.results.records.fit_bounces import Dropped
+from simcompare.results.records.fit_bounces import Rejected
 
 SOUND, CLOCKED, TRACK, TABLE = "sound", "stopwatch", "video track", "rebound heights"
 _NOTHING = np.empty(0)
@@ -61,7 +61,7 @@ class Impacts:
     height_numbers: tuple[int, ...] = ()
     track: Track | None = field(default=None, repr=False)
     covariance_s2: Array | None = field(default=None, repr=False)
-    dropped: tuple[Dropped, ...] = ()
+    dropped: tuple[Rejected, ...] = ()
     missed: tuple[int, ...] = ()
     notes: tuple[str, ...] = ()
 

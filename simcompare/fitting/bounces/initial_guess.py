@@ -7,14 +7,14 @@ import numpy as np
 from simcompare.fitting.bounces.bounce_models import DEFAULTS
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.problem import Problem
-from simcompare.fitting.bounces.unknowns import SPEED, base, own_drop, sought
+from simcompare.fitting.bounces.unknowns import SPEED, base, internal, own_drop
 from simcompare.model.trajectory import Array
 
 _RESTITUTION = 0.8
 
 
 def of(problem: Problem) -> Array:
-    """A first guess of the sought numbers (p,)."""
+    """A first guess of the internal numbers (p,)."""
     gravity = float(problem.fixed.get("gravity_m_s2", DEFAULTS["gravity_m_s2"]))
     guesses = [_drop(drop, gravity) for drop in problem.drops]
     found = []
@@ -23,7 +23,7 @@ def of(problem: Problem) -> Array:
         prior = problem.priors.get(name)
         if kind == SPEED:
             # vacuum is a fair start, and the only one from which no data lead astray
-            value = 0.0 if prior is None else sought(name, prior.value)
+            value = 0.0 if prior is None else internal(name, prior.value)
         elif kind in guesses[0]:
             chosen = guesses if drop is None else [guesses[drop]]
             value = float(np.mean([guess[kind] for guess in chosen]))

@@ -18,7 +18,7 @@ import numpy as np
 from simcompare.fitting.bounces import bounce_models, initial_guess
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.problem import Problem, build
-from simcompare.fitting.bounces.unknowns import SPEED, base, shown, slope
+from simcompare.fitting.bounces.unknowns import SPEED, base, external, slope
 from simcompare.model.trajectory import Array
 from simcompare.statistics import least_squares
 
@@ -37,7 +37,7 @@ class Profile:
 
     Attributes:
         name: the unknown.
-        values: where it was held (m,), in the order of the sought number.
+        values: where it was held (m,), in the order of the internal number.
         chi2: least χ² there, less that of the fit (m,).
         low: lower end of the 95 % interval; minus infinity (infinite speed: infinity) if open.
         high: upper end.
@@ -76,8 +76,8 @@ class Fit:
         at_bound: unknowns that ended at a bound.
         profiles: of the unknowns whose normal interval may be wrong.
         problem: what was fitted.
-        x: the numbers that were sought (1/v_t² for the terminal speed).
-        sought_covariance: of these.
+        x: the internal numbers (1/v_t² for the terminal speed).
+        internal_covariance: of these.
     """
 
     model: str
@@ -98,7 +98,7 @@ class Fit:
     profiles: Mapping[str, Profile]
     problem: Problem = field(repr=False, compare=False)
     x: Array = field(repr=False, compare=False)
-    sought_covariance: Array = field(repr=False, compare=False)
+    internal_covariance: Array = field(repr=False, compare=False)
 
     @property
     def u(self) -> Array:
@@ -115,11 +115,11 @@ class Fit:
 
     @property
     def correlation(self) -> Array:
-        """Correlation of the sought numbers, whose signs are those of the parameters (p, p)."""
-        u = np.sqrt(np.diag(self.sought_covariance))
+        """Correlation of the internal numbers, whose signs are those of the parameters (p, p)."""
+        u = np.sqrt(np.diag(self.internal_covariance))
         sign = np.array([-1.0 if base(name) == SPEED else 1.0 for name in self.names])
         whole = np.where(u > 0, u, 1.0)
-        return np.asarray(self.sought_covariance / np.outer(whole, whole) * np.outer(sign, sign))
+        return np.asarray(self.internal_covariance / np.outer(whole, whole) * np.outer(sign, sign))
 
     def as_dict(self) -> dict[str, float]:
         """Unknown -> estimate."""
@@ -128,7 +128,7 @@ class Fit:
     def restitution_at(self, speed_m_s: float) -> tuple[float, float]:
         """Effective restitution at that speed and its standard uncertainty."""
         found, jacobian = self._restitution(np.array([speed_m_s]))
-        variance = float((jacobian @ self.sought_covariance @ jacobian.T)[0, 0])
+        variance = float((jacobian @ self.internal_covariance @ jacobian.T)[0, 0])
         return float(found[0]), math.sqrt(max(variance, 0.0))
 
     def _restitution(self, speed: Array) -> tuple[Array, Array]:
@@ -151,29 +151,29 @@ def summary(
     covariance = least_squares.covariance_of(best.jacobian[0], held)
     rows = len(whole.data)
     own = best.jacobian[0][:rows]
-    values = np.array([float(shown(n, v)) for n, v in zip(whole.names, x, strict=True)])
+    values = np.array([float(external(n, v)) for n, v in zip(whole.names, x, strict=True)])
     scale = np.array([scale_of(n, v) for n, v in zip(whole.names, values, strict=True)])
     half = COVERAGE * np.sqrt(np.diag(covariance))
     intervals = tuple(
         as_interval(name, low, high)
         for name, low, high in zip(whole.names, x - half, x + half, strict=True)
     )
-    left = whole.residuals(x, priors=False)
+    residual = whole.residuals(x, priors=False)
     effective = float(np.clip(np.trace(own @ covariance @ own.T), 0.0, len(values)))
     return Fit(
         model=whole.model.name, names=whole.names, values=values,
         covariance=covariance * np.outer(scale, scale), intervals=intervals,
-        how=("normal",) * len(values), chi2=float(left @ left), dof=dof, s2=s2, count=rows,
+        how=("normal",) * len(values), chi2=float(residual @ residual), dof=dof, s2=s2, count=rows,
         effective=effective, rms=_rms(whole, x),
         speeds_m_s=_speeds(whole, x), pulls={},
         at_bound=tuple(n for n, h in zip(whole.names, held, strict=True) if h), profiles={},
-        problem=scaled, x=x, sought_covariance=covariance,
+        problem=scaled, x=x, internal_covariance=covariance,
     )  # fmt: skip
 
 
 def as_interval(name: str, low: float, high: float) -> tuple[float, float]:
-    """Ends of an interval of the sought number as values of the unknown, the lower first."""
-    ends = float(shown(name, low)), float(shown(name, high))
+    """Ends of an interval of the internal number as values of the unknown, the lower first."""
+    ends = float(external(name, low)), float(external(name, high))
     return min(ends), max(ends)
 
 
@@ -206,16 +206,16 @@ def minimum(problem: Problem, start: Array, *, priors: bool = True) -> least_squ
 
 
 def scale_of(name: str, value: float) -> float:
-    """Derivative of the value to the sought number; NaN where the value is infinite."""
+    """Derivative of the value to the internal number; NaN where the value is infinite."""
     return 1 / slope(name, value) if math.isfinite(value) else math.nan
 
 
 def _rms(problem: Problem, x: Array) -> dict[str, float]:
-    left = problem.data - problem.predicted(x)
+    residual = problem.data - problem.predicted(x)
     found: dict[str, list[Array]] = {}
     at = 0
     for block in problem.blocks:
-        found.setdefault(block.kind, []).append(left[at : at + len(block.data)])
+        found.setdefault(block.kind, []).append(residual[at : at + len(block.data)])
         at += len(block.data)
     return {k: float(np.sqrt(np.mean(np.concatenate(v) ** 2))) for k, v in found.items()}
 

@@ -88,7 +88,7 @@ def compare(
         drops: what was measured.
         models: names of the candidates.
         extra: unknowns beside those that a fit has by default, such as clock_skew.
-        fixed: values of what is not sought; what is fixed is no unknown of any model.
+        fixed: values of what is not fitted; what is fixed is no unknown of any model.
         priors: what is known of unknowns.
 
     Raises:
@@ -99,11 +99,10 @@ def compare(
     fits: dict[str, Fit] = {}
     refused: dict[str, str] = {}
     for name in models:
-        wanted = {k: v for k, v in (priors or {}).items()}
-        asked = [n for n in _usual(every, model_of(name), extra) if n not in held]
+        names = [n for n in _usual(every, model_of(name), extra) if n not in held]
         try:
             fits[name] = fit(
-                every, name, unknowns=asked, fixed=held, priors=wanted,
+                every, name, unknowns=names, fixed=held, priors=priors,
                 profiles=False,
             )  # fmt: skip
         except InputError as error:
@@ -117,10 +116,10 @@ def compare(
     criterion = "AIC" if stated or all(math.isinf(row.aicc) for row in rows) else "AICc"
     candidates = _weighed(rows, criterion)
     best = candidates[0]
-    asked = list(best.fit.names) if len(every) == 1 else _usual(every, model_of(best.model), extra)
+    names = list(best.fit.names) if len(every) == 1 else _usual(every, model_of(best.model), extra)
     profiled = fit(
-        every, best.model, unknowns=[n for n in asked if n not in held], fixed=held,
-        priors=dict(priors or {}),
+        every, best.model, unknowns=[n for n in names if n not in held], fixed=held,
+        priors=priors,
     )  # fmt: skip
     rest = candidates[1:]
     chosen = replace(best, fit=profiled)

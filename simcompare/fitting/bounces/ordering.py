@@ -19,7 +19,7 @@ from simcompare.errors import InputError
 from simcompare.fitting.bounces import likelihood
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.model.trajectory import Array
-from simcompare.results.records.fit_bounces import Dropped
+from simcompare.results.records.fit_bounces import Rejected
 
 #: chance that an impact of the series is taken for an outlier, and that its scatter is told
 _BY_CHANCE = 1e-3
@@ -63,7 +63,7 @@ class Ordered:
 
     kept: tuple[int, ...]
     numbers: tuple[int, ...]
-    dropped: tuple[Dropped, ...]
+    dropped: tuple[Rejected, ...]
     missed: tuple[int, ...]
 
 
@@ -148,8 +148,8 @@ def _fit(times: Array, u: Array, numbers: NDArray[np.int64]) -> _Fit:
     each = np.where(np.isfinite(u), u, 1e-3)
     impacts = Impacts(times, each, tuple(steps.tolist()))
     predicted, jacobian = likelihood.shape(impacts, model, int(steps[-1]) + _REACH)
-    left = (times - predicted[steps - 1]) / each
-    chi2, degrees = float(left @ left), len(times) - jacobian.shape[1]
+    residual = (times - predicted[steps - 1]) / each
+    chi2, degrees = float(residual @ residual), len(times) - jacobian.shape[1]
     stated = bool(np.isfinite(u).all())
     least = 0.0 if stated else (_FINEST_S / float(each[0])) ** 2
     scale = math.sqrt(max(chi2 / max(degrees, 1), least))
@@ -160,18 +160,18 @@ def _fit(times: Array, u: Array, numbers: NDArray[np.int64]) -> _Fit:
     # residuals as if each impact had been left out of the fit (externally studentised)
     q = np.linalg.qr(jacobian)[0]
     free = np.maximum(1 - np.sum(q * q, axis=1), 1e-9)
-    rest = np.maximum(chi2 - left**2 / free, 1e-12 * chi2)
+    rest = np.maximum(chi2 - residual**2 / free, 1e-12 * chi2)
     worst = int(np.argmin(rest))
     blamed = stats.chi2.sf(rest[worst], degrees - 1) > _BY_CHANCE and free[worst] > _LEVERAGE
     if stated and degrees > 2 and blamed:
         # all others agree within what is stated, so this one alone is to blame; not so at the
         # ends, where leaving one out means to extrapolate a form that is not exact
         flight = float(predicted[steps[worst]] - predicted[steps[worst] - 1])
-        off = abs(left[worst]) / free[worst] * each[worst]
+        off = abs(residual[worst]) / free[worst] * each[worst]
         return _Fit(predicted, scatter, worst, bool(off > _LEAST_OFF * flight))
     scale = math.sqrt(max(rest[worst] / (degrees - 1), 1.0 if stated else least) * free[worst])
     limit = float(stats.t.isf(_BY_CHANCE / 2 / len(times), degrees - 1))
-    return _Fit(predicted, scatter, worst, bool(abs(left[worst]) > limit * scale))
+    return _Fit(predicted, scatter, worst, bool(abs(residual[worst]) > limit * scale))
 
 
 def _found(times: Array, u: Array, source: str) -> NDArray[np.int64]:
@@ -181,15 +181,15 @@ def _found(times: Array, u: Array, source: str) -> NDArray[np.int64]:
         numbers, score = _refined(times, u, proposal)
         if score > most:
             best, most = numbers, score
-    left = 0 if best is None else int(np.count_nonzero(best >= 0))
-    if best is None or left < max(_FEWEST, _ENOUGH * len(times)):
-        raise InputError(source or "impacts", [_no_series(times, left)])
+    kept = 0 if best is None else int(np.count_nonzero(best >= 0))
+    if best is None or kept < max(_FEWEST, _ENOUGH * len(times)):
+        raise InputError(source or "impacts", [_no_series(times, kept)])
     return best
 
 
-def _no_series(times: Array, left: int) -> str:
+def _no_series(times: Array, kept: int) -> str:
     flights = ", ".join(f"{step:.3g}" for step in np.diff(times)[:8])
-    count = f"only {left}" if left > 2 else "no four"
+    count = f"only {kept}" if kept > 2 else "no four"
     return (
         f"{count} of the {len(times)} impacts follow each other as those of a bouncing ball, whose"
         f" flights become shorter by a steady factor; found flights of {flights}"
@@ -317,7 +317,7 @@ def _without_outliers(
 
 def _reasons(
     times: Array, kept: NDArray[np.intp], numbers: NDArray[np.int64], first: int
-) -> tuple[Dropped, ...]:
+) -> tuple[Rejected, ...]:
     """Why each of the others was left out, in words."""
     found = []
     for k in sorted(set(range(len(times))) - set(kept.tolist())):
@@ -335,5 +335,5 @@ def _reasons(
             if b > a + 1:
                 where = f"between impacts {a} and {b}, and not where one of the missing would be"
             reason = f"it is {where}, {1e3 * (time - before):.1f} ms ({part:.0%}) into it"
-        found.append(Dropped("impact", first + k + 1, time, reason))
+        found.append(Rejected("impact", first + k + 1, time, reason))
     return tuple(found)

@@ -67,18 +67,19 @@ def _of_trajectory(number: int, drop: Impacts, fit: Fit) -> OtherEstimate:
     values = dict(problem.values(fit.x, number - 1))
     best = [float(values[n]) for n in ("drop_height_m", "release_time_s", "floor_m")]
 
-    def left(x: Array) -> Array:
-        asked = {**values, "restitution": np.asarray(x[0]), "drop_height_m": np.asarray(x[1]),
+    def residuals(x: Array) -> Array:
+        trial = {**values, "restitution": np.asarray(x[0]), "drop_height_m": np.asarray(x[1]),
                  "release_time_s": np.asarray(x[2]), "floor_m": np.asarray(x[3])}  # fmt: skip
-        shown = bounce_models.bounces(problem.model, asked, drop.count)
+        shown = bounce_models.bounces(problem.model, trial, drop.count)
         flight = np.searchsorted(shown.impact_s, track.time_s)
-        seen = bounce_models.height_at(shown, asked, track.time_s, np.minimum(flight, drop.count))
-        return np.asarray(seen - track.height_m, dtype=float)
+        height = bounce_models.height_at(shown, trial, track.time_s, np.minimum(flight, drop.count))
+        return np.asarray(height - track.height_m, dtype=float)
 
     low = [0.05, 0.2 * best[0], best[1] - 0.5, best[2] - 0.5]
     high = [0.99, 3 * best[0], best[1] + 0.5, best[2] + 0.5]
     ends = [
-        least_squares(left, [start, *best], bounds=(low, high), max_nfev=80) for start in _STARTS
+        least_squares(residuals, [start, *best], bounds=(low, high), max_nfev=80)
+        for start in _STARTS
     ]
     winner = min(ends, key=lambda end: end.cost)
     reached = int(sum(end.cost < 1.01 * winner.cost for end in ends))

@@ -9,7 +9,7 @@ import numpy as np
 
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import bounce_models, profile, ratios
-from simcompare.fitting.bounces.beside import Bouncing, engine_bounces
+from simcompare.fitting.bounces.deviations import Deviation, engine_bounces
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import NUISANCE, Fit
 from simcompare.fitting.bounces.problem import U_ASSUMED_M, U_ASSUMED_S
@@ -21,7 +21,7 @@ from simcompare.results.records.fit_bounces import Law, ProfileRow, Ratios, Resi
 _SAMPLES, _SPEEDS, _PROFILES = 200, 25, 6
 
 
-def residuals(fit: Fit, shown: Sequence[Bouncing] | None = None) -> tuple[Residuals, ...]:
+def residuals(fit: Fit, shown: Sequence[Deviation] | None = None) -> tuple[Residuals, ...]:
     """Measured less predicted, for every kind of number of every drop.
 
     Args:
@@ -35,26 +35,28 @@ def residuals(fit: Fit, shown: Sequence[Bouncing] | None = None) -> tuple[Residu
         closed = bounce_models.bounces(fit.problem.model, values, drop.count)
         ours = closed if shown is None else engine_bounces(closed, shown[number])
         if len(drop.times_s):
-            left = drop.times_s - ours.impact_s[np.array(drop.numbers) - 1]
-            found.append(_row(fit, number, "times", drop.numbers, left, drop.u_s))
+            residual = drop.times_s - ours.impact_s[np.array(drop.numbers) - 1]
+            found.append(_row(fit, number, "times", drop.numbers, residual, drop.u_s))
         if len(drop.heights_m):
-            left = drop.heights_m - ours.apex_m[np.array(drop.height_numbers)]
+            residual = drop.heights_m - ours.apex_m[np.array(drop.height_numbers)]
             at = drop.height_numbers
-            found.append(_row(fit, number, "heights", at, left, drop.u_heights_m))
+            found.append(_row(fit, number, "heights", at, residual, drop.u_heights_m))
         if drop.track is not None:
             track = drop.track
-            seen = bounce_models.height_at(ours, values, track.time_s, track.flight)
+            heights = bounce_models.height_at(ours, values, track.time_s, track.flight)
             kept = slice(None, None, math.ceil(len(track.time_s) / _SAMPLES))
-            at, left = track.time_s[kept].tolist(), (track.height_m - seen)[kept]
-            found.append(_row(fit, number, "track", at, left, track.u_m[kept]))
+            at, residual = track.time_s[kept].tolist(), (track.height_m - heights)[kept]
+            found.append(_row(fit, number, "track", at, residual, track.u_m[kept]))
     return tuple(found)
 
 
-def _row(fit: Fit, number: int, kind: str, at: Sequence[float], left: Array, u: Array) -> Residuals:
+def _row(
+    fit: Fit, number: int, kind: str, at: Sequence[float], residual: Array, u: Array
+) -> Residuals:
     assumed = U_ASSUMED_M if kind in ("heights", "track") else U_ASSUMED_S
     assumed *= math.sqrt(fit.s2)
     return Residuals(
-        drop=number + 1, kind=kind, at=tuple(at), residuals=_row_of(left),
+        drop=number + 1, kind=kind, at=tuple(at), residuals=_row_of(residual),
         u=_row_of(np.where(np.isfinite(u), u, assumed)), stated=bool(np.all(np.isfinite(u))),
         judged=kind == "track" or fit.problem.drops[number].track is None,
     )  # fmt: skip
@@ -119,9 +121,9 @@ def _of_heights(drop: Impacts) -> tuple[tuple[int, ...], Array, Array, str]:
 
 def profiles_of(fit: Fit) -> tuple[ProfileRow, ...]:
     """How χ² rises when one unknown is held and all others make up for it."""
-    asked = [n for n in fit.names if base(n) not in NUISANCE and own_drop(n) in (None, 0)]
+    names = [n for n in fit.names if base(n) not in NUISANCE and own_drop(n) in (None, 0)]
     found = []
-    for name in asked[:_PROFILES]:
+    for name in names[:_PROFILES]:
         one = fit.profiles.get(name) or profile.profile(fit, name)
         finite = np.isfinite(one.values)
         order = np.argsort(one.values[finite])

@@ -18,9 +18,9 @@ from simcompare.fitting.bounces.unknowns import (
     SPEED,
     base,
     faults,
+    internal,
     own_drop,
     slope,
-    sought,
 )
 from simcompare.model.trajectory import Array
 from simcompare.results.records.fit_bounces import Prior
@@ -54,7 +54,7 @@ class Problem:
         model: which.
         drops: the measurements.
         names: unknowns; those of one of several drops end with its number, "drop_height_m[2]".
-        fixed: what is not sought, by name.
+        fixed: what is not fitted, by name.
         priors: by name of the unknown.
         blocks: measured numbers.
         u_known: whether the measurements' uncertainties are stated; else the scatter tells.
@@ -75,12 +75,12 @@ class Problem:
 
     @property
     def low(self) -> Array:
-        """Lower bounds of the sought numbers (p,)."""
+        """Lower bounds of the internal numbers (p,)."""
         return np.array([min(_both(name, BOUNDS[base(name)])) for name in self.names])
 
     @property
     def high(self) -> Array:
-        """Upper bounds of the sought numbers (p,)."""
+        """Upper bounds of the internal numbers (p,)."""
         return np.array([max(_both(name, BOUNDS[base(name)])) for name in self.names])
 
     @property
@@ -90,16 +90,16 @@ class Problem:
 
     @property
     def prior_rows(self) -> tuple[Array, Array, Array]:
-        """Index, mean and standard uncertainty of the priors on the sought numbers."""
+        """Index, mean and standard uncertainty of the priors on the internal numbers."""
         index, mean, u = [], [], []
         for name, prior in self.priors.items():
             index.append(self.names.index(name))
-            mean.append(sought(name, prior.value))
+            mean.append(internal(name, prior.value))
             u.append(prior.u * abs(slope(name, prior.value)))
         return np.array(index, dtype=int), np.array(mean), np.array(u)
 
     def values(self, x: Array, drop: int) -> dict[str, Array | float]:
-        """Parameters of one drop for sets of sought numbers (…, p)."""
+        """Parameters of one drop for sets of internal numbers (…, p)."""
         found: dict[str, Array | float] = {**DEFAULTS, **self.fixed}
         for k, name in enumerate(self.names):
             if own_drop(name) in (None, drop):
@@ -114,7 +114,7 @@ class Problem:
             found = bounce_models.bounces(self.model, values, impacts.count)
             for block in self.blocks:
                 if block.drop == number:
-                    parts.append(seen_in(block, impacts, found, values, x.shape[:-1]))
+                    parts.append(observed_in(block, impacts, found, values, x.shape[:-1]))
         return np.concatenate(parts, axis=-1)
 
     def residuals(
@@ -123,15 +123,15 @@ class Problem:
         """Whitened residuals, those of the priors last (…, n + m).
 
         Args:
-            x: sought numbers (…, p).
+            x: internal numbers (…, p).
             data: other data than the measured ones, (n,) or (B, n).
             mean: other means of the priors (m,) or (B, m).
             priors: whether the priors count.
         """
-        left = (self.data if data is None else data) - self.predicted(x)
+        residual = (self.data if data is None else data) - self.predicted(x)
         parts, at = [], 0
         for block in self.blocks:
-            part = left[..., at : at + len(block.data)]
+            part = residual[..., at : at + len(block.data)]
             at += len(block.data)
             matrix = block.whiten.ndim == 2
             parts.append(part @ block.whiten.T if matrix else part * block.whiten)
@@ -170,19 +170,20 @@ def build(
     Args:
         drops: the measurements, one for each drop of the ball.
         model: which.
-        unknowns: what is sought; by default all of the model, and height and release of each drop.
-        fixed: values of what is not sought.
+        unknowns: what is fitted; by default all of the model, and height and release of each
+            drop.
+        fixed: values of what is not fitted.
         priors: what is known of unknowns; a name without a number holds for every drop.
 
     Raises:
         InputError: every fault of the request.
     """
-    asked = [SPEED if n == "terminal_speed" else n for n in unknowns or usual(drops, model)]
+    chosen = [SPEED if n == "terminal_speed" else n for n in unknowns or usual(drops, model)]
     fixed, priors = dict(fixed or {}), dict(priors or {})
     if unknowns is None:
-        asked = [name for name in asked if name not in fixed]
-    found = faults(asked, fixed, priors)
-    names = [n for name in asked for n in _numbered(name, len(drops))]
+        chosen = [name for name in chosen if name not in fixed]
+    found = faults(chosen, fixed, priors)
+    names = [n for name in chosen for n in _numbered(name, len(drops))]
     blocks = [b for k, drop in enumerate(drops) for b in _blocks(drop, k)]
     known = all(drop.u_known for drop in drops)
     rows = sum(len(block.data) for block in blocks)
@@ -204,7 +205,7 @@ def build(
 
 
 def _both(name: str, bounds: tuple[float, float]) -> tuple[float, float]:
-    return sought(name, bounds[0]), sought(name, bounds[1])
+    return internal(name, bounds[0]), internal(name, bounds[1])
 
 
 def usual(drops: Sequence[Impacts], model: Model) -> list[str]:
@@ -248,7 +249,7 @@ def _whitening(covariance: Array) -> Array:
     return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
 
 
-def seen_in(
+def observed_in(
     block: Block,
     impacts: Impacts,
     found: bounce_models.Bounces,

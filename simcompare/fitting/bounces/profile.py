@@ -6,7 +6,7 @@ import numpy as np
 
 from simcompare.fitting.bounces.likelihood import LEVEL, NUISANCE, Fit, Profile
 from simcompare.fitting.bounces.problem import Problem
-from simcompare.fitting.bounces.unknowns import base, shown
+from simcompare.fitting.bounces.unknowns import base, external
 from simcompare.model.trajectory import Array
 from simcompare.statistics import least_squares
 
@@ -22,7 +22,7 @@ _FAR = (4.0, 6.0, 10.0, 20.0, 40.0)
 
 def intervals(fit: Fit, problem: Problem) -> dict[str, Profile]:
     """Profiles of the unknowns whose normal interval may be wrong."""
-    u = np.sqrt(np.diag(fit.sought_covariance))
+    u = np.sqrt(np.diag(fit.internal_covariance))
     rho = np.abs(fit.correlation - np.eye(len(u)))
     found = {}
     for k, name in enumerate(fit.names):
@@ -57,14 +57,14 @@ def profile(fit: Fit, name: str, level: float = LEVEL) -> Profile:
             rise = np.concatenate((far_rise, rise) if side < 0 else (rise, far_rise))
     low, open_low = _crossing(at, rise, fit.x[k], level, -1, float(problem.low[k]))
     high, open_high = _crossing(at, rise, fit.x[k], level, 1, float(problem.high[k]))
-    ends = (float(shown(name, low)), open_low), (float(shown(name, high)), open_high)
+    ends = (float(external(name, low)), open_low), (float(external(name, high)), open_high)
     (low, open_low), (high, open_high) = sorted(ends)
-    return Profile(name, shown(name, at), rise, low, high, open_low, open_high)
+    return Profile(name, external(name, at), rise, low, high, open_low, open_high)
 
 
 def _step_of(fit: Fit, k: int) -> float:
-    """Standard uncertainty of the sought number; for one held by a bound, from its own column."""
-    u = float(np.sqrt(fit.sought_covariance[k, k]))
+    """Standard uncertainty of the internal number; for one held by a bound, from its own column."""
+    u = float(np.sqrt(fit.internal_covariance[k, k]))
     if u > 0:
         return u
     problem = fit.problem
@@ -81,8 +81,8 @@ def _least_chi2(
     if not others:
         chi2 = np.sum(problem.residuals(places[:, None]) ** 2, axis=-1)
         return places, np.maximum(chi2 - least, 0.0)
-    variance = fit.sought_covariance[k, k]
-    lean = fit.sought_covariance[others, k] / variance if variance > 0 else np.zeros(len(others))
+    variance = fit.internal_covariance[k, k]
+    lean = fit.internal_covariance[others, k] / variance if variance > 0 else np.zeros(len(others))
     start = fit.x[others] + np.outer(places - fit.x[k], lean)
 
     def residuals(x: Array) -> Array:
@@ -116,7 +116,7 @@ def _crossing(
 
 def _asymmetric(fit: Fit, problem: Problem, k: int) -> bool:
     """Whether Δχ² two uncertainties to either side, the others following, is not 4."""
-    lean = fit.sought_covariance[k] / np.sqrt(fit.sought_covariance[k, k])
+    lean = fit.internal_covariance[k] / np.sqrt(fit.internal_covariance[k, k])
     both = np.clip(fit.x + np.array([[-2.0], [2.0]]) * lean, problem.low, problem.high)
     least = float(np.sum(problem.residuals(fit.x) ** 2))
     rise = np.sum(problem.residuals(both) ** 2, axis=-1) - least

@@ -76,9 +76,9 @@ def _line(
     for design in (ones, steps[:, : min(2, len(values))]):
         cov = np.linalg.inv(design.T @ weight @ design)
         best = cov @ design.T @ weight @ values
-        left = values - design @ best
+        residual = values - design @ best
         degrees = len(values) - design.shape[1]
-        scale = float(left @ weight @ left) / degrees if degrees else 1.0
+        scale = float(residual @ weight @ residual) / degrees if degrees else 1.0
         factor = max(1.0, scale) if known else (scale if degrees else np.nan)
         found.append((float(best[-1]), float(np.sqrt(factor * cov[-1, -1]))))
     (mean, u_mean), (trend, u_trend) = found

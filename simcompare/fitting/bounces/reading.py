@@ -261,8 +261,8 @@ def _height_channel(recording: Recording) -> str | None:
         for name, channel in content.channels.items()
         if channel.unit == "m" and len(content.time_s) >= 2 * arcs.LEAST
     ]
-    for wanted in _HEIGHT_NAMES:
-        fitting = [full for full, short in found if short == wanted or short.endswith(f"_{wanted}")]
+    for name in _HEIGHT_NAMES:
+        fitting = [full for full, short in found if short == name or short.endswith(f"_{name}")]
         if len(fitting) == 1:
             return fitting[0]
         if fitting:

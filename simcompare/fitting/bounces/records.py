@@ -12,15 +12,15 @@ import numpy as np
 from simcompare import units
 from simcompare.fitting.bounces import bounce_models, model_selection, other_estimates, plot_data
 from simcompare.fitting.bounces.assisted_fit import AssistedFit
-from simcompare.fitting.bounces.beside import Bouncing
 from simcompare.fitting.bounces.bootstrap import parametric
+from simcompare.fitting.bounces.deviations import Deviation
 from simcompare.fitting.bounces.engine_fit import EngineFit
 from simcompare.fitting.bounces.identifiability import identifiability
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import COVERAGE, Fit
 from simcompare.fitting.bounces.roles import Roles
 from simcompare.fitting.bounces.tuned_fit import TunedFit
-from simcompare.fitting.bounces.wanted import Wanted
+from simcompare.fitting.bounces.tuning_goal import TuningGoal
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array
 from simcompare.model.tuning import TuningRow
@@ -55,13 +55,13 @@ class Made:
     Attributes:
         contact: level: "tuned" or "assisted".
         assist: our helps that were asked for: "none", "all" or names with commas.
-        wanted: what tuned engines were asked for.
+        goal: what engines were tuned to.
         scene: the leading drop.
     """
 
     contact: str
     assist: str
-    wanted: Wanted | None
+    goal: TuningGoal | None
     scene: Scenario
 
 
@@ -99,7 +99,7 @@ def of_fit(
         engine_form=None if start.model == best.model else form_of(start),
         engine_model=start.model,
         engine_model_text=bounce_models.model_of(start.model).text,
-        tuned_to=_target(made.wanted), tuned_mean=_tuned_mean(sources), sources=sources,
+        tuned_to=_target(made.goal), tuned_mean=_tuned_mean(sources), sources=sources,
         run_with=_run_with(roles, start, engines, made), holdout=predicted,
         other_estimates=tuple(other_estimates.of_drops(drops[0], best)),
         valid=Valid(
@@ -229,7 +229,7 @@ def _parameters(fit: Fit, one: EngineFit) -> dict[str, EngineParameter]:
     return found
 
 
-def _shown(one: Bouncing) -> Shown:
+def _shown(one: Deviation) -> Shown:
     return Shown(*map(_row, (
         one.times_s, one.restitution, one.u_restitution, one.late_s, one.scatter_s
     )))  # fmt: skip
@@ -245,8 +245,8 @@ def _plain_loop(one: TunedFit) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _target(wanted: Wanted | None) -> Target | None:
-    return None if wanted is None else Target(wanted.restitution, wanted.u, wanted.speed_m_s)
+def _target(goal: TuningGoal | None) -> Target | None:
+    return None if goal is None else Target(goal.restitution, goal.u, goal.speed_m_s)
 
 
 def _tuned_mean(sources: Sequence[BouncesEngine]) -> float | None:
@@ -260,8 +260,8 @@ def _run_with(roles: Roles, start: Fit, engines: Sequence[EngineFit], made: Made
 
     def values(one: Fit) -> dict[str, float]:
         closed = dict(one.problem.values(one.x, 0))
-        if made.wanted is not None:
-            closed["restitution"] = made.wanted.restitution
+        if made.goal is not None:
+            closed["restitution"] = made.goal.restitution
         found = roles.values(closed)
         return {name: value for name, value in found.items() if name != roles.height}
 

@@ -16,12 +16,12 @@ from simcompare.scenarios.scenario_file import ScenarioFile
 
 
 @dataclass(frozen=True)
-class Asked:
+class Request:
     """Unknowns, fixed values and priors, by the closed form's names.
 
     Attributes:
         extra: unknowns beside those of the model.
-        fixed: what is not sought.
+        fixed: what is not fitted.
         priors: what is known beforehand.
     """
 
@@ -51,14 +51,14 @@ def check_request(
                 for name in sorted(twice)
             ],
         )
-    sought = {name: called for name, called in roles.sought.items() if name in settings}
-    if sought:
+    fitted = {name: called for name, called in roles.fitted.items() if name in settings}
+    if fitted:
         raise InputError(
             "--set",
             [
                 f"{name} belongs to the bounce; give it with --fix or --prior"
                 + ("" if name == called else f" as {called}")
-                for name, called in sought.items()
+                for name, called in fitted.items()
             ],
         )
 
@@ -86,9 +86,9 @@ def numbers_of(fixed: Mapping[str, str | float]) -> dict[str, float]:
     return found
 
 
-def candidates(model: str, asked: Asked) -> list[str]:
+def candidates(model: str, request: Request) -> list[str]:
     """Closed forms that are compared; with a known terminal speed those without drag fall away."""
     if model != "auto":
         return [bounce_models.model_of(model).name]
-    known = SPEED in asked.fixed
+    known = SPEED in request.fixed
     return [name for name, one in bounce_models.MODELS.items() if one.drag or not known]

@@ -56,32 +56,32 @@ class Roles:
         return self.fit.drag is not None
 
     @property
-    def sought(self) -> dict[str, str]:
+    def fitted(self) -> dict[str, str]:
         """Parameter -> what the closed form calls it, of those that a measurement tells."""
         found = {self.restitution: "restitution", self.height: "drop_height_m"}
         return found if self.fit.gravity is None else {**found, self.fit.gravity: "gravity_m_s2"}
 
     def known(self, fixed: Mapping[str, float]) -> dict[str, float]:
-        """What is not sought: the scene's drag and gravity, and what was asked for besides.
+        """What is not fitted: the scene's drag and gravity, and what the user fixes besides.
 
         Raises:
-            InputError: a gravity is asked for that the scene cannot have.
+            InputError: a gravity is fixed that the scene cannot have.
         """
-        asked = fixed.get("gravity_m_s2", self.gravity_m_s2)
-        if self.fit.gravity is None and not math.isclose(asked, self.gravity_m_s2):
+        gravity = fixed.get("gravity_m_s2", self.gravity_m_s2)
+        if self.fit.gravity is None and not math.isclose(gravity, self.gravity_m_s2):
             raise InputError(
                 "--fix",
                 [
-                    f"gravity is {asked:g} m/s², but that of {self.file.name} is"
+                    f"gravity is {gravity:g} m/s², but that of {self.file.name} is"
                     f" {self.gravity_m_s2:g} m/s² and no parameter of it (fit: gravity)"
                 ],
             )
         found = {}
-        if not math.isclose(asked, bounce_models.GRAVITY):
-            found["gravity_m_s2"] = asked
+        if not math.isclose(gravity, bounce_models.GRAVITY):
+            found["gravity_m_s2"] = gravity
         coefficient = self.given[self.fit.drag] if self.fit.drag is not None else 0.0
         if coefficient > 0:
-            found[SPEED] = math.sqrt(asked / (coefficient * self._drag_factor))
+            found[SPEED] = math.sqrt(gravity / (coefficient * self._drag_factor))
         return {**found, **fixed}
 
     def values(self, closed: Mapping[str, Array | float]) -> dict[str, float]:

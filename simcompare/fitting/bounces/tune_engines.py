@@ -17,20 +17,20 @@ from simcompare.engine.calibration.calibration import PHASES as CALIBRATED
 from simcompare.engine.calibration.plan import drop_plans
 from simcompare.errors import SimcompareError
 from simcompare.fitting.bounces import bounce_models
-from simcompare.fitting.bounces.beside import (
+from simcompare.fitting.bounces.deviations import (
     NO_CLOCK,
-    Bouncing,
-    Part,
-    beside,
+    Deviation,
+    RunDeviation,
+    deviation_of,
     ends_s,
+    mean_deviation,
     scenes,
-    together,
 )
 from simcompare.fitting.bounces.engine_fit import contact_rows
 from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.fitting.bounces.roles import Roles
 from simcompare.fitting.bounces.tuned_fit import TunedFit
-from simcompare.fitting.bounces.wanted import Wanted
+from simcompare.fitting.bounces.tuning_goal import TuningGoal
 from simcompare.inference.defect_correction import wall_s
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import TUNED, PairNumbers, Settings
@@ -49,7 +49,7 @@ _AFTER_S, _CONTACT_STEPS = 0.05, 15
 def tune_engines(
     roles: Roles,
     best: Fit,
-    wanted: Wanted,
+    goal: TuningGoal,
     engines: Sequence[str],
     *,
     step_s: float | None = None,
@@ -61,22 +61,22 @@ def tune_engines(
     Args:
         roles: the scenario.
         best: the closed form.
-        wanted: what is asked of the engines.
+        goal: the impact to which they are tuned, and the drops that are run.
         engines: names.
         step_s: time between samples; the scenario's own where ``None``.
         time_limit_s: longest time for one simulation [s].
         progress: called as jobs end.
     """
-    drops = [_drop_scenes(roles, wanted, drop, step_s) for drop in range(len(wanted.drops))]
-    middle = drops[wanted.lead][wanted.phases // 2]
+    drops = [_drop_scenes(roles, goal, drop, step_s) for drop in range(len(goal.drops))]
+    middle = drops[goal.lead][goal.phases // 2]
     plans = tuple(
-        replace(plan, speed_m_s=wanted.speed_m_s) if _is_wanted(plan.restitution, middle, roles)
+        replace(plan, speed_m_s=goal.speed_m_s) if _is_goal(plan.restitution, middle, roles)
         else plan for plan in drop_plans(middle)
     )  # fmt: skip
     tuning = Settings(TUNED, drops=plans)
     jobs = [Job(name, middle, tuning) for name in engines]
     first = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
-    short = _short_scenes(wanted, drops[wanted.lead])
+    short = _short_scenes(goal, drops[goal.lead])
     jobs = []
     for outcome in first:
         if outcome.trajectory is not None:
@@ -90,29 +90,29 @@ def tune_engines(
                 jobs += [Job(outcome.job.engine, scene, moved, len(drops)) for scene in short]
     outcomes = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
     return [
-        _result(roles, best, wanted, one, [o for o in outcomes if o.job.engine == one.job.engine])
+        _result(roles, best, goal, one, [o for o in outcomes if o.job.engine == one.job.engine])
         for one in first
     ]
 
 
-def _drop_scenes(roles: Roles, wanted: Wanted, drop: int, step_s: float | None) -> list[Scenario]:
+def _drop_scenes(roles: Roles, goal: TuningGoal, drop: int, step_s: float | None) -> list[Scenario]:
     """One drop at every phase of the step, long enough for what contacts add."""
-    closed, count = wanted.drops[drop], wanted.counts[drop]
+    closed, count = goal.drops[drop], goal.counts[drop]
     nominal = roles.file.resolve(roles.values(closed), step_s=step_s)
     contact_s = _CONTACT_STEPS * nominal.world.engine_step_s * count
     lasts_s = ends_s(closed, count + 1) + _AFTER_S + contact_s
-    return scenes(roles, closed, step_s, lasts_s, wanted.phases)
+    return scenes(roles, closed, step_s, lasts_s, goal.phases)
 
 
-def _short_scenes(wanted: Wanted, lead: Sequence[Scenario]) -> list[Scenario]:
+def _short_scenes(goal: TuningGoal, lead: Sequence[Scenario]) -> list[Scenario]:
     """The leading drop until after its first impact."""
     step_s = lead[0].world.step_s
-    lasts_s = ends_s(wanted.drops[wanted.lead], 1) + _CONTACT_STEPS * step_s
+    lasts_s = ends_s(goal.drops[goal.lead], 1) + _CONTACT_STEPS * step_s
     world = {"duration_s": math.ceil(lasts_s / step_s) * step_s}
     return [one.model_copy(update={"world": one.world.model_copy(update=world)}) for one in lead]
 
 
-def _is_wanted(restitution: float, scene: Scenario, roles: Roles) -> bool:
+def _is_goal(restitution: float, scene: Scenario, roles: Roles) -> bool:
     return math.isclose(restitution, scene.parameters[roles.restitution], rel_tol=1e-12)
 
 
@@ -127,7 +127,7 @@ def _moved(numbers: PairNumbers) -> PairNumbers:
 
 
 def _result(
-    roles: Roles, best: Fit, wanted: Wanted, first: Outcome, own: Sequence[Outcome]
+    roles: Roles, best: Fit, goal: TuningGoal, first: Outcome, own: Sequence[Outcome]
 ) -> TunedFit:
     name, version = first.job.engine, first.facts.version
     count = len(own) + 1
@@ -138,47 +138,49 @@ def _result(
     assert first.trajectory is not None
     cost_s = wall_s((first, *own))
     try:
-        parts = [_parts(roles, wanted, own, drop) for drop in range(len(wanted.drops))]
-        seen = [
-            together(part, limit, whole=False)
-            for part, limit in zip(parts, wanted.counts, strict=True)
+        parts = [_parts(roles, goal, own, drop) for drop in range(len(goal.drops))]
+        deviations = [
+            mean_deviation(part, limit, whole=False)
+            for part, limit in zip(parts, goal.counts, strict=True)
         ]
-        slope = _slope(roles, wanted, own, parts[wanted.lead])
+        slope = _slope(roles, goal, own, parts[goal.lead])
     except SimcompareError as error:
         return TunedFit(name, version, TUNED, FAILED, str(error), simulations=count,
                         wall_s=cost_s, outcome=first)  # fmt: skip
-    shown = tuple(seen[: wanted.fitted])
-    effective = _effective(parts[: wanted.fitted], shown)
-    tuning = tuple(_of_wanted(roles, first))
+    shown = tuple(deviations[: goal.fitted])
+    effective = _effective(parts[: goal.fitted], shown)
+    tuning = tuple(_goal_first(roles, first))
     middle = tuple(
         (o.job.scenario, o.trajectory)
-        for drop in range(wanted.fitted)
-        for o in [one for one in own if one.job.repeat == drop][wanted.phases // 2 :][:1]
+        for drop in range(goal.fitted)
+        for o in [one for one in own if one.job.repeat == drop][goal.phases // 2 :][:1]
         if o.trajectory is not None
     )
     return TunedFit(
-        name, version, TUNED, OK, None, best, {}, effective, math.hypot(effective[1], wanted.u),
+        name, version, TUNED, OK, None, best, {}, effective, math.hypot(effective[1], goal.u),
         shown, contact_rows(middle[0][1]), count, cost_s, first, middle,
-        _numbers(tuning, first.trajectory, wanted.u, slope),
-        first.job.scenario.world.engine_step_s, (wanted.restitution, wanted.u),
-        tuple(_impacts(best, wanted, shown)),
-        max(part.penetration_m for every in parts[: wanted.fitted] for part in every),
-        tuning, tuple(seen[wanted.fitted :]), tuple(_apexes(wanted, seen)), wanted.phases,
+        _numbers(tuning, first.trajectory, goal.u, slope),
+        first.job.scenario.world.engine_step_s, (goal.restitution, goal.u),
+        tuple(_impacts(best, goal, shown)),
+        max(part.penetration_m for every in parts[: goal.fitted] for part in every),
+        tuning, tuple(deviations[goal.fitted :]), tuple(_apexes(goal, deviations)), goal.phases,
     )  # fmt: skip
 
 
-def _parts(roles: Roles, wanted: Wanted, own: Sequence[Outcome], drop: int) -> list[Part]:
+def _parts(roles: Roles, goal: TuningGoal, own: Sequence[Outcome], drop: int) -> list[RunDeviation]:
     return [
-        beside(roles, wanted.drops[drop], o.job.scenario, o.trajectory, wanted.counts[drop])
+        deviation_of(roles, goal.drops[drop], o.job.scenario, o.trajectory, goal.counts[drop])
         for o in own if o.job.repeat == drop and o.trajectory is not None
     ]  # fmt: skip
 
 
-def _slope(roles: Roles, wanted: Wanted, own: Sequence[Outcome], lead: Sequence[Part]) -> float:
+def _slope(
+    roles: Roles, goal: TuningGoal, own: Sequence[Outcome], lead: Sequence[RunDeviation]
+) -> float:
     """How the mean restitution of the first impact follows the last number, in parts of it."""
     changed = [
-        beside(roles, wanted.drops[wanted.lead], o.job.scenario, o.trajectory, 1).restitution
-        for o in own if o.job.repeat == len(wanted.drops) and o.trajectory is not None
+        deviation_of(roles, goal.drops[goal.lead], o.job.scenario, o.trajectory, 1).restitution
+        for o in own if o.job.repeat == len(goal.drops) and o.trajectory is not None
     ]  # fmt: skip
     if not changed or not all(len(one) for one in changed):
         return math.nan
@@ -186,24 +188,24 @@ def _slope(roles: Roles, wanted: Wanted, own: Sequence[Outcome], lead: Sequence[
     return (before - float(np.mean([one[0] for one in changed]))) / _CHANGE
 
 
-def _apexes(wanted: Wanted, seen: Sequence[Bouncing]) -> list[Array]:
+def _apexes(goal: TuningGoal, deviations: Sequence[Deviation]) -> list[Array]:
     """Heights of the apexes of the held-out drops."""
     found = []
-    for drop in range(wanted.fitted, len(seen)):
+    for drop in range(goal.fitted, len(deviations)):
         closed = bounce_models.bounces(
-            bounce_models.MODELS["constant"], wanted.drops[drop], wanted.counts[drop]
+            bounce_models.MODELS["constant"], goal.drops[drop], goal.counts[drop]
         )
-        higher = seen[drop].higher_m
+        higher = deviations[drop].higher_m
         found.append(np.ravel(closed.apex_m)[: len(higher)] + higher)
     return found
 
 
-def _of_wanted(roles: Roles, first: Outcome) -> list[TuningRow]:
+def _goal_first(roles: Roles, first: Outcome) -> list[TuningRow]:
     """How the numbers were found, those of the fitted restitution before others."""
     assert first.trajectory is not None
     return sorted(
         first.trajectory.tuning,
-        key=lambda row: not _is_wanted(row.restitution, first.job.scenario, roles),
+        key=lambda row: not _is_goal(row.restitution, first.job.scenario, roles),
     )
 
 
@@ -227,41 +229,43 @@ def _numbers(
     return tuple(found)
 
 
-def _effective(parts: Sequence[Sequence[Part]], shown: Sequence[Bouncing]) -> tuple[float, float]:
+def _effective(
+    parts: Sequence[Sequence[RunDeviation]], shown: Sequence[Deviation]
+) -> tuple[float, float]:
     """Mean over the phases of the mean over all recorded impacts, and its u from the phase."""
     every = np.array([
         np.concatenate([
-            part.restitution[: len(seen.restitution)]
-            for part, seen in zip(phase, shown, strict=True)
+            part.restitution[: len(deviations.restitution)]
+            for part, deviations in zip(phase, shown, strict=True)
         ]).mean()
         for phase in zip(*parts, strict=True)
     ])  # fmt: skip
     return float(every.mean()), float(every.std(ddof=1) / math.sqrt(len(every)))
 
 
-def _impacts(best: Fit, wanted: Wanted, shown: Sequence[Bouncing]) -> list[Impact]:
+def _impacts(best: Fit, goal: TuningGoal, shown: Sequence[Deviation]) -> list[Impact]:
     """Each recorded impact: what the closed form says of it, and what the engine showed."""
     found = []
-    for drop, seen in enumerate(shown):
-        values, count = best.problem.values(best.x, drop), len(seen.restitution)
+    for drop, deviations in enumerate(shown):
+        values, count = best.problem.values(best.x, drop), len(deviations.restitution)
         closed = bounce_models.bounces(best.problem.model, values, count)
         # what the engines are run with has one restitution; the measured ball may have another law
         plain = {**values, **NO_CLOCK}
         law_s = np.ravel(bounce_models.bounces(best.problem.model, plain, count).impact_s)
-        run_with = {**wanted.drops[drop], **NO_CLOCK}
+        run_with = {**goal.drops[drop], **NO_CLOCK}
         run_s = np.ravel(
             bounce_models.bounces(bounce_models.MODELS["constant"], run_with, count).impact_s
         )
         for k in range(count):
-            law, value = float(np.ravel(closed.restitution)[k]), float(seen.restitution[k])
-            scatter = float(seen.u_restitution[k])
+            law, value = float(np.ravel(closed.restitution)[k]), float(deviations.restitution[k])
+            scatter = float(deviations.u_restitution[k])
             found.append(
                 Impact(
                     drop=drop + 1, number=k + 1, speed_m_s=float(np.ravel(closed.speed_m_s)[k]),
-                    closed_form=law, restitution=value, u_phase=scatter / math.sqrt(wanted.phases),
+                    closed_form=law, restitution=value, u_phase=scatter / math.sqrt(goal.phases),
                     scatter=scatter, deviation=value / law - 1,
-                    late_s=float(seen.late_s[k] + run_s[k] - law_s[k]),
-                    scatter_s=float(seen.scatter_s[k]),
+                    late_s=float(deviations.late_s[k] + run_s[k] - law_s[k]),
+                    scatter_s=float(deviations.scatter_s[k]),
                 )
             )  # fmt: skip
     return found

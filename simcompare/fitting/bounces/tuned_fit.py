@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from simcompare.fitting.bounces.beside import Bouncing
+from simcompare.fitting.bounces.deviations import Deviation
 from simcompare.fitting.bounces.engine_fit import EngineFit
 from simcompare.model.trajectory import Array
 from simcompare.model.tuning import TuningRow
@@ -33,6 +33,6 @@ class TunedFit(EngineFit):
     impacts: tuple[Impact, ...] = ()
     penetration_m: float = 0.0
     tuning: tuple[TuningRow, ...] = field(default=(), repr=False)
-    held: tuple[Bouncing, ...] = ()
+    held: tuple[Deviation, ...] = ()
     held_m: tuple[Array, ...] = ()
     phases: int = 0

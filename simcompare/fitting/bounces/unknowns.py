@@ -1,6 +1,6 @@
-"""Unknowns of a fit of bounces: their names, limits and priors, and the number sought for each.
+"""Unknowns of a fit of bounces: their names, limits and priors, and the internal number of each.
 
-The terminal speed v_t is sought as 1/v_t², in which the data are nearly linear and vacuum is 0.
+The terminal speed v_t is 1/v_t² inside, in which the data are nearly linear and vacuum is 0.
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ def own_drop(name: str) -> int | None:
     return None
 
 
-def sought(name: str, value: float) -> float:
-    """The number that is sought for a value of an unknown."""
+def internal(name: str, value: float) -> float:
+    """The internal number for a value of an unknown."""
     return 1 / value**2 if base(name) == SPEED else value
 
 
-def shown(name: str, x: Array | float) -> Array:
-    """The value of an unknown from the number that is sought; infinite speed for no drag."""
+def external(name: str, x: Array | float) -> Array:
+    """The value of an unknown from the internal number; infinite speed for no drag."""
     if base(name) != SPEED:
         return np.asarray(x, dtype=float)
     k = np.asarray(x, dtype=float)
@@ -57,29 +57,29 @@ def shown(name: str, x: Array | float) -> Array:
 
 
 def slope(name: str, value: float) -> float:
-    """Derivative of the sought number to the value."""
+    """Derivative of the internal number to the value."""
     return -2 / value**3 if base(name) == SPEED else 1.0
 
 
 def faults(
-    asked: Sequence[str],
+    chosen: Sequence[str],
     fixed: Mapping[str, float],
     priors: Mapping[str, Prior],
 ) -> list[str]:
     """Every fault of the names and numbers that were given."""
-    unknown = [n for n in dict.fromkeys((*asked, *priors)) if base(n) not in BOUNDS]
+    unknown = [n for n in dict.fromkeys((*chosen, *priors)) if base(n) not in BOUNDS]
     found = [str(UnknownName("unknown of a bounce", name, BOUNDS)) for name in unknown]
     for name in fixed:
         if base(name) not in DEFAULTS:
             found.append(str(UnknownName("parameter of a bounce", name, DEFAULTS)))
-    for name in dict.fromkeys(asked):
+    for name in dict.fromkeys(chosen):
         if name in fixed:
             found.append(f"{name} is both sought and fixed at {fixed[name]:g}; choose one")
-        if list(asked).count(name) > 1:
+        if list(chosen).count(name) > 1:
             found.append(f"{name} is sought twice")
     for name, prior in priors.items():
         found += _prior_faults(name, prior)
-    if not asked:
+    if not chosen:
         found.append("nothing is sought; name at least one unknown")
     return found
 

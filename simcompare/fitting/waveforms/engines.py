@@ -172,8 +172,8 @@ def _defects(work: _Work, x: Array, runs: Runs, variant: str) -> list[Array]:
 
 def _jumps(case: Segment, work: _Work) -> list[float]:
     """When an input jumps: there a simulation has one sample only, and no defect can be told."""
-    given = {**work.model.scenario(case).inputs, **case.inputs}
-    return [one.time_s for one in given.values() if isinstance(one, Step) and one.time_s > 0]
+    inputs = {**work.model.scenario(case).inputs, **case.inputs}
+    return [one.time_s for one in inputs.values() if isinstance(one, Step) and one.time_s > 0]
 
 
 def _filled(values: Array) -> Array:
@@ -198,7 +198,7 @@ def _corrected(work: _Work, x: Array, defects: Sequence[Array]) -> Array:
     names, bounds = work.setup.every, work.model.file.parameters
     found = x
     for _ in range(MOST_STEPS if not work.fitted.estimate.at_bound else 0):
-        left = np.concatenate(
+        residuals = np.concatenate(
             [
                 part
                 for block in blocks
@@ -207,7 +207,7 @@ def _corrected(work: _Work, x: Array, defects: Sequence[Array]) -> Array:
                 )
             ]
         )
-        moved = found - work.fitted.gain @ left
+        moved = found - work.fitted.gain @ residuals
         if not all(bounds[n].min < v < bounds[n].max for n, v in zip(names, moved, strict=True)):
             break
         if np.all(np.abs(moved - found) <= ENOUGH * np.abs(moved)):

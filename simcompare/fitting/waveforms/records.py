@@ -76,8 +76,8 @@ def known_of(setup: Setup, fitted: Fitted) -> Identifiability:
     # one standard deviation of the data is what is left over, correlated or not
     spread = np.concatenate(
         [
-            np.full(len(left), float(np.sqrt(np.mean(left**2))) or 1.0)
-            for left in fitted.solution.residuals
+            np.full(len(residuals), float(np.sqrt(np.mean(residuals**2))) or 1.0)
+            for residuals in fitted.solution.residuals
         ]
     )
     return identifiability(setup.every, fitted.solution.jacobian / spread[:, None])

@@ -24,8 +24,8 @@ class Setup:
 
     Attributes:
         plan: that of the first recording.
-        names: the parameters that are sought.
-        nuisance: parameters that are sought too, but belong to the recording alone.
+        names: the parameters that are fitted.
+        nuisance: parameters that are fitted too, but belong to the recording alone.
         probes: what is compared, the leading one first.
         fitted: stretches that are fitted.
         held: stretches that are predicted.
@@ -76,9 +76,9 @@ def prepare(
         file: a scenario that can be fitted by waveform.
         recordings: logs, stored recordings, or public data sets that are fitted.
         hold_out: the same, which are only predicted.
-        unknowns: what is sought; what the plan calibrates, or all that the scenario names, where
+        unknowns: what is fitted; what the plan calibrates, or all that the scenario names, where
             empty.
-        given: parameters that the user sets; they are not sought.
+        given: parameters that the user sets; they are not fitted.
         mapping: mapping file for the logs.
 
     Raises:
@@ -120,20 +120,20 @@ def _found(file: ScenarioFile, name: str, mapping: str | Path | None) -> tuple[S
 
 
 def _unknowns(
-    file: ScenarioFile, plan: Plan, asked: Sequence[str], given: Mapping[str, float]
+    file: ScenarioFile, plan: Plan, unknowns_: Sequence[str], given: Mapping[str, float]
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """What is sought, and what besides."""
+    """What is fitted, and what besides."""
     assert file.fit is not None
     fittable = file.fit.parameters
     names: list[str] = []
-    for text in asked:
+    for text in unknowns_:
         name = units.find_name(text, fittable)
         if name is None:
             raise UnknownName(f"parameter of {file.name} that can be fitted", text, fittable)
         names.append(name)
-    wanted = plan.calibrate
+    calibration = plan.calibrate
     if not names:
-        names = list(wanted.parameters if wanted is not None else fittable)
+        names = list(calibration.parameters if calibration is not None else fittable)
     names = [name for name in dict.fromkeys(names) if name not in given]
     if not names:
         raise InputError("--set", ["sets all parameters that are sought; nothing is left to fit"])
@@ -141,7 +141,7 @@ def _unknowns(
     fixed = [n for n in names if not bounds[n].max > bounds[n].min]
     if fixed:
         raise InputError(file.name, [f"{name} has no room between its bounds" for name in fixed])
-    nuisance = wanted.nuisance if wanted is not None else ()
+    nuisance = calibration.nuisance if calibration is not None else ()
     return tuple(names), tuple(n for n in nuisance if n not in given and n not in names)
 
 
@@ -149,14 +149,14 @@ def _split(
     file: ScenarioFile, source: Source, plan: Plan, given: Mapping[str, float]
 ) -> tuple[list[Segment], list[Segment], Chosen]:
     """Stretches that are fitted, and those that are predicted, as a validation has them."""
-    wanted = plan.calibrate
+    calibration = plan.calibrate
     judged = segments_of(file, plan, source.recording, plan.streams, given)
-    if wanted is None:
+    if calibration is None:
         return judged, [], Chosen(source.name, _streams(judged), source.name, (), stated=False)
-    other = source if wanted.recording is None else sources.find(wanted.recording)
-    own = plan if wanted.recording is None else plans.choose(other.plans, plan.scenario)
-    fitted = segments_of(file, own, other.recording, wanted.streams, given, wanted.most_s)
-    if wanted.recording is None:
+    other = source if calibration.recording is None else sources.find(calibration.recording)
+    own = plan if calibration.recording is None else plans.choose(other.plans, plan.scenario)
+    fitted = segments_of(file, own, other.recording, calibration.streams, given, calibration.most_s)
+    if calibration.recording is None:
         names = {case.stream for case in fitted}
         judged = [case for case in judged if case.stream not in names]
     return fitted, judged, Chosen(other.name, _streams(fitted), source.name, _streams(judged))

@@ -21,7 +21,7 @@ Open = tuple[float | None, ...]
 
 
 @dataclass(frozen=True)
-class Dropped:
+class Rejected:
     """An impact or sample that was left out.
 
     Attributes:
@@ -65,7 +65,7 @@ class Drop:
     heights_m: Numbers
     u_heights_m: Open
     samples: int
-    dropped: tuple[Dropped, ...]
+    dropped: tuple[Rejected, ...]
     missed: tuple[int, ...]
     notes: tuple[str, ...]
 

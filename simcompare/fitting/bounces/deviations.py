@@ -23,7 +23,7 @@ NO_CLOCK = {"release_time_s": 0.0, "clock_skew": 0.0, "floor_m": 0.0, "scale": 1
 
 
 @dataclass(frozen=True)
-class Bouncing:
+class Deviation:
     """What simulations of one drop showed beside the closed form.
 
     Attributes:
@@ -44,7 +44,7 @@ class Bouncing:
 
 
 @dataclass(frozen=True)
-class Part:
+class RunDeviation:
     """The same for one simulation, beside the closed form at its own drop height."""
 
     late_s: Array
@@ -103,9 +103,9 @@ def measure_of(scene: Scenario) -> Measure:
     raise InputError(scene.name, ["has no measure of bounces; expected one with function: bounces"])
 
 
-def beside(
+def deviation_of(
     roles: Roles, closed: Mapping[str, Array | float], scene: Scenario, run: Trajectory, count: int
-) -> Part:
+) -> RunDeviation:
     """One run beside the closed form, both seen by the same measure.
 
     Args:
@@ -118,9 +118,9 @@ def beside(
     own = {**closed, **NO_CLOCK, "drop_height_m": scene.parameters[roles.height],
            "restitution": scene.parameters[roles.restitution]}  # fmt: skip
     measure = measure_of(scene)
-    seen = measures.take(measure, scene, run)
+    deviation = measures.take(measure, scene, run)
     true = measures.take(measure, scene, _sampled(own, scene, measure, run, count))
-    ours, theirs = seen.series, true.series
+    ours, theirs = deviation.series, true.series
     found = []
     for name in ("impact_time", "rebound_height", "restitution"):
         common = min(len(ours[name]), len(theirs[name]))
@@ -128,7 +128,9 @@ def beside(
     late, higher, shows = found
     # the measure errs alike on both, so the closed form's own restitution replaces what it shows
     shows = shows + scene.parameters[roles.restitution]
-    return Part(late, higher, shows, ours["impact_time"], seen.values["penetration"] or 0.0)
+    return RunDeviation(
+        late, higher, shows, ours["impact_time"], deviation.values["penetration"] or 0.0
+    )
 
 
 def _sampled(
@@ -145,7 +147,7 @@ def _sampled(
     return Trajectory(TRUTH, run.time_s, {probe.observe: signal})
 
 
-def together(parts: Sequence[Part], count: int, *, whole: bool) -> Bouncing:
+def mean_deviation(parts: Sequence[RunDeviation], count: int, *, whole: bool) -> Deviation:
     """Mean over the dithers.
 
     Args:
@@ -169,7 +171,7 @@ def together(parts: Sequence[Part], count: int, *, whole: bool) -> Bouncing:
     )
     restitution = np.stack([part.restitution[:least] for part in parts])
     ddof = 1 if len(parts) > 1 else 0
-    return Bouncing(
+    return Deviation(
         late.mean(axis=0), late.std(axis=0, ddof=ddof),
         np.concatenate(([0.0], higher.mean(axis=0))),
         restitution.mean(axis=0), restitution.std(axis=0, ddof=ddof),
@@ -177,13 +179,13 @@ def together(parts: Sequence[Part], count: int, *, whole: bool) -> Bouncing:
     )  # fmt: skip
 
 
-def engine_bounces(closed: Bounces, seen: Bouncing) -> Bounces:
+def engine_bounces(closed: Bounces, deviation: Deviation) -> Bounces:
     """Bounces of an engine: those of the closed form, moved by what it shows beside it."""
-    later = np.append(seen.late_s[1:], seen.late_s[-1])
-    between = np.concatenate(([0.0], (seen.late_s + later) / 2))
+    later = np.append(deviation.late_s[1:], deviation.late_s[-1])
+    between = np.concatenate(([0.0], (deviation.late_s + later) / 2))
     return replace(
         closed,
-        impact_s=closed.impact_s + seen.late_s,
+        impact_s=closed.impact_s + deviation.late_s,
         apex_s=closed.apex_s + between,
-        apex_m=closed.apex_m + seen.higher_m,
+        apex_m=closed.apex_m + deviation.higher_m,
     )

@@ -17,7 +17,7 @@ PHASES, MOST_RUNS, LEAST_PHASES = 25, 150, 5
 
 
 @dataclass(frozen=True)
-class Wanted:
+class TuningGoal:
     """What all engines are tuned to: the closed form at the first recorded impact.
 
     Attributes:
@@ -44,7 +44,7 @@ class Wanted:
         return max(LEAST_PHASES, min(PHASES, MOST_RUNS // len(self.drops)))
 
 
-def wanted_of(roles: Roles, best: Fit, held: Sequence[Fit]) -> Wanted:
+def goal_of(roles: Roles, best: Fit, held: Sequence[Fit]) -> TuningGoal:
     """What a closed form asks of engines, and the drops in which that is looked at.
 
     Args:
@@ -67,7 +67,7 @@ def wanted_of(roles: Roles, best: Fit, held: Sequence[Fit]) -> Wanted:
     drops = tuple({**values, "restitution": restitution, **_drag(roles, values)} for values in own)
     if number > 1:
         counts[lead] = max(counts[lead], number)
-    return Wanted(restitution, u, speed, lead, drops, tuple(counts), len(best.problem.drops))
+    return TuningGoal(restitution, u, speed, lead, drops, tuple(counts), len(best.problem.drops))
 
 
 def _drag(roles: Roles, values: Mapping[str, Array | float]) -> dict[str, Array | float]:
