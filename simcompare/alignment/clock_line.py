@@ -60,16 +60,6 @@ class Alignment:
         times = np.asarray(time_s, dtype=float)
         return np.asarray(self.offset_s + times + self.skew * times)
 
-    def u_at(self, time_s: ArrayLike) -> Array:
-        """Standard uncertainty of :meth:`to_log` (JCGM 100:2008, eq. 13) [s].
-
-        Args:
-            time_s: times of the reference [s].
-        """
-        reach = np.asarray(time_s, dtype=float) * self.u_skew
-        square = self.u_offset_s**2 + reach**2 + 2 * self.correlation * self.u_offset_s * reach
-        return np.asarray(np.sqrt(np.maximum(square, 0.0)))
-
 
 def from_centre(
     centre_s: float,
