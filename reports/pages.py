@@ -31,7 +31,7 @@ _INK, _SOFT = "#1b1b1b", "#555555"
 
 Cells = Sequence[str]
 #: a column is as wide as its longest cell, within these numbers of letters
-_NARROWEST, _WIDEST = 10, 45
+_MIN_WIDTH, _MAX_WIDTH = 10, 45
 #: letters of a table that is as wide as its words, and the space between columns
 _TIGHT, _GUTTER = 0.88, 0.012
 
@@ -178,7 +178,7 @@ def _grid_lines(table: Table) -> Iterator[Line]:
     heads = tuple(column.full_head for column in table.columns)
     numbers = frozenset(i for i, column in enumerate(table.columns) if i and not column.text)
     lengths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
-    widths = tuple(float(min(max(n, _NARROWEST), _WIDEST)) for n in lengths)
+    widths = tuple(float(min(max(n, _MIN_WIDTH), _MAX_WIDTH)) for n in lengths)
     if table.title:
         yield Line((table.title,), True)
     yield Line(heads, True, widths, numbers)

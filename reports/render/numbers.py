@@ -11,7 +11,7 @@ _MISSING = "–"
 #: relative size below which a difference of two doubles is rounding
 ROUNDING = 1e-12
 #: significant digits of a value whose uncertainty is not known
-_LEAST_DIGITS, _MOST_DIGITS = 4, 12
+_MIN_DIGITS, _MAX_DIGITS = 4, 12
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -66,9 +66,15 @@ def with_u(
 def digits(value: float | None, tolerance: float | None) -> int:
     """Digits of a value whose uncertainty is not known: the last a hundredth of its tolerance."""
     if not value or not math.isfinite(value) or not tolerance:
-        return _LEAST_DIGITS
+        return _MIN_DIGITS
     apart = math.floor(math.log10(abs(value))) - math.floor(math.log10(tolerance))
-    return min(max(_LEAST_DIGITS, apart + 3), _MOST_DIGITS)
+    return min(max(_MIN_DIGITS, apart + 3), _MAX_DIGITS)
+
+
+def fixed(value: float, places: int) -> str:
+    """A number with so many decimals; what rounds to 0 has no sign."""
+    text = f"{value:.{places}f}"
+    return _minus(text.lstrip("-") if float(text) == 0 else text)
 
 
 def percent(part: float | None) -> str:

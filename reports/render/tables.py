@@ -12,9 +12,9 @@ from simcompare.reports.render import numbers
 
 _POWERS = (-3, 6)
 #: letters of a column of words that still reads well, of the narrowest one, and between columns
-_GOOD_WORDS, _LEAST_WORDS, _BETWEEN = 30, 13, 2
+_GOOD_WORDS, _MIN_WORDS, _GUTTER = 30, 13, 2
 #: more decimals than these are noise to a reader
-_MOST_PLACES = 7
+_MAX_PLACES = 7
 
 
 class Column(NamedTuple):
@@ -116,9 +116,7 @@ class Scale(NamedTuple):
         """A number; a dash where there is none."""
         if value is None or not math.isfinite(value):
             return "–"
-        text = f"{value / 10.0**self.power:.{self.places}f}"
-        negative = text.startswith("-") and float(text) != 0
-        return f"−{text[1:]}" if negative else text.lstrip("-")
+        return numbers.fixed(value / 10.0**self.power, self.places)
 
     def unit(self, unit: str) -> str:
         """Unit in brackets, with the power of ten where there is one."""
@@ -141,7 +139,7 @@ def scale_of(values: Iterable[float | None], digits: int = 3) -> Scale:
     top, low = (math.floor(math.log10(size)) for size in (max(sizes), min(sizes)))
     power = 0 if _POWERS[0] <= top < _POWERS[1] else 3 * math.floor(top / 3)
     places = digits - 1 - (low - power)
-    return Scale(power, min(max(places, 0), _MOST_PLACES))
+    return Scale(power, min(max(places, 0), _MAX_PLACES))
 
 
 def of_engines(
@@ -164,12 +162,12 @@ def lines(table: Table, width: int) -> Iterator[str]:
         width: letters on a line.
     """
     widths = _squeezed(table, width, _GOOD_WORDS)
-    if _whole(table, widths) > width:
+    if _total(table, widths) > width:
         table = table.narrow()
-        widths = _squeezed(table, width, _LEAST_WORDS)
+        widths = _squeezed(table, width, _MIN_WORDS)
     heads = [printable(column.full_head) for column in table.columns]
     yield from _laid_out(table, heads, widths)
-    yield "─" * min(_whole(table, widths), width)
+    yield "─" * min(_total(table, widths), width)
     for group in table.groups:
         if group.title:
             yield from textwrap.wrap(printable(group.head), width)
@@ -182,32 +180,32 @@ def lines(table: Table, width: int) -> Iterator[str]:
 def _widths(table: Table) -> list[int]:
     """Letters that each column needs: its cells, and the longest word of its head."""
     indent = 2 if any(group.title for group in table.groups) else 0
-    found = []
+    widths = []
     for i, column in enumerate(table.columns):
         cells = [printable(row[i]) for group in table.groups for row in group.rows]
         longest = max(map(len, [*cells, *column.full_head.split()]), default=1)
-        found.append(longest + (indent if i == 0 else 0))
-    return found
+        widths.append(longest + (indent if i == 0 else 0))
+    return widths
 
 
-def _whole(table: Table, widths: Sequence[int]) -> int:
-    return sum(widths) + _BETWEEN * (len(table.columns) - 1)
+def _total(table: Table, widths: Sequence[int]) -> int:
+    return sum(widths) + _GUTTER * (len(table.columns) - 1)
 
 
-def _squeezed(table: Table, width: int, least: int) -> list[int]:
+def _squeezed(table: Table, width: int, min_words: int) -> list[int]:
     """Columns of words made narrower, the widest first, until all fit or none can give more.
 
     Those that should stay on one line give only when no others can.
     """
-    found = _widths(table)
+    widths = _widths(table)
     for is_whole in (False, True):
         words = [i for i, c in enumerate(table.columns) if c.text and c.whole == is_whole]
-        while _whole(table, found) > width:
-            widest = max(words, key=lambda i: found[i], default=None)
-            if widest is None or found[widest] <= least:
+        while _total(table, widths) > width:
+            widest = max(words, key=lambda i: widths[i], default=None)
+            if widest is None or widths[widest] <= min_words:
                 break
-            found[widest] -= 1
-    return found
+            widths[widest] -= 1
+    return widths
 
 
 def _laid_out(table: Table, cells: Sequence[str], widths: Sequence[int]) -> Iterator[str]:
@@ -221,4 +219,4 @@ def _laid_out(table: Table, cells: Sequence[str], widths: Sequence[int]) -> Iter
         for part, width, column in zip(parts, widths, table.columns, strict=True):
             text = part[k] if k < len(part) else ""
             shown.append(text.ljust(width) if column.text else text.rjust(width))
-        yield (" " * _BETWEEN).join(shown).rstrip()
+        yield (" " * _GUTTER).join(shown).rstrip()

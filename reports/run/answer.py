@@ -19,19 +19,17 @@ from simcompare.reports.run.lead import (
     UNJUDGED,
     UNMEASURED,
     WITHIN,
-    Group,
     Lead,
     Row,
-    groups_of,
     lead_as,
     lead_of,
-    rows_of,
 )
+from simcompare.reports.run.lead_rows import Group, groups_of, rows_of
 from simcompare.reports.run.level_phrases import how, merged
 from simcompare.results.run import Run
 
 #: so many values are told apart, the others as a range
-_MOST_GROUPS = 5
+_MAX_GROUPS = 5
 
 
 def sentences(run: Run) -> list[str]:
@@ -107,14 +105,14 @@ def _values(
     if VALUE not in placeholders(template):
         groups = [Group(tuple(rows))]
     parts: list[str] = []
-    for group in groups[:_MOST_GROUPS]:
+    for group in groups[:_MAX_GROUPS]:
         first = not parts and not bare
-        value = _filled(run, lead, mode, template, group) if first else lead.told(group.rows)
+        value = _filled(run, lead, mode, template, group) if first else lead.range_of(group.rows)
         parts.append(f"{value} in {listing.engines(group.names, every)}")
-    others = [row for group in groups[_MOST_GROUPS:] for row in group.rows]
+    others = [row for group in groups[_MAX_GROUPS:] for row in group.rows]
     if others:
         others = sorted(others, key=lambda row: row.value or 0.0)
-        parts.append(f"{lead.told(others)} in {listing.joined([row.name for row in others])}")
+        parts.append(f"{lead.range_of(others)} in {listing.joined([row.name for row in others])}")
     return ", ".join(parts)
 
 
@@ -140,7 +138,7 @@ def _template(lead: Lead, kind: str) -> str:
 
 def _filled(run: Run, lead: Lead, mode: str, template: str, group: Group) -> str:
     """A template with the values of some engines that agree."""
-    values = {VALUE: lead.told(group.rows)}
+    values = {VALUE: lead.range_of(group.rows)}
     measured = {score.measure for score in run.scores if score.index is None}
     for name in placeholders(template):
         if name != VALUE:
@@ -152,7 +150,7 @@ def _other(run: Run, measure: str, mode: str, group: Group) -> str:
     """What the same engines have of another measure, which is not judged here."""
     lead = lead_as(run, measure)
     rows = [row for row in rows_of(run, lead, mode) if row.name in group.names]
-    return lead.told([replace(row, scatter=None, kind=UNJUDGED) for row in rows])
+    return lead.range_of([replace(row, scatter=None, kind=UNJUDGED) for row in rows])
 
 
 def _nearness(lead: Lead, rows: Sequence[Row]) -> str:

@@ -14,7 +14,8 @@ from simcompare.reports.render import numbers
 from simcompare.reports.render.figures import Figure, Panel, Series
 from simcompare.reports.render.styles import Style, style_of
 from simcompare.reports.run import runs
-from simcompare.reports.run.lead import MIXED, OUTSIDE, Lead, Row, rows_of
+from simcompare.reports.run.lead import MIXED, OUTSIDE, Lead, Row
+from simcompare.reports.run.lead_rows import rows_of
 from simcompare.reports.run.level_phrases import how
 from simcompare.reports.run.listing import engines, grouped, joined
 from simcompare.results.records.run import StepRecord
@@ -82,7 +83,7 @@ def widths(run: Run, lead: Lead) -> list[tuple[str, float | None]]:
 
 def _value(lead: Lead, at: At, judged: bool) -> str:
     _, row = at
-    text = lead.ends(row) if row.kind == MIXED else lead.told([row])
+    text = lead.ends(row) if row.kind == MIXED else lead.range_of([row])
     return text + (_MISSED if judged and row.kind == OUTSIDE else "")
 
 

@@ -13,7 +13,8 @@ from simcompare.notation import capital
 from simcompare.reports.render.figures import Figure, Note, Panel, Series, Span, spread
 from simcompare.reports.render.styles import Style
 from simcompare.reports.run import runs
-from simcompare.reports.run.lead import NOTHING, Lead, Row, lead_of, rows_of
+from simcompare.reports.run.lead import NOTHING, Lead, Row, lead_of
+from simcompare.reports.run.lead_rows import rows_of
 from simcompare.results.run import Run
 from simcompare.running.jobs import OK
 
@@ -26,7 +27,7 @@ _STYLES = {
     "fitted": Style("#CC79A7", marker="triangle-up"),
 }
 #: the panel beside the truth shows at least and at most so many tolerances to either side
-_NEAREST, _FARTHEST = 3.0, 15.0
+_MIN_HALF, _MAX_HALF = 3.0, 15.0
 #: the whole shows at most so many times the truth beyond it
 _WHOLE = 1.5
 #: part of a panel's width that is left free at its ends
@@ -37,7 +38,7 @@ _SHORT = 0.005
 _SPREAD = 0.8
 #: height of a row that holds one level, and of the rest of a figure, in usual heights
 _ROW, _FRAME = 0.032, 0.34
-_SMALLEST, _TALLEST = 0.8, 3.0
+_MIN_HEIGHT, _MAX_HEIGHT = 0.8, 3.0
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ def lead_figure(run: Run) -> Figure | None:
         scales = [near]
     panels = tuple(_panel(run, lead, found, scale, i) for i, scale in enumerate(scales))
     rows = len(runs.names(run)) * (len(found) + 0.6)
-    height = min(max(_FRAME + _ROW * rows, _SMALLEST), _TALLEST)
+    height = min(max(_FRAME + _ROW * rows, _MIN_HEIGHT), _MAX_HEIGHT)
     title = f"{capital(lead.words)} in every engine"
     return Figure("answer", title, _caption(run, lead, scales), panels, True, height)
 
@@ -92,8 +93,8 @@ def _near(lead: Lead, rows: dict[str, list[Row]]) -> _Scale | None:
     judged = [mode for mode in rows if mode not in SHOWN_LEVELS] or list(rows)
     found = [row.value for mode in judged for row in rows[mode] if row.value is not None]
     offs = [abs(value - lead.truth) for value in found]
-    inside = [1.25 * off for off in offs if off <= _FARTHEST * width]
-    half = max([_NEAREST * width, *inside])
+    inside = [1.25 * off for off in offs if off <= _MAX_HALF * width]
+    half = max([_MIN_HALF * width, *inside])
     return _Scale("near the truth", lead.truth - half, lead.truth + half)
 
 

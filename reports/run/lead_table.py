@@ -116,16 +116,9 @@ def _value(lead: Lead, value: float | None, u: float | None) -> str:
         text = notation.number(value, u)
         return f"−{text[1:]}" if text.startswith("-") else text
     places += _MORE
-    text = f"{value:.{places}f}"
-    text = text.lstrip("-") if float(text) == 0 else text.replace("-", "−")
     digits = round((u or 0.0) * 10**places)
     if digits >= 100:  # two digits of the scatter are enough
-        less = len(str(digits)) - 2
-        kept = min(less, places)
-        return _value_at(value, u or 0.0, places - kept)
+        places -= min(len(str(digits)) - 2, places)
+        digits = round((u or 0.0) * 10**places)
+    text = numbers.fixed(value, places)
     return f"{text}({digits})" if digits else text
-
-
-def _value_at(value: float, u: float, places: int) -> str:
-    text = f"{value:.{places}f}".replace("-", "−")
-    return f"{text}({round(u * 10**places)})"

@@ -10,7 +10,8 @@ from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import AT
 from simcompare.reports.render import numbers
 from simcompare.reports.run import runs
-from simcompare.reports.run.lead import Lead, first_events, groups_of, lead_of
+from simcompare.reports.run.lead import Lead, lead_of
+from simcompare.reports.run.lead_rows import first_events, groups_of
 from simcompare.reports.run.level_phrases import how, merged
 from simcompare.reports.run.listing import engines, grouped, joined
 from simcompare.reports.run.tuning_phrases import contacts, typed_in
@@ -50,7 +51,7 @@ def _first(run: Run, lead: Lead, mode: str) -> str:
     rows = first_events(run, lead, mode)
     every = runs.ran(run, mode)
     phrases = [
-        f"{lead.told(group.rows)} in {engines(group.names, every)}"
+        f"{lead.range_of(group.rows)} in {engines(group.names, every)}"
         for group in groups_of(lead, rows)
     ]
     return f"the first {lead.words} alone is {', '.join(phrases)}" if phrases else ""
