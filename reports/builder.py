@@ -22,7 +22,7 @@ from simcompare.results.run import Run
 
 _TEMPLATES = Path(__file__).parent / "templates"
 #: signs that begin a verdict, and what it is; no verdict is told by its colour alone
-_MARKS = {"✓": "pass", "✗": "fail", "·": "info", "≠": "left", "⇄": "translated"}
+_MARKS = {"✓": "pass", "✗": "fail", "·": "info", "≠": "unset", "⇄": "translated"}
 
 
 def write_html(runs: Sequence[Run], path: Path) -> Path:
@@ -128,7 +128,7 @@ def _environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.policies["urlize.rel"] = None  # the page that is left is a file of the reader's own
+    environment.policies["urlize.rel"] = None  # the page is a file, which no site opened
     environment.filters.update(
         figure_json=_figure_json, cell=_cell, style=style_of, tied=numbers.tied, marked=_marked
     )

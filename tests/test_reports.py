@@ -414,9 +414,9 @@ def test_every_section_has_a_name_of_its_own():
 @pytest.mark.parametrize(
     ("wanted", "given", "held", "state"),
     [
-        (0.8, 0.8, 0.8, "same"), (0.8, None, 0.0, "left"), (0.8, 1.0, 1.0, "translated"),
+        (0.8, 0.8, 0.8, "same"), (0.8, None, 0.0, "unset"), (0.8, 1.0, 1.0, "translated"),
         (0.8, 0.8, None, "unread"), (None, 1e-9, 1e-9, "same"), (0.0, 0.0, 0.0, "same"),
-        (0.1, 0.1, 0.10000000000000001, "same"), (0.0, None, None, "left"),
+        (0.1, 0.1, 0.10000000000000001, "same"), (0.0, None, None, "unset"),
     ],
 )  # fmt: skip
 def test_audit_tells_own_values_from_translated_ones(wanted, given, held, state):

@@ -207,9 +207,9 @@ def test_a_signal_of_nothing_but_noise_has_no_shares_of_its_range(fitted):
 
 def test_names_and_units_stay_on_one_line(fitted, tmp_path):
     html = html_of(fitted, tmp_path)
-    assert '<td class="words whole">N·m·s/rad</td>' in html
+    assert '<td class="words nowrap">N·m·s/rad</td>' in html
     assert "Known before\u00a0±\u00a0u" in html
-    columns = (Column("a", text=True, whole=True), Column("b", text=True))
+    columns = (Column("a", text=True, nowrap=True), Column("b", text=True))
     row = ("torque constant of it", "words that may be broken")
     table = Table("", columns, (Group("", (row,)),))
     assert "torque constant of it" in "\n".join(lines(table, 40))

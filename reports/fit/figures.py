@@ -53,7 +53,7 @@ def _left_figure(run: Run, kind: str, title: str, unit: str, axis: str) -> Figur
     panels = tuple(
         Panel(
             fits.drop_title(run, row.drop), axis, f"measured − simulated ({small})",
-            tuple(_left_series(run, row, factor, wide)), whole_x=kind != "track",
+            tuple(_left_series(run, row, factor, wide)), integer_x=kind != "track",
         )
         for row in rows if row.drop in drawn
     )  # fmt: skip

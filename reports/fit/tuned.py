@@ -40,7 +40,7 @@ def typed(run: Run) -> Table:
         if not source.numbers:
             rows.append((source.name, "–", *cells))
     columns = (
-        Column("Source", text=True, whole=True), Column("Type in ± u", text=True),
+        Column("Source", text=True, nowrap=True), Column("Type in ± u", text=True),
         Column("First impact ± u"), Column("Scatter"), Column("Mean of all ± u"),
         Column("Depth (mm)"), Column("Contact (ms)"), Column("Next late by (ms)"),
     )  # fmt: skip
@@ -110,8 +110,8 @@ def impacts_figure(run: Run) -> Figure | None:
     most = max(len(one.x) for one in off)
     zero = Series("closed form", np.array([1.0, most]), np.zeros(2), _ZERO)
     panels = (
-        Panel("Restitution", "number of the impact", "off by (%)", (zero, *off), whole_x=True),
-        Panel("Time", "number of the impact", "late by (ms)", (zero, *late), whole_x=True),
+        Panel("Restitution", "number of the impact", "off by (%)", (zero, *off), integer_x=True),
+        Panel("Time", "number of the impact", "late by (ms)", (zero, *late), integer_x=True),
     )
     caption = (
         "What the numbers do in each engine's plain loop, beside the closed form; bars: standard"

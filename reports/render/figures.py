@@ -155,7 +155,7 @@ class Panel:
         log_y: whether y is logarithmic.
         log_x: whether x is logarithmic.
         y_range: lowest and highest y, ``None`` to fit the data.
-        whole_x: whether x is a count, so that only whole numbers mean something.
+        integer_x: whether x is a count, so that only whole numbers mean something.
         weight: part of the figure's width that it takes, relative to the other panels.
         bars: layers of stacked bars, from the bottom; below the series.
         spans: ranges of x and instants, drawn below everything.
@@ -175,7 +175,7 @@ class Panel:
     log_y: bool = False
     log_x: bool = False
     y_range: tuple[float, float] | None = None
-    whole_x: bool = False
+    integer_x: bool = False
     weight: float = 1.0
     bars: tuple[Bars, ...] = ()
     spans: tuple[Span, ...] = ()
@@ -194,7 +194,7 @@ class Panel:
         if self.x_ticks is not None:
             return -0.5, len(self.x_ticks) - 0.5
         values = [series.x for series in self.series if len(series.x)]
-        if not self.whole_x or not values:
+        if not self.integer_x or not values:
             return None
         every = np.concatenate(values)
         return float(every.min()) - 0.5, float(every.max()) + 0.5
@@ -246,11 +246,11 @@ class Figure:
     def legend(self) -> dict[str, Series]:
         """The series that stands for each label: one that is not hollow where there is one."""
         rows = [series for panel in self.panels for series in panel.series]
-        found: dict[str, Series] = {}
+        series_of: dict[str, Series] = {}
         for series in rows:
-            if series.label not in found or found[series.label].style.hollow:
-                found[series.label] = series
-        return found
+            if series.label not in series_of or series_of[series.label].style.hollow:
+                series_of[series.label] = series
+        return series_of
 
     def y_range(self, panel: Panel) -> tuple[float, float] | None:
         """Lowest and highest y of one of the panels, ``None`` to fit the data."""

@@ -163,7 +163,7 @@ def _frame(
         axes.ticklabel_format(axis="x", useOffset=False, scilimits=_PLAIN)
     if y_range is not None:
         axes.set_ylim(*y_range)
-    if panel.whole_x:
+    if panel.integer_x:
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     _names(axes, panel)
     if panel.x_range is not None:

@@ -52,8 +52,9 @@ class Part:
     @property
     def has_text(self) -> bool:
         """Whether there is more to show than figures, where there is little room."""
-        own = self.answer, self.notices, self.remarks, self.facts, self.notes, self.code
-        return self.brief and (any(own) or bool(self.tables) or any(p.has_text for p in self.parts))
+        texts = (*self.answer, *self.notices, *self.remarks, *self.facts, *self.notes, self.code)
+        inner = any(part.has_text for part in self.parts)
+        return self.brief and (any(texts) or bool(self.tables) or inner)
 
 
 def part_of(

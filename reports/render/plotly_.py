@@ -146,13 +146,13 @@ def _domains(figure: Figure) -> list[tuple[float, float]]:
     count = len(figure.panels)
     gap = (_SHARED_GAP if figure.share_y else _GAP) if count > 1 else 0.0
     free = 1 - gap * (count - 1)
-    whole = sum(panel.weight for panel in figure.panels)
-    found, start = [], 0.0
+    weight = sum(panel.weight for panel in figure.panels)
+    domains, start = [], 0.0
     for panel in figure.panels:
-        end = start + free * panel.weight / whole
-        found.append((start, min(end, 1.0)))
+        end = start + free * panel.weight / weight
+        domains.append((start, min(end, 1.0)))
         start = end + gap
-    return found
+    return domains
 
 
 def _axis(label: str) -> Json:
@@ -175,7 +175,7 @@ def _x_axis(figure: Figure, panel: Panel, domain: tuple[float, float], number: s
     axis |= {"tickangle": 0, "nticks": max_ticks}
     if panel.x_range is not None:
         axis["range"] = list(panel.x_range)
-        if panel.whole_x:
+        if panel.integer_x:
             axis |= {"tick0": 0, "dtick": max(1, round((panel.x_range[1]) / 10))}
     if panel.log_x:
         axis |= {"type": "log", "dtick": "D2", "tickformat": _LOG_TICKS}

@@ -56,16 +56,16 @@ def style_of(source: str) -> Style:
         return plain
     known = list(engines.quick_variants(engine))
     ahead = 1 + (known.index(variant) if variant in known else 0)
-    own = with_pattern(plain, _MARKERS.index(plain.marker) + ahead)
-    return (
-        replace(own, colour=_shade(own.colour, *_SHADES[ahead % len(_SHADES)])) if variant else own
-    )
+    varied = with_pattern(plain, _MARKERS.index(plain.marker) + ahead)
+    if not variant:
+        return varied
+    return replace(varied, colour=_shade(varied.colour, *_SHADES[ahead % len(_SHADES)]))
 
 
 def _shade(colour: str, grey: int, part: float) -> str:
     """A colour with so much of it replaced by a grey."""
-    own = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
-    return "#" + "".join(f"{round((1 - part) * one + part * grey):02X}" for one in own)
+    channels = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return "#" + "".join(f"{round((1 - part) * one + part * grey):02X}" for one in channels)
 
 
 def with_pattern(style: Style, number: int) -> Style:

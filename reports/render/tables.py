@@ -24,14 +24,14 @@ class Column(NamedTuple):
         head: what is in it, with its unit where all rows share one.
         text: whether it holds words, which begin at the left, and not numbers.
         spare: whether it is left out where there is little room.
-        whole: whether its words, such as a name or a unit, stay on one line.
+        nowrap: whether its words, such as a name or a unit, stay on one line.
         over: a head that it shares with the columns beside it, empty for none.
     """
 
     head: str
     text: bool = False
     spare: bool = False
-    whole: bool = False
+    nowrap: bool = False
     over: str = ""
 
     @property
@@ -82,8 +82,8 @@ class Table(NamedTuple):
     def overs(self) -> list[tuple[str, int]]:
         """Heads over the heads, each with the number of its columns; none where all are empty."""
         overs = itertools.groupby(column.over for column in self.columns)
-        found = [(over, len(list(columns))) for over, columns in overs]
-        return found if any(over for over, _ in found) else []
+        heads = [(over, len(list(columns))) for over, columns in overs]
+        return heads if any(over for over, _ in heads) else []
 
     def narrow(self) -> Table:
         """The same without the columns that can be spared."""
@@ -198,8 +198,8 @@ def _squeezed(table: Table, width: int, min_words: int) -> list[int]:
     Those that should stay on one line give only when no others can.
     """
     widths = _widths(table)
-    for is_whole in (False, True):
-        words = [i for i, c in enumerate(table.columns) if c.text and c.whole == is_whole]
+    for nowrap in (False, True):
+        words = [i for i, c in enumerate(table.columns) if c.text and c.nowrap == nowrap]
         while _total(table, widths) > width:
             widest = max(words, key=lambda i: widths[i], default=None)
             if widest is None or widths[widest] <= min_words:

@@ -41,12 +41,12 @@ def sentences(run: Run) -> list[str]:
     if lead is None:
         return ["Nothing was measured."]
     if runs.steps(run):
-        found = [line for mode in runs.modes(run) for line in by_step.lines(run, lead, mode)]
+        lines = [line for mode in runs.modes(run) for line in by_step.lines(run, lead, mode)]
     else:
-        found = merged((how(run, mode), _level(run, lead, mode)) for mode in runs.modes(run))
-    if lead.truth is None and found:
-        found.append(f"There is no truth to hold the {lead.words} against.")
-    return found or ["Nothing was measured."]
+        lines = merged((how(run, mode), _level(run, lead, mode)) for mode in runs.modes(run))
+    if lead.truth is None and lines:
+        lines.append(f"There is no truth to hold the {lead.words} against.")
+    return lines or ["Nothing was measured."]
 
 
 def _level(run: Run, lead: Lead, mode: str) -> str:
@@ -68,9 +68,9 @@ def _level(run: Run, lead: Lead, mode: str) -> str:
 def _clauses(run: Run, lead: Lead, mode: str, rows: Sequence[Row], kinds: Sequence[str]) -> str:
     """What is within the tolerance, then what is not, and where nothing is."""
     every = [row.name for row in rows]
-    said: list[str] = []
+    phrases: list[str] = []
     counts = Counter(row.kind for row in rows)
-    said_alone = {
+    unvalued = {
         NOTHING: _template(lead, NOTHING),
         UNMEASURED: f"the {lead.words} could not be measured",
     }
@@ -80,20 +80,20 @@ def _clauses(run: Run, lead: Lead, mode: str, rows: Sequence[Row], kinds: Sequen
     for kind in (WITHIN, UNJUDGED, *wrong, MIXED, UNMEASURED):
         if kind not in kinds:
             continue
-        own = [row for row in rows if row.kind == kind]
-        if own and kind in said_alone:
-            names = listing.engines([row.name for row in own], every)
-            said.append(f"{said_alone[kind]} in {names}{_lacking(own)}")
-        elif own and kind == MIXED:
-            ends = ", ".join(_mixed(run, lead, row) for row in own)
-            said.append(f"the {lead.words} differs from repeat to repeat, {ends}")
-        elif own:
+        of_kind = [row for row in rows if row.kind == kind]
+        if of_kind and kind in unvalued:
+            names = listing.engines([row.name for row in of_kind], every)
+            phrases.append(f"{unvalued[kind]} in {names}{_lacking(of_kind)}")
+        elif of_kind and kind == MIXED:
+            ends = ", ".join(_mixed(run, lead, row) for row in of_kind)
+            phrases.append(f"the {lead.words} differs from repeat to repeat, {ends}")
+        elif of_kind:
             repeated = kind == OUTSIDE and counts[WITHIN] > 0 and same
-            values = _values(run, lead, mode, own, every, bare=repeated)
+            values = _values(run, lead, mode, of_kind, every, bare=repeated)
             values = f"outside the tolerance: {values}" if repeated else values
             truth = f", where the {TRUTH} gives {lead.true}" if kind == OUTSIDE else ""
-            said.append(values + truth)
-    return "; ".join(said)
+            phrases.append(values + truth)
+    return "; ".join(phrases)
 
 
 def _values(
@@ -174,13 +174,13 @@ def _rounded_up(value: float) -> float:
 def _causes(run: Run, lead: Lead, mode: str, rows: Sequence[Row], kinds: Sequence[str]) -> str:
     """What the scenario names as a cause, where the audit shows that it holds."""
     missing = [row.name for row in rows if row.kind in kinds]
-    said = []
+    phrases = []
     for cause in lead.answer.causes if lead.answer else ():
-        own = [name for name in missing if _keeps(run, name, mode, cause)]
-        if own:
-            where = "" if own == missing else f"in {listing.joined(own)} "
-            said.append(f"{where}{cause.says}")
-    return "; ".join(said)
+        causing = [name for name in missing if _keeps(run, name, mode, cause)]
+        if causing:
+            where = "" if causing == missing else f"in {listing.joined(causing)} "
+            phrases.append(f"{where}{cause.says}")
+    return "; ".join(phrases)
 
 
 def _keeps(run: Run, name: str, mode: str, cause: Cause) -> bool:

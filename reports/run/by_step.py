@@ -34,7 +34,7 @@ def lines(run: Run, lead: Lead, mode: str) -> list[str]:
     if not by_engine:
         return []
     judged = mode not in SHOWN_LEVELS and lead.truth is not None
-    texts = grouped((_values(lead, own, judged), engine) for engine, own in by_engine.items())
+    texts = grouped((_values(lead, steps, judged), engine) for engine, steps in by_engine.items())
     ends = [f"{engines(names, list(by_engine))}: {text}" for text, names in texts.items()]
     return [_head(run, lead, mode, judged=judged), *ends]
 
@@ -101,18 +101,18 @@ def _steps(run: Run) -> list[StepRecord]:
 
 def _width(run: Run, lead: Lead, step: StepRecord) -> float | None:
     """The tolerance at a step."""
-    found = (
+    widths = (
         runs.width(run, score)
         for score in run.scores
         if score.measure == lead.measure and score.index is None and score.source.endswith(step.at)
     )
-    return next((width for width in found if width is not None), None)
+    return next((width for width in widths if width is not None), None)
 
 
 def _panel(run: Run, lead: Lead, mode: str) -> Panel:
     series = [
-        _line(engine, [at for at in own if at[1].value is not None])
-        for engine, own in _by_engine(run, lead, mode).items()
+        _line(engine, [at for at in steps if at[1].value is not None])
+        for engine, steps in _by_engine(run, lead, mode).items()
     ]
     series = [one for one in series if len(one.x)]
     return Panel(
@@ -121,13 +121,13 @@ def _panel(run: Run, lead: Lead, mode: str) -> Panel:
     )  # fmt: skip
 
 
-def _line(engine: str, own: list[At]) -> Series:
+def _line(engine: str, steps: list[At]) -> Series:
     x, y, u = (
         np.array(column, dtype=float)
         for column in (
-            [1e3 * step_s for step_s, _ in own],
-            [row.value for _, row in own],
-            [row.scatter or 0.0 for _, row in own],
+            [1e3 * step_s for step_s, _ in steps],
+            [row.value for _, row in steps],
+            [row.scatter or 0.0 for _, row in steps],
         )
     )
     return Series(engine, x, y, style_of(engine), u if u.any() else None, points=True)

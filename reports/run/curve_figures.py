@@ -110,7 +110,7 @@ class _Plot:
 
 
 def _plots(run: Run, axis: str) -> list[_Plot]:
-    measures = [name for name, own in runs.axes(run).items() if own == axis]
+    measures = [name for name, over in runs.axes(run).items() if over == axis]
     return [_Plot(run, axis, name, mode) for name in measures for mode in runs.judged_modes(run)]
 
 

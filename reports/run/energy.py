@@ -38,7 +38,7 @@ def relative(trajectory: Trajectory, probe: Probe, gravity_m_s2: float) -> tuple
     nothing: over an impact, and while a contact that holds elastic energy moves. Rotation is left
     out. Empty arrays where there is no energy to start from.
     """
-    height = runs.seen(trajectory, probe)
+    height = runs.observed(trajectory, probe)
     if height is None or len(height) < 3:
         return np.zeros(0), np.zeros(0)
     time_s, position = trajectory.time_s, trajectory.signals[probe.observe]

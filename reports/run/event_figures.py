@@ -55,7 +55,7 @@ def events_figure(run: Run, measure: str) -> Figure:
         caption += f" Hollow points are the engines {' or '.join(hollow)}."
     # what is the engine's own and what we add to it never share a panel
     panels = (
-        Panel("value", _X_LABEL, label, values, whole_x=True),
+        Panel("value", _X_LABEL, label, values, integer_x=True),
         *(_deviations(run, measure, events, mode) for mode in judged),
     )
     title = f"{capital(words)}, event by event"
@@ -75,7 +75,7 @@ def _deviations(run: Run, measure: str, events: Events, mode: str) -> Panel:
         series,
         bands,
         y_range=fitted_range(series, bands),
-        whole_x=True,
+        integer_x=True,
         weight=1.7 if len(runs.judged_modes(run)) == 1 else 1.2,
     )
 

@@ -70,16 +70,16 @@ def lead_figure(run: Run) -> Figure | None:
     lead = lead_of(run)
     if lead is None:
         return None
-    found = {mode: rows_of(run, lead, mode) for mode in runs.modes(run)}
-    known = {mode: rows for mode, rows in found.items() if rows}
+    by_mode = {mode: rows_of(run, lead, mode) for mode in runs.modes(run)}
+    known = {mode: rows for mode, rows in by_mode.items() if rows}
     values = [row.value for rows in known.values() for row in rows if row.value is not None]
     near = _near(lead, known)
-    whole = _whole(lead, values)
-    scales = [scale for scale in (whole, near) if scale is not None]
+    full = _full(lead, values)
+    scales = [scale for scale in (full, near) if scale is not None]
     if near is not None and all(near.holds(value) for value in values):
         scales = [near]
-    panels = tuple(_panel(run, lead, found, scale, i) for i, scale in enumerate(scales))
-    rows = len(runs.names(run)) * (len(found) + 0.6)
+    panels = tuple(_panel(run, lead, by_mode, scale, i) for i, scale in enumerate(scales))
+    rows = len(runs.names(run)) * (len(by_mode) + 0.6)
     height = min(max(_FRAME + _ROW * rows, _MIN_HEIGHT), _MAX_HEIGHT)
     title = f"{capital(lead.words)} in every engine"
     return Figure("answer", title, _caption(run, lead, scales), panels, True, height)
@@ -91,14 +91,14 @@ def _near(lead: Lead, rows: dict[str, list[Row]]) -> _Scale | None:
         return None
     width = max(lead.widths)
     judged = [mode for mode in rows if mode not in SHOWN_LEVELS] or list(rows)
-    found = [row.value for mode in judged for row in rows[mode] if row.value is not None]
-    offs = [abs(value - lead.truth) for value in found]
+    values = [row.value for mode in judged for row in rows[mode] if row.value is not None]
+    offs = [abs(value - lead.truth) for value in values]
     inside = [1.25 * off for off in offs if off <= _MAX_HALF * width]
     half = max([_MIN_HALF * width, *inside])
     return _Scale("near the truth", lead.truth - half, lead.truth + half)
 
 
-def _whole(lead: Lead, values: Sequence[float]) -> _Scale:
+def _full(lead: Lead, values: Sequence[float]) -> _Scale:
     """All values and the truth; what is very far is left to arrows."""
     true = [] if lead.truth is None else [lead.truth, 0.0]
     size = max(abs(lead.truth or 0.0), 100 * (lead.width or 0.0))
@@ -109,16 +109,16 @@ def _whole(lead: Lead, values: Sequence[float]) -> _Scale:
     return _Scale("the whole", low - margin, high + margin)
 
 
-def _panel(run: Run, lead: Lead, found: dict[str, list[Row]], scale: _Scale, place: int) -> Panel:
+def _panel(run: Run, lead: Lead, by_mode: dict[str, list[Row]], scale: _Scale, place: int) -> Panel:
     names = runs.names(run)
     # beside the truth only what is judged: all else has its place on the left
-    modes = [mode for mode in found if place == 0 or mode not in SHOWN_LEVELS] or list(found)
+    modes = [mode for mode in by_mode if place == 0 or mode not in SHOWN_LEVELS] or list(by_mode)
     series: list[Series] = []
     notes: list[Note] = []
-    drawn = {row.name for mode in modes for row in found[mode]}
+    drawn = {row.name for mode in modes for row in by_mode[mode]}
     for mode in modes:
-        shift = spread(list(found).index(mode), len(found), _SPREAD)
-        at = {row.name: row for row in found[mode]}
+        shift = spread(list(by_mode).index(mode), len(by_mode), _SPREAD)
+        at = {row.name: row for row in by_mode[mode]}
         none = {name: Row(name, None, None, NOTHING) for name in drawn if name not in at}
         places = [
             (i + shift, {**at, **none}[name]) for i, name in enumerate(names) if name in drawn
@@ -179,9 +179,9 @@ def _points(
     short = u < _SHORT * (scale.high - scale.low)
     label = runs.mode_words(mode)
     return [
-        Series(label, x[own], y[own], style, bars, points=True, line=False)
-        for own, bars in ((~short, u[~short]), (short, None))
-        if own.any()
+        Series(label, x[chosen], y[chosen], style, bars, points=True, line=False)
+        for chosen, bars in ((~short, u[~short]), (short, None))
+        if chosen.any()
     ]
 
 

@@ -96,8 +96,8 @@ def groups_of(lead: Lead, rows: Sequence[Row]) -> list[Group]:
         else:
             groups.append([row])
     order = {row.name: i for i, row in enumerate(rows)}
-    found = [Group(tuple(sorted(group, key=lambda row: order[row.name]))) for group in groups]
-    return sorted(found, key=lambda group: (-len(group.rows), abs(lead.off(group.middle))))
+    agreeing = [Group(tuple(sorted(group, key=lambda row: order[row.name]))) for group in groups]
+    return sorted(agreeing, key=lambda group: (-len(group.rows), abs(lead.off(group.middle))))
 
 
 def _kind(

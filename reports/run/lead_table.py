@@ -33,7 +33,7 @@ def lead_table(run: Run, measure: str | None = None) -> Table | None:
     if not modes:
         return None
     # a judged value is followed by its verdict
-    columns = [Column(mode, text=mode not in SHOWN_LEVELS, whole=True) for mode in modes]
+    columns = [Column(mode, text=mode not in SHOWN_LEVELS, nowrap=True) for mode in modes]
     rows = [(name, *(_cell(run, lead, name, mode) for mode in modes)) for name in runs.names(run)]
     if lead is not None:
         rows += [(name, *(true for _ in modes)) for name, true in _truths(run, lead).items()]
@@ -44,14 +44,14 @@ def lead_table(run: Run, measure: str | None = None) -> Table | None:
 
 def _truths(run: Run, lead: Lead) -> dict[str, str]:
     """The truth as a row; one for each step where they differ in what is shown."""
-    found = {
+    truths = {
         score.source.partition(AT)[2]: _value(lead, score.truth, None)
         for score in run.scores
         if score.measure == lead.measure and score.index is None and score.truth is not None
     }
-    if len(set(found.values())) < 2:
-        return dict.fromkeys([TRUTH] if found else [], next(iter(found.values()), ""))
-    return {f"{TRUTH}{AT}{step}": true for step, true in found.items()}
+    if len(set(truths.values())) < 2:
+        return dict.fromkeys([TRUTH] if truths else [], next(iter(truths.values()), ""))
+    return {f"{TRUTH}{AT}{step}": true for step, true in truths.items()}
 
 
 def lead_tables(run: Run, *, every: bool) -> list[Table]:

@@ -11,18 +11,18 @@ from simcompare.reports.run import audit
 from simcompare.results.run import Run
 
 
-def merged(said: Iterable[tuple[str, str]]) -> list[str]:
+def merged(phrases: Iterable[tuple[str, str]]) -> list[str]:
     """Sentences of a begin and a rest; those after each other with the same rest are one."""
-    found: list[str] = []
-    for rest, group in itertools.groupby(((head, rest) for head, rest in said if rest), _rest):
+    sentences: list[str] = []
+    for rest, group in itertools.groupby(((head, rest) for head, rest in phrases if rest), _rest):
         first, *others = (head for head, _ in group)
         also = "".join(f"; {head[0].lower()}{head[1:].rstrip(',')} the same" for head in others)
-        found.append(f"{first} {rest}{also}.")
-    return found
+        sentences.append(f"{first} {rest}{also}.")
+    return sentences
 
 
-def _rest(said: tuple[str, str]) -> str:
-    return said[1]
+def _rest(phrase: tuple[str, str]) -> str:
+    return phrase[1]
 
 
 def how(run: Run, mode: str) -> str:

@@ -44,8 +44,8 @@ def steps_together(names: Sequence[str], every: Sequence[str]) -> list[str]:
         for some in (names, every)
     )
     return [
-        engine if len(own) == len(every_step[engine]) else f"{engine}{AT}{'/'.join(own)}"
-        for engine, own in steps.items()
+        engine if len(some) == len(every_step[engine]) else f"{engine}{AT}{'/'.join(some)}"
+        for engine, some in steps.items()
     ]
 
 
@@ -55,10 +55,10 @@ def noun(every: Sequence[str]) -> str:
     return "engines" if len(bare) == len(every) else "rows"
 
 
-def count_of(part: int, whole: int, noun: str = "engine") -> str:
+def count_of(part: int, total: int, noun: str = "engine") -> str:
     """``none of the 4 engines``, ``3 of 4 engines``, ``all 4 engines``, ``the one engine``."""
-    if whole == 1:
+    if total == 1:
         return f"the one {noun}" if part else f"not the one {noun}"
     if part == 0:
-        return f"none of the {whole} {noun}s"
-    return f"all {whole} {noun}s" if part == whole else f"{part} of {whole} {noun}s"
+        return f"none of the {total} {noun}s"
+    return f"all {total} {noun}s" if part == total else f"{part} of {total} {noun}s"

@@ -23,7 +23,7 @@ _SPREAD = 0.6
 
 def matches_of(run: Run) -> tuple[Match, ...]:
     """Every measured value beside every source's."""
-    against = runs.own_record(run).against
+    against = runs.run_record(run).against
     return () if against is None else against.matches
 
 
@@ -82,16 +82,16 @@ def _by_event(run: Run, mode: str, rows: Rows) -> Panel:
     x = column(first, "bounce") + spread(0, count, _SPREAD)
     y, u = ((high + low) / 2 - measured) * scale, (high - low) / 2 * scale
     series = [_points("measured", x, y, MEASURED_STYLE, u)]
-    for i, (name, own) in enumerate(by_source.items(), start=1):
-        measured = column(own, "measured")
+    for i, (name, matches) in enumerate(by_source.items(), start=1):
+        measured = column(matches, "measured")
         scale = deviation_scale(measured, relative=relative)
-        x = column(own, "bounce") + spread(i, count, _SPREAD)
-        y, u = (column(own, "value") - measured) * scale, column(own, "scatter") * scale
+        x = column(matches, "bounce") + spread(i, count, _SPREAD)
+        y, u = (column(matches, "value") - measured) * scale, column(matches, "scatter") * scale
         series.append(_points(name, x, y, look(run, name), u))
     unit = deviation_unit(rows[0].unit, relative=relative)
     label = f"{runs.measure_words(rows[0].quantity)} − measured{unit}"
     title = runs.mode_title(mode)
-    return Panel(title, "number of the event", label, tuple(series), whole_x=True)
+    return Panel(title, "number of the event", label, tuple(series), integer_x=True)
 
 
 def _points(label: str, x: Array, y: Array, style: Style, u: Array) -> Series:

@@ -27,7 +27,7 @@ def motion_figure(run: Run, name: str, probe: Probe, modes: Sequence[str]) -> Fi
 
 def _probe_figure(run: Run, name: str, probe: Probe, modes: Sequence[str]) -> Figure:
     def curve(trajectory: Trajectory) -> tuple[Array, Array] | None:
-        values = runs.seen(trajectory, probe)
+        values = runs.observed(trajectory, probe)
         return None if values is None else (trajectory.time_s, values)
 
     label = f"{probe.label}{runs.unit_words(probe.unit)}"
@@ -81,9 +81,9 @@ def _panels(
         sources += [(n, runs.nominal(run, n, mode), look(run, n)) for n in runs.names(run)]
         series = []
         for label, trajectory, style in sources:
-            found = curve(trajectory) if trajectory is not None else None
-            if found is not None:
-                series.append(Series(label, *found, style))
+            points = curve(trajectory) if trajectory is not None else None
+            if points is not None:
+                series.append(Series(label, *points, style))
         # a solid line would hide dashed ones; the truth is the widest, and at the bottom
         series.sort(key=lambda one: (one.style != TRUTH_STYLE, one.style.dash != "solid"))
         panels.append(Panel(runs.mode_title(mode), TIME, y_label, tuple(series)))

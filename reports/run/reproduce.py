@@ -31,9 +31,9 @@ def command(run: Run) -> str:
     words += ["--contact", ",".join(runs.modes(run))]
     if record.assist:
         words += ["--assist", str(record.assist)]
-    own = _own_values(run)
-    words += _values(run, own, [step.engine_step_s for step in runs.steps(run)])
-    count = own.dither.count if own is not None and own.dither is not None else 1
+    scenario = _scenario(run)
+    words += _values(run, scenario, [step.engine_step_s for step in runs.steps(run)])
+    count = scenario.dither.count if scenario is not None and scenario.dither is not None else 1
     if count != record.repeats:
         words += ["--seeds", str(record.repeats)]
     if isinstance(record, RunRecord) and record.against is not None:
@@ -46,7 +46,7 @@ def scripts(run: Run) -> list[str]:
     record = run.record
     if not record.scenario_asked or not record.engines_asked:
         return []
-    found = []
+    commands = []
     for source in record.sources:
         if source.status != OK or source.contact not in (DEFAULT, COEFFICIENTS, TUNED):
             continue
@@ -57,36 +57,36 @@ def scripts(run: Run) -> list[str]:
         words = ["simcompare", "export", str(record.scenario_asked), "--format", "script"]
         steps_s = [] if source.engine_step_s is None else [source.engine_step_s]
         words += ["--engine", name, "--contact", level]
-        words += _values(run, _own_values(run), steps_s)
+        words += _values(run, _scenario(run), steps_s)
         stem = f"{record.scenario}_{source.name}_{level}"
         words += ["-o", f"{re.sub('[:@]', '_', stem)}.py"]
-        found.append(shlex.join(words))
-    return found
+        commands.append(shlex.join(words))
+    return commands
 
 
-def _values(run: Run, own: Scenario | None, steps_s: Sequence[float]) -> list[str]:
+def _values(run: Run, scenario: Scenario | None, steps_s: Sequence[float]) -> list[str]:
     """Options for all values that differ from the scenario's own.
 
     Args:
         run: the run.
-        own: the scenario as its file has it.
+        scenario: as its file has it, ``None`` where that is not known.
         steps_s: steps of the engines, where the run has several.
     """
     record, words = run.record, []
     if record.preset:
         words += ["--preset", str(record.preset)]
     for name, value in record.parameters.items():
-        if own is None or own.parameters.get(name) != value:
+        if scenario is None or scenario.parameters.get(name) != value:
             words += ["--set", f"{name}={value!r}"]
     if steps_s:
         words += ["--step", ",".join(f"{step_s!r}s" for step_s in steps_s)]
-    elif own is None or own.world.step_s != record.step_s:
-        parts = 1 if own is None else own.world.substeps
+    elif scenario is None or scenario.world.step_s != record.step_s:
+        parts = 1 if scenario is None else scenario.world.substeps
         words += ["--step", f"{record.step_s / parts!r}s"]
     return words
 
 
-def _own_values(run: Run) -> Scenario | None:
+def _scenario(run: Run) -> Scenario | None:
     """The scenario as its file has it, ``None`` where that file is gone or has changed."""
     try:
         file = catalogue.load(str(run.record.scenario_asked))

@@ -24,7 +24,7 @@ _MODES = {
 }
 
 
-def own_record(run: Run) -> RunRecord:
+def run_record(run: Run) -> RunRecord:
     """The record of a run that is no fit and no validation."""
     assert isinstance(run.record, RunRecord)
     return run.record
@@ -111,7 +111,7 @@ def truth(run: Run) -> Trajectory | None:
     return nominal(run, TRUTH, "")
 
 
-def seen(trajectory: Trajectory | None, probe: Probe) -> Array | None:
+def observed(trajectory: Trajectory | None, probe: Probe) -> Array | None:
     """What a probe sees, ``None`` where the source has no such signal."""
     if trajectory is None:
         return None
@@ -161,11 +161,11 @@ def tolerances(run: Run, source: str) -> Mapping[str, Tolerance]:
 
 def judged(run: Run) -> list[str]:
     """What has a truth and a tolerance, in the order in which the scenario measures it."""
-    found = {
+    with_truth = {
         score.measure for score in run.scores if score.index is None and score.truth is not None
     }
     tolerances = run.record.tolerances
-    return [name for name in measures(run) if name in found and name in tolerances]
+    return [name for name in measures(run) if name in with_truth and name in tolerances]
 
 
 def width(run: Run, score: Score) -> float | None:
@@ -187,8 +187,8 @@ def share_of_tolerance(run: Run, score: Score) -> float | None:
 
 def passed(run: Run, source: str, mode: str) -> tuple[int, int]:
     """How many tolerances a source met, and of how many."""
-    found = [score_of(run, source, mode, name) for name in judged(run)]
-    verdicts = [score.verdict for score in found if score is not None]
+    scores = [score_of(run, source, mode, name) for name in judged(run)]
+    verdicts = [score.verdict for score in scores if score is not None]
     return verdicts.count(PASS), len(verdicts)
 
 

@@ -33,10 +33,10 @@ def level_look(run: Run, source: str, mode: str) -> Style:
 @functools.cache
 def looks(sources: tuple[str, ...]) -> dict[str, Style]:
     """The look of each of some sources that are drawn together."""
-    found = {source: style_of(source) for source in sources if _is_plain(source)}
-    for source in (source for source in sources if source not in found):
-        found[source] = _free(style_of(source), [*found.values()])
-    return found
+    styles = {source: style_of(source) for source in sources if _is_plain(source)}
+    for source in (source for source in sources if source not in styles):
+        styles[source] = _free(style_of(source), [*styles.values()])
+    return styles
 
 
 def _is_plain(source: str) -> bool:

@@ -112,7 +112,7 @@ def typed_in(run: Run) -> list[str]:
     sources = sorted(_tuned(run), key=lambda source: source.engine_step_s or 0.0)
     rows = [(source, row) for source in sources for row in source.tuning]
     by_restitution = grouped((row.restitution, (source, row)) for source, row in rows)
-    return [_typed_for(run, restitution, own) for restitution, own in by_restitution.items()]
+    return [_typed_for(run, restitution, pairs) for restitution, pairs in by_restitution.items()]
 
 
 def _typed_for(run: Run, restitution: float, rows: Sequence[tuple[SourceRecord, TuningRow]]) -> str:

@@ -15,7 +15,7 @@ from simcompare.results.run import Run
 from simcompare.running.jobs import OK
 
 _SHORT = (
-    Column("Help", text=True, whole=True),
+    Column("Help", text=True, nowrap=True),
     Column("What it does", text=True, spare=True),
     Column("Acts in", text=True),
     Column("Changes most", text=True),
@@ -48,13 +48,13 @@ def assistance(run: Run) -> Part | None:
 
     The largest change by each help, and all of them folded.
     """
-    left_out = runs.own_record(run).without
+    left_out = runs.run_record(run).without
     if not left_out:
         return None
     rows = tuple(
-        _short(run, name, own)
+        _short(run, name, items)
         for name in HELPS
-        if (own := [item for item in left_out if item.help == name])
+        if (items := [item for item in left_out if item.help == name])
     )
     short = Table("", _SHORT, (Group("", rows),), _NOTE)
     return Part("What our helps change", "helps", tables=(short, _every(run, left_out)))
@@ -76,15 +76,15 @@ def _short(run: Run, name: str, items: Sequence[Ablation]) -> tuple[str, ...]:
 def _largest(run: Run, items: Sequence[Ablation]) -> tuple[float, str, Ablated | None]:
     """The largest change in tolerances: of the leading measure if it changes, else of any."""
     lead = lead_of(run)
-    found: list[Change] = [
+    changes: list[Change] = [
         (share, item.source, row)
         for item in items
         if item.status == OK
         for row in item.measures
         if (share := _share(run, item.source, row)) is not None
     ]
-    leading = [c for c in found if lead and c[2].measure == lead.measure and c[0] > _LEADS]
-    return max(leading or found, key=lambda change: change[0], default=(0.0, "", None))
+    leading = [c for c in changes if lead and c[2].measure == lead.measure and c[0] > _LEADS]
+    return max(leading or changes, key=lambda change: change[0], default=(0.0, "", None))
 
 
 #: a change of the leading measure by this part of its tolerance is told before any other

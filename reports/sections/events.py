@@ -40,7 +40,7 @@ def _table(run: Run, measure: str) -> Table:
     rows = [
         (
             str(k + 1),
-            *(runs.value_words(run, own[k] if k < len(own) else None) for own in scores.values()),
+            *(runs.value_words(run, row[k] if k < len(row) else None) for row in scores.values()),
         )
         for k in range(len(longest))
     ]

@@ -10,13 +10,13 @@ from simcompare.reports.render import numbers
 from simcompare.reports.render.parts import Part
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.reports.run import runs
-from simcompare.reports.run.audit import LEFT, SAME, TRANSLATED, UNREAD, state_of
+from simcompare.reports.run.audit import SAME, TRANSLATED, UNREAD, UNSET, state_of
 from simcompare.results.records.run import SourceRecord
 from simcompare.results.run import Run
 
 _WORDS = {
     SAME: "",
-    LEFT: "≠ engine's own value",
+    UNSET: "≠ engine's own value",
     TRANSLATED: "⇄ translated",
     UNREAD: "? cannot be read back",
 }
@@ -24,12 +24,12 @@ _QUANTITY = (
     Column("Quantity", text=True), Column("Scenario"), Column("Engine's parameter", text=True),
 )  # fmt: skip
 _COLUMNS = (
-    *_QUANTITY, Column("Set"), Column("Held"), Column("Unit", text=True, whole=True),
-    Column("", text=True, whole=True), Column("Note", text=True),
+    *_QUANTITY, Column("Set"), Column("Held"), Column("Unit", text=True, nowrap=True),
+    Column("", text=True, nowrap=True), Column("Note", text=True),
 )  # fmt: skip
-_LEFT_COLUMNS = (
-    Column("Engine", text=True), Column("Mode", text=True, whole=True), *_QUANTITY, Column("Held"),
-    Column("Unit", text=True, whole=True), Column("Note", text=True),
+_UNSET_COLUMNS = (
+    Column("Engine", text=True), Column("Mode", text=True, nowrap=True), *_QUANTITY, Column("Held"),
+    Column("Unit", text=True, nowrap=True), Column("Note", text=True),
 )  # fmt: skip
 _NOTE = (
     "Every value that an engine was given, read back from it; a note says where an engine cannot"
@@ -41,18 +41,18 @@ _NOTE = (
 def given(run: Run) -> Part:
     """What differs in the engines' defaults, and one table for each engine and mode."""
     parts = tuple(map(_source, run.record.sources))
-    left = _left(run)
+    unset = _unset(run)
     return Part("What each engine was given", "given", notes=(_NOTE,),
-                tables=(left,) if left else (), parts=parts, brief=False)  # fmt: skip
+                tables=(unset,) if unset else (), parts=parts, brief=False)  # fmt: skip
 
 
-def _left(run: Run) -> Table | None:
+def _unset(run: Run) -> Table | None:
     """Where engines held values of their own; what the scenario asks for matters most."""
     rows = [
         (source, row)
         for source in run.record.sources
         for row in source.audit
-        if state_of(row) == LEFT
+        if state_of(row) == UNSET
     ]
     rows.sort(key=lambda pair: pair[1].scenario_value is None)
     cells = tuple(
@@ -65,7 +65,7 @@ def _left(run: Run) -> Table | None:
         for source, row in rows
     )  # fmt: skip
     title = "Where an engine was left as it comes, it held values of its own"
-    table = Table(title, _LEFT_COLUMNS, (Group("", cells),))
+    table = Table(title, _UNSET_COLUMNS, (Group("", cells),))
     if not any(row[-1] for row in cells):
         table = table.without(["Note"])
     return table if cells else None
@@ -92,8 +92,8 @@ def _summary(source: SourceRecord) -> str:
         return text + source.status
     states = [state_of(row) for row in source.audit]
     text += f"{len(states)} values"
-    if own := states.count(LEFT):
-        text += f", ≠ {own} the engine's own"
+    if unset := states.count(UNSET):
+        text += f", ≠ {unset} the engine's own"
     if translated := states.count(TRANSLATED):
         text += f", ⇄ {translated} translated"
     return text

@@ -30,7 +30,7 @@ _NOTE = (
 
 def measurement(run: Run) -> Part | None:
     """Figure and table of all matches; ``None`` where the run was held against nothing."""
-    against = runs.own_record(run).against
+    against = runs.run_record(run).against
     if not against or not against.matches:
         return None
     return Part(

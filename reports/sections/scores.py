@@ -47,27 +47,27 @@ def _columns(mode: str) -> list[Column]:
     judged = [
         Column("deviation ± s", over=words),
         Column("of tolerance", over=words),
-        Column("verdict", text=True, whole=True, over=words),
+        Column("verdict", text=True, nowrap=True, over=words),
     ]
     return [Column("value ± s", over=words), *(() if mode in SHOWN_LEVELS else judged)]
 
 
 def _group(run: Run, measure: str) -> Group:
-    found = [s for s in run.scores if s.measure == measure and s.index is None]
+    measured = [s for s in run.scores if s.measure == measure and s.index is None]
     names = [source.name for source in run.record.sources if source.ran]
     rows = tuple(
         (name, *(cell for mode in runs.modes(run) for cell in _cells(run, name, mode, measure)))
         for name in dict.fromkeys(names)
     )
-    title = runs.label(measure, found[0].unit)
-    return Group(title, rows, _accepted(run, found))
+    title = runs.label(measure, measured[0].unit)
+    return Group(title, rows, _accepted(run, measured))
 
 
-def _accepted(run: Run, found: list[Score]) -> str:
+def _accepted(run: Run, measured: list[Score]) -> str:
     """The truth of a measure, what is accepted about it, and why."""
-    first = found[0]
+    first = measured[0]
     # at other steps there may be other tolerances
-    widths = [runs.width(run, score) for score in (found if runs.steps(run) else [first])]
+    widths = [runs.width(run, score) for score in (measured if runs.steps(run) else [first])]
     accepted = dict.fromkeys(numbers.plain(width, 3) for width in widths if width is not None)
     text = "" if first.truth is None else f"truth {_truth(run, first)}"
     tolerance = run.record.tolerances.get(first.measure)

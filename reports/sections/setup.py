@@ -14,7 +14,7 @@ from simcompare.results.records.run import SourceRecord
 from simcompare.results.run import Run
 
 _PARAMETERS = (
-    Column("Parameter", text=True), Column("Value"), Column("Unit", text=True, whole=True),
+    Column("Parameter", text=True), Column("Value"), Column("Unit", text=True, nowrap=True),
     Column("Meaning", text=True),
 )  # fmt: skip
 _SOURCES = (

@@ -47,13 +47,13 @@ def tuning(run: Run) -> Part | None:
 
 def _title(source: SourceRecord, row: TuningRow) -> str:
     pairs = ", ".join("-".join(pair) for pair in row.pairs)
-    said = (
+    title = (
         f"{source.name}: {numbers_typed(source, row)} for {numbers.plain(row.restitution)}"
         f" between {pairs}, at a step of {numbers.plain(1e3 * row.step_s)} ms"
     )
     if row.stall_speed_m_s:
-        said += f"; hops of {numbers.plain(row.stall_speed_m_s, 2)} m/s never die out"
-    return said
+        title += f"; hops of {numbers.plain(row.stall_speed_m_s, 2)} m/s never die out"
+    return title
 
 
 def _rows(engine: str, row: TuningRow) -> tuple[tuple[str, ...], ...]:

@@ -89,8 +89,8 @@ def _bound(run: Run) -> str:
 def recording(run: Run) -> Part:
     """The recording: where it comes from, and all that was done to it."""
     repairs = recorded.repairs(run)
-    whole = all(table.folded for table in repairs)
+    is_sound = all(table.folded for table in repairs)
     tables = [*repairs, recorded.segments(run), recorded.events(run), recorded.conversions(run)]
-    notes = ["No defect was found in the log: nothing was repaired."] if whole else []
+    notes = ["No defect was found in the log: nothing was repaired."] if is_sound else []
     facts = recorded.facts(run)
     return part_of("The recording", "recording", tables=tables, notes=notes, facts=facts)

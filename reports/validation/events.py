@@ -34,7 +34,7 @@ def figure(run: Run) -> Figure | None:
         Panel(
             validations.segment_name(run, stream), "interval between events",
             "simulated − measured (s)",
-            tuple(_points([row for row in rows if row.stream == stream])), whole_x=True,
+            tuple(_points([row for row in rows if row.stream == stream])), integer_x=True,
         )
         for stream in streams
     )  # fmt: skip

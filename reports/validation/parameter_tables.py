@@ -24,7 +24,7 @@ def parameters(run: Run, *, chosen: bool = False) -> Table | None:
     rows = [row for row in every if not chosen or row.kind != "scenario"]
     if not rows:
         return None
-    columns = [Column("Parameter", text=True, whole=True), Column("Unit", text=True, whole=True),
+    columns = [Column("Parameter", text=True, nowrap=True), Column("Unit", text=True, nowrap=True),
                Column("Known before ± u")]  # fmt: skip
     columns += [Column("Fitted ± u")] if validations.is_fitted(run) else []
     columns += [Column("From", text=True, spare=True)]
@@ -61,7 +61,7 @@ def single_fits(run: Run) -> Table | None:
         for stream, values in fit.single.items()
     ]
     rows.append(("u of all together", *(s.text(v) for s, v in zip(scales, u, strict=True))))
-    columns = (Column("Stretch", text=True, whole=True), *map(Column, heads))
+    columns = (Column("Stretch", text=True, nowrap=True), *map(Column, heads))
     return Table("Each stretch fitted alone", columns, (Group("", tuple(rows)),))
 
 

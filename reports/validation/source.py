@@ -118,7 +118,7 @@ def segments(run: Run) -> Table | None:
     ``None`` where only events were compared.
     """
     columns = (
-        Column("Stretch", text=True, whole=True), Column("Begins (s)"), Column("Lasts (s)"),
+        Column("Stretch", text=True, nowrap=True), Column("Begins (s)"), Column("Lasts (s)"),
         Column("Quantity", text=True), Column("Samples"), Column("Missing"),
         Column("Saturated"), Column("u of a sample"), Column("u from", text=True),
     )  # fmt: skip
@@ -149,8 +149,8 @@ def conversions(run: Run) -> Table | None:
     if not conversions_:
         return None
     columns = (
-        Column("Column", text=True), Column("Unit", text=True, whole=True),
-        Column("Channel", text=True), Column("SI", text=True, whole=True),
+        Column("Column", text=True), Column("Unit", text=True, nowrap=True),
+        Column("Channel", text=True), Column("SI", text=True, nowrap=True),
         Column("× factor"), Column("+ offset"), Column("Note", text=True),
     )  # fmt: skip
     rows = tuple(

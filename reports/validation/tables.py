@@ -220,7 +220,7 @@ def values(run: Run) -> Table | None:
     columns = [
         Column("Simulated ± u"), Column("Error"), Column("u numerical", spare=True),
         Column("u parameters", spare=True), Column("E_n"),
-        Column("In words", text=True, whole=True),
+        Column("In words", text=True, nowrap=True),
     ]  # fmt: skip
     groups = []
     for stream, measure, group in _grouped(rows, lambda row: row.measure):
@@ -279,7 +279,7 @@ def agreement(run: Run) -> Table | None:
     if not rows:
         return None
     columns = (Column("Quantity", text=True), Column("Engines"), Column("Birge ratio"),
-               Column("Expected"), Column("In words", text=True, whole=True))  # fmt: skip
+               Column("Expected"), Column("In words", text=True, nowrap=True))  # fmt: skip
     cells = tuple(
         (
             validations.titled(run, row.stream, runs.measure_words(row.measure)),

@@ -141,7 +141,7 @@ def _show_remarks(result: Run) -> None:
     from simcompare.reports.run.not_run import not_run
 
     console.print_wrapped(f"{row.name} ({row.modes}): {row.reason}" for row in not_run(result))
-    record = runs.own_record(result)
+    record = runs.run_record(result)
     if record.against is not None:
         _show_against(record.against)
     console.print_wrapped(f"Caution: {caution}" for caution in record.cautions)
