@@ -7,7 +7,9 @@ looking at folders only; a file is parsed when it is asked for.
 from __future__ import annotations
 
 import importlib.util
+import inspect
 import os
+import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -41,12 +43,12 @@ def folders() -> list[Path]:
 
 def files() -> dict[str, Path]:
     """Name -> file of every scenario; a name in an earlier folder hides later ones."""
-    found: dict[str, Path] = {}
+    files_by_name: dict[str, Path] = {}
     for folder in folders():
         for path in sorted(folder.glob("*/*.yaml")):
             if path.stem == path.parent.name and path.is_file():
-                found.setdefault(path.stem, path)
-    return found
+                files_by_name.setdefault(path.stem, path)
+    return files_by_name
 
 
 def names() -> list[str]:
@@ -61,12 +63,12 @@ def summaries() -> list[tuple[str, str]]:
 
 def _title(path: Path) -> str:
     """The ``title`` and ``question`` of a file, read without parsing all of it."""
-    found = {}
+    texts = {}
     for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
         key, colon, value = line.partition(":")
         if colon and key in ("title", "question"):
-            found[key] = value.strip().strip("\"'")
-    return ": ".join(found[key] for key in ("title", "question") if key in found)
+            texts[key] = value.strip().strip("\"'")
+    return ": ".join(texts[key] for key in ("title", "question") if key in texts)
 
 
 def find(name: str) -> Path:
@@ -123,8 +125,6 @@ def reference_of(path: Path) -> Reference | None:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     # dataclasses look their module up by name while it is being executed
-    import sys
-
     sys.modules[name] = module
     try:
         spec.loader.exec_module(module)
@@ -139,8 +139,6 @@ def reference_of(path: Path) -> Reference | None:
 
 def _with_inputs(function: Callable[..., dict[str, Array]]) -> Reference:
     """A reference that is given the inputs, whether or not it wants them."""
-    import inspect
-
     if len(inspect.signature(function).parameters) > 2:
         return function
 

@@ -117,8 +117,8 @@ class Pieces:
         """
         pole = frequency_rad_s * complex(-damping, (1 - damping**2) ** 0.5)
         first = start[1] - pole.conjugate() * start[0]
-        found = self.lagged(-push / pole, -1 / pole, first)
+        solution = self.lagged(-push / pole, -1 / pole, first)
         inside, edges = (
-            (z.imag / pole.imag, z.real + pole.real * z.imag / pole.imag) for z in found
+            (z.imag / pole.imag, z.real + pole.real * z.imag / pole.imag) for z in solution
         )
         return inside, edges

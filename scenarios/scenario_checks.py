@@ -11,12 +11,12 @@ from simcompare.model.scenario import Joint, Measure, Probe, Scenario
 
 def faults_between_parts(scenario: Scenario) -> dict[str, str]:
     """Every fault that no part of a scenario shows alone, as place -> sentence."""
-    found = dangling_references(scenario)
-    if found:  # what follows walks along the names
-        return found
+    faults = dangling_references(scenario)
+    if faults:  # what follows walks along the names
+        return faults
     for checked in (
-        _names_given_twice,
-        _pairs_given_twice,
+        _doubled_names,
+        _doubled_pairs,
         _impossible_joints,
         _impossible_drives,
         _impossible_contacts,
@@ -25,8 +25,8 @@ def faults_between_parts(scenario: Scenario) -> dict[str, str]:
         _unjudged_tolerances,
         _impossible_answer,
     ):
-        found.update(checked(scenario))
-    return found
+        faults.update(checked(scenario))
+    return faults
 
 
 def dangling_references(scenario: Scenario) -> dict[str, str]:
@@ -80,72 +80,72 @@ def _observed(
             yield f"measures.{i}.also.{role}", probe_name, "probe", scenario.probes
 
 
-def _pairs_given_twice(scenario: Scenario) -> dict[str, str]:
-    found, seen = {}, set()
+def _doubled_pairs(scenario: Scenario) -> dict[str, str]:
+    faults, earlier = {}, set()
     for i, contact in enumerate(scenario.contacts):
         pair = frozenset(contact.pair)
-        if pair in seen:
-            found[f"contacts.{i}"] = f"the pair {'-'.join(contact.pair)} is given twice"
-        seen.add(pair)
-    return found
+        if pair in earlier:
+            faults[f"contacts.{i}"] = f"the pair {'-'.join(contact.pair)} is given twice"
+        earlier.add(pair)
+    return faults
 
 
-def _names_given_twice(scenario: Scenario) -> dict[str, str]:
+def _doubled_names(scenario: Scenario) -> dict[str, str]:
     """Signals are called by their owner's name, so no two owners may share one."""
-    found, seen = {}, dict.fromkeys(scenario.bodies, "body")
+    faults, kinds = {}, dict.fromkeys(scenario.bodies, "body")
     for kind in ("joints", "actuators", "sensors"):
         for name in getattr(scenario, kind):
-            if name in seen:
-                found[f"{kind}.{name}"] = f"a {seen[name]} is called {name} too"
-            seen.setdefault(name, kind[:-1])
-    return found
+            if name in kinds:
+                faults[f"{kind}.{name}"] = f"a {kinds[name]} is called {name} too"
+            kinds.setdefault(name, kind[:-1])
+    return faults
 
 
 def _impossible_joints(scenario: Scenario) -> dict[str, str]:
     """Children of the world, of two parents or of themselves, and motion that a joint gives."""
-    found: dict[str, str] = {}
+    faults: dict[str, str] = {}
     parents: dict[str, tuple[str, Joint]] = {}
     for name, joint in scenario.joints.items():
         child = scenario.bodies[joint.child]
         if child.fixed:
-            found[f"joints.{name}.child"] = f"{joint.child} is fixed to the world already"
+            faults[f"joints.{name}.child"] = f"{joint.child} is fixed to the world already"
         elif joint.child in parents:
             other = parents[joint.child][0]
-            found[f"joints.{name}.child"] = f"{joint.child} is the child of {other} already"
+            faults[f"joints.{name}.child"] = f"{joint.child} is the child of {other} already"
         elif any((*child.velocity_m_s, *child.rate_rad_s)):
-            found[f"bodies.{joint.child}"] = (
+            faults[f"bodies.{joint.child}"] = (
                 f"its motion at the start follows from the joint {name}; give that a rate"
             )
         parents.setdefault(joint.child, (name, joint))
     for body in scenario.bodies:
-        above, seen = body, {body}
+        above, passed = body, {body}
         while above in parents:
             above = parents[above][1].parent
-            if above in seen:
-                found[f"joints.{parents[above][0]}"] = f"{above} hangs, in a circle, on itself"
+            if above in passed:
+                faults[f"joints.{parents[above][0]}"] = f"{above} hangs, in a circle, on itself"
                 break
-            seen.add(above)
-    return found
+            passed.add(above)
+    return faults
 
 
 def _impossible_drives(scenario: Scenario) -> dict[str, str]:
-    found = {}
+    faults = {}
     for name, actuator in scenario.actuators.items():
         kind = scenario.joints[actuator.joint].type
         wanted = "slider" if actuator.type == "force" else "hinge"
         if kind != wanted:
-            found[f"actuators.{name}"] = f"a {actuator.type} drives a {wanted}, not a {kind}"
+            faults[f"actuators.{name}"] = f"a {actuator.type} drives a {wanted}, not a {kind}"
     for name, sensor in scenario.sensors.items():
         if sensor.type == "encoder" and sensor.joint is not None:
             kind = scenario.joints[sensor.joint].type
             if kind != "hinge":
-                found[f"sensors.{name}"] = f"an encoder needs a hinge, not a {kind}"
-    return found
+                faults[f"sensors.{name}"] = f"an encoder needs a hinge, not a {kind}"
+    return faults
 
 
 def _without_effect(scenario: Scenario) -> dict[str, str]:
     """What would be read and left out by every engine, so that nobody counts on it."""
-    found = {
+    faults = {
         f"{kind}.{name}": "a name has no dot; that comes before the signal"
         for kind in ("bodies", "joints", "actuators", "sensors", "inputs")
         for name in getattr(scenario, kind)
@@ -154,42 +154,42 @@ def _without_effect(scenario: Scenario) -> dict[str, str]:
     used = {actuator.input for actuator in scenario.actuators.values()}
     for name in scenario.inputs:
         if name not in used:
-            found[f"inputs.{name}"] = "no actuator follows it"
+            faults[f"inputs.{name}"] = "no actuator follows it"
     for joint in scenario.joints.values():
         drag = scenario.bodies[joint.child].drag
         if drag is not None and drag.factor_kg_m > 0:
-            found[f"bodies.{joint.child}.drag"] = "drag acts on bodies that hang on no joint"
-    return found
+            faults[f"bodies.{joint.child}.drag"] = "drag acts on bodies that hang on no joint"
+    return faults
 
 
 def _impossible_contacts(scenario: Scenario) -> dict[str, str]:
     """Pairs that never touch, though something is said of their contact."""
-    found = {}
+    faults = {}
     jointed = {frozenset((j.parent, j.child)): name for name, j in scenario.joints.items()}
     touching = {f"contacts.{i}": contact.pair for i, contact in enumerate(scenario.contacts)}
     touching.update({f"sensors.{name}": s.pair for name, s in scenario.sensors.items() if s.pair})
     for place, pair in touching.items():
         bare = [name for name in pair if not scenario.bodies[name].shapes]
         if frozenset(pair) in jointed:
-            found[place] = (
+            faults[place] = (
                 f"{' and '.join(pair)} never touch: {jointed[frozenset(pair)]} joins them"
             )
         elif bare:
-            found[place] = f"{' and '.join(bare)} cannot touch anything without a shape"
-    return found
+            faults[place] = f"{' and '.join(bare)} cannot touch anything without a shape"
+    return faults
 
 
 def _impossible_probes(scenario: Scenario) -> dict[str, str]:
-    found = {}
+    faults = {}
     for name, probe in scenario.probes.items():
         owner, _, part = probe.observe.partition(".")
         known = scenario.signals_of(owner)
         if part not in known:
             have = ", ".join(known) or "none"
-            found[f"probes.{name}.observe"] = f"{owner} has no signal {part!r} (there are: {have})"
+            faults[f"probes.{name}.observe"] = f"{owner} has no signal {part!r} (there are: {have})"
         elif fault := _component_fault(probe, part, known[part]) or _unit_fault(probe, part):
-            found[f"probes.{name}"] = fault
-    return found
+            faults[f"probes.{name}"] = fault
+    return faults
 
 
 def _component_fault(probe: Probe, part: str, width: int) -> str | None:
@@ -208,44 +208,44 @@ def _unit_fault(probe: Probe, part: str) -> str | None:
 
 def _unjudged_tolerances(scenario: Scenario) -> dict[str, str]:
     """Measures that do not exist or lack something, and tolerances for what no measure gives."""
-    found: dict[str, str] = {}
+    faults: dict[str, str] = {}
     measured: set[str] = set()
     for i, measure in enumerate(scenario.measures):
         try:
             function = measures.load(measure.function)
         except UnknownName as error:
-            found[f"measures.{i}.function"] = str(error)
+            faults[f"measures.{i}.function"] = str(error)
             continue
-        found.update(_measure_faults(f"measures.{i}", measure, function))
+        faults.update(_measure_faults(f"measures.{i}", measure, function))
         names = [measure.names.get(name, name) for name in function.units]
         for name in names:
             if name in measured:
-                found[f"measures.{i}"] = f"{name} is measured twice; give it another name in names"
+                faults[f"measures.{i}"] = f"{name} is measured twice; give it another name in names"
         measured.update(names)
-    if not found:
+    if not faults:
         for name in scenario.tolerances:
             if name not in measured:
-                found[f"tolerances.{name}"] = str(UnknownName("measured value", name, measured))
-    return found
+                faults[f"tolerances.{name}"] = str(UnknownName("measured value", name, measured))
+    return faults
 
 
 def _measure_faults(place: str, measure: Measure, function: measures.Function) -> dict[str, str]:
     """Roles and options that are missing or unknown, and new names for what is not measured."""
-    found = {}
-    for key, needed, given in (
+    faults = {}
+    for key, needed, present in (
         ("also", function.roles, measure.also),
         ("options", function.options, measure.options),
     ):
-        for name in sorted(set(needed) ^ set(given)):
+        for name in sorted(set(needed) ^ set(present)):
             fault = "is missing" if name in needed else "is not known"
             have = ", ".join(needed) or "none"
-            found[f"{place}.{key}.{name}"] = f"{fault}; {measure.function} needs: {have}"
+            faults[f"{place}.{key}.{name}"] = f"{fault}; {measure.function} needs: {have}"
     for name in measure.names:
         if name not in function.units:
-            found[f"{place}.names.{name}"] = str(
+            faults[f"{place}.names.{name}"] = str(
                 UnknownName("measured value", name, function.units)
             )
-    return found
+    return faults
 
 
 def _impossible_answer(scenario: Scenario) -> dict[str, str]:

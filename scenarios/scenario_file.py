@@ -271,23 +271,25 @@ def _read_with_bases(
 
 def _taken_from_nothing(base: Any, change: Any, place: str) -> dict[str, str]:  # noqa: ANN401
     """Places where a variant takes away what the base does not have."""
-    found: dict[str, str] = {}
+    faults: dict[str, str] = {}
     for key, value in change.items() if isinstance(change, dict) else ():
         where = f"{place}.{key}" if place else str(key)
         below = base.get(key) if isinstance(base, dict) else None
         if value is None and not (isinstance(base, dict) and key in base):
-            found[where] = "null takes away what the extended scenario has, and it has no such part"
+            faults[where] = (
+                "null takes away what the extended scenario has, and it has no such part"
+            )
         elif isinstance(value, dict):
-            found.update(_taken_from_nothing(below, value, where))
-    return found
+            faults.update(_taken_from_nothing(below, value, where))
+    return faults
 
 
 def _merged(base: Any, change: Any) -> Any:  # noqa: ANN401
     """A variant of a tree: mappings are merged, all else is replaced, and null takes away."""
     if not (isinstance(base, dict) and isinstance(change, dict)):
         return change
-    found = {**base, **{k: _merged(base.get(k), v) for k, v in change.items()}}
-    return {k: v for k, v in found.items() if v is not None or k not in change}
+    merged = {**base, **{k: _merged(base.get(k), v) for k, v in change.items()}}
+    return {k: v for k, v in merged.items() if v is not None or k not in change}
 
 
 def _head_faults(head: _Head) -> dict[str, str]:

@@ -10,12 +10,10 @@ import difflib
 import functools
 import math
 import re
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable
+from typing import Any
 
 from simcompare.errors import InputError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 #: name suffix -> unit as pint reads it; the longest suffix that fits wins
 UNITS_BY_SUFFIX = {

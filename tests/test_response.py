@@ -144,7 +144,7 @@ def test_phases_do_not_jump_at_half_a_turn(lag):
 def test_phase_errors_are_taken_the_short_way_round():
     def at(phase):
         one = np.array([1.0])
-        return _transfer.found(one, np.exp(1j * np.radians(np.array([phase]))), 10.0)
+        return _transfer.as_measured(one, np.exp(1j * np.radians(np.array([phase]))), 10.0)
 
     assert _transfer.against(at(89.0), at(-269.0))["phase_error"][0] == pytest.approx(2)
 
@@ -161,7 +161,7 @@ def test_the_cutoff_lies_where_a_power_law_falls_to_half_the_power():
 
 
 def test_a_cutoff_that_the_truth_has_not_is_not_judged():
-    truth = _transfer.found(np.array([1.0]), np.array([1 + 0j]), 10.0)
+    truth = _transfer.as_measured(np.array([1.0]), np.array([1 + 0j]), 10.0)
     assert isinstance(truth, Measured)
     assert "cutoff_frequency" not in _transfer.against(truth, truth)
 

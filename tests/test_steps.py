@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import simcompare
-from simcompare.compare.repeats import asked_steps, step_words
+from simcompare.compare.repeats import read_steps, step_words
 from simcompare.errors import InputError
 from simcompare.reports.run import reproduce, runs
 from simcompare.reports.run.source_styles import look, looks
@@ -134,13 +134,13 @@ def test_with_one_step_nothing_is_another(each):
     ],
 )  # fmt: skip
 def test_steps_are_one_or_a_list_or_a_text_with_commas(asked, found):
-    assert asked_steps(asked) == found
+    assert read_steps(asked) == found
 
 
 @pytest.mark.parametrize("asked", ["", ",", "1ms,", "1ms,,2ms", []])
 def test_a_list_that_lacks_a_step_is_refused(asked):
     with pytest.raises(InputError, match=r"--step: .* lacks a step; expected such as 1ms"):
-        asked_steps(asked)
+        read_steps(asked)
 
 
 @pytest.mark.parametrize(

@@ -148,12 +148,12 @@ class Oscillator:
             ),
             axis=1,
         )
-        found = [(0.0, 0.0)]
+        states = [(0.0, 0.0)]
         x = v = 0.0
         for xx, xv, xf, vx, vv, vf in steps.tolist():
             x, v = xx * x + xv * v + xf, vx * x + vv * v + vf
-            found.append((x, v))
-        positions, velocities = np.array(found).T
+            states.append((x, v))
+        positions, velocities = np.array(states).T
         return positions, velocities
 
 

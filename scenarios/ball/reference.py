@@ -67,16 +67,16 @@ def flights(parameters: Mapping[str, float], until_s: float) -> list[Flight]:
     terminal = terminal_speed(parameters)
     apex = parameters["drop_height_m"]
     fall, speed = _fall(apex, gravity, terminal)
-    found = [Flight(-fall, 0.0, apex, fall)]
+    flown = [Flight(-fall, 0.0, apex, fall)]
     shortest = SHORTEST_FLIGHT * fall
-    while found[-1].end_s < until_s:
-        start = found[-1].end_s
+    while flown[-1].end_s < until_s:
+        start = flown[-1].end_s
         rise, apex = _rise(e * speed, gravity, terminal)
         fall, speed = _fall(apex, gravity, terminal)
         if rise + fall < shortest:
             break
-        found.append(Flight(start, start + rise, apex, start + rise + fall))
-    return found
+        flown.append(Flight(start, start + rise, apex, start + rise + fall))
+    return flown
 
 
 def terminal_speed(parameters: Mapping[str, float]) -> float:

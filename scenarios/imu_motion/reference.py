@@ -67,26 +67,26 @@ def reference(
         InputError: the motion comes so near to the zenith that three angles cannot follow it.
     """
     axes = motions(parameters, time_s, inputs)
-    found: dict[str, Array] = {}
+    signals: dict[str, Array] = {}
     for name in STAGES:
-        found[f"{name}.position_m"] = axes[name].place - parameters[f"start_{name}_m"]
-        found[f"{name}.velocity_m_s"] = axes[name].rate
+        signals[f"{name}.position_m"] = axes[name].place - parameters[f"start_{name}_m"]
+        signals[f"{name}.velocity_m_s"] = axes[name].rate
     for name in RINGS:
-        found[f"{name}.angle_rad"] = axes[name].place - parameters[f"start_{name}_rad"]
-        found[f"{name}.rate_rad_s"] = axes[name].rate
+        signals[f"{name}.angle_rad"] = axes[name].place - parameters[f"start_{name}_rad"]
+        signals[f"{name}.rate_rad_s"] = axes[name].rate
     turned = _orientation(*(axes[name].place for name in RINGS))
     rate, growth = _rates(*(axes[name] for name in RINGS))
     lever = np.array([parameters[f"lever_{axis}_m"] for axis in "xyz"])
     felt = np.column_stack([axes[name].acceleration for name in STAGES])
     felt[:, 2] += parameters["gravity_m_s2"]
     arm = np.cross(growth, lever) + np.cross(rate, np.cross(rate, lever))
-    found["accelerometer.specific_force_m_s2"] = rotate(conjugate(turned), felt) + arm
-    found["gyroscope.rate_rad_s"] = rate
-    found["carriage.position_m"] = np.column_stack([axes[name].place for name in STAGES])
-    found["carriage.velocity_m_s"] = np.column_stack([axes[name].rate for name in STAGES])
-    found["carriage.orientation_wxyz"] = turned
-    found["carriage.rate_rad_s"] = rotate(turned, rate)
-    return found
+    signals["accelerometer.specific_force_m_s2"] = rotate(conjugate(turned), felt) + arm
+    signals["gyroscope.rate_rad_s"] = rate
+    signals["carriage.position_m"] = np.column_stack([axes[name].place for name in STAGES])
+    signals["carriage.velocity_m_s"] = np.column_stack([axes[name].rate for name in STAGES])
+    signals["carriage.orientation_wxyz"] = turned
+    signals["carriage.rate_rad_s"] = rotate(turned, rate)
+    return signals
 
 
 def motions(
@@ -104,17 +104,17 @@ def motions(
         **{n: (parameters[f"start_{n}_rad"], 0.0) for n in RINGS},
     }
     servo = _Servo(pieces, omega, zeta)
-    found = {}
+    axes = {}
     for name in STAGES:
         _, (place, rate) = servo.response(inside[name], np.zeros(shape), start[name])
         pull = servo.pull(goals[name].at(edges), place, rate)
-        found[name] = Motion(place[at], rate[at], pull[at])
+        axes[name] = Motion(place[at], rate[at], pull[at])
     rings = _rings(servo, [inside[n] for n in RINGS], [start[n] for n in RINGS])
     pulls = [servo.pull(goals[n].at(edges), *ring) for n, ring in zip(RINGS, rings, strict=True)]
     accelerations = _accelerations(pulls, rings)
     for name, (place, rate), acceleration in zip(RINGS, rings, accelerations, strict=True):
-        found[name] = Motion(place[at], rate[at], acceleration[at])
-    return found
+        axes[name] = Motion(place[at], rate[at], acceleration[at])
+    return axes
 
 
 @dataclass(frozen=True)
@@ -146,11 +146,11 @@ def _rings(
     scale = max(1.0, *(float(np.abs(goal).max()) for goal in goals))
     for _ in range(MAX_ROUNDS):
         with np.errstate(over="ignore", invalid="ignore"):
-            both = [servo.response(*given) for given in zip(goals, pushes, start, strict=True)]
+            both = [servo.response(*axis) for axis in zip(goals, pushes, start, strict=True)]
             inside = [ring for ring, _ in both]
             pulls = [servo.pull(goal, *ring) for goal, ring in zip(goals, inside, strict=True)]
-            found = _accelerations(pulls, inside)
-            new = [whole - pull for whole, pull in zip(found, pulls, strict=True)]
+            accelerations = _accelerations(pulls, inside)
+            new = [whole - pull for whole, pull in zip(accelerations, pulls, strict=True)]
             change = max(float(np.abs(a - b).max()) for a, b in zip(new, pushes, strict=True))
         pushes = new
         if change <= TOLERANCE * servo.omega**2 * scale:

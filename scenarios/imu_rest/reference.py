@@ -30,7 +30,7 @@ def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array
     def always(*values: float) -> Array:
         return np.tile(np.array(values), (count, 1))
 
-    found = {
+    signals = {
         "accelerometer.specific_force_m_s2": always(*specific_force_m_s2(parameters)),
         "gyroscope.rate_rad_s": always(0.0, 0.0, 0.0),
         "level.specific_force_m_s2": always(0.0, 0.0, gravity),
@@ -39,8 +39,8 @@ def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array
     }
     for body, height in (("held", 10.0), ("lying", 0.5)):
         place = always(0.0, 0.0, height * parameters["device_height_m"])
-        found |= unturned(body, place, always(0.0, 0.0, 0.0))
-    return found
+        signals |= unturned(body, place, always(0.0, 0.0, 0.0))
+    return signals
 
 
 def specific_force_m_s2(parameters: Mapping[str, float]) -> tuple[float, float, float]:

@@ -17,6 +17,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 from simcompare.model.trajectory import Array
 
@@ -92,7 +93,7 @@ def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array
     angles, rates = motion(arm, time_s)
     accelerations = arm.accelerations(time_s, angles, rates)
     elbow = _elbow_felt(parameters, angles[0], rates[0], accelerations[0])
-    found = {
+    signals = {
         "shoulder.angle_rad": angles[0] - arm.start_rad[0],
         "shoulder.rate_rad_s": rates[0],
         "elbow.angle_rad": angles[1] - angles[0] - parameters["elbow_angle_rad"],
@@ -103,16 +104,14 @@ def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array
     for i, (link, lever) in enumerate(levers.items()):
         across, up = _in_link(elbow, angles[i])
         outer = (across + lever * accelerations[i], zero, up - lever * rates[i] ** 2)
-        found[f"{link}_axis.specific_force_m_s2"] = np.column_stack((across, zero, up))
-        found[f"{link}_outer.specific_force_m_s2"] = np.column_stack(outer)
-        found[f"{link}_gyro.rate_rad_s"] = np.column_stack((zero, rates[i], zero))
-    return found
+        signals[f"{link}_axis.specific_force_m_s2"] = np.column_stack((across, zero, up))
+        signals[f"{link}_outer.specific_force_m_s2"] = np.column_stack(outer)
+        signals[f"{link}_gyro.rate_rad_s"] = np.column_stack((zero, rates[i], zero))
+    return signals
 
 
 def motion(arm: Arm, time_s: Array) -> tuple[Array, Array]:
     """Angles and rates (2, n) of both links from hanging down."""
-    from scipy.integrate import solve_ivp
-
     angles = np.repeat(np.array(arm.start_rad)[:, None], len(time_s), axis=1)
     rates = np.zeros_like(angles)
     state = np.array([*arm.start_rad, 0.0, 0.0])
@@ -125,16 +124,16 @@ def motion(arm: Arm, time_s: Array) -> tuple[Array, Array]:
     for start, end in itertools.pairwise(corners):
         if start >= time_s[-1]:
             break
-        found = solve_ivp(
+        solution = solve_ivp(
             change, (start, end), state, "DOP853", dense_output=True,
             rtol=TOLERANCE, atol=TOLERANCE, max_step=LONGEST_STEP_S,
         )  # fmt: skip
         inside = (time_s > start) & (time_s <= end)
         if inside.any():
-            assert found.sol is not None
-            values = found.sol(time_s[inside])
+            assert solution.sol is not None
+            values = solution.sol(time_s[inside])
             angles[:, inside], rates[:, inside] = values[:2], values[2:]
-        state = found.y[:, -1]
+        state = solution.y[:, -1]
     return angles, rates
 
 

@@ -108,8 +108,8 @@ def _pieces(
     state = (0.0, parameters["start_rate_rad_s"])
     for start, end, u, s in zip(starts.tolist(), ends.tolist(), begin.tolist(), slope.tolist(),
                                 strict=True):  # fmt: skip
-        given = (k / resistance * u, k / resistance * s, fall, friction)
-        state = _through(pieces, (start, end), state, given, lasting)
+        torques = (k / resistance * u, k / resistance * s, fall, friction)
+        state = _through(pieces, (start, end), state, torques, lasting)
     return pieces, lasting
 
 
@@ -117,11 +117,11 @@ def _through(
     pieces: list[Piece],
     span: tuple[float, float],
     state: tuple[float, float],
-    given: tuple[float, float, float, float],
+    torques: tuple[float, float, float, float],
     lasting: float,
 ) -> tuple[float, float]:
     """Adds the pieces between two corners of the voltage; angle and rate at the second one."""
-    torque, growth, fall, friction = given
+    torque, growth, fall, friction = torques
     now, end = span
     for _ in range(MAX_PIECES):
         drive = torque + growth * (now - span[0])
@@ -169,8 +169,8 @@ def _stops(piece: Piece, way: float, length: float, lasting: float) -> float | N
     # the rate has one extremum at most, where b = (c/T)·exp(-t/T)
     extremum = None
     if piece.b and piece.c / piece.b > 0:
-        found = lasting * math.log(piece.c / (lasting * piece.b)) if piece.c else 0.0
-        extremum = found if 0 < found < length else None
+        instant = lasting * math.log(piece.c / (lasting * piece.b)) if piece.c else 0.0
+        extremum = instant if 0 < instant < length else None
     if extremum is not None and way * piece.c > 0 and forward(extremum) < 0:
         return crossing(forward, 0.0, extremum, HALVINGS)
     if forward(length) < 0:

@@ -81,13 +81,13 @@ def reference(
     goals = (inputs["left_rate"], inputs["right_rate"])
     x, y, heading, speed, yaw_rate, way = driven(parameters, robot, time_s, goals)
     vehicle = Vehicle(x, y, heading, speed, yaw_rate)
-    found = vehicle.body("chassis", 0.0, 0.0, robot.radius_m)
-    found |= vehicle.body("mark", parameters["mark_ahead_m"], 0.0, robot.radius_m)
+    signals = vehicle.body("chassis", 0.0, 0.0, robot.radius_m)
+    signals |= vehicle.body("mark", parameters["mark_ahead_m"], 0.0, robot.radius_m)
     turned_by = heading - parameters["start_heading_rad"]
     for side, half in (("left", -robot.track_m / 2), ("right", robot.track_m / 2)):
-        found[f"{side}.angle_rad"] = (way + half * turned_by) / robot.radius_m
-        found[f"{side}.rate_rad_s"] = (speed + half * yaw_rate) / robot.radius_m
-    return found
+        signals[f"{side}.angle_rad"] = (way + half * turned_by) / robot.radius_m
+        signals[f"{side}.rate_rad_s"] = (speed + half * yaw_rate) / robot.radius_m
+    return signals
 
 
 def driven(

@@ -150,7 +150,7 @@ def _taylor(
     c: list[float] = []
     right: tuple[list[float], list[float]] = ([], [])
     determinant: list[float] = []
-    found: tuple[list[float], list[float]] = ([], [])
+    accelerations: tuple[list[float], list[float]] = ([], [])
     for n in range(1, TERMS - 1):
         p_p.append(_times(p, p))
         q_q.append(_times(q, q))
@@ -168,12 +168,12 @@ def _taylor(
             second * right[0][-1] - _times(c, right[1]),
             first * right[1][-1] - _times(c, right[0]),
         )
-        for top, quotient in zip(over, found, strict=True):
+        for top, quotient in zip(over, accelerations, strict=True):
             quotient.append((top - _times(determinant[1:], quotient)) / determinant[0])
         for sine, rate in ((turned, p), (hung, q), (apart, between)):
             sine.grow(rate)
-        p.append(found[0][-1] / n)
-        q.append(found[1][-1] / n)
+        p.append(accelerations[0][-1] / n)
+        q.append(accelerations[1][-1] / n)
         between.append(p[-1] - q[-1])
         upper.append(p[-1] / (n + 1))
         lower.append(q[-1] / (n + 1))

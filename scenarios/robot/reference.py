@@ -65,30 +65,30 @@ def driven(robot: Straight, knots: Knots, time_s: Array) -> Motion:
             after the last.
         time_s: times (n,) [s].
     """
-    found = np.zeros((5, len(time_s)))
+    rows = np.zeros((5, len(time_s)))
     state = (0.0, 0.0, 0.0, 0.0)
     for piece in _pieces(robot, knots):
         inside = (time_s >= piece.start_s) & (time_s < piece.end_s)
-        found[:, inside] = piece.motion(state, time_s[inside])
+        rows[:, inside] = piece.motion(state, time_s[inside])
         if math.isfinite(piece.end_s):
             x, v, angle, rate, _ = piece.motion(state, np.array([piece.end_s]))
             state = (float(x[0]), float(v[0]), float(angle[0]), float(rate[0]))
-    return Motion(*found)
+    return Motion(*rows)
 
 
 def robot_signals(parameters: Mapping[str, float], motion: Motion) -> dict[str, Array]:
     """Signals of the bodies, the joints and the contacts of a robot that drives straight ahead."""
     robot = Straight.of(parameters)
     load = robot.mass_kg * robot.gravity_m_s2 - motion.caster_N
-    found = {
+    signals = {
         **body_signals("chassis", motion, (-robot.behind_m, 0.0, robot.height_m)),
         "caster.normal_force_N": motion.caster_N,
     }
     for side, sign in SIDES.items():
         start = (0.0, sign * parameters["track_m"] / 2, robot.radius_m)
-        found |= wheel_signals(f"{side}_wheel", side, motion, start)
-        found[f"{side}_tyre.normal_force_N"] = load / 2
-    return found
+        signals |= wheel_signals(f"{side}_wheel", side, motion, start)
+        signals[f"{side}_tyre.normal_force_N"] = load / 2
+    return signals
 
 
 def body_signals(name: str, motion: Motion, start_m: Sequence[float]) -> dict[str, Array]:
@@ -104,10 +104,10 @@ def wheel_signals(
     name: str, joint: str, motion: Motion, start_m: Sequence[float]
 ) -> dict[str, Array]:
     """Signals of a wheel that turns about +y, and of its hinge."""
-    found = body_signals(name, motion, start_m)
+    signals = body_signals(name, motion, start_m)
     half, zero = motion.angle_rad / 2, np.zeros(len(motion.angle_rad))
     return {
-        **found,
+        **signals,
         f"{name}.orientation_wxyz": np.column_stack((np.cos(half), zero, np.sin(half), zero)),
         f"{name}.rate_rad_s": np.column_stack((zero, motion.rate_rad_s, zero)),
         f"{joint}.angle_rad": motion.angle_rad,

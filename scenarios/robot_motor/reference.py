@@ -19,6 +19,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 
 import numpy as np
+from scipy.optimize import brentq
 
 from simcompare.model.trajectory import Array
 from simcompare.scenarios.robot.reference import SIDES, Motion, robot_signals
@@ -69,12 +70,12 @@ def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array
     k, ratio = parameters["torque_constant_N_m_A"], parameters["gear_ratio"]
     voltage = np.full(len(time_s), parameters["voltage_V"])
     current = (voltage - k * ratio * motion.rate_rad_s) / parameters["resistance_Ohm"]
-    found = robot_signals(parameters, motion)
+    signals = robot_signals(parameters, motion)
     for side in SIDES:
-        found[f"{side}_motor.voltage_V"] = voltage
-        found[f"{side}_motor.current_A"] = current
-        found[f"{side}_motor.torque_N_m"] = parameters["efficiency"] * ratio * k * current
-    return found
+        signals[f"{side}_motor.voltage_V"] = voltage
+        signals[f"{side}_motor.current_A"] = current
+        signals[f"{side}_motor.torque_N_m"] = parameters["efficiency"] * ratio * k * current
+    return signals
 
 
 def motion_at(parameters: Mapping[str, float], time_s: Array) -> Motion:
@@ -149,8 +150,6 @@ def _spinning(robot: Straight, drive: Drive, time_s: Array) -> Motion:
 
 def _grip_s(robot: Straight, drive: Drive) -> float:
     """When spinning wheels have become as slow as the robot is fast [s]."""
-    from scipy.optimize import brentq
-
     linear = _linear(robot.sliding, drive)
 
     def ahead(time_s: float) -> float:

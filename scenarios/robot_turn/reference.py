@@ -22,6 +22,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 from simcompare.errors import InputError
 from simcompare.model.rotations import multiply, quaternions_of
@@ -45,18 +46,18 @@ def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array
     count, r = len(time_s), parameters["wheel_radius_m"]
     zero, vehicle = np.zeros(count), Vehicle(x, y, heading, speed, yaw_rate)
     behind_m, height_m = parameters["center_behind_m"], parameters["center_height_m"]
-    found = vehicle.body("chassis", -behind_m, 0.0, height_m)
+    signals = vehicle.body("chassis", -behind_m, 0.0, height_m)
     for side, sign, angle in (("left", 1, left), ("right", -1, right)):
         half = sign * parameters["track_m"] / 2
         rate = (speed - yaw_rate * half) / r
         wheel = f"{side}_wheel"
-        found |= vehicle.body(wheel, 0.0, half, r)
+        signals |= vehicle.body(wheel, 0.0, half, r)
         rolled = quaternions_of(np.column_stack((zero, angle, zero)))
-        found[f"{wheel}.orientation_wxyz"] = multiply(vehicle.orientation_wxyz, rolled)
-        found[f"{wheel}.rate_rad_s"] += rate[:, None] * vehicle.aside
-        found[f"{side}.angle_rad"], found[f"{side}.rate_rad_s"] = angle, rate
-        found[f"{side}_motor.torque_N_m"] = np.full(count, parameters[f"{side}_torque_N_m"])
-    return {**found, **_loads(parameters, speed, yaw_rate)}
+        signals[f"{wheel}.orientation_wxyz"] = multiply(vehicle.orientation_wxyz, rolled)
+        signals[f"{wheel}.rate_rad_s"] += rate[:, None] * vehicle.aside
+        signals[f"{side}.angle_rad"], signals[f"{side}.rate_rad_s"] = angle, rate
+        signals[f"{side}_motor.torque_N_m"] = np.full(count, parameters[f"{side}_torque_N_m"])
+    return {**signals, **_loads(parameters, speed, yaw_rate)}
 
 
 def _loads(p: Mapping[str, float], speed: Array, yaw_rate: Array) -> dict[str, Array]:
@@ -96,8 +97,6 @@ def _loads(p: Mapping[str, float], speed: Array, yaw_rate: Array) -> dict[str, A
 
 def integrated(parameters: Mapping[str, float], time_s: Array) -> Array:
     """x, y, heading, speed, yaw rate and the angles of both wheels at the given times (7, n)."""
-    from scipy.integrate import solve_ivp
-
     r, half = parameters["wheel_radius_m"], parameters["track_m"] / 2
 
     def motion(_: float, state: Array) -> Array:

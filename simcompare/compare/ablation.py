@@ -77,8 +77,8 @@ def results_of(at: AtStep, outcomes: Sequence[Outcome]) -> list[Ablation]:
     """
     nominal: dict[tuple[str, str], dict[str, Score]] = {}
     faults: dict[tuple[str, str], str] = {}
-    middle, own = len(at.scenarios) // 2, [one for one in outcomes if one.job.at == at.label]
-    for outcome in own:
+    middle, at_step = len(at.scenarios) // 2, [one for one in outcomes if one.job.at == at.label]
+    for outcome in at_step:
         if outcome.job.mode == ASSISTED and outcome.job.repeat == middle:
             key = (outcome.job.source, outcome.job.without)
             if outcome.trajectory is not None:
@@ -88,8 +88,8 @@ def results_of(at: AtStep, outcomes: Sequence[Outcome]) -> list[Ablation]:
                     nominal[key] = {score.measure: score for score in scores}
                 except SimcompareError as error:
                     faults[key] = str(error)
-    found = []
-    for outcome in own:
+    ablations = []
+    for outcome in at_step:
         source, name = outcome.job.source, outcome.job.without
         if not name or (source, "") not in nominal:
             continue
@@ -104,5 +104,5 @@ def results_of(at: AtStep, outcomes: Sequence[Outcome]) -> list[Ablation]:
             for measure, score in nominal[source, ""].items()
         )  # fmt: skip
         reason = outcome.reason or faults.get((source, name))
-        found.append(Ablation(source, name, outcome.status, reason, measures))
-    return found
+        ablations.append(Ablation(source, name, outcome.status, reason, measures))
+    return ablations

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from simcompare import measures, units
 from simcompare.engine.calibration.plan import drop_plans
@@ -13,16 +12,14 @@ from simcompare.engine.drives import input_values
 from simcompare.engine.sensing import complete
 from simcompare.engine.simulation import sample_times
 from simcompare.errors import InputError
-from simcompare.model.scenario import MOST_SAMPLES, Scenario
+from simcompare.model.scenario import MAX_SAMPLES, Scenario
 from simcompare.model.settings import DropPlan
 from simcompare.model.trajectory import AT, TRUTH, Trajectory
 from simcompare.scenarios import catalogue
-
-if TYPE_CHECKING:
-    from simcompare.scenarios.scenario_file import ScenarioFile
+from simcompare.scenarios.scenario_file import ScenarioFile
 
 #: samples below which a run shows nothing
-LEAST_SAMPLES = 100
+MIN_SAMPLES = 100
 
 
 @dataclass(frozen=True)
@@ -66,14 +63,14 @@ def at_steps(
     Raises:
         InputError: a step at which the scenario, or its truth, makes no sense.
     """
-    found: list[AtStep] = []
+    steps: list[AtStep] = []
     for step_s in steps_s:
         scenarios = repeats_of(file, values, preset, step_s, count)
         nominal = scenarios[len(scenarios) // 2]
         label = f"{AT}{step_words(nominal.world.engine_step_s)}" if len(steps_s) > 1 else ""
         truths = truths_of(file.path, scenarios)
-        found.append(AtStep(label, scenarios, truths, drop_plans(nominal)))
-    return found
+        steps.append(AtStep(label, scenarios, truths, drop_plans(nominal)))
+    return steps
 
 
 def step_words(step_s: float) -> str:
@@ -81,7 +78,7 @@ def step_words(step_s: float) -> str:
     return f"{1e3 * step_s:.12g}ms"
 
 
-def asked_steps(step: str | float | Sequence[str | float] | None) -> list[str | float]:
+def read_steps(step: str | float | Sequence[str | float] | None) -> list[str | float]:
     """The steps that were asked for, each as it was given.
 
     Raises:
@@ -90,10 +87,10 @@ def asked_steps(step: str | float | Sequence[str | float] | None) -> list[str | 
     if step is None:
         return []
     each = step.split(",") if isinstance(step, str) else step
-    found: list[str | float] = [each] if isinstance(each, int | float) else [*each]
-    if not found or any(isinstance(one, str) and not one.strip() for one in found):
+    steps: list[str | float] = [each] if isinstance(each, int | float) else [*each]
+    if not steps or any(isinstance(one, str) and not one.strip() for one in steps):
         raise InputError("--step", [f"{step!r} lacks a step; expected such as 1ms, or 0.5ms,1ms"])
-    return found
+    return steps
 
 
 def one_step_s(step: str | float) -> float:
@@ -121,8 +118,8 @@ def sample_steps_s(
     Raises:
         InputError: a step that makes no sense in the scenario; says which do.
     """
-    found = [sample_step_s(file, values, preset, one) for one in asked_steps(step)]
-    return list({step_words(step_s): step_s for step_s in found}.values())
+    sampled_s = [sample_step_s(file, values, preset, one) for one in read_steps(step)]
+    return list({step_words(step_s): step_s for step_s in sampled_s}.values())
 
 
 def repeats_of(
@@ -168,15 +165,15 @@ def sample_step_s(
     Raises:
         InputError: a step that makes no sense in the scenario; says which do.
     """
-    own = file.resolve(values, preset=preset)
-    step_s = one_step_s(step) * own.world.substeps
-    _check_step(own, step_s)
+    nominal = file.resolve(values, preset=preset)
+    step_s = one_step_s(step) * nominal.world.substeps
+    _check_step(nominal, step_s)
     return step_s
 
 
 def _check_step(scenario: Scenario, step_s: float) -> None:
     duration, parts = scenario.world.duration_s, scenario.world.substeps
-    shortest, longest = duration / MOST_SAMPLES, duration / LEAST_SAMPLES
+    shortest, longest = duration / MAX_SAMPLES, duration / MIN_SAMPLES
     if not shortest <= step_s <= longest:
         raise InputError(
             "--step",

@@ -38,7 +38,7 @@ def still(base: Array) -> bool:
     return len(base) == 0 or float(np.ptp(base)) < STILL_M
 
 
-def found(frequency_Hz: Array, response: Complex, judged_up_to_Hz: float) -> Measured:
+def as_measured(frequency_Hz: Array, response: Complex, judged_up_to_Hz: float) -> Measured:
     """A response as series and values.
 
     Args:

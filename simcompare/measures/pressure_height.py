@@ -34,12 +34,12 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     """
     pressure = request.observed(trajectory)
     taken = _window.evenly(len(pressure), request.options["count"])
-    told = height_of(pressure)
+    height = height_of(pressure)
     return Measured(
-        values={"climb": float(told[-1] - told[0])},
+        values={"climb": float(height[-1] - height[0])},
         series={
             "height_time": trajectory.time_s[taken],
-            "told_height": told[taken],
+            "told_height": height[taken],
             "true_height": request.observed(trajectory, "height")[taken],
         },
     )

@@ -52,13 +52,13 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     for k in range(round(options["dwells"])):
         start_s = k * options["dwell_s"]
         inside = _dwell(time_s, start_s + options["settle_s"], start_s + options["dwell_s"])
-        found = _demodulated(
+        dwell = _demodulated(
             time_s[inside] - start_s, base[inside], probe[inside], options["dwell_s"]
         )
-        if found is not None:
-            frequencies.append(found[0])
-            ratios.append(options["gain"] * found[1])
-    return _transfer.found(
+        if dwell is not None:
+            frequencies.append(dwell[0])
+            ratios.append(options["gain"] * dwell[1])
+    return _transfer.as_measured(
         np.array(frequencies, dtype=float),
         np.array(ratios, dtype=complex),
         options["judged_up_to_Hz"],
@@ -79,9 +79,9 @@ def _demodulated(
     if len(time_s) < 2 * MIN_SAMPLES or _transfer.still(base):
         return None
     step_s = (time_s[-1] - time_s[0]) / (len(time_s) - 1)
-    most = math.floor(dwell_s / (MIN_SAMPLES * step_s))
-    left = [_fitted(time_s, base, periods / dwell_s)[1] for periods in range(1, most + 1)]
-    frequency = (int(np.argmin(left)) + 1) / dwell_s
+    max_periods = math.floor(dwell_s / (MIN_SAMPLES * step_s))
+    residuals = [_fitted(time_s, base, n / dwell_s)[1] for n in range(1, max_periods + 1)]
+    frequency = (int(np.argmin(residuals)) + 1) / dwell_s
     moved, _ = _fitted(time_s, base, frequency)
     if abs(moved) < _transfer.STILL_M:
         return None
@@ -90,12 +90,12 @@ def _demodulated(
 
 
 def _fitted(time_s: Array, values: Array, frequency_Hz: float) -> tuple[complex, float]:
-    """Complex amplitude of a sine beside an offset and a straight line, and what it leaves."""
+    """Complex amplitude of a sine beside a straight line, and the norm of the residual."""
     turns = 2 * math.pi * frequency_Hz * time_s
     middle = time_s - time_s.mean()
     design = np.column_stack((np.cos(turns), np.sin(turns), np.ones(len(time_s)), middle))
     scale = np.linalg.norm(design, axis=0)
     weights = np.linalg.lstsq(design / scale, values, rcond=None)[0] / scale
-    left = float(np.linalg.norm(values - design @ weights))
+    residual = float(np.linalg.norm(values - design @ weights))
     # the real part of (a - j·b)·exp(jωt) is a·cos + b·sin
-    return complex(weights[0], -weights[1]), left
+    return complex(weights[0], -weights[1]), residual

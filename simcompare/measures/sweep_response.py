@@ -48,7 +48,7 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
         request.observed(trajectory, "base"),
     )
     if _transfer.still(base):
-        return _transfer.found(np.empty(0), np.empty(0, complex), options["judged_up_to_Hz"])
+        return _transfer.as_measured(np.empty(0), np.empty(0, complex), options["judged_up_to_Hz"])
     frequency = np.geomspace(options["first_Hz"], options["last_Hz"], round(options["count"]))
     fade, slope, curvature = _fade(time_s, options["taper_s"])
     omega = 2 * math.pi * frequency[:, None]
@@ -58,7 +58,7 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     shaken = waves @ (curvature * moved) - omega[:, 0] * (
         2j * (waves @ (slope * moved)) + omega[:, 0] * (waves @ (fade * moved))
     )
-    return _transfer.found(frequency, read / shaken, options["judged_up_to_Hz"])
+    return _transfer.as_measured(frequency, read / shaken, options["judged_up_to_Hz"])
 
 
 def _fade(time_s: Array, taper_s: float) -> tuple[Array, Array, Array]:

@@ -28,10 +28,10 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
     """
     forward = float(request.observed(trajectory).mean())
     left, up = (float(request.observed(trajectory, role).mean()) for role in ROLES)
-    seen = math.hypot(forward, left, up) > 0
+    reads = math.hypot(forward, left, up) > 0
     return Measured(
         values={
-            "pitch": math.atan2(-forward, math.hypot(left, up)) if seen else None,
-            "roll": math.atan2(left, up) if seen else None,
+            "pitch": math.atan2(-forward, math.hypot(left, up)) if reads else None,
+            "roll": math.atan2(left, up) if reads else None,
         }
     )

@@ -10,6 +10,8 @@ import warnings
 from collections.abc import Mapping
 from typing import Any
 
+import simpleeval
+
 #: everything an expression may call
 FUNCTIONS = {
     "sqrt": math.sqrt,
@@ -38,8 +40,6 @@ def is_expression(value: object) -> bool:
 
 @functools.cache
 def _evaluator() -> Any:  # noqa: ANN401
-    import simpleeval
-
     evaluator = simpleeval.SimpleEval(functions=FUNCTIONS)
     # numbers have methods, and none of them belongs here; nor does an assignment
     for node in (ast.Attribute, ast.Assign, ast.AugAssign):

@@ -54,8 +54,8 @@ class Fittable(BaseModel):
     @property
     def roles(self) -> dict[str, str]:
         """Role -> parameter, as far as they are given."""
-        given = {role: getattr(self, role) for role in ROLES}
-        return {role: name for role, name in given.items() if name is not None}
+        parameters = {role: getattr(self, role) for role in ROLES}
+        return {role: name for role, name in parameters.items() if name is not None}
 
     def faults(self, parameters: Collection[str]) -> dict[str, str]:
         """Everything that is wrong with the names, as place -> sentence."""

@@ -207,21 +207,21 @@ class Recording:
             InputError: channels of several streams are.
         """
         wanted, _, short = name.rpartition("/")
-        found = [
+        places = [
             (stream, full)
             for stream, content in self.streams.items()
             if not wanted or stream == wanted
             for full in [units.find_name(short, content.channels)]
             if full is not None
         ]
-        if len(found) > 1:
-            full = ", ".join("/".join(place) for place in found)
-            text = f"is the name of {len(found)} channels ({full}); write {found[0][0]}/{short}"
+        if len(places) > 1:
+            full = ", ".join("/".join(place) for place in places)
+            text = f"is the name of {len(places)} channels ({full}); write {places[0][0]}/{short}"
             raise InputError(name, [f"{text}, or another stream"])
-        if not found:
+        if not places:
             known = [f"{s}/{c}" for s, content in self.streams.items() for c in content.channels]
             raise UnknownName("channel", name, known)
-        return found[0]
+        return places[0]
 
 
 def ranges(rows: Iterable[int]) -> tuple[tuple[int, int], ...]:

@@ -52,9 +52,9 @@ def interpolated(
     if slope is not None:
         known &= np.isfinite(slope)
     t, y = t[known], y[known]
-    found = np.full(at.shape, np.nan)
+    signal = np.full(at.shape, np.nan)
     if len(t) < 2:
-        return found
+        return signal
     arc = np.searchsorted(events, t, side="right")
     v = _rates(t, y, arc) if slope is None else slope[known]
     inside = np.isfinite(at) & (at >= t[0]) & (at <= t[-1])
@@ -64,9 +64,9 @@ def interpolated(
     # an instant that is a sample needs no neighbour
     exact = (at[inside] == t[k]) | (at[inside] == t[k + 1])
     piece[across & ~exact] = np.nan
-    found[inside] = piece
-    found[near_events(at, events)] = np.nan
-    return found
+    signal[inside] = piece
+    signal[near_events(at, events)] = np.nan
+    return signal
 
 
 def _check(t: Array, y: Array, slope: Array | None) -> None:
@@ -91,24 +91,24 @@ def _rates(t: Array, y: Array, arc: NDArray[np.integer]) -> Array:
     before = np.concatenate(([0.0], np.where(same, secant, 0.0)))
     after = np.concatenate((np.where(same, secant, 0.0), [0.0]))
     h0, h1 = np.concatenate(([1.0], step)), np.concatenate((step, [1.0]))
-    found = np.where(left & right, (h1 * before + h0 * after) / (h0 + h1), before + after)
-    return np.asarray(_ends(t, secant, same, left, right, found))
+    rates = np.where(left & right, (h1 * before + h0 * after) / (h0 + h1), before + after)
+    return np.asarray(_ends(t, secant, same, left, right, rates))
 
 
-def _ends(t: Array, secant: Array, same: Flags, left: Flags, right: Flags, found: Array) -> Array:
+def _ends(t: Array, secant: Array, same: Flags, left: Flags, right: Flags, rates: Array) -> Array:
     """At the ends of an arc the parabola through the three nearest samples, where there are."""
     step = np.diff(t)
     first = np.flatnonzero(right & ~left)
     first = first[first + 1 < len(same)]
     first = first[same[first + 1]]
     bend = (secant[first + 1] - secant[first]) / (step[first] + step[first + 1])
-    found[first] = secant[first] - bend * step[first]
+    rates[first] = secant[first] - bend * step[first]
     last = np.flatnonzero(left & ~right)
     last = last[last >= 2]
     last = last[same[last - 2]]
     bend = (secant[last - 1] - secant[last - 2]) / (step[last - 1] + step[last - 2])
-    found[last] = secant[last - 1] + bend * step[last - 1]
-    return found
+    rates[last] = secant[last - 1] + bend * step[last - 1]
+    return rates
 
 
 def _hermite(t: Array, y: Array, v: Array, k: NDArray[np.intp], at: Array) -> Array:

@@ -18,7 +18,7 @@ from simcompare.model.signals import Signal
 from simcompare.model.trajectory import BODY_SIGNALS
 
 #: samples of one run; more fill the memory of an ordinary machine
-MOST_SAMPLES = 1e7
+MAX_SAMPLES = 1e7
 #: joints with a coordinate, and what is recorded of them: coordinate, then rate
 MOVABLE = {"hinge": ("angle_rad", "rate_rad_s"), "slider": ("position_m", "velocity_m_s")}
 
@@ -289,10 +289,10 @@ class World(Frozen):
     @model_validator(mode="after")
     def _sensible_number_of_samples(self) -> World:
         samples = self.duration_s / self.step_s
-        if not 1 <= samples <= MOST_SAMPLES:
+        if not 1 <= samples <= MAX_SAMPLES:
             raise ValueError(
                 f"step_s = {self.step_s:g} gives {samples:.3g} samples in {self.duration_s:g} s;"
-                f" expected 1 to {MOST_SAMPLES:g}"
+                f" expected 1 to {MAX_SAMPLES:g}"
             )
         return self
 
@@ -355,13 +355,19 @@ class Scenario(Frozen):
 
     def sensed_joints(self) -> dict[str, str]:
         """Sensors of the force through a joint -> that joint."""
-        found = self.sensors.items()
-        return {name: one.joint for name, one in found if one.type == "force" and one.joint}
+        return {
+            name: sensor.joint
+            for name, sensor in self.sensors.items()
+            if sensor.type == "force" and sensor.joint
+        }
 
     def sensed_pairs(self) -> dict[str, tuple[str, str]]:
         """Sensors of the normal force between two bodies -> these."""
-        found = self.sensors.items()
-        return {name: one.pair for name, one in found if one.type == "contact_force" and one.pair}
+        return {
+            name: sensor.pair
+            for name, sensor in self.sensors.items()
+            if sensor.type == "contact_force" and sensor.pair
+        }
 
     def contact_of(self, first: str, second: str) -> Contact:
         """Contact of two bodies; a pair that is not named has no restitution and no friction.

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from simcompare.errors import InputError
 
 #: parts that aliases may stand for, beside those that are written out
-_MOST_ALIASED = 100_000
+_MAX_ALIASED = 100_000
 
 
 def read_yaml(path: Path) -> tuple[Any, dict[str, int], dict[str, str]]:
@@ -58,10 +58,10 @@ def _content(path: Path, text: str, lines: dict[str, int], faults: dict[str, str
             return None
         sizes: dict[int, int] = {}
         # a few aliases of aliases stand for more parts than any computer can hold
-        if _size(node, sizes) > len(sizes) + _MOST_ALIASED:
+        if _size(node, sizes) > len(sizes) + _MAX_ALIASED:
             raise InputError(
                 str(path),
-                [f"its aliases (*name) stand for more than {_MOST_ALIASED} parts; use fewer"],
+                [f"its aliases (*name) stand for more than {_MAX_ALIASED} parts; use fewer"],
             )
         _collect_lines(node, "", lines, faults)
         return loader.construct_document(node)
@@ -110,8 +110,8 @@ def faults_of(error: ValidationError) -> dict[str, str]:
         place = ".".join(_place_of(item["loc"]))
         message = _message(item["type"], item.get("ctx") or {}) or item["msg"]
         message = message.removeprefix("Value error, ")
-        found = item.get("input")
-        shown = "" if isinstance(found, dict | list) else f", found {found!r}"
+        value = item.get("input")
+        shown = "" if isinstance(value, dict | list) else f", found {value!r}"
         faults[place] = f"{message}{shown}"
     return faults
 

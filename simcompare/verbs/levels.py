@@ -13,11 +13,15 @@ from simcompare.results import fit_file
 from simcompare.results.fit_file import FitFile
 
 
+def _names(levels: str | Sequence[str]) -> list[str]:
+    """Names of levels, from a list or a text with commas."""
+    return [part.strip() for part in levels.split(",")] if isinstance(levels, str) else [*levels]
+
+
 def chosen_levels(contact: str | Sequence[str]) -> tuple[list[str], FitFile | None]:
     """Contact levels, and the fit where one of them is a file."""
-    asked = [part.strip() for part in contact.split(",")] if isinstance(contact, str) else contact
     modes, fit = [], None
-    for mode in (OLD_LEVELS.get(level, level) for level in asked):
+    for mode in (OLD_LEVELS.get(level, level) for level in _names(contact)):
         path = None if mode in CONTACT_LEVELS else fit_file.find(mode)
         if path is not None:
             if fit is not None:
@@ -62,16 +66,15 @@ def check_used(
     """
     if helps is not None and ASSISTED not in levels:
         raise InputError("--assist", [f"is for the level {ASSISTED}; name it in --contact"])
-    asked = [part.strip() for part in judge.split(",")] if isinstance(judge, str) else list(judge)
-    if TUNED in asked and not {TUNED, "fitted"} & {*levels}:
+    if TUNED in _names(judge) and not {TUNED, "fitted"} & {*levels}:
         raise InputError("--judge", [f"{TUNED} is not among the levels that run; see --contact"])
 
 
 def judged_levels(judge: str | Sequence[str], fit: FitFile | None) -> list[str]:
     """Levels whose failures count; those of a fit for a plain loop where "tuned" does."""
-    asked = [part.strip() for part in judge.split(",")] if isinstance(judge, str) else list(judge)
-    for level in asked:
+    named = _names(judge)
+    for level in named:
         if level not in (TUNED, ASSISTED):
             raise UnknownName("level that is judged", level, (TUNED, ASSISTED))
-    plain = fit is not None and fit.contact == TUNED and TUNED not in asked
-    return sorted({*asked, ASSISTED, *(() if plain else ("fitted",))})
+    plain = fit is not None and fit.contact == TUNED and TUNED not in named
+    return sorted({*named, ASSISTED, *(() if plain else ("fitted",))})

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from simcompare import measures
 from simcompare.compare import ablation
@@ -98,15 +97,17 @@ def run(
         for name in chosen
         for mode in modes
         for at in steps
-        for job in _jobs(file, name, mode, at, (fit, helps))
+        for job in _jobs(file, name, mode, at, fit, helps)
     ]
     interrupted = False
     try:
         outcomes = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
     except Interrupted as stop:
         outcomes, interrupted = stop.outcomes, True
-    done = _gather(
-        file, steps, outcomes, table,
+    done = _gather(file, steps, outcomes, table)
+    assert isinstance(done.record, RunRecord)
+    record = replace(
+        done.record,
         engines_asked=engine,
         scenario_asked=scenario,
         against_asked=None if against is None else str(against),
@@ -116,7 +117,8 @@ def run(
         judge=None if judged is None else tuple(judged),
         preset=preset,
         interrupted=interrupted,
-    )  # fmt: skip
+    )
+    done = replace(done, record=record)
     return done if out is None else store.save(done, Path(out))
 
 
@@ -156,13 +158,13 @@ def _jobs(
     engine: str,
     mode: str,
     at: AtStep,
-    given: tuple[FitFile | None, frozenset[str] | None],
+    fit: FitFile | None,
+    helps: frozenset[str] | None,
 ) -> list[Job]:
     """One job for each repeat; a fitted engine is given its own parameters.
 
     Assisted, the nominal repeat is run once more without each of the helps that act in it.
     """
-    fit, helps = given
     if fit is None or mode in CONTACT_LEVELS:
         settings = Settings(mode, helps=helps, drops=at.drops)
         jobs = [
@@ -171,13 +173,13 @@ def _jobs(
         if mode == ASSISTED:
             jobs += ablation.jobs_of(engine, at, settings)
         return jobs
-    found = []
+    fitted_jobs = []
     fitted = fit.settings(engine, at.nominal)
     for i, scene in enumerate(at.scenarios):
         for name, value in (fit.of_engine(engine, file) or {}).items():
             scene = file.vary(scene, name, value)
-        found.append(Job(engine, scene, fitted, i, mode, at=at.label))
-    return found
+        fitted_jobs.append(Job(engine, scene, fitted, i, mode, at=at.label))
+    return fitted_jobs
 
 
 def _table(file: ScenarioFile, against: str | Path | None) -> BounceTable | None:
@@ -188,12 +190,12 @@ def _table(file: ScenarioFile, against: str | Path | None) -> BounceTable | None
 
 def _measured_units(scenario: Scenario) -> dict[str, str]:
     """Per-event quantities of a scenario's measures and their units."""
-    found: dict[str, str] = {}
+    by_name: dict[str, str] = {}
     for measure in scenario.measures:
         units = measures.units_of(measure, scenario)
         for name in measures.load(measure.function).series:
-            found[measure.names.get(name, name)] = units[name]
-    return found
+            by_name[measure.names.get(name, name)] = units[name]
+    return by_name
 
 
 def _gather(
@@ -201,7 +203,6 @@ def _gather(
     steps: Sequence[AtStep],
     outcomes: Sequence[Outcome],
     table: BounceTable | None,
-    **asked: Any,  # noqa: ANN401
 ) -> Run:
     scores: list[Score] = []
     trajectories: list[Stored] = []
@@ -241,7 +242,6 @@ def _gather(
         steps=tuple(map(run_record.of_scenario_at, steps)) if len(steps) > 1 else (),
         without=tuple(row for at in steps for row in ablation.results_of(at, outcomes)),
         against=_against(file, table, scores, finest.nominal),
-        **asked,
     )  # fmt: skip
     return Run(record_of_run, tuple(trajectories))
 
@@ -251,5 +251,5 @@ def _against(
 ) -> Measurement | None:
     if table is None:
         return None
-    found = matches(table, scores, _measured_units(scene))
-    return run_record.of_measurement(file, table, found)
+    matched = matches(table, scores, _measured_units(scene))
+    return run_record.of_measurement(file, table, matched)
