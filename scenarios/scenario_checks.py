@@ -217,7 +217,7 @@ def _unjudged_tolerances(scenario: Scenario) -> dict[str, str]:
             faults[f"measures.{i}.function"] = str(error)
             continue
         faults.update(_measure_faults(f"measures.{i}", measure, function))
-        names = [measure.names.get(name, name) for name in function.units]
+        names = [measure.name_of(name) for name in function.units]
         for name in names:
             if name in measured:
                 faults[f"measures.{i}"] = f"{name} is measured twice; give it another name in names"
@@ -261,7 +261,7 @@ def _names_of(measure: Measure) -> list[str]:
     """What a measure finds, as the scenario calls it; nothing of one that does not exist."""
     if measure.function not in measures.FUNCTIONS:
         return []
-    return [measure.names.get(name, name) for name in measures.load(measure.function).units]
+    return [measure.name_of(name) for name in measures.load(measure.function).units]
 
 
 def _held(scenario: Scenario) -> Iterator[str]:

@@ -116,7 +116,7 @@ def test_the_measures_find_both_terms():
     found = {}
     for measure in scenario.measures:
         taken = measures.take(measure, scenario, truth)
-        found.update({measure.names.get(k, k): v for k, v in taken.values.items()})
+        found.update({measure.name_of(k): v for k, v in taken.values.items()})
     # ω²ρ = 10²·0.1 and ω̇ρ = 10/0.4·0.1
     assert found["held_rate"] == pytest.approx(10.0)
     assert found["centripetal_term"] == pytest.approx(-10.0)

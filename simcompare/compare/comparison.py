@@ -122,13 +122,13 @@ def _judged(
         both = [pair[name] for pair in pairs if name in pair]
         deviations = [value - true for value, true in both if value is not None]
         found = _mean_and_sd(truth, deviations, units[name], of=len(pairs))
-        shown = measure.names.get(name, name)
+        shown = measure.name_of(name)
         tolerance = tolerances.get(shown)
         made = _score(nominal, (shown, measure.probe, None), found, truth, tolerance)
         scores.append(replace(made, lacking=seen.lacking))
     judged = {score.measure for score in scores}
     for name, unit in units.items():
-        shown = measure.names.get(name, name)
+        shown = measure.name_of(name)
         # not even the truth can be measured
         if shown in tolerances and shown not in judged:
             nothing = _Mean(None, None, unit, 0)
@@ -143,7 +143,7 @@ def _series(
     scores = []
     for name in ours[0].series:
         unit, truths = ours[0].units[name], [measured.series[name] for measured in theirs]
-        shown = measure.names.get(name, name)
+        shown = measure.name_of(name)
         values = [measured.series[name] for measured in ours]
         for k in range(min(map(len, values))):
             known = bool(truths) and all(k < len(true) for true in truths)
@@ -164,12 +164,12 @@ def _without_truth(nominal: Repeat, measure: Measure, ours: Sequence[Measured]) 
     for name in ours[0].values:
         known = [value for m in ours if (value := m.values[name]) is not None]
         found = _mean_and_sd(0.0, known, ours[0].units[name], of=len(ours))
-        shown = measure.names.get(name, name)
+        shown = measure.name_of(name)
         made = _score(nominal, (shown, measure.probe, None), found, None, None)
         scores.append(replace(made, lacking=ours[0].lacking))
     wanted = nominal.scenario.answer
     for name in ours[0].series:
-        shown = measure.names.get(name, name)
+        shown = measure.name_of(name)
         if wanted is not None and wanted.measure == shown:  # what the answer is about: its mean
             known = [float(m.series[name].mean()) for m in ours if len(m.series[name])]
             found = _mean_and_sd(0.0, known, ours[0].units[name], of=len(ours))

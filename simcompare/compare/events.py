@@ -169,7 +169,7 @@ def _measure_of(scene: Scenario, series: str) -> tuple[Measure, str]:
         UnknownName: no measure of the scenario has such a series in seconds.
     """
     known = {
-        measure.names.get(name, name): (measure, name)
+        measure.name_of(name): (measure, name)
         for measure in scene.measures
         for name in measures.load(measure.function).series
         if measures.units_of(measure, scene)[name] == "s"

@@ -56,7 +56,7 @@ def value_pairs(
         for name, (value, true) in function.against(ours, theirs).items():
             # what only the comparison makes, such as a largest deviation, is no measured value
             if value is not None and name in theirs.values:
-                shown = measure.names.get(name, name)
+                shown = measure.name_of(name)
                 scatter = theirs.u.get(name, 0.0)
                 pairs[shown] = ValuePair(value, true, ours.units[name], measure.probe, scatter)
     return pairs

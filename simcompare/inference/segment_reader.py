@@ -181,7 +181,7 @@ def event_probes(file: ScenarioFile, plan: Plan) -> list[str]:
         return []
     for measure in file.resolve().measures:
         names = measures.load(measure.function).series
-        if plan.events.series in [measure.names.get(name, name) for name in names]:
+        if plan.events.series in [measure.name_of(name) for name in names]:
             return [measure.probe, *measure.also.values()]
     known = [n for m in file.resolve().measures for n in measures.load(m.function).series]
     raise UnknownName(f"series of {file.name}", plan.events.series, known)

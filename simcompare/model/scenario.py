@@ -234,6 +234,10 @@ class Measure(Frozen):
     options: Mapping[str, float] = Field(default_factory=dict)
     names: Mapping[str, str] = Field(default_factory=dict)
 
+    def name_of(self, value: str) -> str:
+        """What the scenario calls a value that the function measures."""
+        return self.names.get(value, value)
+
 
 class Tolerance(Frozen):
     """Largest accepted deviation from the truth, and why it is that large.

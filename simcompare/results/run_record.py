@@ -136,7 +136,7 @@ def _axes(scenario: Scenario) -> dict[str, str]:
     found = {}
     for measure in scenario.measures:
         for name, axis in measures.load(measure.function).axes.items():
-            found[measure.names.get(name, name)] = measure.names.get(axis, axis)
+            found[measure.name_of(name)] = measure.name_of(axis)
     return found
 
 

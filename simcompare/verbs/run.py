@@ -194,7 +194,7 @@ def _measured_units(scenario: Scenario) -> dict[str, str]:
     for measure in scenario.measures:
         units = measures.units_of(measure, scenario)
         for name in measures.load(measure.function).series:
-            by_name[measure.names.get(name, name)] = units[name]
+            by_name[measure.name_of(name)] = units[name]
     return by_name
 
 

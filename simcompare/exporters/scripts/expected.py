@@ -92,6 +92,6 @@ def _measure_of(scenario: Scenario, score: Score) -> tuple[Measure, str]:
     """Which of a scenario's measures gave a score, and under which name of its own."""
     for measure in scenario.measures:
         for own in measures.load(measure.function).units:
-            if measure.probe == score.probe and measure.names.get(own, own) == score.measure:
+            if measure.probe == score.probe and measure.name_of(own) == score.measure:
                 return measure, own
     raise AssertionError(score.measure)
