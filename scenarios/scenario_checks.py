@@ -8,10 +8,13 @@ from simcompare import measures, units
 from simcompare.errors import UnknownName
 from simcompare.model.scenario import Joint, Measure, Probe, Scenario
 
+#: place and sentence of every fault
+Faults = Iterator[tuple[str, str]]
+
 
 def faults_between_parts(scenario: Scenario) -> dict[str, str]:
     """Every fault that no part of a scenario shows alone, as place -> sentence."""
-    faults = dangling_references(scenario)
+    faults = dict(_dangling_references(scenario))
     if faults:  # what follows walks along the names
         return faults
     for checked in (
@@ -22,6 +25,7 @@ def faults_between_parts(scenario: Scenario) -> dict[str, str]:
         _impossible_contacts,
         _without_effect,
         _impossible_probes,
+        _impossible_measures,
         _unjudged_tolerances,
         _impossible_answer,
     ):
@@ -29,15 +33,12 @@ def faults_between_parts(scenario: Scenario) -> dict[str, str]:
     return faults
 
 
-def dangling_references(scenario: Scenario) -> dict[str, str]:
-    """Names in a scenario that point to nothing, as place -> sentence."""
-    faults: dict[str, str] = {}
-
+def _dangling_references(scenario: Scenario) -> Faults:
+    """Names in a scenario that point to nothing."""
     for place, name, kind, known in _references(scenario):
         if name is not None and name not in known:
             have = ", ".join(known) or "none"
-            faults[place] = f"no {kind} is called {name!r} (there are: {have})"
-    return faults
+            yield place, f"no {kind} is called {name!r} (there are: {have})"
 
 
 def _references(
@@ -80,41 +81,39 @@ def _observed(
             yield f"measures.{i}.also.{role}", probe_name, "probe", scenario.probes
 
 
-def _doubled_pairs(scenario: Scenario) -> dict[str, str]:
-    faults, earlier = {}, set()
+def _doubled_pairs(scenario: Scenario) -> Faults:
+    earlier: set[frozenset[str]] = set()
     for i, contact in enumerate(scenario.contacts):
         pair = frozenset(contact.pair)
         if pair in earlier:
-            faults[f"contacts.{i}"] = f"the pair {'-'.join(contact.pair)} is given twice"
+            yield f"contacts.{i}", f"the pair {'-'.join(contact.pair)} is given twice"
         earlier.add(pair)
-    return faults
 
 
-def _doubled_names(scenario: Scenario) -> dict[str, str]:
+def _doubled_names(scenario: Scenario) -> Faults:
     """Signals are called by their owner's name, so no two owners may share one."""
-    faults, kinds = {}, dict.fromkeys(scenario.bodies, "body")
+    kinds = dict.fromkeys(scenario.bodies, "body")
     for kind in ("joints", "actuators", "sensors"):
         for name in getattr(scenario, kind):
             if name in kinds:
-                faults[f"{kind}.{name}"] = f"a {kinds[name]} is called {name} too"
+                yield f"{kind}.{name}", f"a {kinds[name]} is called {name} too"
             kinds.setdefault(name, kind[:-1])
-    return faults
 
 
-def _impossible_joints(scenario: Scenario) -> dict[str, str]:
+def _impossible_joints(scenario: Scenario) -> Faults:
     """Children of the world, of two parents or of themselves, and motion that a joint gives."""
-    faults: dict[str, str] = {}
     parents: dict[str, tuple[str, Joint]] = {}
     for name, joint in scenario.joints.items():
         child = scenario.bodies[joint.child]
         if child.fixed:
-            faults[f"joints.{name}.child"] = f"{joint.child} is fixed to the world already"
+            yield f"joints.{name}.child", f"{joint.child} is fixed to the world already"
         elif joint.child in parents:
             other = parents[joint.child][0]
-            faults[f"joints.{name}.child"] = f"{joint.child} is the child of {other} already"
+            yield f"joints.{name}.child", f"{joint.child} is the child of {other} already"
         elif any((*child.velocity_m_s, *child.rate_rad_s)):
-            faults[f"bodies.{joint.child}"] = (
-                f"its motion at the start follows from the joint {name}; give that a rate"
+            yield (
+                f"bodies.{joint.child}",
+                f"its motion at the start follows from the joint {name}; give that a rate",
             )
         parents.setdefault(joint.child, (name, joint))
     for body in scenario.bodies:
@@ -122,74 +121,65 @@ def _impossible_joints(scenario: Scenario) -> dict[str, str]:
         while above in parents:
             above = parents[above][1].parent
             if above in passed:
-                faults[f"joints.{parents[above][0]}"] = f"{above} hangs, in a circle, on itself"
+                yield f"joints.{parents[above][0]}", f"{above} hangs, in a circle, on itself"
                 break
             passed.add(above)
-    return faults
 
 
-def _impossible_drives(scenario: Scenario) -> dict[str, str]:
-    faults = {}
+def _impossible_drives(scenario: Scenario) -> Faults:
     for name, actuator in scenario.actuators.items():
         kind = scenario.joints[actuator.joint].type
         wanted = "slider" if actuator.type == "force" else "hinge"
         if kind != wanted:
-            faults[f"actuators.{name}"] = f"a {actuator.type} drives a {wanted}, not a {kind}"
+            yield f"actuators.{name}", f"a {actuator.type} drives a {wanted}, not a {kind}"
     for name, sensor in scenario.sensors.items():
         if sensor.type == "encoder" and sensor.joint is not None:
             kind = scenario.joints[sensor.joint].type
             if kind != "hinge":
-                faults[f"sensors.{name}"] = f"an encoder needs a hinge, not a {kind}"
-    return faults
+                yield f"sensors.{name}", f"an encoder needs a hinge, not a {kind}"
 
 
-def _without_effect(scenario: Scenario) -> dict[str, str]:
+def _without_effect(scenario: Scenario) -> Faults:
     """What would be read and left out by every engine, so that nobody counts on it."""
-    faults = {
-        f"{kind}.{name}": "a name has no dot; that comes before the signal"
-        for kind in ("bodies", "joints", "actuators", "sensors", "inputs")
-        for name in getattr(scenario, kind)
-        if "." in name
-    }
+    for kind in ("bodies", "joints", "actuators", "sensors", "inputs"):
+        for name in getattr(scenario, kind):
+            if "." in name:
+                yield f"{kind}.{name}", "a name has no dot; that comes before the signal"
     used = {actuator.input for actuator in scenario.actuators.values()}
     for name in scenario.inputs:
         if name not in used:
-            faults[f"inputs.{name}"] = "no actuator follows it"
+            yield f"inputs.{name}", "no actuator follows it"
     for joint in scenario.joints.values():
         drag = scenario.bodies[joint.child].drag
         if drag is not None and drag.factor_kg_m > 0:
-            faults[f"bodies.{joint.child}.drag"] = "drag acts on bodies that hang on no joint"
-    return faults
+            yield f"bodies.{joint.child}.drag", "drag acts on bodies that hang on no joint"
 
 
-def _impossible_contacts(scenario: Scenario) -> dict[str, str]:
+def _impossible_contacts(scenario: Scenario) -> Faults:
     """Pairs that never touch, though something is said of their contact."""
-    faults = {}
     jointed = {frozenset((j.parent, j.child)): name for name, j in scenario.joints.items()}
     touching = {f"contacts.{i}": contact.pair for i, contact in enumerate(scenario.contacts)}
     touching.update({f"sensors.{name}": s.pair for name, s in scenario.sensors.items() if s.pair})
     for place, pair in touching.items():
         bare = [name for name in pair if not scenario.bodies[name].shapes]
         if frozenset(pair) in jointed:
-            faults[place] = (
-                f"{' and '.join(pair)} never touch: {jointed[frozenset(pair)]} joins them"
+            yield (
+                place,
+                f"{' and '.join(pair)} never touch: {jointed[frozenset(pair)]} joins them",
             )
         elif bare:
-            faults[place] = f"{' and '.join(bare)} cannot touch anything without a shape"
-    return faults
+            yield place, f"{' and '.join(bare)} cannot touch anything without a shape"
 
 
-def _impossible_probes(scenario: Scenario) -> dict[str, str]:
-    faults = {}
+def _impossible_probes(scenario: Scenario) -> Faults:
     for name, probe in scenario.probes.items():
         owner, _, part = probe.observe.partition(".")
         known = scenario.signals_of(owner)
         if part not in known:
             have = ", ".join(known) or "none"
-            faults[f"probes.{name}.observe"] = f"{owner} has no signal {part!r} (there are: {have})"
+            yield f"probes.{name}.observe", f"{owner} has no signal {part!r} (there are: {have})"
         elif fault := _component_fault(probe, part, known[part]) or _unit_fault(probe, part):
-            faults[f"probes.{name}"] = fault
-    return faults
+            yield f"probes.{name}", fault
 
 
 def _component_fault(probe: Probe, part: str, width: int) -> str | None:
@@ -206,32 +196,35 @@ def _unit_fault(probe: Probe, part: str) -> str | None:
     return None if probe.unit == unit else f"{part} is in {unit}, not in {probe.unit}"
 
 
-def _unjudged_tolerances(scenario: Scenario) -> dict[str, str]:
-    """Measures that do not exist or lack something, and tolerances for what no measure gives."""
-    faults: dict[str, str] = {}
+def _impossible_measures(scenario: Scenario) -> Faults:
+    """Measures that do not exist or lack something."""
     measured: set[str] = set()
     for i, measure in enumerate(scenario.measures):
         try:
             function = measures.load(measure.function)
         except UnknownName as error:
-            faults[f"measures.{i}.function"] = str(error)
+            yield f"measures.{i}.function", str(error)
             continue
-        faults.update(_measure_faults(f"measures.{i}", measure, function))
+        yield from _measure_faults(f"measures.{i}", measure, function)
         names = [measure.name_of(name) for name in function.units]
         for name in names:
             if name in measured:
-                faults[f"measures.{i}"] = f"{name} is measured twice; give it another name in names"
+                yield f"measures.{i}", f"{name} is measured twice; give it another name in names"
         measured.update(names)
-    if not faults:
-        for name in scenario.tolerances:
-            if name not in measured:
-                faults[f"tolerances.{name}"] = str(UnknownName("measured value", name, measured))
-    return faults
 
 
-def _measure_faults(place: str, measure: Measure, function: measures.Function) -> dict[str, str]:
+def _unjudged_tolerances(scenario: Scenario) -> Faults:
+    """Tolerances for what no measure gives, where all measures are possible."""
+    if any(_impossible_measures(scenario)):
+        return
+    measured = [name for measure in scenario.measures for name in _names_of(measure)]
+    for name in scenario.tolerances:
+        if name not in measured:
+            yield f"tolerances.{name}", str(UnknownName("measured value", name, measured))
+
+
+def _measure_faults(place: str, measure: Measure, function: measures.Function) -> Faults:
     """Roles and options that are missing or unknown, and new names for what is not measured."""
-    faults = {}
     for key, needed, present in (
         ("also", function.roles, measure.also),
         ("options", function.options, measure.options),
@@ -239,22 +232,20 @@ def _measure_faults(place: str, measure: Measure, function: measures.Function) -
         for name in sorted(set(needed) ^ set(present)):
             fault = "is missing" if name in needed else "is not known"
             have = ", ".join(needed) or "none"
-            faults[f"{place}.{key}.{name}"] = f"{fault}; {measure.function} needs: {have}"
+            yield f"{place}.{key}.{name}", f"{fault}; {measure.function} needs: {have}"
     for name in measure.names:
         if name not in function.units:
-            faults[f"{place}.names.{name}"] = str(
-                UnknownName("measured value", name, function.units)
-            )
-    return faults
+            yield f"{place}.names.{name}", str(UnknownName("measured value", name, function.units))
 
 
-def _impossible_answer(scenario: Scenario) -> dict[str, str]:
+def _impossible_answer(scenario: Scenario) -> Faults:
     """An answer made of what is not measured, or with causes that nobody is asked for."""
     if scenario.answer is None:
-        return {}
+        return
     measured = [name for measure in scenario.measures for name in _names_of(measure)]
     wrong = scenario.answer.faults(measured, list(_held(scenario)))
-    return {f"answer.{place}": sentence for place, sentence in wrong.items()}
+    for place, sentence in wrong.items():
+        yield f"answer.{place}", sentence
 
 
 def _names_of(measure: Measure) -> list[str]:

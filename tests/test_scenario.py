@@ -15,7 +15,7 @@ from simcompare.model.scenario import Body, Scenario, Tolerance
 from simcompare.model.shapes import Plane, Pose
 from simcompare.model.signals import Ramp, Table
 from simcompare.scenarios import scenario_file
-from simcompare.scenarios.scenario_checks import dangling_references
+from simcompare.scenarios.scenario_checks import faults_between_parts
 
 ROBOT = """\
 name: two_wheels
@@ -239,7 +239,7 @@ def test_every_dangling_reference_is_named_with_its_place():
     tree["probes"]["yaw_rate_rad_s"]["observe"] = "chasis.rate_rad_s"
     tree["measures"] = [{"function": "bounces", "probe": "yaw"}]
     tree["dither"] = {"parameter": "height_m", "span": 1, "reason": "none"}
-    faults = dangling_references(Scenario.model_validate(tree))
+    faults = faults_between_parts(Scenario.model_validate(tree))
     assert set(faults) == {
         "joints.left.child",
         "actuators.left_motor.joint",
