@@ -14,7 +14,7 @@ from simcompare.fitting.bounces.ratios import ratios
 from simcompare.fitting.bounces.reading import from_rebounds, from_times
 from simcompare.model.plain import plain
 from simcompare.reports.fit import answer
-from simcompare.results.records.fit_bounces import Prior
+from simcompare.results.records.fit_forms import Prior
 from simcompare.results.records.fit_parts import finite
 from tests.bounces import IN_AIR, TERMINAL, TRUTH, filmed, heard, times_of, warnings_of
 

@@ -17,7 +17,8 @@ from simcompare.reports.fit import tuned as fitted_tuned
 from simcompare.reports.render import matplotlib_, numbers, plotly_
 from simcompare.reports.render.figures import Figure, Matrix, Panel
 from simcompare.reports.sections import FIT, of_run
-from simcompare.results.records.fit_bounces import Prior, ProfileRow, Rejected, Unknown
+from simcompare.results.records.fit_bounces import Rejected
+from simcompare.results.records.fit_forms import Prior, ProfileRow, Unknown
 from simcompare.results.records.fit_parts import Value
 from simcompare.verbs import fit as fitting
 from tests import records

@@ -7,7 +7,7 @@ from simcompare.fitting.bounces.fit import fit
 from simcompare.fitting.bounces.identifiability import identifiability
 from simcompare.fitting.bounces.reading import from_times
 from simcompare.model.plain import plain
-from simcompare.results.records.fit_bounces import Prior
+from simcompare.results.records.fit_forms import Prior
 from tests.bounces import IN_AIR, TERMINAL, filmed, heard, known_words, times_of
 
 KNOWN = {"terminal_speed_m_s": TERMINAL}

@@ -10,7 +10,9 @@ from dataclasses import replace
 from simcompare.notation import sentence
 from simcompare.reports.fit import form_words, identifiability_words
 from simcompare.reports.fit.fits import interval
-from simcompare.results.records.fit_bounces import BouncesFit, Drop, Holdout, OtherEstimate
+from simcompare.results.records.fit_bounces import BouncesFit, Drop
+from simcompare.results.records.fit_forms import OtherEstimate
+from simcompare.results.records.fit_holdout import Holdout
 
 #: significant digits of a number that is typed in; more than its uncertainty knows
 _DIGITS = 7

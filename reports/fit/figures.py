@@ -13,7 +13,8 @@ from simcompare.reports.fit.fits import CLOSED, RESTITUTION
 from simcompare.reports.render.figures import Figure, Panel, Series, Span, fitted_range, spread
 from simcompare.reports.render.styles import MEASURED_STYLE, Style, style_of
 from simcompare.reports.run import runs
-from simcompare.results.records.fit_bounces import BouncesEngine, Law, Residuals, Unknown
+from simcompare.results.records.fit_engines import BouncesEngine
+from simcompare.results.records.fit_forms import Law, Residuals, Unknown
 from simcompare.results.records.fit_parts import EngineParameter
 from simcompare.results.run import Run
 

@@ -10,13 +10,9 @@ from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Scale, scale_of
 from simcompare.reports.validation import phrases, validations
 from simcompare.results.records.fit import FitRecord
-from simcompare.results.records.fit_bounces import (
-    BouncesEngine,
-    BouncesFit,
-    EffectiveValue,
-    Repeats,
-    Unknown,
-)
+from simcompare.results.records.fit_bounces import BouncesFit
+from simcompare.results.records.fit_engines import BouncesEngine, EffectiveValue
+from simcompare.results.records.fit_forms import Repeats, Unknown
 from simcompare.results.records.fit_parts import EngineParameter, Value
 from simcompare.results.records.fit_waveforms import WaveEngine, WaveformFit
 from simcompare.results.run import Run

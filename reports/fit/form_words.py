@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from simcompare.results.records.fit_bounces import Candidate, Choice, Form
+from simcompare.results.records.fit_forms import Candidate, Choice, Form
 
 #: a prior this many standard uncertainties from what the data say contradicts them
 CONTRADICTION = 3.0

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Set
 from dataclasses import dataclass
 
 from simcompare import units
-from simcompare.results.records.fit_bounces import Prior
+from simcompare.results.records.fit_forms import Prior
 from simcompare.statistics.identifiability import BLIND, Direction, Identifiability
 
 #: correlation that is mentioned

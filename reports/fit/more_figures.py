@@ -16,13 +16,8 @@ from simcompare.reports.render import numbers
 from simcompare.reports.render.figures import Bars, Figure, Matrix, Panel, Series, Span, spread
 from simcompare.reports.render.styles import Style, style_of
 from simcompare.reports.validation import validations
-from simcompare.results.records.fit_bounces import (
-    EngineHoldout,
-    HeldOutDrop,
-    OtherEstimate,
-    ProfileRow,
-    Unknown,
-)
+from simcompare.results.records.fit_forms import OtherEstimate, ProfileRow, Unknown
+from simcompare.results.records.fit_holdout import EngineHoldout, HeldOutDrop
 from simcompare.results.run import Run
 
 #: a bar is no longer than this; its number says how long it would be

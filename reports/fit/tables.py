@@ -11,7 +11,9 @@ from simcompare.reports.fit.fits import CLOSED, RESTITUTION
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Table, printable, scale_of
 from simcompare.reports.validation import validations
-from simcompare.results.records.fit_bounces import BouncesFit, EngineHoldout, Form, HeldOutDrop
+from simcompare.results.records.fit_bounces import BouncesFit
+from simcompare.results.records.fit_forms import Form
+from simcompare.results.records.fit_holdout import EngineHoldout, HeldOutDrop
 from simcompare.results.run import Run
 
 #: lines of a list that is shown without being asked for

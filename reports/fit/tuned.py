@@ -11,7 +11,8 @@ from simcompare.reports.render.figures import Figure, Panel, Series, spread
 from simcompare.reports.render.styles import Style, style_of
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.reports.validation import validations
-from simcompare.results.records.fit_bounces import Impact, PredictedHeight
+from simcompare.results.records.fit_engines import Impact
+from simcompare.results.records.fit_holdout import PredictedHeight
 from simcompare.results.run import Run
 
 _ZERO = Style("#7F7F7F", "dot", width=2.0)

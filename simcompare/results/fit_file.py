@@ -19,7 +19,7 @@ from simcompare.model.fittable import BOUNCES
 from simcompare.model.plain import of_plain
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, TUNED, PairNumbers, Settings
-from simcompare.results.records.fit_bounces import RunWith, Tuned
+from simcompare.results.records.fit_engines import RunWith, Tuned
 from simcompare.results.records.fit_parts import Value
 from simcompare.results.records.stored import faults
 from simcompare.scenarios.scenario_file import ScenarioFile

@@ -41,14 +41,10 @@ from simcompare.results import run_record, store
 from simcompare.results.fit_file import FITTED
 from simcompare.results.records import stored
 from simcompare.results.records.fit import FitRecord
-from simcompare.results.records.fit_bounces import (
-    BouncesEngine,
-    BouncesFit,
-    EffectiveValue,
-    Holdout,
-    Number,
-    Prior,
-)
+from simcompare.results.records.fit_bounces import BouncesFit
+from simcompare.results.records.fit_engines import BouncesEngine, EffectiveValue, Number
+from simcompare.results.records.fit_forms import Prior
+from simcompare.results.records.fit_holdout import Holdout
 from simcompare.results.records.fit_parts import EngineParameter, finite
 from simcompare.results.run import Run, Stored
 from simcompare.running.runner import TIME_LIMIT_S, Progress

@@ -12,7 +12,7 @@ from simcompare.fitting.bounces.likelihood import Fit, Profile, minimum, summary
 from simcompare.fitting.bounces.problem import Problem, build
 from simcompare.fitting.bounces.unknowns import SPEED, base
 from simcompare.model.trajectory import Array
-from simcompare.results.records.fit_bounces import Prior
+from simcompare.results.records.fit_forms import Prior
 from simcompare.statistics import least_squares
 
 

@@ -18,7 +18,7 @@ from simcompare.fitting.bounces.problem import usual
 from simcompare.fitting.bounces.tuned_fit import TunedFit
 from simcompare.fitting.bounces.unknowns import OF_A_DROP, SPEED, base
 from simcompare.model.trajectory import Array
-from simcompare.results.records.fit_bounces import (
+from simcompare.results.records.fit_holdout import (
     EngineHoldout,
     HeldOutDrop,
     Holdout,

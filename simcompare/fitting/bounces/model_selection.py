@@ -21,7 +21,7 @@ from simcompare.fitting.bounces.fit import fit
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import BY_CHANCE, Fit
 from simcompare.fitting.bounces.problem import usual
-from simcompare.results.records.fit_bounces import Prior
+from simcompare.results.records.fit_forms import Prior
 
 
 @dataclass(frozen=True)

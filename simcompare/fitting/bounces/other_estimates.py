@@ -12,7 +12,7 @@ from simcompare.fitting.bounces import bounce_models, ratios
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.model.trajectory import Array
-from simcompare.results.records.fit_bounces import OtherEstimate
+from simcompare.results.records.fit_forms import OtherEstimate
 
 #: restitutions at which a fit of whole trajectories is begun
 _STARTS = np.linspace(0.6, 0.97, 12)

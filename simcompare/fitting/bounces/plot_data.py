@@ -15,7 +15,7 @@ from simcompare.fitting.bounces.likelihood import NUISANCE, Fit
 from simcompare.fitting.bounces.problem import U_ASSUMED_M, U_ASSUMED_S
 from simcompare.fitting.bounces.unknowns import base, own_drop
 from simcompare.model.trajectory import Array
-from simcompare.results.records.fit_bounces import Law, ProfileRow, Ratios, Residuals
+from simcompare.results.records.fit_forms import Law, ProfileRow, Ratios, Residuals
 
 #: samples of a video whose residuals are kept, speeds of the law, and most profiles
 _SAMPLES, _SPEEDS, _PROFILES = 200, 25, 6

@@ -23,7 +23,7 @@ from simcompare.fitting.bounces.unknowns import (
     slope,
 )
 from simcompare.model.trajectory import Array
-from simcompare.results.records.fit_bounces import Prior
+from simcompare.results.records.fit_forms import Prior
 
 #: uncertainties of times [s] and of heights [m], where none is stated, until the scatter tells
 U_ASSUMED_S, U_ASSUMED_M = 1e-3, 1e-3

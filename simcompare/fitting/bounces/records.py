@@ -24,27 +24,26 @@ from simcompare.fitting.bounces.tuning_goal import TuningGoal
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array
 from simcompare.model.tuning import TuningRow
-from simcompare.results.records.fit_bounces import (
-    AtSpeed,
-    Bootstrap,
+from simcompare.results.records.fit_bounces import BouncesFit, Drop, Valid
+from simcompare.results.records.fit_engines import (
     BouncesEngine,
-    BouncesFit,
-    Candidate,
-    Choice,
-    Drop,
     EffectiveValue,
     FirstContact,
-    Form,
-    Holdout,
-    Repeats,
     RunWith,
     Shown,
-    SourceHoldout,
     Target,
     Tuned,
-    Unknown,
-    Valid,
 )
+from simcompare.results.records.fit_forms import (
+    AtSpeed,
+    Bootstrap,
+    Candidate,
+    Choice,
+    Form,
+    Repeats,
+    Unknown,
+)
+from simcompare.results.records.fit_holdout import Holdout, SourceHoldout
 from simcompare.results.records.fit_parts import EngineParameter, Known, Value
 
 

@@ -11,7 +11,7 @@ from simcompare.errors import InputError, UnknownName
 from simcompare.fitting.bounces import bounce_models
 from simcompare.fitting.bounces.roles import Roles
 from simcompare.fitting.bounces.unknowns import SPEED
-from simcompare.results.records.fit_bounces import Prior
+from simcompare.results.records.fit_forms import Prior
 from simcompare.scenarios.scenario_file import ScenarioFile
 
 

@@ -36,7 +36,7 @@ from simcompare.model.scenario import Scenario
 from simcompare.model.settings import TUNED, PairNumbers, Settings
 from simcompare.model.trajectory import Array, Trajectory
 from simcompare.model.tuning import TuningRow
-from simcompare.results.records.fit_bounces import Impact, Number
+from simcompare.results.records.fit_engines import Impact, Number
 from simcompare.running.jobs import FAILED, OK, Job, Outcome
 from simcompare.running.runner import TIME_LIMIT_S, Progress, run_jobs
 

@@ -8,7 +8,7 @@ from simcompare.fitting.bounces.deviations import Deviation
 from simcompare.fitting.bounces.engine_fit import EngineFit
 from simcompare.model.trajectory import Array
 from simcompare.model.tuning import TuningRow
-from simcompare.results.records.fit_bounces import Impact, Number
+from simcompare.results.records.fit_engines import Impact, Number
 
 
 @dataclass(frozen=True)

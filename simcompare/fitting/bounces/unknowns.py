@@ -12,7 +12,7 @@ import numpy as np
 from simcompare.errors import UnknownName
 from simcompare.fitting.bounces.bounce_models import DEFAULTS
 from simcompare.model.trajectory import Array
-from simcompare.results.records.fit_bounces import Prior
+from simcompare.results.records.fit_forms import Prior
 
 #: unknowns of which every drop has its own
 OF_A_DROP = ("drop_height_m", "release_time_s", "floor_m")

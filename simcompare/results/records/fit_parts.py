@@ -88,6 +88,9 @@ class EngineRow:
         return (self.reason or self.status).removeprefix(f"{self.name}: ")
 
 
+#: numbers, numbers of which some may be unknown, and root mean squares by kind
+Numbers = tuple[float, ...]
+Open = tuple[float | None, ...]
 Rms = Mapping[str, float]
 
 

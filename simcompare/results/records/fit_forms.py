@@ -1,0 +1,297 @@
+"""What fit.json says of closed forms of a bouncing ball."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated
+
+from pydantic import Field
+
+from simcompare.results.records.fit_parts import (
+    Numbers,
+    Open,
+    Rms,
+    Value,
+)
+
+
+@dataclass(frozen=True)
+class Prior:
+    """What is known of an unknown beforehand: a normal distribution."""
+
+    value: float
+    u: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unknown:
+    """An unknown of a closed form.
+
+    Attributes:
+        value: estimate.
+        u: standard uncertainty.
+        low: lower end of the 95 % interval, ``None`` where it is infinite.
+        high: upper end.
+        interval: "normal" or "profile".
+        open_low: whether the data fit as well as far as was looked below.
+        open_high: the same above.
+    """
+
+    value: float | None
+    u: float | None
+    low: float | None
+    high: float | None
+    interval: str
+    open_low: bool = False
+    open_high: bool = False
+
+    @property
+    def limits(self) -> tuple[float | None, float | None]:
+        """Ends of the 95 % interval."""
+        return self.low, self.high
+
+
+@dataclass(frozen=True)
+class AtSpeed:
+    """Restitution at a speed."""
+
+    speed_m_s: float
+    value: float
+    u: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Form:
+    """A closed form as it was fitted.
+
+    Attributes:
+        model: its name.
+        text: what it says, in words.
+        parameters: its unknowns.
+        covariance: of them.
+        correlation: of the numbers that the fit looks for.
+        fixed: what was not fitted.
+        priors: what was known of unknowns.
+        pulls: how far each prior is from what the data say, in standard uncertainties.
+        chi2: of the data at the estimate, with the stated uncertainties.
+        dof: degrees of freedom of ``s2``.
+        s2: by how much the data scatter more than stated, squared.
+        count: number of measured numbers.
+        effective_unknowns: how many unknowns the data, not the priors, determine.
+        rms: of the residuals, by kind: "times" [s], "heights" and "track" [m].
+        restitution: at the slowest and the fastest impact.
+        at_bound: unknowns that ended at a bound.
+        warnings: what the reader must know, one sentence each.
+        u_known: whether all uncertainties of the measurement are stated.
+        scattered: whether the data scatter by more than is stated and than chance explains.
+    """
+
+    model: str
+    text: str
+    parameters: Mapping[str, Unknown]
+    covariance: tuple[Open, ...]
+    correlation: tuple[Open, ...]
+    fixed: Mapping[str, float | None]
+    priors: Mapping[str, Prior]
+    pulls: Mapping[str, float | None]
+    chi2: float
+    dof: int
+    s2: float
+    count: int
+    effective_unknowns: float
+    rms: Rms
+    restitution: tuple[AtSpeed, AtSpeed]
+    at_bound: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
+    u_known: bool
+    scattered: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class Candidate:
+    """A closed form among others.
+
+    Attributes:
+        model: its name.
+        text: what it says, in words.
+        law: "constant", "power" or "hunt_crossley".
+        drag: whether the terminal speed is an unknown of it.
+        unknowns: how many the data determine.
+        chi2: of the data, divided by the common scatter.
+        aic: Akaike's criterion.
+        aicc: the same corrected for few data; ``None`` where there are too few.
+        bic: Schwarz's criterion.
+        delta: the deciding criterion above the least.
+        weight: Akaike weight; 0 for a form that repeats another because its drag vanished.
+        parameters: its unknowns.
+    """
+
+    model: str
+    text: str
+    law: str
+    drag: bool
+    unknowns: float
+    chi2: float
+    aic: float
+    aicc: float | None
+    bic: float
+    delta: float | None
+    weight: float
+    parameters: Mapping[str, Value]
+
+    def score(self, criterion: str) -> float | None:
+        """AIC or AICc, by its name."""
+        return self.aic if criterion == "AIC" else self.aicc
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """Which closed form was chosen.
+
+    Attributes:
+        chosen: its name.
+        criterion: which decided, "AIC" or "AICc".
+        scatter: what χ² was divided by.
+        words: what a reader must know, one sentence each.
+        refused: name of a form -> why it could not be fitted.
+        candidates: best first.
+    """
+
+    chosen: str
+    criterion: str
+    scatter: float
+    words: tuple[str, ...] = ()
+    refused: Mapping[str, str]
+    candidates: tuple[Candidate, ...]
+
+
+@dataclass(frozen=True)
+class Repeats:
+    """How one estimate scatters over simulated repeats."""
+
+    u: float | None
+    low: float | None
+    high: float | None
+    bias: float | None
+
+    @property
+    def limits(self) -> tuple[float | None, float | None]:
+        """2.5 % and 97.5 % quantiles."""
+        return self.low, self.high
+
+
+@dataclass(frozen=True)
+class Bootstrap:
+    """Fits to simulated repeats.
+
+    Attributes:
+        kind: "parametric".
+        draws: how many.
+        failed: that did not converge and were left out.
+        seed: of the generator.
+        parameters: unknown -> its scatter.
+    """
+
+    kind: str
+    draws: int
+    failed: int
+    seed: int
+    parameters: Mapping[str, Repeats]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Residuals:
+    """Measured less predicted numbers of one kind of one drop.
+
+    Attributes:
+        drop: number of the drop, first is 1.
+        kind: "times" [s], "heights" [m] or "track" [m].
+        at: numbers of the impacts or apexes, or times [s].
+        residuals: measured less predicted.
+        u: standard uncertainty, from the scatter where none is stated.
+        stated: whether it is stated.
+        judged: whether the fit minimised these; times and heights of a video are drawn from its
+            arcs and only shown.
+    """
+
+    drop: int
+    kind: str
+    at: Numbers
+    residuals: Annotated[Numbers, Field(alias="left")]
+    u: Numbers
+    stated: bool
+    judged: bool
+
+
+@dataclass(frozen=True)
+class Law:
+    """Restitution against speed, and the speed of every impact, drop by drop."""
+
+    speed_m_s: Numbers
+    value: Numbers
+    u: Numbers
+    impact_speed_m_s: tuple[Numbers, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ratios:
+    """Ratios of neighbouring flights, or roots of ratios of heights, of one drop.
+
+    Attributes:
+        drop: number of the drop, first is 1.
+        how: "flight times" or "heights".
+        numbers: which impacts.
+        values: the ratios.
+        expected: what the fit expects of them.
+        u: standard uncertainties.
+    """
+
+    drop: int
+    how: str
+    numbers: tuple[int, ...]
+    values: Numbers
+    expected: Numbers
+    u: Open
+
+
+@dataclass(frozen=True)
+class ProfileRow:
+    """Least χ², less that of the fit, with one unknown held at values; ends of its interval."""
+
+    name: str
+    values: Numbers
+    chi2: Numbers
+    low: float | None
+    high: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class OtherEstimate:
+    """A restitution by another rule than the fit's.
+
+    Attributes:
+        drop: number of the drop, first is 1.
+        source: its recording.
+        rule: "mean ratio", "first ratio", "line" or "trajectory".
+        value: the restitution.
+        u: standard uncertainty, where the rule gives one.
+        trend: by how much ratios of flights rise from impact to impact.
+        u_trend: its standard uncertainty, ``None`` where it cannot be known.
+        starts: from how many places a search began.
+        reached: from how many of them it reached the minimum.
+        name: the rule in words.
+        text: what is wrong with it.
+    """
+
+    drop: int
+    source: str
+    rule: str
+    value: float
+    u: float | None
+    trend: float | None = None
+    u_trend: float | None = None
+    starts: int = 0
+    reached: int = 0
+    name: str = ""
+    text: str = ""
