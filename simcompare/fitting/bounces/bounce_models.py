@@ -5,27 +5,22 @@ k = 1/v_t² (v_t the terminal speed; k = 0 is vacuum) and with functions that ar
 that a fit may begin in vacuum and its derivatives hold. With s = k·u² a ball that rises from u
 takes u/g·A(s) to its apex u²/2g·ln(1+s)/s and returns with u/√(1+s); falling to the speed v takes
 v/g·A(-k·v²), where A(s) = arctan(√s)/√s (Timmerman and van der Weele, Am. J. Phys. 67 (1999) 538).
-
-Hunt and Crossley's contact F = K·xⁿ·(1 + χ·ẋ) (J. Appl. Mech. 42 (1975) 440) gives an effective
-restitution e that depends on y = χ·v alone: y·(1 + e) = ln((1 + y)/(1 - y·e)), for every n, K and
-mass (Marhefka and Orin, IEEE Trans. Syst. Man Cybern. A 29 (1999) 566, checked in the tests by
-integration). It is stated here by its restitution at a reference speed, as the other laws are.
 """
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 
 from simcompare.errors import UnknownName
+from simcompare.fitting.bounces import hunt_crossley
+from simcompare.fitting.bounces.hunt_crossley import REFERENCE_SPEED
 from simcompare.model.trajectory import Array
 
-#: speed at which the restitution of a law that depends on speed is stated [m/s]
-REFERENCE_SPEED = 4.0
 GRAVITY = 9.80665
 #: what a fit may seek, in the order in which it is shown, and its value where nothing is said
 DEFAULTS = {
@@ -37,9 +32,6 @@ DEFAULTS = {
 _SMALL = 1e-3
 _ARC_SERIES = (1.0, -1 / 3, 1 / 5, -1 / 7, 1 / 9, -1 / 11)
 _COSH_SERIES = (1.0, -1 / 6, 2 / 45, -17 / 1260, 62 / 14175)
-_LOG_SERIES = (1.0, -2 / 3, 2 / 4, -2 / 5, 2 / 6, -2 / 7)
-#: largest χ·v of the table of Hunt and Crossley's restitution
-_FASTEST = 12.0
 
 
 @dataclass(frozen=True)
@@ -125,7 +117,7 @@ def bounces(model: Model, values: Mapping[str, Array | float], count: int) -> Bo
     height = np.asarray(given["drop_height_m"], dtype=float)
     exponent = np.asarray(given["exponent"], dtype=float)
     shape = np.broadcast_shapes(gravity.shape, k.shape, e.shape, height.shape, exponent.shape)
-    dissipation = _inverse_hunt_crossley(e) / REFERENCE_SPEED if model.law == "hunt_crossley" else 0
+    dissipation = hunt_crossley.dissipation(e) if model.law == "hunt_crossley" else 0
     times, speeds, laws = (np.empty((count, *shape)) for _ in range(3))
     apex_s, apex_m = (np.empty((count + 1, *shape)) for _ in range(2))
     speed = np.sqrt(2 * gravity * height * _decay(2 * gravity * k * height))
@@ -135,7 +127,7 @@ def bounces(model: Model, values: Mapping[str, Array | float], count: int) -> Bo
         if model.law == "power":
             law = np.minimum(e * (np.maximum(speed, 1e-12) / REFERENCE_SPEED) ** -exponent, 1.0)
         elif model.law == "hunt_crossley":
-            law = hunt_crossley(dissipation * speed)
+            law = hunt_crossley.restitution(dissipation * speed)
         else:
             law = e
         times[n], speeds[n], laws[n] = clock, speed, law
@@ -197,78 +189,8 @@ def restitution_at(model: Model, values: Mapping[str, Array | float], speed: Arr
         exponent = np.asarray(given["exponent"], dtype=float)
         return np.asarray(np.minimum(e * (speed / REFERENCE_SPEED) ** -exponent, 1.0))
     if model.law == "hunt_crossley":
-        return hunt_crossley(_inverse_hunt_crossley(e) / REFERENCE_SPEED * speed)
+        return hunt_crossley.restitution(hunt_crossley.dissipation(e) * speed)
     return np.broadcast_to(e, np.broadcast_shapes(e.shape, np.shape(speed))).copy()
-
-
-def hunt_crossley_dissipation(restitution: float) -> float:
-    """χ [s/m] of the contact that has this restitution at ``REFERENCE_SPEED``."""
-    return float(_inverse_hunt_crossley(np.asarray(restitution))) / REFERENCE_SPEED
-
-
-def hunt_crossley(y: Array) -> Array:
-    """Effective restitution at y = χ·v, to rounding."""
-    given = np.maximum(np.asarray(y, dtype=float), 0.0)
-    y = np.clip(given, 1e-12, _FASTEST)
-    places, guesses = _table()
-    z = _improved(np.interp(y / (1 + y), places, guesses), -y * _root_ratio(y))
-    found = np.where(given <= 1e-12, 1.0, -z / y)
-    if np.any(given > _FASTEST):
-        # the ball creeps out: q·exp(-q) = (1 + y)·exp(-1 - y) with small q = 1 - y·e
-        near = (1 + given) * np.exp(-(1 + given))
-        slow = (1 - near * (1 + near * (1 + 1.5 * near))) / np.maximum(given, 1.0)
-        found = np.where(given > _FASTEST, slow, found)
-    return np.asarray(found)
-
-
-@functools.cache
-def _table() -> tuple[Array, Array]:
-    """Z = -y·e at places of y/(1 + y), from which one Newton step reaches rounding."""
-    places = np.linspace(0, _FASTEST / (1 + _FASTEST), 4001)
-    y = places / (1 - places)
-    near = (1 + y) * np.exp(-(1 + y))
-    z = np.maximum(1 - y / (1 + 2 * y / 3), near * np.exp(near * np.exp(near))) - 1
-    goal = -y * _root_ratio(y)
-    for _ in range(6):
-        z = _improved(z, goal)
-    return places, z
-
-
-def _improved(z: Array, goal: Array) -> Array:
-    """One Newton step towards S(z) = goal; S is smooth and free of the trivial root z = y.
-
-    S(x) = ±√(2(x - ln(1 + x))), and the relation of Hunt and Crossley is S(-y·e) = -S(y).
-    """
-    ratio = _root_ratio(z)
-    return np.maximum(z - (z * ratio - goal) * (1 + z) * ratio, (z - 1) / 2)
-
-
-def _inverse_hunt_crossley(e: Array) -> Array:
-    """Y = χ·v at which the restitution is e."""
-    e = np.clip(np.asarray(e, dtype=float), 1.001 / _FASTEST, 1 - 1e-12)
-    places, z = _table()
-    y = places[1:] / (1 - places[1:])
-    # the table's restitution falls, and interpolation wants it to rise
-    guess = np.interp(-e, np.concatenate(([-1.0], z[1:] / y)), places)
-    y = np.maximum(guess / (1 - guess), 1e-13)
-    ours, theirs = _root_ratio(y), _root_ratio(-e * y)
-    slope = _root_slope(y, ours) + e * e * _root_slope(-e * y, theirs)
-    return np.asarray(y - (ours - e * theirs) / slope)
-
-
-def _root_ratio(x: Array) -> Array:
-    """√(2(x - ln(1 + x)))/|x|, 1 at 0."""
-    small = np.abs(x) < 0.003
-    safe = np.where(small, 0.5, x)
-    series = _series(x, _LOG_SERIES)
-    return np.sqrt(np.where(small, series, 2 * (safe - np.log1p(safe)) / (safe * safe)))
-
-
-def _root_slope(x: Array, ratio: Array) -> Array:
-    small = np.abs(x) < 1e-4
-    safe = np.where(small, 1.0, x)
-    exact = (1 / ((1 + safe) * ratio) - ratio) / safe
-    return np.where(small, -1 / 3 + 7 * x / 18, exact)
 
 
 def arc_ratio(s: Array) -> Array:
@@ -280,7 +202,7 @@ def arc_ratio(s: Array) -> Array:
     small = root * root < _SMALL
     root = np.where(small, 0.5, root)
     exact = np.where(s >= 0, np.arctan(root), np.arctanh(np.minimum(root, 1 - 1e-16))) / root
-    return np.where(small, _series(s, _ARC_SERIES), exact)
+    return np.where(small, polyval(s, _ARC_SERIES), exact)
 
 
 def _cosh_ratio(s: Array) -> Array:
@@ -290,7 +212,7 @@ def _cosh_ratio(s: Array) -> Array:
     down = root + np.log1p(np.exp(-2 * root)) - np.log(2.0)
     up = -np.log(np.cos(np.minimum(root, 1.57)))
     exact = 2 * np.where(s >= 0, down, up) / (root * root)
-    return np.where(small, _series(s, _COSH_SERIES), exact)
+    return np.where(small, polyval(s, _COSH_SERIES), exact)
 
 
 def _log_ratio(s: Array) -> Array:
@@ -303,10 +225,3 @@ def _decay(x: Array) -> Array:
     """(1 - exp(-x))/x."""
     safe = np.where(x == 0, 1.0, x)
     return np.where(x == 0, 1.0, -np.expm1(-safe) / safe)
-
-
-def _series(x: Array, coefficients: tuple[float, ...]) -> Array:
-    total = np.zeros_like(np.asarray(x, dtype=float))
-    for coefficient in reversed(coefficients):
-        total = total * x + coefficient
-    return total
