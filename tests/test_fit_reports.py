@@ -157,7 +157,7 @@ def test_every_figure_has_a_title_and_a_caption_and_is_drawn_by_both(any_run):
 
 def test_markdown_has_every_table(any_run, tmp_path):
     text = builder.write_markdown([any_run], tmp_path / "r.md").read_text(encoding="utf-8")
-    assert text.startswith("# Deviation ball")
+    assert text.startswith("# Bouncing ball")
     for head in ("Restitution of each engine", "Closed forms", "Combinations of unknowns", "Drops"):
         assert f"### {head}" in text
 
