@@ -23,7 +23,7 @@ from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.fitting.bounces.reading import drops_of
 from simcompare.fitting.bounces.request import (
-    Request,
+    Constraints,
     candidates,
     check_request,
     given_of,
@@ -131,29 +131,29 @@ def fit(
     given = given_of(file, set, preset)
     step_s = None if step is None else sample_step_s(file, given, None, step)
     roles = roles_of(file, given)
-    request = Request(
+    constraints = Constraints(
         extra=tuple(unknowns),
         fixed=roles.known(numbers_of(fixed or {})),
         priors={name: Prior(value, u) for name, (value, u) in (priors or {}).items()},
     )
     check_request(recordings, hold_out, u_time_s, roles, file.read_settings(set or {}))
-    reading = (mapping, u_time_s, request.fixed.get("gravity_m_s2", bounce_models.GRAVITY))
+    reading = (mapping, u_time_s, constraints.fixed.get("gravity_m_s2", bounce_models.GRAVITY))
     drops = [drop for name in recordings for drop in drops_of(name, *reading)]
     held = [drop for name in hold_out for drop in drops_of(name, *reading)]
     choice = model_selection.compare(
         drops,
-        candidates(model, request),
-        extra=request.extra,
-        fixed=request.fixed,
-        priors=request.priors,
+        candidates(model, constraints),
+        extra=constraints.extra,
+        fixed=constraints.fixed,
+        priors=constraints.priors,
     )
     known = identifiability(choice.best)
-    if request.extra and known.is_blind:
+    if constraints.extra and known.is_blind:
         filmed = any(drop.track for drop in drops)
-        words = identifiability_words.of_bounces(known, request.priors, filmed=filmed)
+        words = identifiability_words.of_bounces(known, constraints.priors, filmed=filmed)
         raise InputError("--unknown", [*words, "leave it out, or --fix what it mixes with"])
     how = _How(chosen, helps, step_s, time_limit_s, progress)
-    start, found, predicted, wanted = _engines(roles, choice, drops, held, request, how)
+    start, found, predicted, wanted = _engines(roles, choice, drops, held, constraints, how)
     scene = file.resolve(roles.values(start.problem.values(start.x, 0)), step_s=step_s)
     found_fit = records.of_fit(
         roles, choice, start, found, predicted, (drops, held),
@@ -192,11 +192,11 @@ def _engines(
     choice: model_selection.Choice,
     drops: Sequence[Impacts],
     held: Sequence[Impacts],
-    request: Request,
+    constraints: Constraints,
     how: _How,
 ) -> tuple[Fit, Sequence[EngineFit], Holdout, TuningGoal | None]:
     """The closed form that engines get, what they make of it, and held-out drops."""
-    closed = holdout.predict(choice.best, held, request.fixed)
+    closed = holdout.predict(choice.best, held, constraints.fixed)
     more: dict[str, Any] = {
         "step_s": how.step_s, "time_limit_s": how.time_limit_s, "progress": how.progress,
     }  # fmt: skip
@@ -205,9 +205,9 @@ def _engines(
         wanted = goal_of(roles, best, [one.predicted for one in closed])
         tuned = tune_engines(roles, best, wanted, how.engines, **more)
         return best, tuned, holdout.of_engines(closed, closed, tuned), wanted
-    start = _for_engines(roles, choice.best, _joined(choice.best, drops, request), request)
+    start = _for_engines(roles, choice.best, _joined(choice.best, drops, constraints), constraints)
     assisted = fit_engines(roles, start, how.engines, helps=how.helps, **more)
-    other = closed if start is choice.best else holdout.predict(start, held, request.fixed)
+    other = closed if start is choice.best else holdout.predict(start, held, constraints.fixed)
     return start, assisted, holdout.of_engines(closed, other, assisted), None
 
 
@@ -223,27 +223,29 @@ def _saved(done: Run, out: str | Path | None) -> Run:
     return saved
 
 
-def _joined(best: Fit, drops: Sequence[Impacts], request: Request) -> list[Impacts]:
+def _joined(best: Fit, drops: Sequence[Impacts], constraints: Constraints) -> list[Impacts]:
     """Impacts of videos where arcs with the drag that was found meet, and not parabolas."""
-    speed = best.as_dict().get(SPEED, request.fixed.get(SPEED, math.inf))
+    speed = best.as_dict().get(SPEED, constraints.fixed.get(SPEED, math.inf))
     if not math.isfinite(speed):
         return list(drops)
-    gravity = float(request.fixed.get("gravity_m_s2", bounce_models.GRAVITY))
+    gravity = float(constraints.fixed.get("gravity_m_s2", bounce_models.GRAVITY))
     return [drop if drop.track is None else rejoined(drop, speed, gravity) for drop in drops]
 
 
-def _for_engines(roles: Roles, best: Fit, drops: Sequence[Impacts], request: Request) -> Fit:
+def _for_engines(
+    roles: Roles, best: Fit, drops: Sequence[Impacts], constraints: Constraints
+) -> Fit:
     """The fit with the contact that engines have: a restitution that does not depend on speed."""
     model = bounce_models.model_of(best.model)
-    with_drag = (model.drag or SPEED in request.fixed) and roles.has_drag
+    with_drag = (model.drag or SPEED in constraints.fixed) and roles.has_drag
     given = model.law == "constant" and (roles.has_drag or not model.drag)
     if given and all(drop.track is None for drop in drops):
         return best
     name = "constant+drag" if with_drag else "constant"
-    priors = {n: prior for n, prior in request.priors.items() if n != "exponent"}
-    fixed = {n: value for n, value in request.fixed.items() if n != "exponent"}
+    priors = {n: prior for n, prior in constraints.priors.items() if n != "exponent"}
+    fixed = {n: value for n, value in constraints.fixed.items() if n != "exponent"}
     return model_selection.compare(
-        drops, [name], extra=request.extra, fixed=fixed, priors=priors
+        drops, [name], extra=constraints.extra, fixed=fixed, priors=priors
     ).best
 
 

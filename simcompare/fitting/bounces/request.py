@@ -16,7 +16,7 @@ from simcompare.scenarios.scenario_file import ScenarioFile
 
 
 @dataclass(frozen=True)
-class Request:
+class Constraints:
     """Unknowns, fixed values and priors, by the closed form's names.
 
     Attributes:
@@ -86,9 +86,9 @@ def numbers_of(fixed: Mapping[str, str | float]) -> dict[str, float]:
     return found
 
 
-def candidates(model: str, request: Request) -> list[str]:
+def candidates(model: str, constraints: Constraints) -> list[str]:
     """Closed forms that are compared; with a known terminal speed those without drag fall away."""
     if model != "auto":
         return [bounce_models.model_of(model).name]
-    known = SPEED in request.fixed
+    known = SPEED in constraints.fixed
     return [name for name, one in bounce_models.MODELS.items() if one.drag or not known]
