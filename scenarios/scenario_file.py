@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -233,7 +233,8 @@ def read(path: Path) -> ScenarioFile:
     except ValidationError as error:
         faults.update(faults_of(error))
         values = _values_despite_faults(raw)
-    faults.update(_head_faults(head))
+    bodies = scene.get("bodies")
+    faults.update(_head_faults(head, bodies if isinstance(bodies, dict) else {}))
     faults.update(build(scene, values, None)[1])
     if faults:
         raise InputError(str(path), describe(faults, lines))
@@ -292,14 +293,14 @@ def _merged(base: Any, change: Any) -> Any:  # noqa: ANN401
     return {k: v for k, v in merged.items() if v is not None or k not in change}
 
 
-def _head_faults(head: _Head) -> dict[str, str]:
+def _head_faults(head: _Head, bodies: Collection[str]) -> dict[str, str]:
     """Parameters that no expression could name, and presets that set what cannot be."""
     faults = {}
     taken = {*expressions.FUNCTIONS, *expressions.CONSTANTS, STEP}
     for name in head.parameters:
         if not name.isidentifier() or name in taken:
             faults[f"parameters.{name}"] = f"{name!r} cannot be the name of a parameter"
-    wrong = {} if head.fit is None else head.fit.faults(head.parameters)
+    wrong = {} if head.fit is None else head.fit.faults(head.parameters, bodies)
     faults.update({f"fit.{place}": sentence for place, sentence in wrong.items()})
     for name, preset in head.presets.items():
         for parameter, sentence in out_of_bounds(preset.set, head.parameters).items():

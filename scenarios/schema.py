@@ -21,7 +21,9 @@ def build() -> dict[str, Any]:
     definitions = schema["$defs"]
     definitions["Parameter"] = Parameter.model_json_schema()
     definitions["Preset"] = Preset.model_json_schema()
-    definitions["Fittable"] = Fittable.model_json_schema()
+    fittable = Fittable.model_json_schema()
+    definitions.update(fittable.pop("$defs"))
+    definitions["Fittable"] = fittable
     schema["properties"]["parameters"] = _mapping_of("Parameter")
     schema["properties"]["presets"] = _mapping_of("Preset")
     schema["properties"]["fit"] = {"$ref": "#/$defs/Fittable"}
@@ -39,7 +41,7 @@ def build() -> dict[str, Any]:
     return {**schema, "if": {"required": ["extends"]}, "then": variant, "else": whole}
 
 
-_PLAIN = ("Parameter", "Preset", "Fittable")
+_PLAIN = ("Parameter", "Preset", "Fittable", "Grid")
 
 
 def _mapping_of(name: str) -> dict[str, Any]:

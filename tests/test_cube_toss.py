@@ -9,12 +9,17 @@ import pytest
 
 from simcompare.engine import engines
 from simcompare.errors import InputError, Unsupported
-from simcompare.fitting.tosses import fit, tosses
+from simcompare.fitting.tosses import engines as toss_engines
+from simcompare.fitting.tosses import replay, search, tosses
+from simcompare.fitting.tosses.roles import parameters_of, roles_of
+from simcompare.fitting.tosses.setup import Setup
+from simcompare.model.fittable import Grid
 from simcompare.model.rotations import multiply, quaternions_of, rotate
 from simcompare.model.settings import Settings
 from simcompare.scenarios import catalogue
 
 FILE = catalogue.load("cube_toss")
+ROLES = roles_of(FILE, {})
 ENGINES = ("mujoco", "pybullet", "dart")
 WIDTH, MASS, INERTIA, G = 0.1048, 0.37, 0.00081, 9.80665
 STILL = {f"start_velocity_{axis}_m_s": 0.0 for axis in "xyz"} | {
@@ -172,7 +177,7 @@ def test_the_start_is_read_off_the_flight():
     toss = made()
     start = tosses.start_of(toss, WIDTH, G)
     wanted = {name: p.value for name, p in FILE.parameters.items()}
-    read = fit.parameters_of(start)
+    read = parameters_of(FILE.fit, start)
     length = math.hypot(*(wanted[f"start_orientation_{axis}"] for axis in "wxyz"))
     for name, value in read.items():
         told = wanted[name] / (length if "orientation" in name else 1)
@@ -181,7 +186,7 @@ def test_the_start_is_read_off_the_flight():
 
 def test_a_replay_of_its_own_toss_is_not_off():
     toss = made()
-    (found,) = fit.errors_of(FILE, "dart", [toss], {})
+    (found,) = replay.errors_of(ROLES, "dart", [toss], {})
     assert found.position < 0.01
     assert found.rotation < 0.01
 
@@ -208,14 +213,23 @@ def test_the_fit_finds_the_parameters_that_made_the_tosses():
         made(**truth, start_rate_y_rad_s=rate, start_velocity_x_m_s=speed)
         for rate, speed in ((2.0, 0.8), (4.0, 1.1), (-3.0, 0.9), (1.0, 1.3))
     ]
-    best = fit.fit(
-        FILE, "dart", found, {"friction": 0.17, "restitution": 0.1},
-        {"friction": 0.08, "restitution": 0.2},
-        {"friction": (0.02, 1.0), "restitution": (0.02, 0.9)}, halvings=1,
-    )  # fmt: skip
-    assert best.values == pytest.approx(truth)
-    assert best.cost < 0.1
-    assert len(best.tried) < 25
+    grids = {
+        "friction": Grid(spacing=0.08, min=0.02, max=1.0),
+        "restitution": Grid(spacing=0.2, min=0.02, max=0.9),
+    }
+    roles = roles_of(FILE, {"friction": 0.17, "restitution": 0.1})
+    setup = Setup(grids, tuple(found), tuple(found[:1]), 1.0, (), ())
+    (best,) = toss_engines.fit_engines(roles, setup, ["dart"], toss_engines.How(halvings=0))
+    assert best.is_ok, best.outcome.reason
+    assert best.search.values(best.search.best) == pytest.approx(truth)
+    assert best.search.cost(best.search.best) < 0.1
+    assert len(best.search.tried) < 25
+    assert best.held[0].position < 0.01
+    for name, own in search.estimates(best.search).items():
+        low, high = own.interval95
+        assert low <= truth[name] <= high
+        assert high - low > grids[name].spacing
+        assert own.u > 0
 
 
 def test_the_split_shares_nothing_and_follows_its_seed():
@@ -232,8 +246,9 @@ def test_intervals_of_a_mean_cover_it():
     rng = np.random.default_rng(5)
     inside = 0
     for seed in range(200):
-        one = fit.interval(rng.exponential(1.0, 60), seed)
-        inside += one.low <= 1.0 <= one.high
+        one = search.interval(rng.exponential(1.0, 60), seed)
+        low, high = one.interval95
+        inside += low <= 1.0 <= high
     assert 178 <= inside <= 199  # 95 % nominal, a little less for a skewed error
 
 
@@ -314,8 +329,8 @@ def test_rates_in_the_log_are_about_the_cubes_own_axes_and_velocities_lag_by_hal
 def test_real_tosses_land_nearer_than_published(engine):
     # 40 tosses of 428, with the friction and restitution that all engines agree on
     some, _ = tosses.split(real(), 40, 0, seed=2)
-    found = fit.errors_of(FILE, engine, some, {"friction": 0.19, "restitution": 0.07})
-    place = fit.interval([one.position for one in found])
-    turn = fit.interval([one.rotation for one in found])
-    assert place.high < 23.74
-    assert turn.low < 15.34
+    found = replay.errors_of(ROLES, engine, some, {"friction": 0.19, "restitution": 0.07})
+    place = search.interval([one.position for one in found])
+    turn = search.interval([one.rotation for one in found])
+    assert place.interval95[1] < 23.74
+    assert turn.interval95[0] < 15.34

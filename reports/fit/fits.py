@@ -14,6 +14,7 @@ from simcompare.results.records.fit_bounces import BouncesFit
 from simcompare.results.records.fit_engines import BouncesEngine, EffectiveValue
 from simcompare.results.records.fit_forms import Repeats, Unknown
 from simcompare.results.records.fit_parts import EngineParameter, Value
+from simcompare.results.records.fit_tosses import TossFit
 from simcompare.results.records.fit_waveforms import WaveEngine, WaveformFit
 from simcompare.results.run import Run
 
@@ -28,8 +29,9 @@ _SMALL_UNITS = {"s": ("s", "ms", "µs"), "m": ("m", "mm", "µm")}
 
 
 def record(run: Run) -> BouncesFit | WaveformFit:
-    """The record of the fit."""
+    """The record of a fit of bounces, or to signals over time."""
     assert isinstance(run.record, FitRecord)
+    assert not isinstance(run.record.fit, TossFit)
     return run.record.fit
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from simcompare.reports.render.parts import Part
-from simcompare.reports.sections import fit_bounces, fit_waveforms, pictures, validation
+from simcompare.reports.sections import fit_bounces, fit_tosses, fit_waveforms, pictures, validation
 from simcompare.reports.sections.assistance import assistance
 from simcompare.reports.sections.events import events
 from simcompare.reports.sections.given import given
@@ -16,6 +16,7 @@ from simcompare.reports.sections.scores import scores
 from simcompare.reports.sections.setup import setup
 from simcompare.reports.sections.tuning import tuning
 from simcompare.results.records.fit import FitRecord
+from simcompare.results.records.fit_tosses import TossFit
 from simcompare.results.records.fit_waveforms import WaveformFit
 from simcompare.results.records.run import Record
 from simcompare.results.records.validation import ValidationRecord
@@ -70,10 +71,14 @@ WAVES: tuple[Section, ...] = (
     fit_waveforms.identifiability,
     *_LAST,
 )
+#: the same for parameters fitted to tosses
+TOSSES: tuple[Section, ...] = (fit_tosses.answer, fit_tosses.identifiability, *_LAST)
 
 
 def of_run(record: Record) -> tuple[Section, ...]:
     """The sections that suit a run."""
     if isinstance(record, FitRecord):
+        if isinstance(record.fit, TossFit):
+            return TOSSES
         return WAVES if isinstance(record.fit, WaveformFit) else FIT
     return VALIDATION if isinstance(record, ValidationRecord) else SECTIONS

@@ -12,13 +12,15 @@ from simcompare.errors import InputError, UnknownName
 
 def fit(
     scenario: str = typer.Argument(
-        help="Name, folder or file of a scenario that bounces.", autocompletion=complete.scenarios
+        help="Name, folder or file of a scenario that says what of it can be fitted.",
+        autocompletion=complete.scenarios,
     ),
     recordings: list[str] = typer.Option(
         ...,
         "--recording",
         "-r",
-        help="Sound, video track, stopwatch or table of a bouncing ball; several times.",
+        help="Sound, video track, stopwatch or table of a bouncing ball; a log or public data set"
+        " of signals or tosses; several times.",
     ),
     hold_out: list[str] = typer.Option(
         [], "--hold-out", help="A recording that is not fitted but predicted; several times."
@@ -28,7 +30,10 @@ def fit(
     ),
     model: str = typer.Option("auto", help="Closed form, or the one that the data ask for."),
     unknowns: str = typer.Option(
-        None, "--unknown", help="Further unknowns with commas: clock_skew, scale."
+        None,
+        "--unknown",
+        help="Further unknowns with commas: clock_skew, scale; of signals and tosses, all that is"
+        " sought.",
     ),
     fixed: list[str] = typer.Option(
         [], "--fix", metavar="P=V", help="A value that is not sought, such as terminal_speed=9m/s."
@@ -52,7 +57,8 @@ def fit(
     ),
     assist: str = typer.Option(
         None,
-        help="Fit engines together with our helps: all, or names with commas; none by default.",
+        help="Fit engines together with our helps: all, none, or names with commas; bounces have"
+        " none by default, signals and tosses all.",
     ),
     out: Path = typer.Option(Path("runs"), "--out", "-o", help="Folder for the run's own folder."),
     report: bool = typer.Option(True, help="Write report.html into the run's folder."),
@@ -88,7 +94,7 @@ def fit(
         )
     ending.finish_run(
         result,
-        lambda: {**plain(fits.record(result)), "run": str(result.folder)},
+        lambda: {**plain(fits.of_any(result)), "run": str(result.folder)},
         lambda page: fit_tables.show(result, page),
         report=report,
         as_json=as_json,

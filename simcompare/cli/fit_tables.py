@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING
 import typer
 
 from simcompare import notation
-from simcompare.cli import console
+from simcompare.cli import console, toss_tables
 from simcompare.model.settings import TUNED
 from simcompare.reports.fit import fits
+from simcompare.results.records.fit import FitRecord
 from simcompare.results.records.fit_bounces import BouncesFit
 from simcompare.results.records.fit_parts import Value
+from simcompare.results.records.fit_tosses import TossFit
 from simcompare.results.records.fit_waveforms import HeldOutSegment, WaveformFit, WaveParameter
 
 if TYPE_CHECKING:
@@ -23,6 +25,9 @@ if TYPE_CHECKING:
 
 def show(result: Run, written: Path | None) -> None:
     """Prints what was found: for a plain loop first what to type in."""
+    if isinstance(result.record, FitRecord) and isinstance(result.record.fit, TossFit):
+        toss_tables.show(result, result.record.fit, written)
+        return
     found = fits.record(result)
     for sentence in found.chosen_words if isinstance(found, WaveformFit) else found.dropped:
         typer.echo(sentence)

@@ -15,7 +15,7 @@ from simcompare.engine.calibration.plan import drop_plans
 from simcompare.engine.helps import HELPS
 from simcompare.errors import InputError, UnknownName
 from simcompare.model.audit import AuditRow
-from simcompare.model.fittable import BOUNCES
+from simcompare.model.fittable import BOUNCES, TOSSES
 from simcompare.model.plain import of_plain
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, TUNED, PairNumbers, Settings
@@ -114,9 +114,9 @@ class FitFile:
 
     def of_engine(self, engine: str, file: ScenarioFile) -> dict[str, float] | None:
         """Parameters in which an engine differs from ``base``, ``None`` where it was not fitted."""
-        if self.contact == TUNED:
-            return {} if engine in self.numbers else None
         own = self.engines.get(engine)
+        if own is None and self.contact == TUNED:
+            return {} if engine in self.numbers else None
         return None if own is None else _known(own, file)
 
     @property
@@ -169,8 +169,8 @@ class FitFile:
         if others:
             verb = "was" if len(others) == 1 else "were"
             said.append(
-                f"{', '.join(others)} {verb} not fitted: what runs as fitted there has the closed"
-                " form's parameters."
+                f"{', '.join(others)} {verb} not fitted: what runs as fitted there has"
+                f" {'the closed form' if self.closed else 'the scenario'}'s parameters."
             )
         height = None if file.fit is None else scene.parameters.get(file.fit.height or "")
         if height is not None:
@@ -291,7 +291,7 @@ def read(path: Path) -> FitFile:
     """
     try:
         tree = json.loads(path.read_text(encoding="utf-8"))
-        if tree.get("by", BOUNCES) != BOUNCES:
+        if tree.get("by", BOUNCES) not in (BOUNCES, TOSSES):
             raise InputError(
                 str(path), ["is a fit of signals over time; give its parameters with --set"]
             )

@@ -33,7 +33,7 @@ from simcompare.fitting.bounces.roles import Roles, roles_of
 from simcompare.fitting.bounces.tune_engines import tune_engines
 from simcompare.fitting.bounces.tuning_goal import TuningGoal, goal_of
 from simcompare.fitting.bounces.unknowns import SPEED
-from simcompare.model.fittable import WAVEFORM
+from simcompare.model.fittable import TOSSES, WAVEFORM
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, TUNED
 from simcompare.reports.fit import answer, identifiability_words
@@ -50,7 +50,7 @@ from simcompare.results.run import Run, Stored
 from simcompare.running.runner import TIME_LIMIT_S, Progress
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
-from simcompare.verbs import fit_waveforms, levels
+from simcompare.verbs import fit_tosses, fit_waveforms, levels
 from simcompare.verbs.request import FitRequest
 
 
@@ -115,7 +115,8 @@ def fit(
         raise InputError("--recording", ["no recording is given; give at least one"])
     if file.fit is None:
         raise InputError(
-            scenario, ["names nothing that can be fitted; expected fit: {by: bounces|waveform, …}"]
+            scenario,
+            ["names nothing that can be fitted; expected fit: {by: bounces|waveform|tosses, …}"],
         )
     if out is not None:
         store.check_writable(Path(out))
@@ -126,6 +127,9 @@ def fit(
         done = fit_waveforms.fit_waveform(
             file, options, set_by_user, time_limit_s=time_limit_s, progress=progress
         )
+        return _saved(done, out)
+    if file.fit.by == TOSSES:
+        done = fit_tosses.fit_tosses(file, options, time_limit_s=time_limit_s, progress=progress)
         return _saved(done, out)
     helps = levels.chosen_helps(NONE if assist is None else assist, engine)
     given = given_of(file, set, preset)

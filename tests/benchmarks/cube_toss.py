@@ -16,7 +16,11 @@ import time
 
 import numpy as np
 
-from simcompare.fitting.tosses import fit, tosses
+from simcompare.fitting.tosses import engines, tosses
+from simcompare.fitting.tosses.replay import errors_of
+from simcompare.fitting.tosses.roles import roles_of
+from simcompare.fitting.tosses.search import interval
+from simcompare.fitting.tosses.setup import FITTED, SEED, Setup, of_recording
 from simcompare.hardware import mapping
 from simcompare.hardware.importing import read
 from simcompare.hardware.recordings import registry
@@ -26,12 +30,7 @@ from simcompare.scenarios import catalogue
 ENGINES = ("mujoco", "pybullet", "dart")
 #: normal gravity in Philadelphia, WGS 84 at 39.95° of latitude [m/s²]
 GRAVITY_M_S2 = 9.8017
-#: what the authors measured; a solid cube would have 0.00068 kg·m², a thin shell 0.00113 kg·m²
-START = {"friction": 0.18, "restitution": 0.125, "inertia_kg_m2": 0.00081}
-SPACING = {"friction": 0.04, "restitution": 0.1, "inertia_kg_m2": 0.00016}
-BOUNDS = {"friction": (0.02, 1.0), "restitution": (0.02, 0.9), "inertia_kg_m2": (0.00068, 0.00113)}
-CONTACT = ("friction", "restitution")
-TRAIN, SEED = 60, 1
+CONTACT, EVERY = ("friction", "restitution"), ("friction", "restitution", "inertia_kg_m2")
 
 #: name -> stiffness [1/s²], damping [1/s], friction, cone, impratio, steps in a sample, window
 PUBLISHED = {
@@ -49,7 +48,7 @@ def recorded():
     """All tosses as published."""
     (path,) = registry.locate("cube_toss")
     wanted = mapping.Mapping.model_validate(registry.get("cube_toss").read)
-    return tosses.of_recording(read(path, wanted))
+    return of_recording(read(path, wanted))[0]
 
 
 def from_touch(toss, width_m):
@@ -114,26 +113,25 @@ def told(rows):
     """Position and rotation error with 95 % intervals, in one line."""
     parts = []
     for i, unit in ((0, "%"), (1, "°")):
-        one = fit.interval([row[i] for row in rows])
-        parts.append(
-            f"{one.mean:.2f} ± {one.sd:.2f} {unit} (mean within {one.low:.2f} to {one.high:.2f})"
-        )
+        one = interval([row[i] for row in rows])
+        low, high = one.interval95
+        parts.append(f"{one.mean:.2f} ± {one.sd:.2f} {unit} (mean within {low:.2f} to {high:.2f})")
     return ", ".join(parts) + f", {len(rows)} tosses"
 
 
-def fitted(file, engine, parts, names, which):
+def fitted(roles, engine, parts, names, which):
     """Prints what a fit to the first part finds and how far it is off in the second."""
-    train, held_out = parts
     started = time.perf_counter()
-    start, spacing, bounds = ({n: d[n] for n in names} for d in (START, SPACING, BOUNDS))
-    best = fit.fit(file, engine, train, start, spacing, bounds)
-    values = ", ".join(f"{name} {value:.4g}" for name, value in best.values.items())
+    grids = {name: roles.fit.grids[name] for name in names}
+    setup = Setup(grids, *map(tuple, parts), 1.0, (), ())
+    (found,) = engines.fit_engines(roles, setup, [engine], engines.How())
+    best, search = found.search.best, found.search
+    values = ", ".join(f"{name} {value:.4g}" for name, value in search.values(best).items())
     print(
-        f"scale {which}, {engine}: {values}; corners {best.cost:.2f} % off in training,"
-        f" {len(best.tried)} points, {time.perf_counter() - started:.0f} s"
+        f"scale {which}, {engine}: {values}; corners {search.cost(best):.2f} % off in training,"
+        f" {len(search.tried)} points, {time.perf_counter() - started:.0f} s"
     )
-    rows = fit.errors_of(file, engine, held_out, best.values)
-    print(f"  held out: {told(rows)}", flush=True)
+    print(f"  held out: {told(found.held)}", flush=True)
 
 
 def main():
@@ -141,11 +139,11 @@ def main():
     parser.add_argument("--engine", nargs="*", default=ENGINES)
     parser.add_argument("--scale", nargs="*", default=["published", "corrected"])
     parser.add_argument("--unknowns", nargs="*", type=int, default=[0, 2, 3])
-    parser.add_argument("--train", type=int, default=TRAIN)
+    parser.add_argument("--train", type=int, default=FITTED)
     parser.add_argument("--test", type=int, default=None, help="all others where not given")
     asked = parser.parse_args()
-    found, file = recorded(), catalogue.load("cube_toss")
-    width = file.parameters["width_m"].value
+    found, roles = recorded(), roles_of(catalogue.load("cube_toss"), {})
+    width = roles.width_m({})
     witnesses = tosses.witnesses(found, width, GRAVITY_M_S2)
     scale = tosses.combined(witnesses)
     for witness in (*witnesses, scale):
@@ -158,11 +156,12 @@ def main():
         test = asked.test or len(put) - asked.train
         train, held_out = tosses.split(put, asked.train, test, SEED)
         for engine in asked.engine:
-            for names in (CONTACT, tuple(START)):
+            for names in (CONTACT, EVERY):
                 if len(names) in asked.unknowns:
-                    fitted(file, engine, (train, held_out), names, which)
+                    fitted(roles, engine, (train, held_out), names, which)
             if 0 in asked.unknowns:
-                authors = fit.errors_of(file, engine, held_out, START)
+                # what the authors measured is what the scenario begins with
+                authors = errors_of(roles, engine, held_out, {})
                 print(f"scale {which}, {engine}, as the authors measured: {told(authors)}")
 
 

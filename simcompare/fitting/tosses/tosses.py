@@ -18,7 +18,6 @@ from typing import NamedTuple
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.model.recording import Recording
 from simcompare.model.rotations import (
     conjugate,
     multiply,
@@ -27,9 +26,8 @@ from simcompare.model.rotations import (
     rotation_vectors_of,
 )
 from simcompare.model.trajectory import Array
+from simcompare.results.records.fit_tosses import Witness
 
-#: channels that a recording of tosses has
-POSITION, ORIENTATION = ("x_m", "y_m", "z_m"), ("q_w", "q_x", "q_y", "q_z")
 #: fewest samples in flight from which a start is read
 FEWEST_IN_FLIGHT = 5
 #: part of the width by which the lowest corner is clear of the table in flight
@@ -83,44 +81,6 @@ class Errors(NamedTuple):
     position: float
     rotation: float
     corners: float
-
-
-class Witness(NamedTuple):
-    """One measurement of the length scale of a recording.
-
-    Attributes:
-        name: what tells it.
-        scale: measured lengths over true ones.
-        u: standard uncertainty.
-        text: where both come from.
-    """
-
-    name: str
-    scale: float
-    u: float
-    text: str
-
-
-def of_recording(recording: Recording) -> list[Toss]:
-    """All tosses of a recording, in its order.
-
-    Raises:
-        InputError: a stream without the channels of a pose; all are named.
-    """
-    wanted = (*POSITION, *ORIENTATION)
-    faults, found = [], []
-    for name, stream in recording.streams.items():
-        missing = [channel for channel in wanted if channel not in stream.channels]
-        if missing:
-            faults.append(f"stream {name} has no channel {', '.join(missing)}")
-            continue
-        values = np.column_stack([stream.channels[channel].values for channel in wanted])
-        turn = values[:, 3:]
-        unit = turn / np.linalg.norm(turn, axis=1, keepdims=True)
-        found.append(Toss(name, np.asarray(stream.time_s), values[:, :3], unit))
-    if faults:
-        raise InputError(recording.provenance.file, faults)
-    return found
 
 
 def split(

@@ -8,10 +8,11 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from simcompare.results.records.fit_bounces import BouncesFit
+from simcompare.results.records.fit_tosses import TossFit
 from simcompare.results.records.fit_waveforms import WaveformFit
 from simcompare.results.records.run import Record
 
-AnyFit = Annotated[BouncesFit | WaveformFit, Field(discriminator="by")]
+AnyFit = Annotated[BouncesFit | WaveformFit | TossFit, Field(discriminator="by")]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,0 +1,240 @@
+"""What a fit by tosses says: sentences, tables and figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from simcompare import units
+from simcompare.engine.assist import ALL
+from simcompare.model.settings import TUNED
+from simcompare.notation import number
+from simcompare.reports.fit import fits
+from simcompare.reports.render.figures import Figure, Panel, Series
+from simcompare.reports.render.styles import style_of
+from simcompare.reports.render.tables import Column, Group, Table
+from simcompare.results.records.fit import FitRecord
+from simcompare.results.records.fit_tosses import TossErrors, TossFit, TossMean, TossSource
+from simcompare.results.run import Run
+
+#: standard uncertainties by which the scale must differ from 1 to be called wrong
+_COVERAGE = 2
+
+
+def found_of(run: Run) -> TossFit:
+    """What was found."""
+    assert isinstance(run.record, FitRecord)
+    assert isinstance(run.record.fit, TossFit)
+    return run.record.fit
+
+
+def fitted(found: TossFit) -> list[TossSource]:
+    """Engines whose fit succeeded."""
+    return [source for source in found.sources if source.parameters]
+
+
+def sentences(found: TossFit) -> list[str]:
+    """The answer, and what must be known of it."""
+    sources = fitted(found)
+    if not sources:
+        return [*_scale(found)]
+    return [_needed(found, sources), *_predicted(found, sources), _level(found), *_scale(found),
+            *_open(sources)]  # fmt: skip
+
+
+def _needed(found: TossFit, sources: Sequence[TossSource]) -> str:
+    parts = []
+    for name in found.unknowns:
+        own = [source.parameters[name] for source in sources]
+        unit = "" if own[0].unit == "1" else f" {units.symbol(own[0].unit)}"
+        low, high = (end(one.value for one in own) for end in (min, max))
+        if len(own) == 1:
+            ends = " to ".join(f"{end:.3g}" for end in own[0].interval95)
+            parts.append(f"{fits.title(name)} {low:.4g}{unit} (95 %: {ends})")
+        else:
+            ends = " to ".join(dict.fromkeys((f"{low:.4g}", f"{high:.4g}")))
+            parts.append(f"{fits.title(name)} {ends}{unit}")
+    who = sources[0].name if len(sources) == 1 else f"{len(sources)} engines"
+    verb = "needs" if len(sources) == 1 else "need"
+    return f"To land the tosses best, {who} {verb} {' and '.join(parts)}."
+
+
+def _predicted(found: TossFit, sources: Sequence[TossSource]) -> list[str]:
+    held = [(source.name, source.holdout) for source in sources if source.holdout is not None]
+    if not held:
+        return ["No toss was held out, so how well the fit predicts is not known."]
+    name, best = min(held, key=lambda one: one[1].position.mean)
+    who = "" if len(held) == 1 else f"Nearest comes {name}: "
+    return [
+        f"{who}{'T' if not who else 't'}osses that were not fitted are missed by"
+        f" {_mean(best.position)} % of the width and {_mean(best.rotation)}°, means over"
+        f" {len(best.positions)} tosses with their 95 % intervals."
+    ]
+
+
+def _mean(own: TossMean) -> str:
+    low, high = own.interval95
+    return f"{own.mean:.1f} ({low:.1f} to {high:.1f})"
+
+
+def _level(found: TossFit) -> str:
+    step_ms = 1e3 * found.valid.engine_step_s
+    if found.contact == TUNED:
+        return (
+            f"The values hold for a plain loop with a step of {step_ms:.4g} ms; what stands for the"
+            " restitution was found with a sphere that falls as fast as the first toss."
+        )
+    helps = "all our helps" if found.assist == ALL else f"our helps {found.assist}"
+    return (
+        f"The values hold with {helps}, at a step of {step_ms:.4g} ms that is divided about"
+        " impacts; a plain loop lands otherwise (--assist none)."
+    )
+
+
+def _scale(found: TossFit) -> list[str]:
+    """Whether lengths of the recording are right, as far as it tells itself."""
+    put = (
+        "" if found.scale == 1 else f" All lengths were divided by {found.scale:.6g} (--fix scale)."
+    )
+    if not found.witnesses:
+        return [put.strip()] if put else []
+    both = found.witnesses[-1]
+    text = f"{both.scale:.4f} times true ones, u = {both.u:.4f}"
+    if abs(both.scale - 1) <= _COVERAGE * both.u:
+        return [f"By the fall and the height of rest, measured lengths are {text}: as they should"
+                f" be.{put}"]  # fmt: skip
+    if put:
+        return [f"By the fall and the height of rest, lengths were measured {text}.{put}"]
+    return [
+        f"By the fall and the height of rest, measured lengths are {text}; they are taken as they"
+        f" are (--fix scale={both.scale:.4f} puts them right)."
+    ]
+
+
+def _open(sources: Sequence[TossSource]) -> list[str]:
+    """What the tosses hardly tell."""
+    said = []
+    for name in sources[0].parameters:
+        bound = [source.name for source in sources if source.parameters[name].at_bound]
+        wide = [source.name for source in sources
+                if source.parameters[name].open and source.name not in bound]  # fmt: skip
+        if bound:
+            said.append(
+                f"The {fits.title(name)} ended at an end of its range ({', '.join(bound)}): it may"
+                " stand for another fault of the model."
+            )
+        if wide:
+            said.append(
+                f"The tosses hardly tell the {fits.title(name)} ({', '.join(wide)}): its interval"
+                " reaches the end of what was tried and may be wider."
+            )
+    return said
+
+
+def engines(found: TossFit) -> Table | None:
+    """What each engine must be given, and how far it then is off."""
+    sources = fitted(found)
+    if not sources:
+        return None
+    names = found.unknowns
+    rows = []
+    for source in sources:
+        own = [source.parameters[name] for name in names]
+        rows.append((
+            f"{source.name} {source.version or ''}".strip(),
+            *(cell for one in own for cell in (number(one.value, one.u), _ends(one.interval95))),
+            f"{source.cost:.1f}", *_held(source.holdout), str(source.simulations),
+            f"{source.wall_s:.0f}",
+        ))  # fmt: skip
+    heads = [
+        column
+        for name in names
+        for column in (Column(fits.with_unit(name)), Column("95 % interval", spare=True))
+    ]
+    columns = (
+        Column("Engine", text=True, whole=True), *heads, Column("corners, fitted (%)"),
+        Column("position, held out (%)"), Column("rotation, held out (°)"), Column("simulations"),
+        Column("seconds", spare=True),
+    )  # fmt: skip
+    note = (
+        "Errors are means over the samples of a toss and then over tosses, with their 95 %"
+        " intervals; lengths in % of the cube's width."
+    )
+    return Table("", columns, (Group("", tuple(rows)),), note)
+
+
+def _ends(ends: tuple[float, float]) -> str:
+    return f"{ends[0]:.3g} to {ends[1]:.3g}"
+
+
+def _held(own: TossErrors | None) -> tuple[str, str]:
+    return ("–", "–") if own is None else (_mean(own.position), _mean(own.rotation))
+
+
+def failed(found: TossFit) -> Table | None:
+    """Engines that could not be fitted, and why."""
+    rows = tuple((source.name, source.status, source.reason or "no reason is known")
+                 for source in found.sources if not source.parameters)  # fmt: skip
+    columns = (Column("Engine", text=True), Column("Status", text=True), Column("Why", text=True))
+    return Table("Could not be fitted", columns, (Group("", rows),)) if rows else None
+
+
+def scales(found: TossFit) -> Table | None:
+    """What tells the length scale."""
+    rows = tuple((one.name, f"{one.scale:.4f}", f"{one.u:.4f}", one.text)
+                 for one in found.witnesses)  # fmt: skip
+    columns = (Column("By", text=True), Column("Measured over true length"), Column("u"),
+               Column("Where it comes from", text=True))  # fmt: skip
+    return Table("Length scale of the recording", columns, (Group("", rows),)) if rows else None
+
+
+def holdout_figure(found: TossFit) -> Figure | None:
+    """Errors of every toss that was predicted, the smallest first."""
+    held = [(source.name, source.holdout) for source in fitted(found) if source.holdout is not None]
+    if not held:
+        return None
+    panels = tuple(
+        Panel(title, axis, "tosses up to this error (%)", tuple(
+            _cumulative(name, own.rotations if is_turn else own.positions) for name, own in held
+        ), y_range=(0, 100))
+        for title, axis, is_turn in (
+            ("Position", "error (% of the width)", False), ("Rotation", "error (°)", True),
+        )
+    )  # fmt: skip
+    caption = (
+        "Every toss that was not fitted: how many of them an engine predicts to within an error."
+        " The long tail of the rotation are tosses in which the cube falls on another face."
+    )
+    return Figure("held-out", "Tosses that were predicted", caption, panels, share_y=True)
+
+
+def _cumulative(name: str, errors: Sequence[float]) -> Series:
+    shares = 100 * np.arange(len(errors) + 1) / len(errors)
+    steps = np.repeat(shares, 2)[1:-1]  # up at each toss
+    return Series(name, np.repeat(np.sort(np.array(errors)), 2), steps, style_of(name))
+
+
+def cost_figure(found: TossFit) -> Figure | None:
+    """Cost of every point that was tried, over each parameter."""
+    sources = fitted(found)
+    if not sources:
+        return None
+    panels = tuple(
+        Panel(fits.title(name), fits.with_unit(name), "corners (% of the width)",
+              tuple(_tried(source, name) for source in sources))
+        for name in found.unknowns
+    )  # fmt: skip
+    caption = (
+        "Mean distance of the corners in the fitted tosses, for every point that was tried; at one"
+        " value of a parameter there are several, as the others differ. How deep the valley is, is"
+        " how well the tosses tell the parameter."
+    )
+    return Figure("cost", "What was tried", caption, panels, share_y=True)
+
+
+def _tried(source: TossSource, name: str) -> Series:
+    rows = sorted((point.values[name], point.cost) for point in source.tried
+                  if point.cost is not None)  # fmt: skip
+    x, y = np.array(rows).T
+    return Series(source.name, x, y, style_of(source.name), points=True, line=False)
