@@ -298,13 +298,14 @@ def test_an_engine_that_breaks_is_a_row_with_its_reason(made, monkeypatch, statu
 
 def record(**changes):
     parameter = {
-        "value": 0.2, "u": 0.01, "interval95": [0.18, 0.22], "unit": "1", "spacing": 0.005,
-        "open": False, "at_bound": False,
+        "value": 0.2, "u": 0.01, "interval95": [0.18, 0.22], "unit": "1", "u_num": 0.002,
+        "spacing": 0.005, "open": False, "at_bound": False,
     }  # fmt: skip
     mean = {"mean": 12.0, "sd": 3.0, "interval95": [11.0, 13.0]}
     held = {"position": mean, "rotation": mean, "positions": [11.0, 13.0], "rotations": [1, 2]}
     source = {
-        "name": "dart", "version": "1", "contact": "assisted", "status": "ok", "cost": 15.0,
+        "name": "dart", "version": "1", "contact": "assisted", "status": "ok", "reason": None,
+        "simulations": 9, "wall_s": 2.0, "cost": 15.0,
         "parameters": {"friction": {**parameter, **changes.pop("parameter", {})}},
         "holdout": held, "tried": [{"values": {"friction": 0.2}, "cost": 15.0}],
     }  # fmt: skip

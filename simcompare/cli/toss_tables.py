@@ -24,8 +24,7 @@ def show(result: Run, found: TossFit, written: Path | None) -> None:
         _print_engines(found)
     for source in found.sources:
         if not source.parameters:
-            reason = source.reason or source.status
-            typer.echo(f"{source.name}: {reason.removeprefix(f'{source.name}: ')}")
+            typer.echo(f"{source.name}: {source.failure}")
     typer.echo("")
     for sentence in found.sentences:
         typer.echo(sentence)

@@ -22,6 +22,7 @@ class TossParameter(EngineParameter):
         value: with which its tosses land best.
         u: standard uncertainty.
         interval95: 95 % interval, by a bootstrap over the tosses.
+        u_num: the part of u that the grid has.
         spacing: of the last grid.
         open: whether the interval reaches the end of what was tried, so that it may be wider.
         at_bound: whether the value stands at an end of its range.
