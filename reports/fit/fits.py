@@ -9,7 +9,7 @@ from simcompare import units
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Scale, scale_of
 from simcompare.reports.validation import phrases, validations
-from simcompare.results.records.fit import FitRecord
+from simcompare.results.records.fit import AnyFit, FitRecord
 from simcompare.results.records.fit_bounces import BouncesFit
 from simcompare.results.records.fit_engines import BouncesEngine, EffectiveValue
 from simcompare.results.records.fit_forms import Repeats, Unknown
@@ -28,11 +28,17 @@ MOST_DROPS = 3
 _SMALL_UNITS = {"s": ("s", "ms", "µs"), "m": ("m", "mm", "µm")}
 
 
+def of_any(run: Run) -> AnyFit:
+    """The record of a fit of any kind."""
+    assert isinstance(run.record, FitRecord)
+    return run.record.fit
+
+
 def record(run: Run) -> BouncesFit | WaveformFit:
     """The record of a fit of bounces, or to signals over time."""
-    assert isinstance(run.record, FitRecord)
-    assert not isinstance(run.record.fit, TossFit)
-    return run.record.fit
+    found = of_any(run)
+    assert not isinstance(found, TossFit)
+    return found
 
 
 def bounces(run: Run) -> BouncesFit:

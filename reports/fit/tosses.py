@@ -14,7 +14,6 @@ from simcompare.reports.fit import fits
 from simcompare.reports.render.figures import Figure, Panel, Series
 from simcompare.reports.render.styles import style_of
 from simcompare.reports.render.tables import Column, Group, Table
-from simcompare.results.records.fit import FitRecord
 from simcompare.results.records.fit_tosses import TossErrors, TossFit, TossMean, TossSource
 from simcompare.results.run import Run
 
@@ -24,9 +23,9 @@ _COVERAGE = 2
 
 def found_of(run: Run) -> TossFit:
     """What was found."""
-    assert isinstance(run.record, FitRecord)
-    assert isinstance(run.record.fit, TossFit)
-    return run.record.fit
+    found = fits.of_any(run)
+    assert isinstance(found, TossFit)
+    return found
 
 
 def fitted(found: TossFit) -> list[TossSource]:

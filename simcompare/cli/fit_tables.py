@@ -13,7 +13,6 @@ from simcompare import notation
 from simcompare.cli import console, toss_tables
 from simcompare.model.settings import TUNED
 from simcompare.reports.fit import fits
-from simcompare.results.records.fit import FitRecord
 from simcompare.results.records.fit_bounces import BouncesFit
 from simcompare.results.records.fit_parts import Value
 from simcompare.results.records.fit_tosses import TossFit
@@ -25,8 +24,9 @@ if TYPE_CHECKING:
 
 def show(result: Run, written: Path | None) -> None:
     """Prints what was found: for a plain loop first what to type in."""
-    if isinstance(result.record, FitRecord) and isinstance(result.record.fit, TossFit):
-        toss_tables.show(result, result.record.fit, written)
+    any_fit = fits.of_any(result)
+    if isinstance(any_fit, TossFit):
+        toss_tables.show(result, any_fit, written)
         return
     found = fits.record(result)
     for sentence in found.chosen_words if isinstance(found, WaveformFit) else found.dropped:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from simcompare import units
 from simcompare.compare.comparison import INFO, Score
@@ -13,7 +12,7 @@ from simcompare.engine import engines
 from simcompare.engine.assist import ALL
 from simcompare.errors import InputError, UnknownName
 from simcompare.fitting.tosses import records
-from simcompare.fitting.tosses.engines import EngineTosses, How, fit_engines
+from simcompare.fitting.tosses.engines import How, fit_engines
 from simcompare.fitting.tosses.replay import STEP_S, Replay
 from simcompare.fitting.tosses.roles import roles_of
 from simcompare.fitting.tosses.setup import prepare
@@ -22,11 +21,11 @@ from simcompare.results import run_record
 from simcompare.results.fit_file import FITTED
 from simcompare.results.records.fit import FitRecord
 from simcompare.results.records.fit_tosses import TossSource
-from simcompare.results.records.run import SourceRecord
 from simcompare.results.run import Run, Stored
 from simcompare.running.runner import TIME_LIMIT_S, Progress
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs import levels
+from simcompare.verbs.request import FitRequest
 
 #: what ``--fix`` calls measured lengths over true ones
 SCALE = "scale"
@@ -47,15 +46,8 @@ class Given:
 
 def fit_tosses(
     file: ScenarioFile,
+    request: FitRequest,
     *,
-    recordings: Sequence[str | Path],
-    hold_out: Sequence[str | Path] = (),
-    engine: str = "all",
-    unknowns: Sequence[str] = (),
-    given: Given,
-    mapping: str | Path | None = None,
-    step: str | float | None = None,
-    assist: str | Sequence[str] | None = None,
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
 ) -> Run:
@@ -63,15 +55,9 @@ def fit_tosses(
 
     Args:
         file: a scenario that is fitted by tosses.
-        recordings: logs, stored recordings, or public data sets that are fitted.
-        hold_out: the same, which are not fitted but predicted; where there are none, a part of the
-            tosses is drawn and fitted, and the others predicted.
-        engine: ``"all"`` or names with commas.
-        unknowns: what is sought; what the scenario names as usual, where empty.
-        given: what is taken as known.
-        mapping: mapping file for the logs.
-        step: longest step of the engines.
-        assist: our helps with which engines are run; "all" where nothing is said.
+        request: what the user asked for; where no recording is held out, a part of the tosses is
+            drawn and fitted, and the others are predicted; without unknowns that are named, those
+            that the scenario calls usual; all our helps where nothing is said.
         time_limit_s: longest time for one simulation [s].
         progress: called as simulations end.
 
@@ -81,59 +67,42 @@ def fit_tosses(
     Raises:
         InputError: every fault of the request or of a recording.
     """
-    chosen = engines.select(engine)
-    helps = levels.chosen_helps(ALL if assist is None else assist, engine)
+    given = given_of(file, request)
+    chosen = engines.select(request.engine)
+    helps = levels.chosen_helps(ALL if request.assist is None else request.assist, request.engine)
     roles = roles_of(file, given.values)
+    step = request.step
     step_s = STEP_S if step is None else sample_step_s(file, roles.given, None, step)
     how = How(helps, step_s, time_limit_s=time_limit_s, progress=progress)
     setup = prepare(
-        roles, [str(name) for name in recordings], [str(name) for name in hold_out],
-        unknowns=unknowns, given=given.values, scale=given.scale, mapping=mapping,
+        roles, list(map(str, request.recordings)), list(map(str, request.hold_out)),
+        unknowns=request.unknowns, given=given.values, scale=given.scale, mapping=request.mapping,
     )  # fmt: skip
     found = fit_engines(roles, setup, chosen, how)
     scene = Replay(roles, setup.fitted[0], {}, step_s=step_s).scenario()
-    made = records.of_fit(roles, setup, found, given.values, how, scene)
-    made = replace(made, sentences=tuple(words.sentences(made)))
-    command = ["simcompare", "fit", file.name, "--engine", engine]
-    for option, texts in (
-        ("--recording", recordings), ("--hold-out", hold_out),
-        ("--unknown", [",".join(unknowns)]), ("--map", [mapping]), ("--step", [step]),
-        ("--assist", [assist and made.assist]),
-        ("--set", [f"{name}={value}" for name, value in given.values.items()]),
-        ("--fix", [f"{SCALE}={given.scale}"] if given.scale != 1 else []),
-    ):  # fmt: skip
-        command += [word for text in texts if text for word in (option, str(text))]
+    fit = records.of_fit(roles, setup, found, given.values, how, scene)
+    fit = replace(fit, sentences=tuple(words.sentences(fit)))
     record = run_record.of_run(
-        FitRecord, file, [scene], None, [_source(one) for one in found],
-        [score for source in made.sources for score in _scores(source)],
-        fit=made, engines_asked=engine, scenario_asked=file.name, command=tuple(command),
-        recording_asked=tuple(map(str, recordings)),
+        FitRecord, file, [scene], None,
+        [run_record.of_source(one.engine, FITTED, [one.outcome]) for one in found],
+        [score for source in fit.sources for score in _scores(source)],
+        fit=fit, engines_asked=request.engine, scenario_asked=request.scenario,
+        recording_asked=tuple(map(str, request.recordings)), command=request.command(),
     )  # fmt: skip
     runs = [(one.engine, one.outcome.trajectory) for one in found]
     return Run(record, tuple(Stored(name, FITTED, 0, run) for name, run in runs if run))
 
 
-def given_of(
-    file: ScenarioFile,
-    preset: str | None,
-    fixed: Mapping[str, str | float],
-    settings: Mapping[str, str | float],
-    refused: Mapping[str, object],
-) -> Given:
-    """What the user takes as known.
-
-    Args:
-        file: the scenario.
-        preset: named set of parameters.
-        fixed: what stands after ``--fix``: parameters, or ``scale``.
-        settings: what stands after ``--set``.
-        refused: options that tosses do not have, with what was given.
+def given_of(file: ScenarioFile, request: FitRequest) -> Given:
+    """What the user takes as known: --preset, --set, and --fix, also of the scale.
 
     Raises:
-        InputError: such an option, or a scale that is none.
+        InputError: an option that tosses do not have, or a scale that is none.
         UnknownName: a preset or parameter that does not exist.
     """
-    wrong = [option for option, value in refused.items() if value]
+    options = {"--prior": request.priors, "--model": request.model != "auto",
+               "--u-time": request.u_time_s is not None}  # fmt: skip
+    wrong = [option for option, value in options.items() if value]
     if wrong:
         raise InputError(
             ", ".join(wrong),
@@ -141,7 +110,8 @@ def given_of(
                 f"{file.name} is fitted by tosses, which this is not for; use --set for what is"
                 " known"
             ],
-        )  # fmt: skip
+        )
+    preset, fixed = request.preset, request.fixed or {}
     if preset is not None and preset not in file.presets:
         raise UnknownName(f"preset of {file.name}", preset, file.presets)
     chosen = {} if preset is None else dict(file.presets[preset].set)
@@ -149,12 +119,8 @@ def given_of(
     scale = units.to_si(fixed.get(SCALE, 1.0), "1", f"--fix {SCALE}")
     if not scale > 0:
         raise InputError("--fix", [f"{scale:g} is no {SCALE}; expected a number above 0"])
-    values = {**file.read_settings(others, "--fix"), **file.read_settings(settings)}
+    values = {**file.read_settings(others, "--fix"), **file.read_settings(request.set or {})}
     return Given({**chosen, **values}, scale)
-
-
-def _source(one: EngineTosses) -> SourceRecord:
-    return run_record.of_source(one.engine, FITTED, [one.outcome])
 
 
 def _scores(source: TossSource) -> list[Score]:
