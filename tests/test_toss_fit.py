@@ -15,13 +15,14 @@ from simcompare.errors import InputError, SimcompareError
 from simcompare.fitting.tosses import engines as toss_engines
 from simcompare.fitting.tosses.roles import roles_of
 from simcompare.fitting.tosses.search import Search, estimates
-from simcompare.fitting.tosses.setup import Setup
+from simcompare.fitting.tosses.setup import Setup, prepare
 from simcompare.fitting.tosses.tosses import Errors, Toss
 from simcompare.model.fittable import Grid
+from simcompare.model.plain import plain
 from simcompare.model.settings import TUNED, Settings
 from simcompare.reports import builder
 from simcompare.reports.fit.tosses import sentences
-from simcompare.results import store
+from simcompare.results import fit_file, store
 from simcompare.results.records.fit_tosses import TossFit
 from simcompare.results.run import Run
 from simcompare.running.jobs import FAILED, UNSUPPORTED, Job
@@ -163,6 +164,20 @@ def test_a_toss_that_is_too_short_is_left_out_and_said(made, mapping, tmp_path):
     assert run.record.fit.told[0].startswith("Fitted to 4 of the 8 tosses")
     assert "Left out" in run.record.fit.told[1]
     assert "toss.0: fewer than 10 samples" in run.record.fit.told[1]
+
+
+def test_tosses_that_are_held_out_by_name_are_predicted_and_all_others_fitted(
+    made, mapping, tmp_path
+):
+    fitted, held = log(tmp_path, made[:5], "fitted"), log(tmp_path, made[5:], "held")
+    found = prepare(
+        roles_of(FILE, {}), [str(fitted)], [str(held)], unknowns=["inertia"], given={},
+        scale=0.98, mapping=mapping,
+    )  # fmt: skip
+    assert list(found.grids) == ["inertia_kg_m2"]
+    assert (len(found.fitted), len(found.held)) == (5, 3)
+    assert found.told == (f"Fitted to the 5 tosses of {fitted}; the 3 of {held} are predicted.",)
+    np.testing.assert_allclose(found.fitted[0].position_m, made[0][:, :3] / 0.98)
 
 
 # --- roles -------------------------------------------------------------------------------------
@@ -316,6 +331,19 @@ def record(**changes):
         "valid": {"step_s": 5e-4, "engine_step_s": 5e-4, "duration_s": 1, "speed_m_s": [1, 2]},
         "run_with": {"closed": {}, "engines": {}}, **changes,
     })  # fmt: skip
+
+
+@pytest.mark.parametrize("contact", ["assisted", TUNED])
+def test_a_stored_fit_gives_each_engine_its_own_values(tmp_path, contact):
+    found = record(contact=contact, run_with={"closed": {}, "engines": {"dart": {"friction": 0.2}}})
+    path = tmp_path / "fit.json"
+    path.write_text(json.dumps(plain(found)), encoding="utf-8")
+    fit = fit_file.read(path)
+    assert fit.of_engine("dart", FILE) == {"friction": 0.2}
+    assert fit.of_engine("ode", FILE) is None
+    (said, *_) = fit.cautions(FILE.resolve(), FILE, ["dart", "ode"])
+    assert said == "ode was not fitted: what runs as fitted there has the scenario's parameters."
+    assert f"{FILE.name}, fitted at 1.00 to 2.00 m/s" in fit_file.contact_values(path)
 
 
 WITNESS = {"name": "both", "scale": 0.98, "u": 0.004, "text": ""}

@@ -74,7 +74,7 @@ def fit(
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
 ) -> Run:
-    """Fits a scenario to a measurement: to impacts and heights, or to signals over time.
+    """Fits a scenario to a measurement: to impacts and heights, signals over time, or tosses.
 
     Args:
         scenario: name, folder or file of a scenario that says under ``fit:`` how it is fitted.
@@ -82,9 +82,9 @@ def fit(
         hold_out: the same, which are not fitted but predicted.
         engine: ``"all"`` or names with commas.
         model: closed form, or "auto": the one with the least AICc.
-        unknowns: what is fitted beside what the model has, such as "clock_skew"; by waveform,
-            all that is fitted.
-        fixed: values of what is not fitted.
+        unknowns: what is fitted beside what the model has, such as "clock_skew"; by waveform
+            and by tosses, all that is fitted.
+        fixed: values of what is not fitted; by tosses also the "scale" of measured lengths.
         priors: unknown -> value and standard uncertainty.
         u_time_s: standard uncertainty of an impact time, where a recording does not say [s].
         set: parameters of the scenario, such as the ball's mass.
@@ -93,7 +93,7 @@ def fit(
         step: the engine's step, which engines are tuned for; the scenario's own where ``None``.
         assist: our helps with which engines are run: "none", for which bounces are fitted if
             nothing is said, "all", or names (``simcompare.engine.helps``); by waveform always
-            "all".
+            "all", by tosses too if nothing is said.
         out: folder in which the run's own folder is made; nothing is stored where ``None``.
         time_limit_s: longest time for one simulation [s].
         progress: called as jobs end.
