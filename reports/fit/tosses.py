@@ -152,7 +152,7 @@ def engines(found: TossFit) -> Table | None:
         for column in (Column(fits.with_unit(name)), Column("95 % interval", spare=True))
     ]
     columns = (
-        Column("Engine", text=True, whole=True), *heads, Column("corners, fitted (%)"),
+        Column("Engine", text=True, nowrap=True), *heads, Column("corners, fitted (%)"),
         Column("position, held out (%)"), Column("rotation, held out (°)"), Column("simulations"),
         Column("seconds", spare=True),
     )  # fmt: skip

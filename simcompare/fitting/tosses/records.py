@@ -17,7 +17,7 @@ from simcompare.fitting.tosses.search import estimates, interval
 from simcompare.fitting.tosses.setup import Setup
 from simcompare.fitting.tosses.tosses import Errors, Toss, samples_in_flight
 from simcompare.model.scenario import Scenario
-from simcompare.results.records.fit_bounces import RunWith
+from simcompare.results.records.fit_engines import RunWith
 from simcompare.results.records.fit_tosses import (
     TossErrors,
     TossFit,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from simcompare.model.audit import AuditRow
-from simcompare.results.records.fit_bounces import RunWith
+from simcompare.results.records.fit_engines import RunWith
 from simcompare.results.records.fit_parts import EngineParameter, EngineRow
 
 #: version of what fit.json holds
