@@ -93,8 +93,8 @@ def _given(inputs: Mapping[str, Array]) -> list[str]:
     if len(inputs) < 2:
         return [f'given_{joint} = inputs["{joint}"].tolist()' for joint in inputs]
     names = ", ".join(f"given_{joint}" for joint in inputs)
-    told = ", ".join(f'"{joint}"' for joint in inputs)
-    return [f"{names} = (inputs[name].tolist() for name in ({told}))"]
+    quoted = ", ".join(f'"{joint}"' for joint in inputs)
+    return [f"{names} = (inputs[name].tolist() for name in ({quoted}))"]
 
 
 def _tidied(lines: Sequence[str]) -> list[str]:
