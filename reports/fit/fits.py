@@ -24,7 +24,7 @@ Ranged = Unknown | EngineParameter | Repeats
 CLOSED = "closed form"
 RESTITUTION = "restitution"
 #: drops that are drawn beside each other; the tables have all
-MOST_DROPS = 3
+MAX_DROPS = 3
 _SMALL_UNITS = {"s": ("s", "ms", "µs"), "m": ("m", "mm", "µm")}
 
 
@@ -153,10 +153,10 @@ def drop_title(run: Run, number: int) -> str:
 
 def drawn_drops(run: Run) -> list[int]:
     """Numbers of the drops that are drawn."""
-    return list(range(1, min(len(bounces(run).measured), MOST_DROPS) + 1))
+    return list(range(1, min(len(bounces(run).measured), MAX_DROPS) + 1))
 
 
 def drawn_words(run: Run) -> str:
     """Which drops are drawn, where that is not all of them."""
     count = len(bounces(run).measured)
-    return f" The first {MOST_DROPS} of {count} drops." if count > MOST_DROPS else ""
+    return f" The first {MAX_DROPS} of {count} drops." if count > MAX_DROPS else ""

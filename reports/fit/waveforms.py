@@ -21,7 +21,7 @@ from simcompare.results.records.fit_waveforms import FitSegment, JudgedValue
 from simcompare.results.run import Run
 
 #: how fitted engines are stored, and how many stretches are drawn beside each other
-FITTED, MOST_DRAWN = "fitted", 3
+FITTED, MAX_DRAWN = "fitted", 3
 
 
 def residual_figures(run: Run) -> list[Figure]:
@@ -33,7 +33,7 @@ def residual_figures(run: Run) -> list[Figure]:
     figures = []
     for probe in found.probes:
         for kind, numbers_ in kinds:
-            panels = [_panel(run, probe, i, cases[i]) for i in list(numbers_)[:MOST_DRAWN]]
+            panels = [_panel(run, probe, i, cases[i]) for i in list(numbers_)[:MAX_DRAWN]]
             drawn = tuple(panel for panel in panels if panel is not None)
             if drawn:
                 figures.append(_figure(run, probe, kind, drawn))

@@ -26,13 +26,13 @@ Residuals = Callable[[Array], Array]
 
 #: step of the central differences in sizes of an unknown
 STEP = 1e-5
-MOST_STEPS = 60
+MAX_STEPS = 60
 #: what damping is multiplied by after a step that helps, and after one that does not
 _DOWN, _UP = 1 / 30, 3.0
 #: step at which the bend of the model along a step is probed
 _PROBE = 0.1
 #: part of a step that the correction for that bend may have
-_MOST_BENT = 0.75
+_MAX_BENT = 0.75
 #: a fit has ended when the next step would lower chi squared by less than this part
 _ENOUGH = 1e-9
 
@@ -77,7 +77,7 @@ def solve(residuals: Residuals, start: Array, low: Array, high: Array, size: Arr
     damping = np.full(len(x), 1e-3)
     done = np.zeros(len(x), dtype=bool)
     jacobian = jacobian_of(residuals, x, size)
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         slope = np.einsum("bnp,bn->bp", jacobian, r)
         outward = _outward(x, slope, low, high)
         damped, gain = _damped(jacobian, slope, outward != 0, damping)
@@ -88,7 +88,7 @@ def solve(residuals: Residuals, start: Array, low: Array, high: Array, size: Arr
         probed = (residuals(np.clip(x + _PROBE * step * size, low, high)) - r) / _PROBE
         bend = 2 / _PROBE * (probed - np.einsum("bnp,bp->bn", jacobian, step))
         turn = damped(np.einsum("bnp,bn->bp", jacobian, bend)) / 2
-        gentle = np.linalg.norm(turn, axis=1) < _MOST_BENT * np.linalg.norm(step, axis=1)
+        gentle = np.linalg.norm(turn, axis=1) < _MAX_BENT * np.linalg.norm(step, axis=1)
         step = np.where(gentle[:, None], step + turn, step)
         moved = np.where(done[:, None], x, np.clip(x + step * size, low, high))
         r_moved = residuals(moved)

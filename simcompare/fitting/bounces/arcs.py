@@ -1,34 +1,24 @@
-"""Height against time cut into flights, and flights joined to impact times.
+"""Flights of a filmed ball joined to impact times.
 
-Adding g·t²/2 makes a flight a straight line and an impact a kink upwards; where the slope before
-and after differs by more than noise, there is an impact. Each flight is then fitted by an arc of
-given shape (a parabola, or with drag), of which only the apex is fitted, and neighbouring arcs are
-intersected: neither the floor's level nor a frame at the impact is needed.
+Each flight is fitted by an arc of given shape (a parabola, or with drag), of which only the apex is
+unknown, and neighbouring arcs are intersected: neither the floor's level nor a frame at the impact
+is needed.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from simcompare.errors import InputError
 from simcompare.fitting.bounces import bounce_models
+from simcompare.fitting.bounces.flights import MIN_SAMPLES, kinks, long_enough, noise_of, samples
 from simcompare.fitting.bounces.impacts import TRACK, Impacts, Track
 from simcompare.model.trajectory import Array
 from simcompare.results.records.fit_bounces import Rejected
 from simcompare.statistics.agreement import MAD_TO_SD
 
-#: samples that a flight must have
-LEAST = 4
-#: a kink is this many standard deviations of the slopes' difference
-_KINK = 6.0
-#: a ball that falls is faster than so many standard deviations of the slopes' difference
-_FALLING = 3.0
-#: slowest change of velocity that is looked for [m/s], and the longest window for it [s]
-_SLOW, _LONG_S = 0.6, 0.1
 #: a sample so many standard deviations off its arc is an outlier
 _OUTLIER = 5.0
 #: samples of the first flight that propose parabolas
@@ -78,11 +68,11 @@ def from_heights(
     Raises:
         InputError: no impact, or flights with too few samples.
     """
-    time, height, u, dropped = _samples(time_s, height_m, u_m, source)
-    noise = _noise(height) if not np.isfinite(u).all() else float(np.median(u))
-    cuts = _kinks(time, height, noise, gravity_m_s2, source)
+    time, height, u, dropped = samples(time_s, height_m, u_m, source)
+    noise = noise_of(height) if not np.isfinite(u).all() else float(np.median(u))
+    cuts = kinks(time, height, noise, gravity_m_s2, source)
     flight = np.searchsorted(cuts, np.arange(len(time)), side="right")
-    flight, notes = _long_enough(time, flight, source)
+    flight, notes = long_enough(time, flight, source)
     kept = (flight >= 0) & ~_in_hand(time, height, flight == 0, noise, gravity_m_s2)
     drag = 1 / terminal_speed_m_s**2
     for _ in range(10):
@@ -107,118 +97,6 @@ def rejoined(impacts: Impacts, terminal_speed_m_s: float, gravity_m_s2: float) -
         track.time_s, track.height_m, track.u_m, track.flight, arcs, impacts.source,
         list(impacts.dropped), impacts.notes,
     )  # fmt: skip
-
-
-def _samples(
-    time_s: ArrayLike, height_m: ArrayLike, u_m: ArrayLike | None, source: str
-) -> tuple[Array, Array, Array, list[Rejected]]:
-    time, height = np.asarray(time_s, dtype=float), np.asarray(height_m, dtype=float)
-    u = np.full(len(time), np.nan)
-    if u_m is not None:
-        u[:] = u_m
-    whole = np.isfinite(time) & np.isfinite(height)
-    gone = [Rejected("sample", int(k) + 1, float(time[k]), "nothing was seen in it")
-            for k in np.flatnonzero(~whole)]  # fmt: skip
-    faults = []
-    if np.count_nonzero(whole) < 2 * LEAST:
-        faults.append(f"{np.count_nonzero(whole)} samples of height; a bounce needs at least"
-                      f" {2 * LEAST}")  # fmt: skip
-    elif np.any(np.diff(time[whole]) <= 0):
-        faults.append("the times of the heights do not increase")
-    if np.any(u <= 0):
-        faults.append("a standard uncertainty of a height is not above 0")
-    if faults:
-        raise InputError(source or "height", faults)
-    return time[whole], height[whole], u[whole], gone
-
-
-def _noise(height: Array) -> float:
-    """Standard deviation of one sample: third differences of a parabola are none."""
-    third = np.diff(height, 3)
-    return max(MAD_TO_SD * float(np.median(np.abs(third))) / math.sqrt(20), 1e-7)
-
-
-def _kinks(
-    time: Array, height: Array, noise: float, gravity: float, source: str
-) -> NDArray[np.intp]:
-    """Index of the first sample after each impact."""
-    step = float(np.median(np.diff(time)))
-    width = 2
-    while _KINK * _u_of_kink(noise, step, width) > _SLOW and width * step < _LONG_S:
-        width += 1
-    straight = height + 0.5 * gravity * (time - time[0]) ** 2
-    slopes = _slopes(time, straight, width)
-    # slope of the window that begins at i, less that of the window that ends at i - 1
-    kink = np.full(len(time), -np.inf)
-    kink[width : len(time) - width + 1] = slopes[width:] - slopes[: len(slopes) - width]
-    before = np.zeros(len(time))
-    before[width : len(time) - width + 1] = _slopes(time, height, width)[: len(slopes) - width]
-    # in a hand and at rest a ball does not fall: there the straight line bends by g all the time
-    u_kink = _u_of_kink(noise, step, width)
-    threshold = max(_KINK * u_kink, 1.3 * gravity * width * step)
-    kink[before > -_FALLING * u_kink] = -np.inf
-    down = -float(np.min(kink[np.isfinite(kink)], initial=0.0))
-    if down > 2 * max(float(np.max(kink)), _SLOW):
-        raise InputError(
-            source or "height",
-            ["the height turns downwards at the impacts: it is counted downwards; give it the other"
-             " sign in a mapping file"],
-        )  # fmt: skip
-    tops = [
-        i for i in np.flatnonzero(kink > threshold).tolist()
-        if kink[i] == np.max(kink[max(0, i - width) : i + width + 1])
-    ]  # fmt: skip
-    if not tops:
-        raise InputError(
-            source or "height",
-            [f"no impact is seen: nowhere does the velocity change upwards by more than"
-             f" {threshold:.2g} m/s within {2 * width * step:.2g} s; is it the height of a"
-             " bouncing ball, in metres?"],
-        )  # fmt: skip
-    return np.array(tops, dtype=np.intp)
-
-
-def _u_of_kink(noise: float, step: float, width: int) -> float:
-    """Standard deviation of the difference of two slopes through so many samples."""
-    return float(np.sqrt(2) * noise / (step * np.sqrt(width * (width**2 - 1) / 12)))
-
-
-def _slopes(time: Array, values: Array, width: int) -> Array:
-    """Least-squares slope of every window of so many samples, by its first sample."""
-    windows = np.lib.stride_tricks.sliding_window_view
-    t, y = windows(time, width), windows(values, width)
-    t = t - t.mean(axis=1, keepdims=True)
-    return np.asarray(np.sum(t * y, axis=1) / np.sum(t * t, axis=1))
-
-
-def _long_enough(
-    time: Array, flight: NDArray[np.intp], source: str
-) -> tuple[NDArray[np.int64], tuple[str, ...]]:
-    """Flights up to the first one with too few samples; those after it are marked -1."""
-    counts = np.bincount(flight)
-    first = 0
-    # a recording may begin in the last frames of a fall
-    while first < len(counts) and counts[first] < LEAST:
-        first += 1
-    last = first
-    while last < len(counts) and counts[last] >= LEAST:
-        # a flight that lasts longer than the one before it hides an impact
-        if last > first + 1 and counts[last] > 1.05 * counts[last - 1] + 1:
-            break
-        last += 1
-    if last - first < 2:
-        raise InputError(
-            source or "height",
-            [f"{last - first} flight has {LEAST} samples or more; two at least are needed, three"
-             " for a restitution without a known drop height: film faster or drop from higher"],
-        )  # fmt: skip
-    notes: tuple[str, ...] = ()
-    if last < len(counts):
-        at = float(time[np.flatnonzero(flight == last)[0]])
-        notes = (f"from {at:.3f} s on the flights are too short for the samples and were left"
-                 " out",)  # fmt: skip
-    inside = (flight >= first) & (flight < last)
-    return np.where(inside, flight - first, -1), notes
 
 
 def _in_hand(
@@ -285,7 +163,7 @@ def _good(
     good = used & ~off & ~(held & early)
     for number in range(int(flight.max()) + 1):  # never so many that nothing is left of a flight
         inside = flight == number
-        if np.count_nonzero(good & inside) < LEAST - 1:
+        if np.count_nonzero(good & inside) < MIN_SAMPLES - 1:
             good |= inside
             why = {k: text for k, text in why.items() if not inside[k]}
     return good, why

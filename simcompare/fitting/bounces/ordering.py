@@ -1,15 +1,12 @@
 """Which impact is which: flights that last twice as long, and knocks within a flight.
 
-Flights of a bouncing ball last ever shorter, by a factor that changes slowly. Two flights propose
-that factor; how many of the other impacts it explains tells how good the proposal is (M. A.
-Fischler and R. C. Bolles, Comm. ACM 24 (1981) 381). The best ones are refined with the closed form
-of a ball, and what lies far off it is left out.
+The best numberings that two flights propose are refined with the closed form of a ball, and what
+lies far off it is left out.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +15,7 @@ from numpy.typing import NDArray
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import likelihood
 from simcompare.fitting.bounces.impacts import Impacts
+from simcompare.fitting.bounces.numberings import MISSED, REACH, one_each, proposals
 from simcompare.model.trajectory import Array
 from simcompare.results.records.fit_bounces import Rejected
 
@@ -25,29 +23,19 @@ from simcompare.results.records.fit_bounces import Rejected
 _BY_CHANCE = 1e-3
 #: scatter about the closed form, as part of a flight, above which the order is looked into
 _ROUGH = 0.02
-#: a missed impact counts against a proposal as half an impact
-_MISSED = 0.5
-#: flights that a proposal may reach over when others knocked in between
-_REACH = 4
 #: a pause between two drops lasts longer than so many of the longest flight, and than this [s]
 _PAUSE, _PAUSE_S = 1.5, 1.0
 #: smallest scatter that is believed where no uncertainty is stated [s]
 _FINEST_S = 1e-5
 #: largest factor between flights that a ball can have
-_MOST = 0.99
+_MAX_FACTOR = 0.99
 #: an impact that others of known scatter contradict is off by this part of a flight or more
-_LEAST_OFF = 0.01
+_MIN_OFF = 0.01
 #: part of a residual that its own impact does not fit away, at least
 _LEVERAGE = 0.3
-#: by what the logarithm of the factor shrinks from flight to flight: drag, and e(v)
-_SLOWER = (1.0, 0.94, 0.88, 0.82)
-#: flights that a proposal foretells, backwards and forwards
-_BACK, _ON = 6, 24
 #: part of the impacts that must belong to the series, and how many at least: any three that are
 #: picked out of more make some series
-_ENOUGH, _FEWEST = 0.6, 4
-#: proposals that are refined
-_BEST = 4
+_ENOUGH, _MIN_IMPACTS = 0.6, 4
 
 
 @dataclass(frozen=True)
@@ -136,7 +124,7 @@ def _shrinks(times: Array, numbers: NDArray[np.int64]) -> bool:
     """Whether the last flight is shorter than the first one, as it is for a ball."""
     steps = np.diff(times) / np.diff(numbers)
     flights = (numbers[-1] + numbers[-2] - numbers[1] - numbers[0]) / 2
-    return bool(steps[-1] < _MOST**flights * steps[0])
+    return bool(steps[-1] < _MAX_FACTOR**flights * steps[0])
 
 
 def _fit(times: Array, u: Array, numbers: NDArray[np.int64]) -> _Fit:
@@ -147,7 +135,7 @@ def _fit(times: Array, u: Array, numbers: NDArray[np.int64]) -> _Fit:
     steps = numbers - int(numbers.min()) + 1
     each = np.where(np.isfinite(u), u, 1e-3)
     impacts = Impacts(times, each, tuple(steps.tolist()))
-    predicted, jacobian = likelihood.shape(impacts, model, int(steps[-1]) + _REACH)
+    predicted, jacobian = likelihood.shape(impacts, model, int(steps[-1]) + REACH)
     residual = (times - predicted[steps - 1]) / each
     chi2, degrees = float(residual @ residual), len(times) - jacobian.shape[1]
     stated = bool(np.isfinite(u).all())
@@ -168,7 +156,7 @@ def _fit(times: Array, u: Array, numbers: NDArray[np.int64]) -> _Fit:
         # ends, where leaving one out means to extrapolate a form that is not exact
         flight = float(predicted[steps[worst]] - predicted[steps[worst] - 1])
         off = abs(residual[worst]) / free[worst] * each[worst]
-        return _Fit(predicted, scatter, worst, bool(off > _LEAST_OFF * flight))
+        return _Fit(predicted, scatter, worst, bool(off > _MIN_OFF * flight))
     scale = math.sqrt(max(rest[worst] / (degrees - 1), 1.0 if stated else least) * free[worst])
     limit = float(stats.t.isf(_BY_CHANCE / 2 / len(times), degrees - 1))
     return _Fit(predicted, scatter, worst, bool(abs(residual[worst]) > limit * scale))
@@ -177,12 +165,12 @@ def _fit(times: Array, u: Array, numbers: NDArray[np.int64]) -> _Fit:
 def _found(times: Array, u: Array, source: str) -> NDArray[np.int64]:
     """Number of each impact, -1 for those that do not belong."""
     best, most = None, -math.inf
-    for proposal in _proposals(times):
+    for proposal in proposals(times):
         numbers, score = _refined(times, u, proposal)
         if score > most:
             best, most = numbers, score
     kept = 0 if best is None else int(np.count_nonzero(best >= 0))
-    if best is None or kept < max(_FEWEST, _ENOUGH * len(times)):
+    if best is None or kept < max(_MIN_IMPACTS, _ENOUGH * len(times)):
         raise InputError(source or "impacts", [_no_series(times, kept)])
     return best
 
@@ -195,72 +183,6 @@ def _no_series(times: Array, kept: int) -> str:
         f" flights become shorter by a steady factor; found flights of {flights}"
         f"{', …' if len(times) > 9 else ''} s. Cut out the part with the bounces, or record again"
     )
-
-
-def _proposals(times: Array) -> list[NDArray[np.int64]]:
-    """Numberings that explain most of the impacts, best first."""
-    found: dict[bytes, tuple[float, NDArray[np.int64]]] = {}
-    for start, flight, e in _pairs(times):
-        for slower in _SLOWER:
-            numbers, score = _explained(times, start, flight, e, slower)
-            key = numbers.tobytes()
-            if score > found.get(key, (-math.inf,))[0]:
-                found[key] = score, numbers
-    ranked = sorted(found.values(), key=lambda one: -one[0])
-    return [numbers for _, numbers in ranked[:_BEST]]
-
-
-def _pairs(times: Array) -> Iterator[tuple[float, float, float]]:
-    """Two flights: when the first began, how long it lasted, and the factor to the next."""
-    for i in range(len(times) - 2):
-        for j in range(i + 1, min(i + _REACH, len(times) - 1)):
-            for k in range(j + 1, min(j + _REACH, len(times))):
-                start, flight = float(times[i]), float(times[j] - times[i])
-                ratio = float(times[k] - times[j]) / flight
-                if 0.1 < ratio < 0.99:
-                    yield start, flight, ratio
-                if j == i + 1 and k == j + 1:
-                    # the second of them missed an impact: e + e²; or the first: e²/(1 + e)
-                    e = (math.sqrt(1 + 4 * ratio) - 1) / 2
-                    if 0.1 < e < 0.99:
-                        yield start, flight, e
-                    e = (ratio + math.sqrt(ratio * ratio + 4 * ratio)) / 2
-                    if 0.1 < e < 0.99:
-                        yield start, flight / (1 + e), e
-
-
-def _explained(
-    times: Array, start: float, flight: float, e: float, slower: float
-) -> tuple[NDArray[np.int64], float]:
-    """Numbers of the impacts that lie where the proposal foretells one, and how well they do."""
-    change = math.log(e) * slower ** np.arange(_ON)
-    on = flight * np.exp(np.concatenate(([0.0], np.cumsum(change))))
-    change = math.log(e) / slower ** np.arange(1, _BACK + 1)
-    back = flight * np.exp(-np.cumsum(change))
-    flights = np.concatenate((back[::-1], on))
-    places = start - back.sum() + np.concatenate(([0.0], np.cumsum(flights)))
-    flights = np.append(flights, flights[-1])
-    off = np.abs(times[:, None] - places) / flights
-    nearest = np.argmin(off, axis=1)
-    # the factor changes slowly: farther away less is known
-    tolerance = np.minimum(0.08 + 0.03 * np.abs(nearest - _BACK - 1), 0.25)
-    worth = np.maximum(0.0, 1 - (off[np.arange(len(times)), nearest] / tolerance) ** 2)
-    numbers = _one_each(np.where(worth > 0, nearest, -1), worth)
-    used = numbers[numbers >= 0]
-    if len(used) < 2:
-        return numbers, 0.0
-    gaps = int(np.ptp(used)) + 1 - len(used)
-    numbers = np.where(numbers >= 0, numbers - used.min(), -1)
-    return numbers, float(worth[numbers >= 0].sum()) - _MISSED * gaps
-
-
-def _one_each(numbers: NDArray[np.intp], worth: Array) -> NDArray[np.int64]:
-    """Of several impacts with one number only the best keeps it."""
-    kept = numbers.astype(np.int64)
-    for number in np.unique(kept[kept >= 0]):
-        same = np.flatnonzero(kept == number)
-        kept[same[same != same[np.argmax(worth[same])]]] = -1
-    return kept
 
 
 def _refined(times: Array, u: Array, numbers: NDArray[np.int64]) -> tuple[NDArray[np.int64], float]:
@@ -282,7 +204,7 @@ def _refined(times: Array, u: Array, numbers: NDArray[np.int64]) -> tuple[NDArra
     rough = scatter / float(np.median(np.diff(times[kept])))
     if rough > _ROUGH or not _shrinks(times[kept], numbers[kept]):
         return numbers, -math.inf
-    return numbers, float(np.count_nonzero(kept)) - _MISSED * gaps - 50 * min(rough, 0.1)
+    return numbers, float(np.count_nonzero(kept)) - MISSED * gaps - 50 * min(rough, 0.1)
 
 
 def _assigned(times: Array, predicted: Array, tolerance: float) -> NDArray[np.int64]:
@@ -292,7 +214,7 @@ def _assigned(times: Array, predicted: Array, tolerance: float) -> NDArray[np.in
     off = np.abs(times[:, None] - predicted) / steps
     nearest = np.argmin(off, axis=1)
     least = off[np.arange(len(times)), nearest]
-    numbers = _one_each(np.where(least <= tolerance, nearest, -1), -least)
+    numbers = one_each(np.where(least <= tolerance, nearest, -1), -least)
     used = numbers[numbers >= 0]
     return np.where(numbers >= 0, numbers - used.min(), -1) if len(used) else numbers
 

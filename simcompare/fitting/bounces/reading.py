@@ -17,6 +17,7 @@ from simcompare import units
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import arcs, ordering
 from simcompare.fitting.bounces.bounce_models import GRAVITY
+from simcompare.fitting.bounces.flights import MIN_SAMPLES
 from simcompare.fitting.bounces.impacts import CLOCKED, SOUND, TABLE, Impacts
 from simcompare.hardware.recordings import bounce_table
 from simcompare.inference import sources
@@ -259,7 +260,7 @@ def _height_channel(recording: Recording) -> str | None:
         (f"{stream}/{name}", name.removesuffix(units.suffix_of(name)).split(".")[-1])
         for stream, content in recording.streams.items()
         for name, channel in content.channels.items()
-        if channel.unit == "m" and len(content.time_s) >= 2 * arcs.LEAST
+        if channel.unit == "m" and len(content.time_s) >= 2 * MIN_SAMPLES
     ]
     for name in _HEIGHT_NAMES:
         fitting = [full for full, short in found if short == name or short.endswith(f"_{name}")]

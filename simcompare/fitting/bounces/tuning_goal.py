@@ -13,7 +13,7 @@ from simcompare.fitting.bounces.roles import Roles
 from simcompare.model.trajectory import Array
 
 #: phases of the step at which every drop is run, fewer where there are many drops, and the fewest
-PHASES, MOST_RUNS, LEAST_PHASES = 25, 150, 5
+PHASES, MAX_RUNS, MIN_PHASES = 25, 150, 5
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class TuningGoal:
     @property
     def phases(self) -> int:
         """At how many phases of the step each drop is run."""
-        return max(LEAST_PHASES, min(PHASES, MOST_RUNS // len(self.drops)))
+        return max(MIN_PHASES, min(PHASES, MAX_RUNS // len(self.drops)))
 
 
 def goal_of(roles: Roles, best: Fit, held: Sequence[Fit]) -> TuningGoal:

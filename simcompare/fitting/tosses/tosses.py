@@ -29,7 +29,7 @@ from simcompare.model.trajectory import Array
 from simcompare.results.records.fit_tosses import Witness
 
 #: fewest samples in flight from which a start is read
-FEWEST_IN_FLIGHT = 5
+MIN_IN_FLIGHT = 5
 #: part of the width by which the lowest corner is clear of the table in flight
 CLEAR = 0.01
 #: samples at the end of a toss that tell the height of rest, and the fastest motion there [m/s]
@@ -126,7 +126,7 @@ def start_of(toss: Toss, width_m: float, gravity_m_s2: float) -> Start:
     The rate is constant as all moments of inertia of a cube are equal. Where too few samples are in
     flight, the first ones are taken all the same.
     """
-    count = max(samples_in_flight(toss, width_m), FEWEST_IN_FLIGHT)
+    count = max(samples_in_flight(toss, width_m), MIN_IN_FLIGHT)
     time_s, place = toss.time_s[:count], toss.position_m[:count]
     fall = np.outer(time_s**2 / 2, (0.0, 0.0, -gravity_m_s2))
     line = np.column_stack((np.ones(count), time_s))
@@ -215,7 +215,7 @@ def combined(found: Sequence[Witness]) -> Witness:
 def _fall(toss: Toss, width_m: float) -> float | None:
     """Acceleration in flight [m/s²]; ``None`` where the flight is too short to tell."""
     count = samples_in_flight(toss, width_m)
-    if count < 2 * FEWEST_IN_FLIGHT:
+    if count < 2 * MIN_IN_FLIGHT:
         return None
     return -2 * float(np.polyfit(toss.time_s[:count], toss.position_m[:count, 2], 2)[0])
 

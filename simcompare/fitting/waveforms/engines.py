@@ -27,7 +27,7 @@ from simcompare.running.jobs import FAILED, OK, Job, Outcome
 from simcompare.running.runner import TIME_LIMIT_S, Progress
 
 #: Newton's steps at most, and the part of an unknown below which a step no longer counts
-MOST_STEPS, ENOUGH = 12, 1e-8
+MAX_STEPS, ENOUGH = 12, 1e-8
 #: (number of the case, variant) -> what its probes saw
 Runs = Mapping[tuple[int, str], Trajectory]
 
@@ -197,7 +197,7 @@ def _corrected(work: _Work, x: Array, defects: Sequence[Array]) -> Array:
     ]
     names, bounds = work.setup.every, work.model.file.parameters
     found = x
-    for _ in range(MOST_STEPS if not work.fitted.estimate.at_bound else 0):
+    for _ in range(MAX_STEPS if not work.fitted.estimate.at_bound else 0):
         residuals = np.concatenate(
             [
                 part

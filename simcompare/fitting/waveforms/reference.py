@@ -13,7 +13,7 @@ from simcompare.inference.residuals import Block, Solution, blocks_of, solve
 from simcompare.model.trajectory import Array
 
 #: singular values of the scaled Jacobian below this part of the largest tell nothing
-_LEAST = 1e-10
+_MIN_SINGULAR = 1e-10
 
 
 @dataclass(frozen=True)
@@ -66,5 +66,5 @@ def fit_reference(model: Model, setup: Setup) -> Fitted:
 def _gain(jacobian: Array) -> Array:
     """Generalised inverse with columns of length one; what nothing tells does not move."""
     size = np.linalg.norm(jacobian, axis=0)
-    inverse = np.linalg.pinv(jacobian / size, rcond=_LEAST) / size[:, None]
+    inverse = np.linalg.pinv(jacobian / size, rcond=_MIN_SINGULAR) / size[:, None]
     return np.asarray(inverse, dtype=float)
