@@ -12,7 +12,7 @@ import pytest
 from simcompare.model.plain import of_plain, plain
 from simcompare.reports import builder
 from simcompare.reports.fit import figures as fitted_figures
-from simcompare.reports.fit import fits, more_figures, tables
+from simcompare.reports.fit import fits, measured_tables, more_figures, tables
 from simcompare.reports.fit import tuned as fitted_tuned
 from simcompare.reports.render import matplotlib_, numbers, plotly_
 from simcompare.reports.render.figures import Figure, Matrix, Panel
@@ -238,8 +238,8 @@ def test_each_impact_in_a_plain_loop_is_drawn_beside_the_closed_form(tuned):
 
 
 def test_the_level_of_a_fit_is_told(tuned, heard):
-    assert tables.valid(tuned)["contact level"] == "tuned"
-    assert tables.valid(heard)["contact level"] == "assisted, helps: all"
+    assert measured_tables.valid(tuned)["contact level"] == "tuned"
+    assert measured_tables.valid(heard)["contact level"] == "assisted, helps: all"
     rows = cells(fitted_tuned.heights(tuned))
     assert rows[0][:2] == ("1", "closed form")
     assert {row[1] for row in rows} == {"closed form", "dart", "pymunk"}
@@ -443,30 +443,30 @@ def test_another_residual_moves_the_restitution(in_air):
 
 
 def test_what_was_measured_and_where_it_holds_are_told(heard):
-    rows = cells(tables.measured(heard))
+    rows = cells(measured_tables.measured(heard))
     assert [row[2] for row in rows] == ["fitted", "fitted", "held out"]
     low, high = heard.record.fit.valid.speed_m_s
-    told = tables.valid(heard)["valid for impacts at"]
+    told = measured_tables.valid(heard)["valid for impacts at"]
     assert told == f"{numbers.plain(low, 3)} to {numbers.plain(high, 3)} m/s"
 
 
 def test_what_was_left_out_is_told_with_its_reason(heard):
-    assert tables.left_out(heard) is None
+    assert measured_tables.left_out(heard) is None
     click = Rejected("impact", 6, 1.25, "a click of the switch")
     first, *rest = heard.record.fit.measured
     first = replace(first, missed=(4,), dropped=(click,))
-    rows = cells(tables.left_out(changed(heard, measured=(first, *rest))))
+    rows = cells(measured_tables.left_out(changed(heard, measured=(first, *rest))))
     assert rows[0] == ("first.wav", "impact 6", "1.25", "a click of the switch")
     assert rows[1][1] == "impact 4"
 
 
 def test_priors_and_fixed_values_are_told(heard):
-    assert tables.known(heard) is None
+    assert measured_tables.known(heard) is None
     closed = replace(
         heard.record.fit.closed_form, fixed={"terminal_speed_m_s": 9.0},
         priors={"drop_height_m": Prior(1.0, 0.002)}, pulls={"drop_height_m": -2.5},
     )  # fmt: skip
-    fixed, prior = cells(tables.known(changed(heard, closed_form=closed)))
+    fixed, prior = cells(measured_tables.known(changed(heard, closed_form=closed)))
     assert fixed[:3] == ("terminal speed (m/s)", "fixed", "9")
     assert prior == ("drop height (m)", "prior", "1.0000 ± 0.0020", "−2.5")
 

@@ -10,6 +10,7 @@ import simcompare
 from simcompare.engine.calibration.drops import even_phases
 from simcompare.errors import InputError
 from simcompare.results import fit_file
+from simcompare.results.contact_values import contact_values
 from tests.bare_drops import COEFFICIENT_ENGINES, MujocoDrops
 from tests.present import INSTALLED, need
 from tests.test_fitting import E, stopwatch
@@ -240,7 +241,7 @@ def test_an_old_fit_is_read_as_assisted(found, tmp_path):
     assert (fit.contact, fit.assist) == ("assisted", "all")
     run = simcompare.run("ball", engine="pymunk", contact=str(path), seeds=1)
     assert "landing" in run.record.sources[0].helps
-    assert "not for a plain loop" in fit_file.contact_values(path)
+    assert "not for a plain loop" in contact_values(path)
 
 
 def test_a_damaged_contact_is_refused(found, tmp_path):

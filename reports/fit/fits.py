@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from simcompare import units
 from simcompare.reports.render import numbers
@@ -160,3 +160,17 @@ def drawn_words(run: Run) -> str:
     """Which drops are drawn, where that is not all of them."""
     count = len(bounces(run).measured)
     return f" The first {MAX_DROPS} of {count} drops." if count > MAX_DROPS else ""
+
+
+def speeds(ends: tuple[float, float]) -> str:
+    """Slowest and fastest impact, as people write them."""
+    return f"{numbers.plain(ends[0], 3)} to {numbers.plain(ends[1], 3)}"
+
+
+def rms_words(rms: Mapping[str, float]) -> str:
+    """Root mean squares of residuals, each in a unit of its size."""
+    parts = []
+    for kind, value in rms.items():
+        factor, small = smaller("s" if kind == "times" else "m", [value])
+        parts.append(f"{kind} {numbers.plain(factor * value, 3)} {small}")
+    return ", ".join(parts)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from simcompare.reports.fit import figures as fitted_figures
-from simcompare.reports.fit import fits, more_figures, tuned
+from simcompare.reports.fit import fits, measured_tables, more_figures, tuned
 from simcompare.reports.fit import tables as fitted_tables
 from simcompare.reports.render.parts import Part, part_of
 from simcompare.results.run import Run
@@ -83,8 +83,12 @@ def others(run: Run) -> Part | None:
 
 def measured(run: Run) -> Part:
     """What was measured, left out, fixed and known before, and where the fit holds."""
-    tables = [fitted_tables.measured(run), fitted_tables.left_out(run), fitted_tables.known(run)]
+    tables = [
+        measured_tables.measured(run),
+        measured_tables.left_out(run),
+        measured_tables.known(run),
+    ]
     drops = (*fits.bounces(run).measured, *fits.bounces(run).held_out)
     notes = [f"{drop.source}: {note}" for drop in drops for note in drop.notes]
-    facts = fitted_tables.valid(run)
+    facts = measured_tables.valid(run)
     return part_of("What was measured", "measured", tables=tables, notes=notes, facts=facts)

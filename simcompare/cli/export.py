@@ -150,7 +150,7 @@ def _print_contact_values(
     scenario: str, fit: str | None, options: Mapping[str, object], out: Path | None
 ) -> None:
     """Prints, or writes, the contact values of a fit, which has all else in it."""
-    from simcompare.results import fit_file
+    from simcompare.results import contact_values, fit_file
     from simcompare.scenarios import catalogue
 
     if fit is None:
@@ -161,7 +161,7 @@ def _print_contact_values(
         raise InputError("--contact-values", [f"takes no {name}: {cure}" for name in given])
     path = fit_file.find(fit) or Path(fit)
     fit_file.read(path).base(catalogue.load(scenario))  # is it of this scenario?
-    text = fit_file.contact_values(path)
+    text = contact_values.contact_values(path)
     if out is None:
         typer.echo(text, nl=False)
     else:
