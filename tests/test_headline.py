@@ -261,7 +261,7 @@ def tuning(numbers, depth_m, contact_s):
 
 
 def test_what_is_typed_in_and_what_contacts_cost():
-    run = answered(level("tuned", north=0.8, south=0.8, west=0.8))
+    run = answered(level("tuned", north=0.8, south=0.8, west=0.8, east=0.8))
     spring = (-119338.1, -50.87462)
     run = with_sources(
         run,
@@ -269,6 +269,7 @@ def test_what_is_typed_in_and_what_contacts_cost():
             tuning([0.80132], 1e-7, 0.0019),
             tuning(spring, 0.01172, 0.0086),
             tuning([0.79853], 0.0043, 0.001),
+            tuning([0.81], 0.0044, 0.0022),
         ],
     )
     rows = tuple(
@@ -278,9 +279,9 @@ def test_what_is_typed_in_and_what_contacts_cost():
     run = with_source(run, 1, audit=rows)
     assert remarks.remarks(run)[2:4] == [
         "Typed in for a restitution of 0.8: 0.8013 in north, spring = (−119338, −50.8746) in"
-        " south, 0.7985 in west.",
+        " south, 0.7985 in west, 0.81 in east.",
         "In the drops that were tuned, the first contact sinks up to 12 mm and lasts 8.6 ms in"
-        " south; 4.3 mm and lasts 1 ms in west;"
+        " south; 4.3 to 4.4 mm and lasts 1 to 2.2 ms in west and east;"
         " 0.4 mm and lasts 1.9 ms in north.",
     ]
 

@@ -103,8 +103,8 @@ def _alike(group: Sequence[_Contact]) -> str:
 
 
 def _span(values: Sequence[float], unit: str) -> str:
-    low, high = (f"{numbers.plain(value, 2)} {unit}" for value in (min(values), max(values)))
-    return low if low == high else f"{low} to {high}"
+    ends = dict.fromkeys(numbers.plain(value, 2) for value in (min(values), max(values)))
+    return f"{' to '.join(ends)} {unit}"
 
 
 def typed_in(run: Run) -> list[str]:
