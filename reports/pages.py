@@ -29,11 +29,12 @@ _ROOM = 0.55
 _GROUP = 6 * _LINE
 _INK, _SOFT = "#1b1b1b", "#555555"
 
-Cells = Sequence[str]
 #: a column is as wide as its longest cell, within these numbers of letters
 _MIN_WIDTH, _MAX_WIDTH = 10, 45
 #: letters of a table that is as wide as its words, and the space between columns
 _TIGHT, _GUTTER = 0.88, 0.012
+#: letters of all columns of a table for which there is room
+_FITTING = _CELL_WRAP * (1 - 2 * _LEFT) * _TIGHT
 
 
 class Line(NamedTuple):
@@ -42,13 +43,13 @@ class Line(NamedTuple):
     Attributes:
         cells: its texts.
         strong: whether it is a heading.
-        widths: of the columns, relative to each other; all alike where empty.
+        widths: of the columns, relative to each other; empty for a single cell.
         numbers: columns that end at their right edge, so that digits stand below each other.
     """
 
-    cells: Cells
+    cells: Sequence[str]
     strong: bool
-    widths: Sequence[float] = ()
+    widths: Sequence[int] = ()
     numbers: frozenset[int] = frozenset()
 
 
@@ -126,10 +127,10 @@ def _text_pages(heading: str, rest: list[Line]) -> Iterator[Canvas]:
 
 def _columns(line: Line) -> Iterator[tuple[str, float, float, int]]:
     """Each cell with where its column begins and ends and how many letters fit into it."""
-    widths = line.widths or [1.0] * len(line.cells)
+    widths = line.widths
     left, scale = _LEFT, (1 - 2 * _LEFT) / sum(widths)
     for cell, width in zip(line.cells, widths, strict=True):
-        fitting = int(_CELL_WRAP * scale * width * (_TIGHT if line.widths else 1))
+        fitting = int(_CELL_WRAP * scale * width * _TIGHT)
         yield cell, left, left + scale * width - _GUTTER, max(fitting, 1)
         left += scale * width
 
@@ -174,11 +175,11 @@ def _lines(part: Part) -> Iterator[Line]:
 
 
 def _grid_lines(table: Table) -> Iterator[Line]:
-    rows = [row for group in table.groups for row in group.rows]
-    heads = tuple(column.full_head for column in table.columns)
+    """A table, without the columns that can be spared where there is no room for them."""
+    if sum(_widths(table)) > _FITTING:
+        table = table.narrow()
+    widths, heads = _widths(table), tuple(column.full_head for column in table.columns)
     numbers = frozenset(i for i, column in enumerate(table.columns) if i and not column.text)
-    lengths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
-    widths = tuple(float(min(max(n, _MIN_WIDTH), _MAX_WIDTH)) for n in lengths)
     if table.title:
         yield Line((table.title,), True)
     yield Line(heads, True, widths, numbers)
@@ -191,6 +192,14 @@ def _grid_lines(table: Table) -> Iterator[Line]:
             yield Line(tuple(map(printable, row)), False, widths, numbers)
     if table.note:
         yield Line((table.note,), False)
+
+
+def _widths(table: Table) -> tuple[int, ...]:
+    """Letters of each column."""
+    rows = [row for group in table.groups for row in group.rows]
+    heads = [column.full_head for column in table.columns]
+    lengths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+    return tuple(min(max(length, _MIN_WIDTH), _MAX_WIDTH) for length in lengths)
 
 
 def _blank() -> Canvas:

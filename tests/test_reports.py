@@ -13,7 +13,7 @@ from simcompare.compare.comparison import Score
 from simcompare.errors import OutputError, UnknownName
 from simcompare.model.audit import AuditRow
 from simcompare.model.trajectory import TRUTH, Trajectory
-from simcompare.reports import builder
+from simcompare.reports import builder, pages
 from simcompare.reports.render import numbers, output, plotly_
 from simcompare.reports.run import reproduce, runs
 from simcompare.reports.run.audit import state_of
@@ -521,6 +521,16 @@ def test_pdf_has_a_page_for_each_figure_and_the_tables(name, tmp_path):
     pages = len(re.findall(rb"/Type /Page\b", content))
     figures, tables = len(builder.blocks_of([run])[0].figures), {"against": 4, "nothing ran": 2}
     assert pages == figures + tables[name]
+
+
+@pytest.mark.parametrize(
+    ("levels", "whole"), [(("tuned",), True), (("default", "tuned", "assisted"), False)]
+)
+def test_a_table_that_is_too_wide_for_a_page_does_without_what_can_be_spared(levels, whole):
+    (block,) = builder.blocks_of([make_run([("north", level, 0.801) for level in levels])])
+    texts = {text.get_text() for page in pages.of(block) for text in page.texts}
+    assert {"tuned, value ± s", "tuned, verdict"} <= texts
+    assert ("tuned, of tolerance" in texts) == whole
 
 
 # Markdown

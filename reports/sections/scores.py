@@ -45,8 +45,8 @@ def _note(run: Run) -> str:
 def _columns(mode: str) -> list[Column]:
     words = runs.mode_words(mode)
     judged = [
-        Column("deviation ± s", over=words),
-        Column("of tolerance", over=words),
+        Column("deviation ± s", spare=True, over=words),
+        Column("of tolerance", spare=True, over=words),
         Column("verdict", text=True, nowrap=True, over=words),
     ]
     return [Column("value ± s", over=words), *(() if mode in SHOWN_LEVELS else judged)]
