@@ -13,6 +13,7 @@ from simcompare import units
 from simcompare.errors import InputError, UnknownName
 from simcompare.model import expressions
 from simcompare.model.fittable import Fittable
+from simcompare.model.plain import Plain
 from simcompare.model.scenario import Scenario
 from simcompare.model.signals import Signal
 from simcompare.model.yaml_file import describe, faults_of, read_yaml
@@ -84,7 +85,7 @@ class ScenarioFile:
     path: Path
     parameters: Mapping[str, Parameter]
     presets: Mapping[str, Preset]
-    tree: Mapping[str, Any]
+    tree: Plain
     lines: Mapping[str, int] = field(repr=False)
     extends: tuple[Path, ...] = ()
     fit: Fittable | None = None
@@ -191,7 +192,7 @@ def out_of_bounds(
 
 
 def build(
-    tree: Mapping[str, Any], parameters: Mapping[str, float], step_s: float | None
+    tree: Plain, parameters: Mapping[str, float], step_s: float | None
 ) -> tuple[Scenario | None, dict[str, str]]:
     """The scenario of a tree with its expressions evaluated, or ``None`` and every fault.
 
@@ -243,7 +244,7 @@ def read(path: Path) -> ScenarioFile:
 
 def _read_with_bases(
     path: Path, above: tuple[Path, ...]
-) -> tuple[dict[str, Any], dict[str, int], dict[str, str], tuple[Path, ...]]:
+) -> tuple[Plain, dict[str, int], dict[str, str], tuple[Path, ...]]:
     """A file merged onto the one that it extends: tree, own lines, own faults, files extended."""
     tree, lines, faults = read_yaml(path)
     if not isinstance(tree, dict):
@@ -308,7 +309,7 @@ def _head_faults(head: _Head, bodies: Collection[str]) -> dict[str, str]:
     return faults
 
 
-def _values_despite_faults(raw: Mapping[str, Any]) -> dict[str, float]:
+def _values_despite_faults(raw: Plain) -> dict[str, float]:
     """Parameter values as far as they can be read, so that the scene can be checked as well."""
     values = {}
     parameters = raw.get("parameters")

@@ -9,13 +9,14 @@ import json
 from typing import Any
 
 from simcompare.model.fittable import Fittable
+from simcompare.model.plain import Plain
 from simcompare.model.scenario import Scenario
 from simcompare.scenarios.scenario_file import SCHEMA_PATH, Parameter, Preset
 
 _EXPRESSION = {"type": "string", "pattern": r"^\s*\$\{.*\}\s*$"}
 
 
-def build() -> dict[str, Any]:
+def build() -> Plain:
     """Schema of a scenario file: the scenario, its parameters and presets, and expressions."""
     schema = Scenario.model_json_schema()
     definitions = schema["$defs"]
@@ -44,7 +45,7 @@ def build() -> dict[str, Any]:
 _PLAIN = ("Parameter", "Preset", "Fittable", "Grid")
 
 
-def _mapping_of(name: str) -> dict[str, Any]:
+def _mapping_of(name: str) -> Plain:
     return {"type": "object", "additionalProperties": {"$ref": f"#/$defs/{name}"}}
 
 

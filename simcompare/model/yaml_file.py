@@ -11,6 +11,7 @@ import yaml
 from pydantic import ValidationError
 
 from simcompare.errors import InputError
+from simcompare.model.plain import Plain
 
 #: parts that aliases may stand for, beside those that are written out
 _MAX_ALIASED = 100_000
@@ -156,7 +157,7 @@ _MESSAGES = {
 }
 
 
-def _message(kind: str, about: Mapping[str, Any]) -> str:
+def _message(kind: str, about: Plain) -> str:
     """Plain words for a kind of fault, empty where there are none."""
     return _MESSAGES.get(kind, "").format(**about)
 

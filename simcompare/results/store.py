@@ -13,7 +13,6 @@ import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -21,7 +20,7 @@ from simcompare.compare.comparison import Score
 from simcompare.errors import InputError, OutputError
 from simcompare.model import parquet
 from simcompare.model.settings import OLD_LEVELS
-from simcompare.model.trajectory import Trajectory
+from simcompare.model.trajectory import Array, Trajectory
 from simcompare.results.records import stored
 from simcompare.results.records.run import Record
 from simcompare.results.run import Run, Stored
@@ -166,7 +165,7 @@ def _write_trajectories(path: Path, entries: tuple[Stored, ...]) -> None:
         parquet.copy(connection, query, path)
 
 
-def _column(blocks: list[dict[str, Any]], lengths: list[int], name: str) -> np.ndarray[Any, Any]:
+def _column(blocks: list[dict[str, Array]], lengths: list[int], name: str) -> Array:
     empty = [np.full(length, np.nan) for length in lengths]
     return np.concatenate([block.get(name, nan) for block, nan in zip(blocks, empty, strict=True)])
 
@@ -195,17 +194,17 @@ def _read_trajectories(path: Path, record: Record) -> list[Stored]:
     return entries
 
 
-def _new_columns(columns: Mapping[str, Any], record: Record) -> dict[str, Any]:
+def _new_columns(columns: parquet.Columns, record: Record) -> parquet.Columns:
     """What version 0.1 stored of a recording: parameters as contact, and segments as repeats."""
     contact, repeat = columns["contact"], columns["repeat"]
     if record.kind == "run":
         return {"parameters": np.full_like(contact, ""), "segment": np.zeros_like(repeat)}
-    found = {"parameters": contact, "segment": repeat, "repeat": np.zeros_like(repeat)}
-    return found if record.kind == "fit" else {**found, "contact": np.full_like(contact, "")}
+    new = {"parameters": contact, "segment": repeat, "repeat": np.zeros_like(repeat)}
+    return new if record.kind == "fit" else {**new, "contact": np.full_like(contact, "")}
 
 
-def _from_columns(source: str, contact: str, columns: dict[str, Any]) -> Trajectory:
-    signals: dict[str, list[Any]] = {}
+def _from_columns(source: str, contact: str, columns: Mapping[str, Array]) -> Trajectory:
+    signals: dict[str, list[Array]] = {}
     for name, values in columns.items():
         if name == "time_s" or np.isnan(values).all():
             continue
