@@ -13,7 +13,7 @@ from simcompare.errors import InputError, UnknownName
 from simcompare.fitting.tosses.replay import spacing_s
 from simcompare.fitting.tosses.roles import TossRoles
 from simcompare.fitting.tosses.tosses import (
-    FEWEST_IN_FLIGHT,
+    MIN_IN_FLIGHT,
     Toss,
     combined,
     split,
@@ -189,8 +189,8 @@ def _read(name: str, stream: Stream) -> tuple[str, Toss | None]:
     length = np.linalg.norm(turn, axis=1, keepdims=True)
     if not np.isfinite(values).all() or not length.all():
         return "poses are missing", None
-    if len(values) < 2 * FEWEST_IN_FLIGHT:
-        return f"fewer than {2 * FEWEST_IN_FLIGHT} samples", None
+    if len(values) < 2 * MIN_IN_FLIGHT:
+        return f"fewer than {2 * MIN_IN_FLIGHT} samples", None
     time_s = np.asarray(stream.time_s) - stream.time_s[0]
     toss = Toss(name, time_s, values[:, :3], turn / length)
     try:
