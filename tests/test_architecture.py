@@ -194,3 +194,13 @@ def test_the_written_plan_is_the_plan():
     table = re.findall(r"^\| ((?:`\w+`(?:, )?)+) \|", text, flags=re.MULTILINE)
     written = tuple(tuple(re.findall(r"`(\w+)`", row)) for row in table)
     assert written == tuple(reversed(FLOORS))
+
+
+@pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md", "docs/architecture.md"])
+def test_files_that_the_papers_name_are_there(name):
+    text = (ROOT / name).read_text(encoding="utf-8")
+    named = re.findall(
+        r"`((?:simcompare|tests|docs|tools|" + "|".join(OUTER) + r")/[\w/.-]+)`", text
+    )
+    assert named or name == "README.md"
+    assert not [path for path in named if not (ROOT / path).exists()]
