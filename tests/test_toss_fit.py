@@ -22,7 +22,7 @@ from simcompare.model.plain import plain
 from simcompare.model.settings import TUNED, Settings
 from simcompare.reports import builder
 from simcompare.reports.fit.tosses import sentences
-from simcompare.results import fit_file, store
+from simcompare.results import contact_values, fit_file, store
 from simcompare.results.records.fit_tosses import TossFit
 from simcompare.results.run import Run
 from simcompare.running.jobs import FAILED, UNSUPPORTED, Job
@@ -343,7 +343,7 @@ def test_a_stored_fit_gives_each_engine_its_own_values(tmp_path, contact):
     assert fit.of_engine("ode", FILE) is None
     (said, *_) = fit.cautions(FILE.resolve(), FILE, ["dart", "ode"])
     assert said == "ode was not fitted: what runs as fitted there has the scenario's parameters."
-    assert f"{FILE.name}, fitted at 1.00 to 2.00 m/s" in fit_file.contact_values(path)
+    assert f"{FILE.name}, fitted at 1.00 to 2.00 m/s" in contact_values.contact_values(path)
 
 
 WITNESS = {"name": "both", "scale": 0.98, "u": 0.004, "text": ""}
