@@ -50,7 +50,7 @@ def of_fit(
         contact=how.contact,
         assist=ALL if how.helps is None else known(how.helps) or NONE,
         scenario=roles.file.name,
-        given=given,
+        settings=given,
         unknowns=tuple(setup.grids),
         width_m=roles.width_m({}),
         fitted=tuple(toss.name for toss in setup.fitted),

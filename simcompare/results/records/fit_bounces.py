@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
@@ -22,6 +21,7 @@ from simcompare.results.records.fit_forms import (
 )
 from simcompare.results.records.fit_holdout import Holdout
 from simcompare.results.records.fit_parts import (
+    AnyKind,
     Known,
     Numbers,
     Open,
@@ -91,16 +91,12 @@ class Valid:
 
 
 @dataclass(frozen=True, kw_only=True)
-class BouncesFit:
+class BouncesFit(AnyKind):
     """What fit.json says of a fit to bounces.
 
     Attributes:
         by: the kind.
         format: version of what is stored.
-        scenario: that was fitted.
-        contact: level for which it holds: "tuned" or "assisted".
-        assist: our helps that were asked for, as they are typed.
-        settings: parameters of the scenario that were not fitted.
         measured: the drops that were fitted.
         dropped: what was left out of them, in words.
         held_out: the drops that were not.
@@ -122,15 +118,10 @@ class BouncesFit:
         holdout: what is predicted of the drops that were not fitted.
         other_estimates: restitutions by other rules.
         valid: where it holds.
-        sentences: the answer, in words.
     """
 
     by: Literal["bounces"] = "bounces"
     format: int = FORMAT
-    scenario: str
-    contact: str
-    assist: str
-    settings: Annotated[Mapping[str, float], Field(alias="given")]
     measured: tuple[Drop, ...]
     dropped: Annotated[tuple[str, ...], Field(alias="told")] = ()
     held_out: tuple[Drop, ...]
@@ -152,7 +143,6 @@ class BouncesFit:
     holdout: Holdout
     other_estimates: tuple[OtherEstimate, ...]
     valid: Valid
-    sentences: tuple[str, ...] = ()
 
     @property
     def is_tuned(self) -> bool:

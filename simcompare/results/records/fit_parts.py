@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
-from typing import Any, TypeVar, cast
+from typing import Annotated, Any, TypeVar, cast
+
+from pydantic import Field
 
 from simcompare.model.tuning import TuningRow
 from simcompare.statistics.identifiability import Identifiability
@@ -54,6 +56,25 @@ class EngineParameter:
     def limits(self) -> tuple[float | None, float | None]:
         """Ends of the 95 % interval."""
         return self.interval95
+
+
+@dataclass(frozen=True, kw_only=True)
+class AnyKind:
+    """What all kinds of fits say.
+
+    Attributes:
+        scenario: that was fitted.
+        contact: level for which it holds: "tuned" or "assisted".
+        assist: our helps that were asked for, as they are typed.
+        settings: parameters of the scenario that were not fitted.
+        sentences: the answer, in words.
+    """
+
+    scenario: str
+    contact: str
+    assist: str
+    settings: Annotated[Mapping[str, float], Field(alias="given")]
+    sentences: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

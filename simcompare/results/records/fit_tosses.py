@@ -8,7 +8,7 @@ from typing import Literal
 
 from simcompare.model.audit import AuditRow
 from simcompare.results.records.fit_engines import RunWith
-from simcompare.results.records.fit_parts import EngineParameter, EngineRow
+from simcompare.results.records.fit_parts import AnyKind, EngineParameter, EngineRow
 
 #: version of what fit.json holds
 FORMAT = 1
@@ -135,16 +135,12 @@ class TossRange:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TossFit:
+class TossFit(AnyKind):
     """What a fit by tosses found.
 
     Attributes:
         format: version of what is stored.
         by: kind of the fit.
-        contact: level for which it holds.
-        assist: our helps that it was made with, as they are typed.
-        scenario: its name.
-        given: parameters of the scenario that were set.
         unknowns: what was sought.
         width_m: length of the cube's edges [m].
         fitted: names of the tosses that were fitted.
@@ -155,15 +151,10 @@ class TossFit:
         sources: what was found for every engine.
         valid: within what the fit was made.
         run_with: what another run takes of it.
-        sentences: the answer.
     """
 
     format: int = FORMAT
     by: Literal["tosses"] = "tosses"
-    contact: str
-    assist: str
-    scenario: str
-    given: Mapping[str, float]
     unknowns: tuple[str, ...]
     width_m: float
     fitted: tuple[str, ...]
@@ -174,4 +165,3 @@ class TossFit:
     sources: tuple[TossSource, ...]
     valid: TossRange
     run_with: RunWith
-    sentences: tuple[str, ...] = ()

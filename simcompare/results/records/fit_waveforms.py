@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from simcompare.results.records.fit_parts import EngineParameter, EngineRow, Known, Rms
+from simcompare.results.records.fit_parts import AnyKind, EngineParameter, EngineRow, Known, Rms
 
 #: version of what is stored
 FORMAT = 1
@@ -225,16 +225,12 @@ class WaveEngine(EngineRow):
 
 
 @dataclass(frozen=True, kw_only=True)
-class WaveformFit:
+class WaveformFit(AnyKind):
     """What fit.json says of a fit to signals over time.
 
     Attributes:
         by: the kind.
         format: version of what is stored.
-        contact: level for which it holds.
-        assist: our helps.
-        scenario: that was fitted.
-        settings: parameters that the user set.
         probes: what is compared, the leading one first.
         measured: segments that were fitted.
         chosen: what of each recording is fitted and what is held out.
@@ -245,15 +241,10 @@ class WaveformFit:
         sources: the engines.
         holdout: what is predicted of segments that were not fitted.
         valid: where it holds.
-        sentences: the answer, in words.
     """
 
     by: Literal["waveform"] = "waveform"
     format: int = FORMAT
-    contact: str
-    assist: str
-    scenario: str
-    settings: Annotated[Mapping[str, float], Field(alias="given")]
     probes: tuple[str, ...]
     measured: tuple[FitSegment, ...]
     chosen: tuple[Chosen, ...]
@@ -264,7 +255,6 @@ class WaveformFit:
     sources: tuple[WaveEngine, ...]
     holdout: WaveHoldout
     valid: WaveValid
-    sentences: tuple[str, ...] = ()
 
     @property
     def for_engines(self) -> FittedReference:
