@@ -67,33 +67,30 @@ def _level(run: Run, lead: Lead, mode: str) -> str:
 
 def _clauses(run: Run, lead: Lead, mode: str, rows: Sequence[Row], kinds: Sequence[str]) -> str:
     """What is within the tolerance, then what is not, and where nothing is."""
-    every = [row.name for row in rows]
-    phrases: list[str] = []
     counts = Counter(row.kind for row in rows)
-    unvalued = {
-        NOTHING: _template(lead, NOTHING),
-        UNMEASURED: f"the {lead.words} could not be measured",
-    }
     # what most engines do wrong comes first
     wrong = sorted((OUTSIDE, NOTHING), key=lambda kind: -counts[kind])
+    order = (WITHIN, UNJUDGED, *wrong, MIXED, UNMEASURED)
+    present = [kind for kind in order if kind in kinds and counts[kind]]
+    return "; ".join(_clause(run, lead, mode, rows, kind) for kind in present)
+
+
+def _clause(run: Run, lead: Lead, mode: str, rows: Sequence[Row], kind: str) -> str:
+    """What the sources of one kind have."""
+    every, of_kind = [row.name for row in rows], [row for row in rows if row.kind == kind]
+    if kind == MIXED:
+        ends = ", ".join(_mixed(run, lead, row) for row in of_kind)
+        return f"the {lead.words} differs from repeat to repeat, {ends}"
+    if kind in (NOTHING, UNMEASURED):
+        names = listing.engines([row.name for row in of_kind], every)
+        return f"{_template(lead, kind)} in {names}{_lacking(of_kind)}"
+    if kind != OUTSIDE:
+        return _values(run, lead, mode, of_kind, every, bare=False)
     same = _template(lead, WITHIN) == _template(lead, OUTSIDE)
-    for kind in (WITHIN, UNJUDGED, *wrong, MIXED, UNMEASURED):
-        if kind not in kinds:
-            continue
-        of_kind = [row for row in rows if row.kind == kind]
-        if of_kind and kind in unvalued:
-            names = listing.engines([row.name for row in of_kind], every)
-            phrases.append(f"{unvalued[kind]} in {names}{_lacking(of_kind)}")
-        elif of_kind and kind == MIXED:
-            ends = ", ".join(_mixed(run, lead, row) for row in of_kind)
-            phrases.append(f"the {lead.words} differs from repeat to repeat, {ends}")
-        elif of_kind:
-            repeated = kind == OUTSIDE and counts[WITHIN] > 0 and same
-            values = _values(run, lead, mode, of_kind, every, bare=repeated)
-            values = f"outside the tolerance: {values}" if repeated else values
-            truth = f", where the {TRUTH} gives {lead.true}" if kind == OUTSIDE else ""
-            phrases.append(values + truth)
-    return "; ".join(phrases)
+    repeated = same and any(row.kind == WITHIN for row in rows)
+    values = _values(run, lead, mode, of_kind, every, bare=repeated)
+    head = "outside the tolerance: " if repeated else ""
+    return f"{head}{values}, where the {TRUTH} gives {lead.true}"
 
 
 def _values(
@@ -130,6 +127,8 @@ def _lacking(rows: Sequence[Row]) -> str:
 
 
 def _template(lead: Lead, kind: str) -> str:
+    if kind == UNMEASURED:
+        return f"the {lead.words} could not be measured"
     kind = OUTSIDE if kind == UNJUDGED else kind
     if lead.answer is not None:
         return str(getattr(lead.answer, kind))
