@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from simcompare.errors import InputError, UnknownName
-from simcompare.hardware.recordings import bounce_table
+from simcompare.hardware.recordings import bounce_table, published
 from simcompare.scenarios import catalogue
 
 KNOWN = {"impact_time": "s", "impact_speed": "m/s", "restitution": "1", "rebound_height": "m"}
@@ -254,7 +254,7 @@ def test_any_bytes_are_told(tmp_path, raw):
         bounce_table.read(path, KNOWN)
 
 
-@pytest.mark.parametrize("name", sorted(bounce_table.facts()))
+@pytest.mark.parametrize("name", sorted(published.tables()))
 def test_every_published_fact_is_read_and_says_where_it_is_from(name):
     found = bounce_table.read(bounce_table.find(name), KNOWN)
     assert found.quantities

@@ -120,15 +120,15 @@ def test_numbers_are_the_same_in_every_repeat_and_stand_in_the_record():
     run = simcompare.run("ball", engine="mujoco,pymunk", contact="tuned", seeds=3)
     for source in run.record.sources:
         (record,) = source.tuning
-        assert record["pairs"] == [["ball", "floor"]] or record["pairs"] == [["floor", "ball"]]
-        assert record["step_s"] == 0.001
-        assert len(record["numbers"]) == (2 if source.name == "mujoco" else 1)
-        assert record["at"][0]["restitution"] == pytest.approx(0.8, rel=5e-3)
+        assert record.pairs in ((("ball", "floor"),), (("floor", "ball"),))
+        assert record.step_s == 0.001
+        assert len(record.numbers) == (2 if source.name == "mujoco" else 1)
+        assert record.at[0].restitution == pytest.approx(0.8, rel=5e-3)
         held = {
             row.read_value for row in source.audit
             if row.quantity in ("ball-floor restitution", "floor-ball restitution")
         }  # fmt: skip
-        assert set(record["numbers"]) <= held, "what was sought is what the engine holds"
+        assert set(record.numbers) <= held, "what was sought is what the engine holds"
     numbers = {
         tuple(stored.trajectory.tuning[0].numbers)
         for stored in run.trajectories

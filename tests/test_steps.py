@@ -77,8 +77,8 @@ def test_a_step_gives_what_it_gives_alone_to_the_last_bit(several, each, step, c
 
 def test_numbers_of_tuned_are_sought_at_each_step(several):
     tuning = [s.tuning[0] for s in several.record.sources if s.contact == "tuned"]
-    assert [record["step_s"] for record in tuning] == [5e-4, 1e-3, 2e-3]
-    assert len({tuple(record["numbers"]) for record in tuning}) == 3
+    assert [row.step_s for row in tuning] == [5e-4, 1e-3, 2e-3]
+    assert len({row.numbers for row in tuning}) == 3
 
 
 def test_repeats_are_spread_over_the_way_of_each_step(several):
@@ -241,7 +241,7 @@ def test_variants_and_steps_make_sources_together():
     assert [source.name for source in run.record.sources] == names
     values = [s.value for s in run.scores if s.measure == "restitution" and s.index is None]
     assert len(set(values)) == 4
-    numbers = {tuple(s.tuning[0]["numbers"]) for s in run.record.sources}
+    numbers = {s.tuning[0].numbers for s in run.record.sources}
     assert len(numbers) == 4, "each is tuned by itself"
     styles = looks(tuple(names))
     colours = [styles[name].colour for name in names]

@@ -25,9 +25,9 @@ from pathlib import Path
 from simcompare import units
 from simcompare.errors import InputError, UnknownName
 from simcompare.hardware.logs.text.sniff import split
+from simcompare.hardware.recordings import published
 
 _MAX_HEADING = 100
-FACTS_FOLDER = Path(__file__).parent
 
 #: head lines that describe the table rather than set a parameter
 HEAD_KEYS = ("title", "citation", "url", "note", "preset", "scenario", "seen")
@@ -78,11 +78,6 @@ class BounceTable:
         return self.head.get("preset")
 
 
-def facts() -> dict[str, Path]:
-    """Name -> file of the published facts that ship with simcompare."""
-    return {path.stem: path for path in sorted(FACTS_FOLDER.glob("*.csv"))}
-
-
 def find(name: str) -> Path:
     """A table given by file or by the name of a published fact.
 
@@ -95,7 +90,7 @@ def find(name: str) -> Path:
             return path
     except OSError:  # a name too long for the file system
         pass
-    known = facts()
+    known = published.tables()
     if name in known:
         return known[name]
     raise UnknownName("file or published table", name, known)

@@ -34,9 +34,9 @@ def contact_levels(incomplete: str) -> list[str]:
 
 def tables(incomplete: str) -> list[str]:
     """Published tables of measured bounces; the shell itself adds files."""
-    from simcompare.hardware.recordings import bounce_table
+    from simcompare.hardware.recordings import published
 
-    return [name for name in bounce_table.facts() if name.startswith(incomplete)]
+    return [name for name in published.tables() if name.startswith(incomplete)]
 
 
 def recordings(incomplete: str) -> list[str]:

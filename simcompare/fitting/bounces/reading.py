@@ -19,7 +19,7 @@ from simcompare.fitting.bounces import arcs, ordering
 from simcompare.fitting.bounces.bounce_models import GRAVITY
 from simcompare.fitting.bounces.flights import MIN_SAMPLES
 from simcompare.fitting.bounces.impacts import CLOCKED, SOUND, TABLE, Impacts
-from simcompare.hardware.recordings import bounce_table
+from simcompare.hardware.recordings import bounce_table, published
 from simcompare.inference import sources
 from simcompare.model.recording import Recording
 from simcompare.model.trajectory import Array
@@ -38,7 +38,7 @@ def drops_of(
     Raises:
         InputError: nothing that bounces is in it.
     """
-    path = bounce_table.facts().get(str(name), Path(name))
+    path = published.tables().get(str(name), Path(name))
     if _is_table(path):
         return _of_table(bounce_table.read(path, _TABLE))
     source = sources.find(str(name), mapping=mapping)
