@@ -188,7 +188,7 @@ def test_a_fit_is_tuned_anew_at_the_steps_that_it_is_not_of(tmp_path):
     run = ball("1ms,2ms", str(fit.folder))
     own, other = run.record.sources
     assert not own.tuning, "the numbers of the fit are for this step"
-    assert other.tuning[0]["step_s"] == 2e-3
+    assert other.tuning[0].step_s == 2e-3
     (caution,) = run.record.cautions
     assert "The step is 2 ms" in caution
 

@@ -161,10 +161,7 @@ def test_the_commands_name_variants_where_they_name_engines(call):
 
 
 def test_the_examination_tells_what_each_variant_is():
-    told = {
-        name: (text, reference)
-        for name, text, reference in facts_of(engines.get("mujoco")).variants
-    }
+    told = {one.name: (one.text, one.reference) for one in facts_of(engines.get("mujoco")).variants}
     assert set(told) == set(engines.quick_variants("mujoco"))
     assert told["rk4"] == (
         "the fourth-order method of Runge and Kutta in place of semi-implicit Euler",
