@@ -30,7 +30,7 @@ def test_parameters_that_were_known_before():
         "Of the gap of the angle from hanging, 90 % of the mean square is neither noise nor"
         " numerical error. Nothing was fitted, so it may come from the parameters as well as from"
         " the form of the model.",
-        "The one single value (1 quantity on 1 stretch) agrees within the noise level (|E_n| ≤ 1,"
+        "The one single value (1 quantity on 1 segment) agrees within the noise level (|E_n| ≤ 1,"
         " k = 2); that shows no fault, and proves no model. 81 % of the squared uncertainty comes"
         " from the parameters. Numerical error weighs most in the mean period of north: u = 0.1 s"
         " of 1 s.",
@@ -47,7 +47,7 @@ def test_parameters_that_were_fitted_elsewhere():
         " 0.01 rad, and 0.02 rad at one instant.",
         "Before the fit, the gap of the angle from hanging was made of (shares of its mean square):"
         " parameters 75 %; model form 20 %; noise of the measurement 5 %.",
-        "The one single value (1 quantity on 1 stretch) agrees within the noise level (|E_n| ≤ 1,"
+        "The one single value (1 quantity on 1 segment) agrees within the noise level (|E_n| ≤ 1,"
         " k = 2); that shows no fault, and proves no model. 81 % of the squared uncertainty comes"
         " from the parameters. Numerical error weighs most in the mean period of north: u = 0.1 s"
         " of 1 s.",
@@ -69,7 +69,7 @@ def test_parameters_that_were_fitted_to_what_is_judged():
         "Length and damping were fitted to swings, which is also what was judged: this is a fit,"
         " not a validation." in told
     )
-    assert told[-1] == "Next: judge stretches that were not fitted."
+    assert told[-1] == "Next: judge segments that were not fitted."
     assert "prediction" not in text(found)
     assert "proves" not in text(found)
 

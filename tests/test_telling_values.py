@@ -43,7 +43,7 @@ def test_the_furthest_value_is_named():
         values=[value(0.2, stream="vad.0"), far], cases=[segment("vad.0"), segment("vad.1")]
     )
     assert (
-        "Of 2 single values (2 quantities on 2 stretches) 1 agrees within the noise level"
+        "Of 2 single values (2 quantities on 2 segments) 1 agrees within the noise level"
         " (|E_n| ≤ 1, k = 2); the furthest is the log decrement of north on vad.1, E_n = −4.4."
         in text(found)
     )
@@ -52,12 +52,12 @@ def test_the_furthest_value_is_named():
 def test_a_measured_value_counts_once_for_all_engines():
     rows = [value(0.2, source=name) for name in ("north", "south", "west")]
     assert (
-        "The one single value (1 quantity on 1 stretch) agrees within the noise level (|E_n| ≤ 1,"
+        "The one single value (1 quantity on 1 segment) agrees within the noise level (|E_n| ≤ 1,"
         " k = 2), alike in all 3 engines" in text(record(values=rows))
     )
     rows += [value(3.0, source=name, measure="loss") for name in ("north", "south", "west")]
     found = text(record(values=rows))
-    assert "Of 2 single values (2 quantities on 1 stretch) 1 agrees" in found
+    assert "Of 2 single values (2 quantities on 1 segment) 1 agrees" in found
     assert "the furthest is the loss of all 3 engines, E_n = +3.0" in found
 
 
@@ -130,5 +130,5 @@ def test_clocks_aligned_by_the_very_events_are_told():
 
 def test_a_value_just_outside_does_not_look_like_one_just_inside():
     rows = [value(-1.04), value(1.02, measure="loss")]
-    assert "None of 2 single values (2 quantities on 1 stretch) agrees" in text(record(values=rows))
+    assert "None of 2 single values (2 quantities on 1 segment) agrees" in text(record(values=rows))
     assert "E_n = −1.04" in text(record(values=rows))

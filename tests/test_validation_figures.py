@@ -102,7 +102,7 @@ def test_of_many_stretches_the_best_and_the_worst_are_drawn(fitted):
     many = streams(fitted, 4)
     found = waveforms.overlay_figures(many, "angle_rad")
     assert [figure.name for figure in found] == ["overlay-angle_rad-1", "overlay-angle_rad-4"]
-    assert "Of 4 stretches" in found[0].caption
+    assert "Of 4 segments" in found[0].caption
     assert "part 3" in found[1].title
 
 

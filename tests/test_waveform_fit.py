@@ -162,8 +162,8 @@ def test_the_record_is_plain_and_says_how_far_it_holds(swing_fit):
     assert low == pytest.approx(-1.1, abs=0.1)
     assert high == pytest.approx(1.2, abs=0.05)
     assert np.shape(record.closed_form.correlation) == (3, 3)
-    stretches = {one.segment for one in swing_fit.trajectories if one.source == "measured"}
-    assert stretches == {0, 1, 2, 3}
+    segments = {one.segment for one in swing_fit.trajectories if one.source == "measured"}
+    assert segments == {0, 1, 2, 3}
 
 
 def test_what_was_known_before_is_in_the_uncertainty(tmp_path):
@@ -318,7 +318,7 @@ def test_the_command_prints_parameters_and_what_was_held_out(swings, tmp_path, c
     assert json.loads(written.read_text())["by"] == "waveform"
     page = written.with_name("report.html").read_text(encoding="utf-8")
     assert "What engines then show" in page
-    assert "Values of the stretches that were held out" in page
+    assert "Values of the segments that were held out" in page
     assert "simcompare fit pendulum --engine" in page
 
 

@@ -85,7 +85,7 @@ def renamed(value, old, new):
 
 
 def streams(run, count):
-    """The same run as if the log had held so many stretches."""
+    """The same run as if the log had held so many segments."""
     found = plain(run)
     names = [f"part {i}" for i in range(count)]
     several = dict(found)

@@ -20,12 +20,12 @@ from simcompare.reports.validation.waveforms import with_gaps
 from simcompare.results.records.fit_waveforms import FitSegment, JudgedValue
 from simcompare.results.run import Run
 
-#: how fitted engines are stored, and how many stretches are drawn beside each other
+#: how fitted engines are stored, and how many segments are drawn beside each other
 FITTED, MAX_DRAWN = "fitted", 3
 
 
 def residual_figures(run: Run) -> list[Figure]:
-    """Simulated minus measured over time: the fitted stretches, and those that were held out."""
+    """Simulated minus measured over time: the fitted segments, and those that were held out."""
     found = fits.signals(run)
     count = len(found.measured)
     cases = [*found.measured, *found.held_out]
@@ -45,7 +45,7 @@ def _figure(run: Run, probe: str, kind: str, panels: tuple[Panel, ...]) -> Figur
         "Grey band: noise of a single sample, twice its standard uncertainty. A pattern that all"
         " engines share is not the error of an engine but of the model or of the measurement."
     )
-    title = f"{_label(run, probe)}: what is left of the stretches that were {kind}"
+    title = f"{_label(run, probe)}: what is left of the segments that were {kind}"
     return Figure(f"left-{probe}-{kind.replace(' ', '-')}", title, caption, panels)
 
 
@@ -81,23 +81,23 @@ def _label(run: Run, probe: str) -> str:
 
 
 def holdout(run: Run) -> Table | None:
-    """Values of the stretches that were held out, and how well engines predict them."""
+    """Values of the segments that were held out, and how well engines predict them."""
     rows = fits.signals(run).holdout.streams
     groups = []
-    for stretch in rows:
+    for segment in rows:
         cells: list[tuple[str, ...]] = []
-        for i, value in enumerate(stretch.values):
+        for i, value in enumerate(segment.values):
             cells.append((value.measure, "measured", _number(value.measured),
                           _number(value.u_data, 2), "–"))  # fmt: skip
-            for engine, own in stretch.engines.items():
+            for engine, own in segment.engines.items():
                 cells += _predicted(engine, own.values[i : i + 1])
-        groups.append(Group(stretch.stream, tuple(cells)))
+        groups.append(Group(segment.stream, tuple(cells)))
     if not groups:
         return None
     columns = (Column("Value", text=True), Column("Source", text=True), Column("Found"),
                Column("u"), Column("E_n"))  # fmt: skip
     note = "E_n is the difference from the measured value over both expanded uncertainties (k = 2)."
-    return Table("Values of the stretches that were held out", columns, tuple(groups), note)
+    return Table("Values of the segments that were held out", columns, tuple(groups), note)
 
 
 def _predicted(engine: str, own: Sequence[JudgedValue]) -> list[tuple[str, ...]]:
@@ -113,7 +113,7 @@ def _number(value: float | None, digits: int = 5) -> str:
 
 
 def effective(run: Run) -> Table:
-    """What each engine shows with its own parameters, in the stretches that were fitted."""
+    """What each engine shows with its own parameters, in the segments that were fitted."""
     groups = []
     names = dict.fromkeys(n for row in fits.wave_engines(run) for n in row.effective)
     for name in names:
@@ -135,7 +135,7 @@ def effective(run: Run) -> Table:
 def valid(run: Run) -> dict[str, str]:
     """Where the fit holds."""
     found = fits.signals(run).valid
-    facts = {"step": f"{found.step_s:g} s", "longest stretch": f"{found.duration_s:.4g} s"}
+    facts = {"step": f"{found.step_s:g} s", "longest segment": f"{found.duration_s:.4g} s"}
     for probe, (low, high) in found.ranges.items():
         unit = run.record.probes[probe].unit
         facts[_label(run, probe)] = f"{low:.4g} to {high:.4g} {unit}"

@@ -23,9 +23,9 @@ def engines(run: Run) -> Part:
 
 
 def holdout(run: Run) -> Part:
-    """Whether the fit predicts stretches that it has not seen, or that there are none."""
+    """Whether the fit predicts segments that it has not seen, or that there are none."""
     return part_of(
-        "Stretches that were not fitted",
+        "Segments that were not fitted",
         "holdout",
         tables=[waveforms.holdout(run)],
         notes=[fits.signals(run).holdout.text],

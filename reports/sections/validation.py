@@ -61,7 +61,7 @@ def values(run: Run) -> Part | None:
 
 
 def parameters(run: Run) -> Part:
-    """What was known, what was fitted, where each number comes from, and single stretches."""
+    """What was known, what was fitted, where each number comes from, and single segments."""
     return part_of(
         "Parameters",
         "parameters",

@@ -73,7 +73,7 @@ def _were(names: Sequence[str]) -> str:
 def _read_off(validation: Validation) -> Iterator[str]:
     names = _names(validation, "read off")
     if names:
-        of_each = "each stretch of it" if len(validation.cases) > 1 else "it"
+        of_each = "each segment of it" if len(validation.cases) > 1 else "it"
         yield (f"{_were(names)} read off the recording that is judged, at the start of {of_each}.")
 
 
@@ -141,7 +141,7 @@ def _advice(validation: Validation) -> str:
             " lack something."
         )
     if validation.basis == SAME:
-        return "judge stretches that were not fitted."
+        return "judge segments that were not fitted."
     part = _largest_part(validation.gaps)
     if part == "numerical":
         return "a shorter step, since numerical error is most of what is left."
@@ -217,7 +217,7 @@ def _residual(validation: Validation, fit: CalibrationRecord) -> float:
 
 
 def _largest_part(rows: Sequence[GapRecord]) -> str | None:
-    """The largest part of what the best parameters leave over, over all engines and stretches."""
+    """The largest part of what the best parameters leave over, over all engines and segments."""
     sums = {
         key: math.fsum(getattr(row, key) ** 2 for row in rows)
         for key in ("model_form", "numerical", "noise")

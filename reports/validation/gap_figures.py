@@ -190,7 +190,7 @@ def e_n_figure(run: Run) -> Figure | None:
 
 
 def parameter_figure(run: Run) -> Figure | None:
-    """How far the fit moved each parameter, and how single stretches scatter about it."""
+    """How far the fit moved each parameter, and how single segments scatter about it."""
     fit = validations.validation(run).fit
     if fit is None:
         return None
@@ -207,11 +207,11 @@ def parameter_figure(run: Run) -> Figure | None:
             " something that the model lacks."
         )
     if any(panel.title == _SINGLE for panel in panels):
-        caption += " Stretches that disagree by more than the band say the same."
+        caption += " Segments that disagree by more than the band say the same."
     return Figure("parameters", "Fitted parameters", caption, tuple(panels), share_y=True)
 
 
-_MOVED, _SINGLE = "fitted beside what was known", "each stretch fitted alone"
+_MOVED, _SINGLE = "fitted beside what was known", "each segment fitted alone"
 _ONE_BAND = Span(-2.0, 2.0, "± 2u")
 
 
@@ -248,7 +248,7 @@ def _scatter(
             moved = values[fit.names.index(names[i])] - (row.fitted or 0.0)
             x.append(moved / (row.u_fitted or 1.0))
             y.append(i + spread(number, len(fit.single)))
-    single = Series("one stretch alone", np.array(x), np.array(y), _ALONE, points=True, line=False)
+    single = Series("one segment alone", np.array(x), np.array(y), _ALONE, points=True, line=False)
     yield Panel(_SINGLE, "(alone − together) ÷ u of the fit", "", (single,),
                 spans=(_ONE_BAND, Span(0.0, 0.0)), y_ticks=ticks,
                 x_limits=_about_zero(np.array(x), np.zeros(len(x))))  # fmt: skip

@@ -34,7 +34,7 @@ def parameters(run: Run, *, chosen: bool = False) -> Table | None:
 def _parameter(run: Run, row: ParameterRecord) -> tuple[str, ...]:
     before = numbers.with_u(row.known, row.u_known or None)
     if row.known is None and row.kind == "read off":
-        before = "each stretch its own"
+        before = "each segment its own"
     cells = [phrases.parameter(row.name), "" if row.unit == "1" else row.unit, before]
     if validations.is_fitted(run):
         cells.append("" if row.fitted is None else numbers.with_u(row.fitted, row.u_fitted))
@@ -42,7 +42,7 @@ def _parameter(run: Run, row: ParameterRecord) -> tuple[str, ...]:
 
 
 def single_fits(run: Run) -> Table | None:
-    """What each stretch gives when it is fitted alone."""
+    """What each segment gives when it is fitted alone."""
     fit = validations.validation(run).fit
     if fit is None or not fit.single:
         return None
@@ -61,8 +61,8 @@ def single_fits(run: Run) -> Table | None:
         for stream, values in fit.single.items()
     ]
     rows.append(("u of all together", *(s.text(v) for s, v in zip(scales, u, strict=True))))
-    columns = (Column("Stretch", text=True, nowrap=True), *map(Column, heads))
-    return Table("Each stretch fitted alone", columns, (Group("", tuple(rows)),))
+    columns = (Column("Segment", text=True, nowrap=True), *map(Column, heads))
+    return Table("Each segment fitted alone", columns, (Group("", tuple(rows)),))
 
 
 def _scale_beside(values: Sequence[float], u: float | None) -> Scale:

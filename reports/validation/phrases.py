@@ -42,7 +42,7 @@ def label(validation: Validation, probe: str) -> str:
 
 
 def where(validation: Validation, row: OfStream) -> str:
-    """The stretch of a row where there are several."""
+    """The segment of a row where there are several."""
     return f" on {row.stream}" if len(validation.streams) > 1 else ""
 
 

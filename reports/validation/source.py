@@ -118,7 +118,7 @@ def segments(run: Run) -> Table | None:
     ``None`` where only events were compared.
     """
     columns = (
-        Column("Stretch", text=True, nowrap=True), Column("Begins (s)"), Column("Lasts (s)"),
+        Column("Segment", text=True, nowrap=True), Column("Begins (s)"), Column("Lasts (s)"),
         Column("Quantity", text=True), Column("Samples"), Column("Missing"),
         Column("Saturated"), Column("u of a sample"), Column("u from", text=True),
     )  # fmt: skip
@@ -140,7 +140,7 @@ def segments(run: Run) -> Table | None:
         return None
     note = "Cut: the log ends before the window that was asked for."
     cut = any(case.short for case in validations.validation(run).cases)
-    return Table("Stretches", columns, (Group("", tuple(rows)),), note if cut else "")
+    return Table("Segments", columns, (Group("", tuple(rows)),), note if cut else "")
 
 
 def conversions(run: Run) -> Table | None:
@@ -179,6 +179,6 @@ def events(run: Run) -> Table | None:
     )
     if not rows:
         return None
-    columns = (Column("Event", text=True), Column("Stretch", text=True),
+    columns = (Column("Event", text=True), Column("Segment", text=True),
                Column("Time ± u (s)"), Column("Value"))  # fmt: skip
     return Table("Events", columns, (Group("", rows),), folded=len(rows) > _MAX_RANGES)

@@ -113,8 +113,8 @@ def chosen_words(run: Run) -> str:
     if count <= _max_drawn(run):
         return ""
     if _max_drawn(run) == 1:
-        return f" Of {count} stretches the one with the largest gap."
-    return f" Of {count} stretches the one with the smallest and the one with the largest gap."
+        return f" Of {count} segments the one with the largest gap."
+    return f" Of {count} segments the one with the smallest and the one with the largest gap."
 
 
 def event_times(run: Run, segment: int) -> list[float]:

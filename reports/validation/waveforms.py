@@ -39,7 +39,7 @@ EVENT, ZOOMED = "event", "enlarged"
 
 
 def overlay_figures(run: Run, probe: str) -> list[Figure]:
-    """What was measured with the engines over it: a figure for each stretch that is drawn."""
+    """What was measured with the engines over it: a figure for each segment that is drawn."""
     figures = [_overlay(run, probe, case, name) for case, name in validations.drawn_segments(run)]
     return [figure for figure in figures if figure is not None]
 
@@ -52,7 +52,7 @@ def _overlay(run: Run, probe: str, case: int, name: str) -> Figure | None:
     zoom = zoom_window(measured, probe, [row for _, row in _residuals(run, probe, case, measured)])
     events = _events(run, case)
     spans = (*events, *([Span(*zoom, ZOOMED)] if zoom else []))
-    panels = [Panel("whole stretch", TIME, _axis(run, probe), _dotted(layers), spans=spans)]
+    panels = [Panel("whole segment", TIME, _axis(run, probe), _dotted(layers), spans=spans)]
     if zoom is not None:
         near = [cut for series in layers for cut in _cut(series, *zoom)]
         scale = scale_of([zoom[1] - zoom[0]], 2)
@@ -87,7 +87,7 @@ def _overlay_caption(run: Run, case: int) -> str:
 
 
 def _layers(run: Run, probe: str, case: int) -> Iterator[Series]:
-    """Everything that is drawn of a stretch, the lowest layer first."""
+    """Everything that is drawn of a segment, the lowest layer first."""
     truth = validations.truth(run, validations.BEST, case)
     if truth is not None and probe in truth.signals:
         u = truth.signals.get(f"u({probe})")
@@ -178,7 +178,7 @@ def zoom_window(
 
 
 def residual_figure(run: Run, probe: str) -> Figure | None:
-    """Simulated minus measured over time, one panel for each stretch that is drawn."""
+    """Simulated minus measured over time, one panel for each segment that is drawn."""
     panels = [
         _residual_panel(run, probe, case, name) for case, name in validations.drawn_segments(run)
     ]

@@ -107,7 +107,7 @@ def split(
     against u_val), over a record in place of a single value. The interval of the model-form part
     comes from a moving-block bootstrap (H. R. Künsch, Ann. Statist. 17 (1989) 1217) of the mean
     square that is left, its logarithm over its standard error taken as Student's t, and from the
-    uncertainty of an estimated noise. It says what other stretches of the same kind would show.
+    uncertainty of an estimated noise. It says what other segments of the same kind would show.
     On synthetic records of 100 correlation times or more it covers in 92 to 96 % of cases; with 20
     correlation times in about 85 %.
 

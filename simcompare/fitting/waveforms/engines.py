@@ -45,7 +45,7 @@ class EngineWaves:
         u_num: standard uncertainty of them from its step: what half the step changes (k,).
         effective: unknowns that the reference would need to show the same (k,).
         change: of the unknowns that one more round would bring (k,).
-        runs: the last simulations; fitted stretches first, then those that were held out.
+        runs: the last simulations; fitted segments first, then those that were held out.
         simulations: how many were run.
         wall_s: wall time of them.
         outcomes: how the last ones ended.
@@ -77,9 +77,9 @@ class _Work:
         return (*self.setup.fitted, *self.setup.held)
 
     def values(self, x: Array, number: int) -> dict[str, float]:
-        """Unknowns as parameters of a stretch.
+        """Unknowns as parameters of a segment.
 
-        Nuisance parameters, and starts that were fitted, belong to the fitted stretches alone.
+        Nuisance parameters, and starts that were fitted, belong to the fitted segments alone.
         """
         if number >= len(self.setup.fitted):
             return dict(zip(self.setup.names, x[: len(self.setup.names)].tolist(), strict=True))
@@ -87,7 +87,7 @@ class _Work:
         return {**own, **dict(zip(self.setup.every, x.tolist(), strict=True))}
 
     def number(self, block: Block) -> int:
-        """Which stretch a block belongs to."""
+        """Which segment a block belongs to."""
         return next(i for i, case in enumerate(self.setup.fitted) if case is block.segment)
 
 
@@ -134,7 +134,7 @@ def fit_engines(
 def _jobs(
     work: _Work, name: str, x: Array, numbers: Sequence[int], variants: Sequence[str]
 ) -> list[Job]:
-    """One engine on some stretches, each with its own step or with half of it."""
+    """One engine on some segments, each with its own step or with half of it."""
     jobs = []
     for i in numbers:
         case, values = work.cases[i], work.values(x, i)

@@ -1,4 +1,4 @@
-"""Stretches that were not fitted, predicted by the reference and by every engine."""
+"""Segments that were not fitted, predicted by the reference and by every engine."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ from simcompare.results.records.fit_waveforms import (
 def predict(
     model: Model, setup: Setup, fitted: Fitted, engines: Sequence[EngineWaves], step_s: float | None
 ) -> WaveHoldout:
-    """How well what was fitted predicts stretches that it has not seen.
+    """How well what was fitted predicts segments that it has not seen.
 
-    Every stretch starts as it was read off itself; everything else is as fitted. The values of the
+    Every segment starts as it was read off itself; everything else is as fitted. The values of the
     scenario's measures are held against the measured ones by E_n (k = 2).
     """
     rows = []

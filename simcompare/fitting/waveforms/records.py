@@ -52,7 +52,7 @@ def of_fit(
         setup: what was fitted and held out.
         fitted: the reference as fitted.
         engines: what each engine must be given.
-        predicted: the stretches that were held out.
+        predicted: the segments that were held out.
         given: further parameters of the scenario.
         step_s: time between samples of the engines.
     """

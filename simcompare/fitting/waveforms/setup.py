@@ -27,8 +27,8 @@ class Setup:
         names: the parameters that are fitted.
         nuisance: parameters that are fitted too, but belong to the recording alone.
         probes: what is compared, the leading one first.
-        fitted: stretches that are fitted.
-        held: stretches that are predicted.
+        fitted: segments that are fitted.
+        held: segments that are predicted.
         chosen: what of each recording is fitted, and what is held out.
     """
 
@@ -47,12 +47,12 @@ class Setup:
 
     @property
     def starts(self) -> tuple[str, ...]:
-        """Parameters that each stretch has for itself, read off it."""
+        """Parameters that each segment has for itself, read off it."""
         u = self.fitted[0].u
         return tuple(n for n in self.plan.start if n not in self.every and u.get(n, 0.0) > 0)
 
     def known(self) -> dict[str, float]:
-        """Parameters that all stretches share and that are known with some uncertainty."""
+        """Parameters that all segments share and that are known with some uncertainty."""
         first = self.fitted[0]
         return {
             name: u
@@ -148,7 +148,7 @@ def _unknowns(
 def _split(
     file: ScenarioFile, source: Source, plan: Plan, given: Mapping[str, float]
 ) -> tuple[list[Segment], list[Segment], Chosen]:
-    """Stretches that are fitted, and those that are predicted, as a validation has them."""
+    """Segments that are fitted, and those that are predicted, as a validation has them."""
     calibration = plan.calibrate
     judged = segments_of(file, plan, source.recording, plan.streams, given)
     if calibration is None:
