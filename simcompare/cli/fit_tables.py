@@ -5,21 +5,19 @@ from __future__ import annotations
 import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import typer
 
 from simcompare import notation
 from simcompare.cli import console, toss_tables
+from simcompare.engine import engines
 from simcompare.model.settings import TUNED
 from simcompare.reports.fit import fits
 from simcompare.results.records.fit_bounces import BouncesFit
 from simcompare.results.records.fit_parts import Value
 from simcompare.results.records.fit_tosses import TossFit
 from simcompare.results.records.fit_waveforms import HeldOutSegment, WaveformFit, WaveParameter
-
-if TYPE_CHECKING:
-    from simcompare.results.run import Run
+from simcompare.results.run import Run
 
 
 def show(result: Run, written: Path | None) -> None:
@@ -80,8 +78,6 @@ def _print_places(result: Run, folder: Path) -> None:
 
 def _has_scripts(engine: str) -> bool:
     """Whether scenes of an engine can be written as scripts."""
-    from simcompare.engine import engines
-
     backend = engines.get(engine) if engine in engines.names() else None
     return bool(getattr(backend, "script_module", ""))
 
@@ -119,13 +115,13 @@ def _cells(parameters: Mapping[str, WaveParameter], names: Sequence[str]) -> lis
 
 def _print_holdout(held: Sequence[HeldOutSegment]) -> None:
     """E_n of each value of each stream, engine by engine."""
-    engines = list(dict.fromkeys(name for row in held for name in row.engines))
-    if not engines:
+    names = list(dict.fromkeys(name for row in held for name in row.engines))
+    if not names:
         return
-    made = console.table("held out", "value", "measured", *(f"E_n {name}" for name in engines))
+    made = console.table("held out", "value", "measured", *(f"E_n {name}" for name in names))
     for row in held:
         for i, value in enumerate(row.values):
-            found = [row.engines[n].values[i:] for n in engines if n in row.engines]
+            found = [row.engines[n].values[i:] for n in names if n in row.engines]
             scores = [own[0].e_n if own else None for own in found]
             made.add_row(
                 row.stream, value.measure,

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-import shlex
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from simcompare.errors import InputError
 from simcompare.model.settings import OLD_LEVELS
 
 FIRST_FORMAT = 1
@@ -16,33 +14,17 @@ Row = dict[str, Any]
 
 
 def of_today(data: Mapping[str, Any], today: int) -> Row:
-    """A record of the first format as one of the format of today; damage stays in it.
-
-    Raises:
-        InputError: it is a fit, which has changed too much.
-    """
+    """A record of the first format as one of the format of today; damage stays in it."""
     kind = next((name for name in ("fit", "validation") if data.get(name)), "run")
-    if kind == "fit":
-        raise InputError("record", [_of_old_fit(data)])
     found = {**data, "format": today, "kind": kind}
     _rows(found, "sources", _level)
     _rows(found, "scores", _SCORES[kind])
     if isinstance(data.get("against"), Mapping):
         found["against"] = dict(data["against"])
         _rows(found["against"], "matches", _match)
+    if isinstance(data.get("fit"), Mapping):  # a fit of bounces did not say what it is
+        found["fit"] = {"by": "bounces", **data["fit"]}
     return found
-
-
-def _of_old_fit(data: Mapping[str, Any]) -> str:
-    """Why such a fit is not read, and what to do."""
-    waves = isinstance(data["fit"], Mapping) and data["fit"].get("by") == "waveform"
-    use = "" if waves else "; its fit.json still goes into --contact"
-    words = data.get("command")
-    again = f": {shlex.join(map(str, words))}" if isinstance(words, list) else ""
-    return (
-        f"is a fit that version 0.1 stored, of which this version makes no report{use};"
-        f" fit again for a report{again}"
-    )
 
 
 def _rows(of: Row, key: str, renamed: Callable[[Row], Row]) -> None:
@@ -61,9 +43,13 @@ def _match(row: Row) -> Row:
     return {"scatter": row.get("u"), **_level(row)}
 
 
+def _score(row: Row) -> Row:
+    return {"scatter": None, **_level(row)}
+
+
 def _measured_score(row: Row) -> Row:
     """What was called truth was measured."""
-    return {"scatter": None, **_level(row), "truth": None, "measured": row.get("truth")}
+    return {**_score(row), "truth": None, "measured": row.get("truth")}
 
 
 def _run_score(row: Row) -> Row:
@@ -75,4 +61,4 @@ def _run_score(row: Row) -> Row:
     return {**_level(row), "scatter": scatter, "u": u}
 
 
-_SCORES = {"run": _run_score, "validation": _measured_score}
+_SCORES = {"run": _run_score, "fit": _score, "validation": _measured_score}

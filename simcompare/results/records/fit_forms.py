@@ -104,8 +104,8 @@ class Form:
     restitution: tuple[AtSpeed, AtSpeed]
     at_bound: tuple[str, ...]
     warnings: tuple[str, ...] = ()
-    u_known: bool
-    scattered: bool
+    u_known: bool = True
+    scattered: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,8 +129,8 @@ class Candidate:
 
     model: str
     text: str
-    law: str
-    drag: bool
+    law: str = ""
+    drag: bool = False
     unknowns: float
     chi2: float
     aic: float
@@ -286,7 +286,7 @@ class OtherEstimate:
 
     drop: int
     source: str
-    rule: str
+    rule: str = ""
     value: float
     u: float | None
     trend: float | None = None

@@ -247,7 +247,7 @@ class WaveformFit(AnyKind):
     format: int = FORMAT
     probes: tuple[str, ...]
     measured: tuple[FitSegment, ...]
-    chosen: tuple[Chosen, ...]
+    chosen: tuple[Chosen, ...] = ()
     chosen_words: Annotated[tuple[str, ...], Field(alias="told")] = ()
     held_out: tuple[FitSegment, ...]
     closed_form: FittedReference
