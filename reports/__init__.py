@@ -1,1 +1,1 @@
-"""Comparison reports: the same figures and tables as HTML, PDF, Markdown and pictures."""
+"""Reports of runs, fits, validations and characterizations, as HTML, PDF, Markdown and pictures."""

@@ -233,7 +233,7 @@ def test_each_impact_in_a_plain_loop_is_drawn_beside_the_closed_form(tuned):
             assert shown.y == pytest.approx([100 * row.deviation for row in source.impacts])
             assert series(late, source.name).y[0] > 0
     # a delay by the contact is no residual of the fit
-    (left,) = fitted_figures.left_figures(tuned)
+    (left,) = fitted_figures.residual_figures(tuned)
     assert set(left.legend) <= {"closed form", "± 2u of the measurement", "± 2u, widened"}
 
 
@@ -249,7 +249,7 @@ def test_the_level_of_a_fit_is_told(tuned, heard):
 
 
 def test_residuals_are_measured_less_simulated(heard):
-    (figure,) = fitted_figures.left_figures(heard)
+    (figure,) = fitted_figures.residual_figures(heard)
     assert [panel.title for panel in figure.panels] == ["drop 1: first.wav", "drop 2: second.wav"]
     assert figure.panels[0].y_label == "measured − simulated (µs)"
     record = heard.record.fit
@@ -267,12 +267,12 @@ def test_residuals_are_measured_less_simulated(heard):
 
 def test_scatter_beyond_what_is_stated_has_a_band_of_its_own(heard):
     record = heard.record.fit
-    (figure,) = fitted_figures.left_figures(heard)
+    (figure,) = fitted_figures.residual_figures(heard)
     wide, stated = (series(figure.panels[0], label).u
                     for label in ("± 2u, widened", "± 2u of the measurement"))  # fmt: skip
     assert wide / stated == pytest.approx(math.sqrt(record.closed_form.s2))
     calm = changed(heard, closed_form=replace(record.closed_form, s2=1.0))
-    (figure,) = fitted_figures.left_figures(calm)
+    (figure,) = fitted_figures.residual_figures(calm)
     assert "± 2u, widened" not in figure.legend
 
 
@@ -291,13 +291,13 @@ def test_a_video_shows_times_heights_and_samples(filmed):
 
 
 def test_engines_without_the_law_are_told_to_be_without_it(falling, in_air):
-    (figure,) = fitted_figures.left_figures(falling)
+    (figure,) = fitted_figures.residual_figures(falling)
     assert "Engines have no such contact" in figure.caption
     form = falling.record.fit.engine_form
     rows = cells(tables.engines(falling))
     assert rows[0][1] == fits.value_words(form.parameters["restitution"])
     assert fits.other_form(in_air) == ""
-    (figure,) = fitted_figures.left_figures(in_air)
+    (figure,) = fitted_figures.residual_figures(in_air)
     assert "Engines have no such contact" not in figure.caption
 
 
@@ -359,7 +359,7 @@ def test_an_engine_that_failed_is_told_with_its_reason(heard, tmp_path):
     html = builder.write_html([broken], tmp_path / "r.html").read_text(encoding="utf-8")
     assert "it fell through" in html
     assert "Could not be fitted: dart" in html
-    assert "dart" not in fitted_figures.left_figures(broken)[0].legend
+    assert "dart" not in fitted_figures.residual_figures(broken)[0].legend
 
 
 # closed forms, speed, identifiability

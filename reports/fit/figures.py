@@ -33,19 +33,18 @@ _INTERVAL = Style("#0072B2", width=2.0)
 _ROWS = 7
 #: scatter above which a second band shows what the fit made of the uncertainties
 _WIDER = 1.2
-_REACH = 1.15
 
 
-def left_figures(run: Run) -> list[Figure]:
+def residual_figures(run: Run) -> list[Figure]:
     """Measured less simulated, for every kind of number that was measured."""
     found = []
     for kind, title, unit, axis in _KINDS:
         if any(row.kind == kind for row in fits.bounces(run).residuals):
-            found.append(_left_figure(run, kind, title, unit, axis))
+            found.append(_residual_figure(run, kind, title, unit, axis))
     return found
 
 
-def _left_figure(run: Run, kind: str, title: str, unit: str, axis: str) -> Figure:
+def _residual_figure(run: Run, kind: str, title: str, unit: str, axis: str) -> Figure:
     rows = [row for row in fits.bounces(run).residuals if row.kind == kind]
     wide = _widening(run) if all(row.judged for row in rows) else 1.0
     sizes = [v for row in rows for v in row.residuals] + [wide * u for row in rows for u in row.u]
@@ -54,7 +53,7 @@ def _left_figure(run: Run, kind: str, title: str, unit: str, axis: str) -> Figur
     panels = tuple(
         Panel(
             fits.drop_title(run, row.drop), axis, f"measured − simulated ({small})",
-            tuple(_left_series(run, row, factor, wide)), integer_x=kind != "track",
+            tuple(_residual_series(run, row, factor, wide)), integer_x=kind != "track",
         )
         for row in rows if row.drop in drawn
     )  # fmt: skip
@@ -86,7 +85,7 @@ def _widening(run: Run) -> float:
     return factor if stated and factor > _WIDER else 1.0
 
 
-def _left_series(run: Run, row: Residuals, factor: float, wide: float) -> list[Series]:
+def _residual_series(run: Run, row: Residuals, factor: float, wide: float) -> list[Series]:
     x, u = np.array(row.at, dtype=float), factor * 2 * np.array(row.u)
     zero = np.zeros(len(x))
     found = []

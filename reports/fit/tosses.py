@@ -153,8 +153,8 @@ def engines(found: TossFit) -> Table | None:
     ]
     columns = (
         Column("Engine", text=True, nowrap=True), *heads, Column("corners, fitted (%)"),
-        Column("position, held out (%)"), Column("rotation, held out (°)"), Column("simulations"),
-        Column("seconds", spare=True),
+        Column("position, held out (%)"), Column("rotation, held out (°)"),
+        Column("simulations", spare=True), Column("seconds", spare=True),
     )  # fmt: skip
     note = (
         "Errors are means over the samples of a toss and then over tosses, with their 95 %"

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from simcompare.engine import engines
 from simcompare.errors import SimcompareError
 from simcompare.model.scenario import Scenario
-from simcompare.model.settings import COEFFICIENTS, DEFAULT, TUNED
+from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED
 from simcompare.reports.run import runs
 from simcompare.results.records.run import RunRecord
 from simcompare.results.run import Run
@@ -19,19 +19,17 @@ from simcompare.scenarios import catalogue
 
 
 def command(run: Run) -> str:
-    """``simcompare run …`` with everything that differs from the scenario's own values.
-
-    All values are named where the scenario's file is no longer the one of the run.
-    """
-    record = run.record
-    if record.command:
+    """The words that were typed; all values where the scenario's file is not that of the run."""
+    record, scenario = run.record, _scenario(run)
+    if record.command and (not isinstance(record, RunRecord) or scenario is not None):
         return shlex.join(record.command)
     words = ["simcompare", "run", str(record.scenario_asked)]
     words += ["--engine", str(record.engines_asked)]
     words += ["--contact", ",".join(runs.modes(run))]
     if record.assist:
         words += ["--assist", str(record.assist)]
-    scenario = _scenario(run)
+    if record.judge not in (None, (ASSISTED,)):
+        words += ["--judge", ",".join(record.judge or ())]
     words += _values(run, scenario, [step.engine_step_s for step in runs.steps(run)])
     count = scenario.dither.count if scenario is not None and scenario.dither is not None else 1
     if count != record.repeats:

@@ -27,7 +27,7 @@ def answer(run: Run) -> Part:
         sentences.append(f"Could not be fitted: {', '.join(missing)}; the reasons are below.")
     table = tuned.typed if fits.bounces(run).is_tuned else fitted_tables.engines
     return part_of(
-        "Answer", "answer", fitted_figures.left_figures(run), [table(run)], answer=sentences
+        "Answer", "answer", fitted_figures.residual_figures(run), [table(run)], answer=sentences
     )
 
 

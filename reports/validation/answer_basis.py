@@ -90,8 +90,8 @@ def _fitted(validation: Validation, fit: CalibrationRecord) -> str:
     start = f"{fitted} {streams} and held against {judged}, which the fit had not seen"
     if fit.chosen_knowing:
         return (
-            f"{start}; but the fitted pieces were chosen knowing the judged ones, so this is weaker"
-            " than a prediction. It holds for motions like these, not beyond."
+            f"{start}; but the fitted segments were chosen knowing the judged ones, so this is"
+            " weaker than a prediction. It holds for motions like these, not beyond."
         )
     return (
         f"{start}: what is said here is a prediction. It holds for motions like these, not beyond."

@@ -166,7 +166,7 @@ def _agreeing(rows: Sequence[_Judged], noun: str) -> str:
 
 
 def _on(streams: int) -> str:
-    return f"{streams} segment{'' if streams == 1 else 'es'}"
+    return f"{streams} segment{'' if streams == 1 else 's'}"
 
 
 def _is_mixed(cell: Sequence[_Judged]) -> bool:

@@ -1,1 +1,1 @@
-"""Simulation against reality: alignment, statistics, the split of the gap, and plain words."""
+"""Simulation judged against a recording: signals, values and timings, as a record."""

@@ -99,7 +99,7 @@ def fit(
         progress: called as jobs end.
 
     Returns:
-        The run; ``record["fit"]`` holds what was found, and goes into fit.json.
+        The run; ``record.fit`` holds what was found, and goes into fit.json.
 
     Raises:
         InputError: every fault of the request or of a recording.

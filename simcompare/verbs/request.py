@@ -68,7 +68,7 @@ class RunRequest(Request):
         TUNED,
         ASSISTED,
     )
-    assist: Annotated[str, Option("--assist")] = ALL
+    assist: Annotated[tuple[str, ...], Option("--assist", commas=True)] = (ALL,)
     judge: Annotated[tuple[str, ...], Option("--judge", commas=True)] = (ASSISTED,)
     preset: Annotated[str | None, Option("--preset")] = None
     seeds: Annotated[int | None, Option("--seeds")] = None

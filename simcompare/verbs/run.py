@@ -29,6 +29,7 @@ from simcompare.running.runner import TIME_LIMIT_S, Interrupted, Progress, run_j
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs import levels
+from simcompare.verbs.request import RunRequest
 
 
 def run(
@@ -78,6 +79,10 @@ def run(
     helps = levels.chosen_helps(assist, engine)
     levels.check_used(modes, helps, judge)
     judged = levels.judged_levels(judge, fit)
+    request = RunRequest(
+        scenario=scenario, engine=engine, contact=_listed(contact), assist=_listed(assist),
+        judge=_listed(judge), set=set, preset=preset, step=step, seeds=seeds, against=against,
+    )  # fmt: skip
     file = catalogue.load(scenario)
     table = _table(file, against)
     values = {**({} if fit is None else fit.base(file)), **file.read_settings(set or {})}
@@ -117,9 +122,14 @@ def run(
         judge=None if judged is None else tuple(judged),
         preset=preset,
         interrupted=interrupted,
+        command=request.command(),
     )
     done = replace(done, record=record)
     return done if out is None else store.save(done, Path(out))
+
+
+def _listed(names: str | Sequence[str]) -> tuple[str, ...]:
+    return tuple(part.strip() for part in (names.split(",") if isinstance(names, str) else names))
 
 
 def with_conditions(

@@ -6,8 +6,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 
-import numpy as np
-
 from simcompare.fitting.waveforms.engines import EngineWaves
 from simcompare.fitting.waveforms.reference import Fitted
 from simcompare.fitting.waveforms.setup import Setup
@@ -25,6 +23,7 @@ from simcompare.results.records.fit_waveforms import (
     Predicted,
     WaveHoldout,
 )
+from simcompare.statistics.agreement import COVERAGE_FACTOR, e_n, rms
 
 
 def predict(
@@ -67,20 +66,21 @@ def _judged(model: Model, fitted: Fitted, case: Segment, step_s: float | None) -
 
 def _row(judged: Evaluated, number: int, engine: Engine) -> Predicted:
     run = engine.runs[number, BEST]
-    rms = {probe: rms_of(judged.segment, run, probe) for probe in judged.segment.observed}
+    found = {probe: rms_of(judged.segment, run, probe) for probe in judged.segment.observed}
     values = []
     for row in compared_values(engine, number, judged):
         one = JudgedValue(**{field.name: getattr(row, field.name) for field in fields(JudgedValue)})
         # a reference has no step
         u_val = math.hypot(one.u_input or 0.0, one.u_data or 0.0)
         if engine.name == TRUTH and u_val > 0 and one.u_input is not None:
-            one = replace(one, u_num=0.0, u_val=u_val, e_n=row.error / (2 * u_val))
+            number_of_error = e_n(row.error, 0.0, COVERAGE_FACTOR * u_val, 0.0)
+            one = replace(one, u_num=0.0, u_val=u_val, e_n=number_of_error)
         values.append(one)
-    return Predicted(rms=rms, values=tuple(values))
+    return Predicted(rms=found, values=tuple(values))
 
 
 def rms_of(case: Segment, run: Trajectory, probe: str) -> float:
     """Root mean square of simulated less measured, in the unit of the probe."""
-    seen = case.observed[probe]
-    left = interpolated(run.time_s, run.signals[probe], seen.time_s) - seen.values
-    return float(np.sqrt(np.nanmean(left**2)))
+    observed = case.observed[probe]
+    residual = interpolated(run.time_s, run.signals[probe], observed.time_s) - observed.values
+    return rms(residual)
