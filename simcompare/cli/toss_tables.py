@@ -31,7 +31,8 @@ def show(result: Run, found: TossFit, written: Path | None) -> None:
     if result.folder is not None:
         able = any(source.parameters for source in found.sources)
         place = shlex.quote(str(result.folder / "fit.json"))
-        reuse = f"; reuse it with --contact {place}" if able else ""
+        step = f"--step {found.valid.engine_step_s!r}s"
+        reuse = f"; reuse it with --contact {place} {step}" if able else ""
         typer.echo(f"Stored in {result.folder}{reuse}")
     if written is not None:
         typer.echo(f"Report: {written}")
