@@ -39,6 +39,9 @@ DOORS = ("simcompare", "simcompare.__main__")
 #: where a module of ours may be imported late, and what is saved by it
 LATE = {
     "simcompare.cli": "help and completion answer at once, without numpy and pydantic",
+    "simcompare.verbs.levels": "the file of a fit is read where a level is one",
+    "simcompare.results.store": "records of fits and validations are read where one is stored",
+    "simcompare.reports.sections": "sections of fits and validations are read for these alone",
     "simcompare.scenarios.catalogue": "names are listed without reading a file",
 }
 

@@ -188,7 +188,7 @@ def test_a_place_that_cannot_be_written_is_told_before_and_after(tmp_path, fall)
 
 @pytest.mark.parametrize(
     ("module", "part"),
-    [(records, "text"), (store, "_write_scores"), (store, "_write_trajectories")],
+    [(store.plain, "text"), (store, "_write_scores"), (store, "_write_trajectories")],
 )
 def test_a_full_disk_leaves_nothing(tmp_path, monkeypatch, module, part):
     def full(*_, **__):

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 
 from simcompare.notation import sentence
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.tables import Table, printable
+from simcompare.results.run import Run
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,10 @@ class Part:
         texts = (*self.answer, *self.notices, *self.remarks, *self.facts, *self.notes, self.code)
         inner = any(part.has_text for part in self.parts)
         return self.brief and (any(texts) or bool(self.tables) or inner)
+
+
+#: what makes a part of a report out of a run; ``None`` where there is nothing to show
+Section = Callable[[Run], Part | None]
 
 
 def part_of(

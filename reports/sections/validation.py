@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from simcompare.reports.render.parts import Part, part_of
+from simcompare.reports.render.parts import Part, Section, part_of
 from simcompare.reports.run.not_run import not_run
 from simcompare.reports.validation import (
     events,
@@ -94,3 +94,15 @@ def recording(run: Run) -> Part:
     notes = ["No defect was found in the log: nothing was repaired."] if is_sound else []
     facts = recorded.facts(run)
     return part_of("The recording", "recording", tables=tables, notes=notes, facts=facts)
+
+
+#: in the order in which a reader wants them
+SECTIONS: tuple[Section, ...] = (
+    answer,
+    gap,
+    residuals,
+    timings,
+    values,
+    parameters,
+    recording,
+)

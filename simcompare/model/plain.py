@@ -6,15 +6,20 @@ in the record that is read back.
 
 from __future__ import annotations
 
+import json
 import math
 from functools import cache
 from typing import Annotated, Any, TypeAlias, TypeVar, cast
 
-from pydantic import BeforeValidator, PlainSerializer, TypeAdapter
+from pydantic import BeforeValidator, PlainSerializer, TypeAdapter, ValidationError
 
 Record = TypeVar("Record")
 #: an object of JSON or a mapping of YAML, where it is read or written: it may hold anything
 Plain: TypeAlias = dict[str, Any]
+
+
+#: faults of a record that are listed
+_MAX_FAULTS = 5
 
 
 def _or_nan(value: object) -> object:
@@ -37,6 +42,11 @@ def plain(record: object) -> Plain:
     return found
 
 
+def text(record: object, indent: int | None = None) -> str:
+    """JSON of a record; a number that is not finite is an error, not ``NaN``."""
+    return json.dumps(plain(record), indent=indent, ensure_ascii=False, allow_nan=False)
+
+
 def of_plain(kind: type[Record], data: object) -> Record:
     """A record out of plain values.
 
@@ -45,6 +55,16 @@ def of_plain(kind: type[Record], data: object) -> Record:
     """
     found: Record = _adapter(cast("Any", kind)).validate_python(data)
     return found
+
+
+def faults(error: ValidationError) -> list[str]:
+    """What is wrong in JSON, with its place, the first few of it."""
+    found = [
+        f"cannot be read: {'.'.join(map(str, fault['loc']))}: {fault['msg'].lower()}"
+        for fault in error.errors()[:_MAX_FAULTS]
+    ]
+    more = error.error_count() - len(found)
+    return [*found, f"{more} more such faults"] if more else found
 
 
 @cache

@@ -19,7 +19,7 @@ import numpy as np
 
 from simcompare.errors import InputError, OutputError
 from simcompare.model import parquet
-from simcompare.model.plain import of_plain, plain
+from simcompare.model.plain import of_plain, text
 from simcompare.model.recording import (
     Channel,
     Clock,
@@ -134,8 +134,7 @@ def _write(recording: Recording, folder: Path) -> None:
             _write_table(connection, folder / head.table, stream, head)
             streams[name] = head
     whole = _Head(FORMAT, recording.provenance, recording.events, streams)
-    text = json.dumps(plain(whole), indent=1, ensure_ascii=False, allow_nan=False)
-    (folder / HEAD).write_text(text + "\n", encoding="utf-8")
+    (folder / HEAD).write_text(text(whole, indent=1) + "\n", encoding="utf-8")
 
 
 def _put(made: Path, place: Path) -> None:

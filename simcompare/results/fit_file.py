@@ -16,12 +16,11 @@ from simcompare.engine.helps import HELPS
 from simcompare.errors import InputError, UnknownName
 from simcompare.model.audit import AuditRow
 from simcompare.model.fittable import BOUNCES, TOSSES
-from simcompare.model.plain import of_plain
+from simcompare.model.plain import faults, of_plain
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, TUNED, PairNumbers, Settings
 from simcompare.results.records.fit_engines import RunWith, Tuned
 from simcompare.results.records.fit_parts import Value
-from simcompare.results.records.stored import faults
 from simcompare.scenarios.scenario_file import ScenarioFile
 
 #: contact level of engines with parameters from a fit

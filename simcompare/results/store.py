@@ -18,10 +18,9 @@ import numpy as np
 
 from simcompare.compare.comparison import Score
 from simcompare.errors import InputError, OutputError
-from simcompare.model import parquet
+from simcompare.model import parquet, plain
 from simcompare.model.settings import OLD_LEVELS
 from simcompare.model.trajectory import Array, Trajectory
-from simcompare.results.records import stored
 from simcompare.results.records.run import Record
 from simcompare.results.run import Run, Stored
 
@@ -57,7 +56,7 @@ def save(run: Run, folder: Path) -> Run:
     """
     with new_folder(folder, run.record.created, run.record.scenario) as (place, partial):
         record = replace(run.record, run=str(place))
-        (partial / RECORD).write_text(stored.text(record, indent=1) + "\n", encoding="utf-8")
+        (partial / RECORD).write_text(plain.text(record, indent=1) + "\n", encoding="utf-8")
         _write_scores(partial / SCORES, run.scores)
         _write_trajectories(partial / TRAJECTORIES, run.trajectories)
     return replace(run, record=record, folder=place)
@@ -102,6 +101,8 @@ def load(place: Path) -> Run:
     path = place / RECORD
     if not path.is_file():
         raise InputError(str(place), [f"is not a stored run: it holds no {RECORD}"])
+    from simcompare.results.records import stored  # fits and validations are read nowhere else
+
     record = stored.read(path)
     return Run(record, tuple(_read_trajectories(place / TRAJECTORIES, record)), place)
 

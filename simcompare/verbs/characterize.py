@@ -17,10 +17,10 @@ from simcompare.characterization.joint import JointQuestion
 from simcompare.compare.repeats import one_step_s
 from simcompare.engine import engines
 from simcompare.errors import BackendError, InputError, UnknownName
+from simcompare.model import plain
 from simcompare.model.settings import CONTACT_LEVELS, OLD_LEVELS
 from simcompare.reports.characterization import findings
 from simcompare.results import store
-from simcompare.results.records import stored
 from simcompare.results.records.characterization import Characterization, Trial
 from simcompare.results.run_record import software
 from simcompare.running.jobs import MISSING, Inquiry, Reply
@@ -145,6 +145,6 @@ def _saved(result: Characterization, folder: Path) -> Characterization:
         partial,
     ):
         stored_result = replace(result, folder=place)
-        text = stored.text(stored_result, indent=1)
+        text = plain.text(stored_result, indent=1)
         (partial / FILE).write_text(text + "\n", encoding="utf-8")
     return stored_result

@@ -33,13 +33,13 @@ from simcompare.fitting.bounces.roles import Roles, roles_of
 from simcompare.fitting.bounces.tune_engines import tune_engines
 from simcompare.fitting.bounces.tuning_goal import TuningGoal, goal_of
 from simcompare.fitting.bounces.unknowns import SPEED
+from simcompare.model import plain
 from simcompare.model.fittable import TOSSES, WAVEFORM
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, TUNED
 from simcompare.reports.fit import answer, identifiability_words
 from simcompare.results import run_record, store
 from simcompare.results.fit_file import FITTED
-from simcompare.results.records import stored
 from simcompare.results.records.fit import FitRecord
 from simcompare.results.records.fit_bounces import BouncesFit
 from simcompare.results.records.fit_engines import BouncesEngine, EffectiveValue, Number
@@ -222,7 +222,7 @@ def _saved(done: Run, out: str | Path | None) -> Run:
     assert saved.folder is not None
     assert isinstance(saved.record, FitRecord)
     (saved.folder / "fit.json").write_text(
-        stored.text(saved.record.fit, indent=1) + "\n", encoding="utf-8"
+        plain.text(saved.record.fit, indent=1) + "\n", encoding="utf-8"
     )
     return saved
 

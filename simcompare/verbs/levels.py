@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from simcompare.engine import engines
 from simcompare.engine.assist import chosen
 from simcompare.engine.helps import HELPS, known
 from simcompare.errors import InputError, UnknownName
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, OLD_LEVELS, TUNED
-from simcompare.results import fit_file
-from simcompare.results.fit_file import FitFile
+
+if TYPE_CHECKING:
+    from simcompare.results.fit_file import FitFile
 
 
 def _names(levels: str | Sequence[str]) -> list[str]:
@@ -20,8 +22,13 @@ def _names(levels: str | Sequence[str]) -> list[str]:
 
 def chosen_levels(contact: str | Sequence[str]) -> tuple[list[str], FitFile | None]:
     """Contact levels, and the fit where one of them is a file."""
+    asked = [OLD_LEVELS.get(level, level) for level in _names(contact)]
+    if set(asked) <= set(CONTACT_LEVELS):
+        return list(dict.fromkeys(asked)), None
+    from simcompare.results import fit_file
+
     modes, fit = [], None
-    for mode in (OLD_LEVELS.get(level, level) for level in _names(contact)):
+    for mode in asked:
         path = None if mode in CONTACT_LEVELS else fit_file.find(mode)
         if path is not None:
             if fit is not None:

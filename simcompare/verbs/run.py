@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from simcompare import measures
 from simcompare.compare import ablation
@@ -21,7 +22,6 @@ from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, DEFAULT, TUNED, Settings
 from simcompare.model.trajectory import TRUTH
 from simcompare.results import run_record, store
-from simcompare.results.fit_file import FitFile
 from simcompare.results.records.run import Measurement, RunRecord
 from simcompare.results.run import Run, Stored
 from simcompare.running.jobs import FAILED, OK, Job, Outcome
@@ -30,6 +30,9 @@ from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs import levels
 from simcompare.verbs.request import RunRequest
+
+if TYPE_CHECKING:
+    from simcompare.results.fit_file import FitFile
 
 
 def run(

@@ -1,11 +1,10 @@
-"""Records as JSON: written from their types, and read back into them."""
+"""Records read back from JSON into their types."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
@@ -19,12 +18,6 @@ from simcompare.results.records.validation import ValidationRecord
 _KINDS: Mapping[str, type[Record]] = {
     kind.kind: kind for kind in (RunRecord, FitRecord, ValidationRecord)
 }
-_MAX_FAULTS = 5
-
-
-def text(record: Any, indent: int | None = None) -> str:  # noqa: ANN401
-    """JSON of a record; a number that is not finite is an error, not ``NaN``."""
-    return json.dumps(plain.plain(record), indent=indent, ensure_ascii=False, allow_nan=False)
 
 
 def read(path: Path) -> Record:
@@ -58,17 +51,7 @@ def of_plain(data: object) -> Record:
     try:
         return plain.of_plain(_KINDS[data["kind"]], data)
     except ValidationError as error:
-        raise InputError("record", faults(error)) from None
-
-
-def faults(error: ValidationError) -> list[str]:
-    """What is wrong in JSON, with its place, the first few of it."""
-    found = [
-        f"cannot be read: {'.'.join(map(str, fault['loc']))}: {fault['msg'].lower()}"
-        for fault in error.errors()[:_MAX_FAULTS]
-    ]
-    more = error.error_count() - len(found)
-    return [*found, f"{more} more such faults"] if more else found
+        raise InputError("record", plain.faults(error)) from None
 
 
 def _expect(name: str, value: object, known: tuple[object, ...]) -> None:
