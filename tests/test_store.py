@@ -19,6 +19,7 @@ import pytest
 import simcompare
 from simcompare.compare.comparison import Score
 from simcompare.errors import InputError, OutputError
+from simcompare.model import plain as json_of
 from simcompare.model.plain import plain
 from simcompare.model.trajectory import Trajectory
 from simcompare.results import store
@@ -188,7 +189,7 @@ def test_a_place_that_cannot_be_written_is_told_before_and_after(tmp_path, fall)
 
 @pytest.mark.parametrize(
     ("module", "part"),
-    [(store.plain, "text"), (store, "_write_scores"), (store, "_write_trajectories")],
+    [(json_of, "text"), (store, "_write_scores"), (store, "_write_trajectories")],
 )
 def test_a_full_disk_leaves_nothing(tmp_path, monkeypatch, module, part):
     def full(*_, **__):
