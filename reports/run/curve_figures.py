@@ -121,7 +121,8 @@ def _figures(name: str, ending: str, caption: str, panels: Sequence[Panel]) -> l
     figures = []
     for i in range(count):
         part = tuple(panels[i * size : (i + 1) * size])
-        title = f"{capital(joined([panel.title for panel in part]))} {ending}"
+        what = dict.fromkeys(panel.title.partition(", ")[0] for panel in part)
+        title = f"{capital(joined([*what]))} {ending}"
         figures.append(Figure(f"{name}-{i + 1}" if i else name, title, caption, part))
     return figures
 

@@ -217,7 +217,7 @@ class Residuals:
 
     drop: int
     kind: str
-    at: Numbers
+    at: tuple[int | float, ...]
     residuals: Annotated[Numbers, Field(alias="left")]
     u: Numbers
     stated: bool
