@@ -2,6 +2,7 @@
 
 import errno
 import json
+import os
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -623,3 +624,20 @@ def test_missing_plotly_is_a_sentence_with_its_cure(monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(OutputError, match="pip install plotly"):
         plotly_.script()
+
+
+def test_a_report_replaces_no_device_and_follows_a_link(tmp_path):
+    os.mkfifo(tmp_path / "pipe.md")
+    with pytest.raises(OutputError, match="is no file, and is left as it is"):
+        builder.write_markdown([make_run()], tmp_path / "pipe.md")
+    assert (tmp_path / "pipe.md").is_fifo()
+    (tmp_path / "real.md").write_text("")
+    (tmp_path / "link.md").symlink_to(tmp_path / "real.md")
+    builder.write_markdown([make_run()], tmp_path / "link.md")
+    assert (tmp_path / "link.md").is_symlink()
+    assert "A toy" in (tmp_path / "real.md").read_text(encoding="utf-8")
+
+
+def test_a_command_asks_for_no_level_that_cannot_be_judged_alone():
+    assert "--judge" not in reproduce.command(make_run(judge=["assisted", "fitted"]))
+    assert "--judge tuned" in reproduce.command(make_run(judge=["tuned", "assisted"]))

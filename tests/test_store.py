@@ -408,3 +408,12 @@ def test_no_half_written_run_is_seen_as_a_run(tmp_path):
     again = store.save(synthetic(), tmp_path)
     assert again.folder is not None
     assert [p for p in tmp_path.iterdir() if not p.name.startswith(".")] == [again.folder]
+
+
+@pytest.mark.parametrize(
+    "text", ["[" * 200_000, '{"format": 2, "step_s": NaN}', '{"format": true}']
+)
+def test_what_is_no_json_of_ours_is_refused(tmp_path, text):
+    (tmp_path / "run.json").write_text(text)
+    with pytest.raises(InputError, match=r"run\.json: "):
+        store.load(tmp_path)

@@ -268,6 +268,18 @@ def test_a_minimum_beyond_the_range_ends_at_its_bound():
     assert (own.value, own.at_bound, own.open, own.interval95[1]) == (0.2, True, True, 0.2)
 
 
+def test_what_no_toss_tells_has_the_whole_range_for_an_interval():
+    search = Search(GRIDS, (0.1, -2.0))
+    while points := search.wanted():
+        for point in points:
+            search.tried[point] = errors_at(point[0], 3.0)  # whatever b is
+    told, untold = (estimates(search)[name] for name in "ab")
+    assert not told.open
+    assert untold.interval95 == (GRIDS["b"].min, GRIDS["b"].max)
+    assert untold.open
+    assert untold.u == pytest.approx((GRIDS["b"].max - GRIDS["b"].min) / 12**0.5)
+
+
 # --- engines that fail -------------------------------------------------------------------------
 
 

@@ -15,6 +15,9 @@ def write(path: Path, content: bytes) -> Path:
     Raises:
         OutputError: it cannot be written; nothing half-written is left behind.
     """
+    path = path.resolve() if path.is_symlink() else path
+    if path.exists() and not path.is_file():
+        raise OutputError(f"{path}: is no file, and is left as it is; choose another place")
     # several reports may be written at once, so the name holds the process
     partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
     try:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from simcompare.engine import engines
 from simcompare.errors import SimcompareError
 from simcompare.model.scenario import Scenario
-from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED
+from simcompare.model.settings import COEFFICIENTS, DEFAULT, TUNED
 from simcompare.reports.run import runs
 from simcompare.results.records.run import RunRecord
 from simcompare.results.run import Run
@@ -28,8 +28,8 @@ def command(run: Run) -> str:
     words += ["--contact", ",".join(runs.modes(run))]
     if record.assist:
         words += ["--assist", str(record.assist)]
-    if record.judge not in (None, (ASSISTED,)):
-        words += ["--judge", ",".join(record.judge or ())]
+    if TUNED in (record.judge or ()):  # assisted, and a fit, are judged in any case
+        words += ["--judge", TUNED]
     words += _values(run, scenario, [step.engine_step_s for step in runs.steps(run)])
     count = scenario.dither.count if scenario is not None and scenario.dither is not None else 1
     if count != record.repeats:

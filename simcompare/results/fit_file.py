@@ -260,7 +260,7 @@ def read(path: Path) -> FitFile:
         _check_plausible(fit.run_with)
     except InputError:
         raise
-    except (OSError, ValueError, AttributeError, UnknownName) as error:
+    except (OSError, ValueError, AttributeError, RecursionError, UnknownName) as error:
         raise _damaged(path, error) from None
     return FitFile(
         path, fit.scenario, fit.given, fit.run_with.closed, fit.run_with.engines,

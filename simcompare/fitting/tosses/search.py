@@ -20,6 +20,8 @@ from simcompare.model.fittable import Grid
 from simcompare.model.trajectory import Array
 from simcompare.results.records.fit_tosses import TossMean, TossParameter
 
+#: costs that differ by a smaller part are the same
+_SAME = 1e-9
 #: how often the grid is halved
 HALVINGS = 3
 #: draws of the bootstrap, and the part of them inside an interval
@@ -103,11 +105,28 @@ class Search:
         return found
 
 
+def _is_untold(search: Search, axis: int) -> bool:
+    """Whether a point that differs from the best one in this parameter alone is no worse."""
+
+    def cost(point: tuple[float, ...]) -> float:
+        errors = search.tried.get(point)
+        return math.nan if errors is None else float(np.mean([one.corners for one in errors]))
+
+    least = cost(search.best)
+    return any(
+        point[axis] != search.best[axis]
+        and point[:axis] + point[axis + 1 :] == search.best[:axis] + search.best[axis + 1 :]
+        and math.isclose(cost(point), least, rel_tol=_SAME)
+        for point in search.tried
+    )
+
+
 def estimates(search: Search, seed: int = 0) -> dict[str, TossParameter]:
     """Every parameter's value with its interval.
 
     By a bootstrap over tosses: each draw has a best one among the points that were tried. The grid
-    adds a triangular distribution of a spacing to both sides, as the neighbours are worse.
+    adds a triangular distribution of a spacing to both sides, as the neighbours are worse. Where
+    one of them is no worse, the tosses do not tell the parameter: its interval is all of the grid.
     """
     points = [point for point, errors in search.tried.items() if errors is not None]
     corners = np.array([[one.corners for one in search.tried[p] or ()] for p in points])
@@ -121,6 +140,9 @@ def estimates(search: Search, seed: int = 0) -> dict[str, TossParameter]:
         reached = bool(low <= every.min() or high >= every.max())
         ends = (max(min(low, value - size), grid.min), min(max(high, value + size), grid.max))
         u = math.hypot(float(own.std()), size / math.sqrt(6))
+        if _is_untold(search, i):  # no toss touches anything: any value of the grid does as well
+            ends, reached = (grid.min, grid.max), True
+            u = (grid.max - grid.min) / math.sqrt(12)
         at_bound = value in (grid.min, grid.max)
         found[name] = TossParameter(
             value=value, u=u, interval95=ends, unit=units.unit_of(name), u_num=size / math.sqrt(6),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -56,8 +57,9 @@ def _run_score(row: Row) -> Row:
     """What was called u is the scatter of single repeats; that of their mean follows from it."""
     scatter, repeats = row.get("u"), row.get("repeats")
     u = scatter
-    if isinstance(scatter, float | int) and isinstance(repeats, int):
-        u = scatter / math.sqrt(max(repeats, 1))
+    with contextlib.suppress(OverflowError):  # a number too large for one is left to the types
+        if isinstance(scatter, float | int) and isinstance(repeats, int):
+            u = scatter / math.sqrt(max(repeats, 1))
     return {**_level(row), "scatter": scatter, "u": u}
 
 

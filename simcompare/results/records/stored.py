@@ -27,8 +27,8 @@ def read(path: Path) -> Record:
         InputError: it cannot be read; says where it is damaged.
     """
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+        data = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
+    except (OSError, ValueError, RecursionError) as error:
         raise InputError(str(path), [f"cannot be read: {error}"]) from None
     try:
         return of_plain(data)
@@ -54,7 +54,12 @@ def of_plain(data: object) -> Record:
         raise InputError("record", plain.faults(error)) from None
 
 
+def _refuse(constant: str) -> float:
+    """NaN and Infinity are no numbers of JSON, and none that was written."""
+    raise ValueError(f"{constant} is no number")
+
+
 def _expect(name: str, value: object, known: tuple[object, ...]) -> None:
-    if value not in known:
+    if value not in known or isinstance(value, bool):
         expected = " or ".join(map(str, known))
         raise InputError("record", [f"{name} {value!r} is not known; expected {expected}"])
