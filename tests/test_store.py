@@ -411,7 +411,9 @@ def test_no_half_written_run_is_seen_as_a_run(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "text", ["[" * 200_000, '{"format": 2, "step_s": NaN}', '{"format": true}']
+    "text",
+    ["[" * 200_000, '{"format": 2, "step_s": NaN}', '{"format": true}'],
+    ids=("nested", "nan", "true"),
 )
 def test_what_is_no_json_of_ours_is_refused(tmp_path, text):
     (tmp_path / "run.json").write_text(text)
