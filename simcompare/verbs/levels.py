@@ -15,14 +15,16 @@ if TYPE_CHECKING:
     from simcompare.results.fit_file import FitFile
 
 
-def _names(levels: str | Sequence[str]) -> list[str]:
-    """Names of levels, from a list or a text with commas."""
-    return [part.strip() for part in levels.split(",")] if isinstance(levels, str) else [*levels]
+def names(listed: str | Sequence[str]) -> tuple[str, ...]:
+    """Names of levels or helps, from a list or a text with commas."""
+    return tuple(
+        part.strip() for part in (listed.split(",") if isinstance(listed, str) else listed)
+    )
 
 
 def chosen_levels(contact: str | Sequence[str]) -> tuple[list[str], FitFile | None]:
     """Contact levels, and the fit where one of them is a file."""
-    asked = [OLD_LEVELS.get(level, level) for level in _names(contact)]
+    asked = [OLD_LEVELS.get(level, level) for level in names(contact)]
     if set(asked) <= set(CONTACT_LEVELS):
         return list(dict.fromkeys(asked)), None
     from simcompare.results import fit_file
@@ -73,13 +75,13 @@ def check_used(
     """
     if helps is not None and ASSISTED not in levels:
         raise InputError("--assist", [f"is for the level {ASSISTED}; name it in --contact"])
-    if TUNED in _names(judge) and not {TUNED, "fitted"} & {*levels}:
+    if TUNED in names(judge) and not {TUNED, "fitted"} & {*levels}:
         raise InputError("--judge", [f"{TUNED} is not among the levels that run; see --contact"])
 
 
 def judged_levels(judge: str | Sequence[str], fit: FitFile | None) -> list[str]:
     """Levels whose failures count; those of a fit for a plain loop where "tuned" does."""
-    named = _names(judge)
+    named = names(judge)
     for level in named:
         if level not in (TUNED, ASSISTED):
             raise UnknownName("level that is judged", level, (TUNED, ASSISTED))

@@ -83,8 +83,9 @@ def run(
     levels.check_used(modes, helps, judge)
     judged = levels.judged_levels(judge, fit)
     request = RunRequest(
-        scenario=scenario, engine=engine, contact=_listed(contact), assist=_listed(assist),
-        judge=_listed(judge), set=set, preset=preset, step=step, seeds=seeds, against=against,
+        scenario=scenario, engine=engine, contact=levels.names(contact),
+        assist=levels.names(assist), judge=levels.names(judge), set=set, preset=preset, step=step,
+        seeds=seeds, against=against,
     )  # fmt: skip
     file = catalogue.load(scenario)
     table = _table(file, against)
@@ -129,10 +130,6 @@ def run(
     )
     done = replace(done, record=record)
     return done if out is None else store.save(done, Path(out))
-
-
-def _listed(names: str | Sequence[str]) -> tuple[str, ...]:
-    return tuple(part.strip() for part in (names.split(",") if isinstance(names, str) else names))
 
 
 def with_conditions(
