@@ -13,13 +13,13 @@ from dataclasses import dataclass
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import bounce_models
 from simcompare.fitting.bounces.unknowns import SPEED
-from simcompare.model.fittable import Fittable
+from simcompare.fitting.fitted_scenario import FittedScenario
 from simcompare.model.trajectory import Array
 from simcompare.scenarios.scenario_file import ScenarioFile
 
 
 @dataclass(frozen=True)
-class Roles:
+class Roles(FittedScenario):
     """A scenario that bounces, with the values of all its parameters.
 
     Attributes:
@@ -28,15 +28,7 @@ class Roles:
         gravity_m_s2: magnitude of free fall.
     """
 
-    file: ScenarioFile
-    given: Mapping[str, float]
     gravity_m_s2: float
-
-    @property
-    def fit(self) -> Fittable:
-        """What the scenario says under ``fit:``."""
-        assert self.file.fit is not None
-        return self.file.fit
 
     @property
     def restitution(self) -> str:

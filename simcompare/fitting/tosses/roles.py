@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from simcompare.errors import InputError
+from simcompare.fitting.fitted_scenario import FittedScenario
 from simcompare.fitting.tosses.tosses import Start
 from simcompare.model.fittable import Fittable
 from simcompare.model.scenario import Scenario
@@ -19,22 +20,8 @@ _ALIKE = 1e-6
 
 
 @dataclass(frozen=True)
-class TossRoles:
-    """A scenario that is fitted by tosses, with the values of its parameters.
-
-    Attributes:
-        file: the scenario.
-        given: every parameter's value [SI].
-    """
-
-    file: ScenarioFile
-    given: Mapping[str, float]
-
-    @property
-    def fit(self) -> Fittable:
-        """What the scenario says under ``fit:``."""
-        assert self.file.fit is not None
-        return self.file.fit
+class TossRoles(FittedScenario):
+    """A scenario that is fitted by tosses, with the values of its parameters."""
 
     @property
     def body(self) -> str:
