@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from simcompare.compare.against import matches
-from simcompare.compare.comparison import Score
+from simcompare.comparison.against import matches
+from simcompare.comparison.comparison import Score
 from simcompare.hardware.recordings.bounce_table import BounceTable, Quantity
 from simcompare.model.plain import plain
 

@@ -24,7 +24,7 @@ FLOORS = (
     ("backends", "hardware"),
     ("measures",),
     ("scenarios",),
-    ("compare",),
+    ("comparison",),
     ("inference",),
     ("tuning", "characterization"),
     ("results",),

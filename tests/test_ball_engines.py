@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from simcompare.compare.comparison import Repeat, scores_of
-from simcompare.compare.repeats import repeats_of
+from simcompare.comparison.comparison import Repeat, scores_of
+from simcompare.comparison.repeats import repeats_of
 from simcompare.engine import engines
 from simcompare.engine.simulation import sample_times
 from simcompare.model.settings import Settings

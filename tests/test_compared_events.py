@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from simcompare.compare.events import EventUncertainty, compare_events
+from simcompare.comparison.events import EventUncertainty, compare_events
 
 UNKNOWN = EventUncertainty(None, None, None)
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from simcompare.compare.comparison import Score
+from simcompare.comparison.comparison import Score
 from simcompare.reports.render import plotly_
 from simcompare.reports.render.styles import style_of
 from simcompare.reports.run import curve_figures, event_figures

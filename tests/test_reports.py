@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from simcompare.compare.comparison import Score
+from simcompare.comparison.comparison import Score
 from simcompare.errors import OutputError, UnknownName
 from simcompare.model.audit import AuditRow
 from simcompare.model.trajectory import TRUTH, Trajectory

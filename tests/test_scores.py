@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from simcompare.compare.comparison import Repeat, scores_of
+from simcompare.comparison.comparison import Repeat, scores_of
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import TRUTH, Trajectory
 

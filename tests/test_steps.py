@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import simcompare
-from simcompare.compare.repeats import read_steps, step_words
+from simcompare.comparison.repeats import read_steps, step_words
 from simcompare.errors import InputError
 from simcompare.reports.run import reproduce, runs
 from simcompare.reports.run.source_styles import look, looks

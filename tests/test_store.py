@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import simcompare
-from simcompare.compare.comparison import Score
+from simcompare.comparison.comparison import Score
 from simcompare.errors import InputError, OutputError
 from simcompare.model import plain as json_of
 from simcompare.model.plain import plain

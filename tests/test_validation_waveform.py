@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from simcompare.compare.waveform import waveform
+from simcompare.comparison.waveform import waveform
 from simcompare.errors import InputError
 from simcompare.model.resampling import interpolated, near_events
 

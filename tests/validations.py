@@ -1,6 +1,6 @@
 """Records of validations, made up for tests of their words."""
 
-from simcompare.compare.events import Interval
+from simcompare.comparison.events import Interval
 from simcompare.inference.plan import ClockPlan
 from simcompare.model.recording import Provenance
 from simcompare.reports.validation import answer

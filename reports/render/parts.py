@@ -12,12 +12,31 @@ from simcompare.results.run import Run
 
 
 @dataclass(frozen=True)
+class KeyNumber:
+    """One of the few numbers that a report begins with.
+
+    Attributes:
+        label: what it is of, such as "tuned".
+        value: the number with its unit, or a word such as "stands still".
+        note: a few words below it, such as how many engines are within the tolerance.
+        verdict: "pass", "fail" or empty, where nothing is judged.
+    """
+
+    label: str
+    value: str
+    note: str = ""
+    verdict: str = ""
+
+
+@dataclass(frozen=True)
 class Part:
     """A part of a report, shown in the order of its fields; parts may hold parts.
 
     Attributes:
         title: its heading, empty for none.
         name: short name of a section, for anchors.
+        short: the answer in at most 40 words, above everything else.
+        key_numbers: at most three or four numbers, beside each other below it.
         answer: sentences in large letters.
         notices: what the reader must not miss.
         figures: what is drawn.
@@ -33,6 +52,8 @@ class Part:
 
     title: str = ""
     name: str = ""
+    short: tuple[str, ...] = ()
+    key_numbers: tuple[KeyNumber, ...] = ()
     answer: tuple[str, ...] = ()
     notices: tuple[str, ...] = ()
     figures: tuple[Figure, ...] = ()

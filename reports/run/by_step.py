@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from simcompare.compare.repeats import step_words
+from simcompare.comparison.repeats import step_words
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import TRUTH
 from simcompare.notation import capital

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from simcompare.compare.comparison import FAIL
+from simcompare.comparison.comparison import FAIL
 from simcompare.model.trajectory import Array
 from simcompare.reports.render.figures import Band, Figure, Panel, Series, spread
 from simcompare.reports.run import runs

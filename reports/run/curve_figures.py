@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from simcompare.compare.comparison import Score
+from simcompare.comparison.comparison import Score
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import TRUTH, Array
 from simcompare.notation import capital

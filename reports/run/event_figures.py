@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from simcompare.compare.comparison import Score
+from simcompare.comparison.comparison import Score
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import TRUTH
 from simcompare.notation import capital

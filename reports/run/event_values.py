@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from simcompare.compare.comparison import Score
+from simcompare.comparison.comparison import Score
 from simcompare.model.trajectory import Array
 from simcompare.reports.run import runs
 from simcompare.reports.run.listing import grouped

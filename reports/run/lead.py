@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from simcompare.compare.comparison import Score
+from simcompare.comparison.comparison import Score
 from simcompare.model.answer import Answer
 from simcompare.reports.render import numbers
 from simcompare.reports.run import runs

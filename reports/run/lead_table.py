@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Iterator
 
 from simcompare import notation
-from simcompare.compare.comparison import FAIL, PASS
+from simcompare.comparison.comparison import FAIL, PASS
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import AT, TRUTH
 from simcompare.reports.render import numbers

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from simcompare.compare.against import Match
+from simcompare.comparison.against import Match
 from simcompare.model.trajectory import Array
 from simcompare.reports.render.figures import Band, Figure, Panel, Series, fitted_range, spread
 from simcompare.reports.render.styles import MEASURED_STYLE, Style

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from simcompare.compare.comparison import FAIL, PASS, Score
+from simcompare.comparison.comparison import FAIL, PASS, Score
 from simcompare.engine.engines import VARIANT
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import AT

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from simcompare.compare.comparison import PASS, Score
+from simcompare.comparison.comparison import PASS, Score
 from simcompare.errors import UnknownName
 from simcompare.measures import observe
 from simcompare.model.scenario import Probe, Tolerance

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from simcompare.compare.ablation import Ablated, Ablation
+from simcompare.comparison.ablation import Ablated, Ablation
 from simcompare.engine.helps import HELPS
 from simcompare.reports.render import numbers
 from simcompare.reports.render.parts import Part

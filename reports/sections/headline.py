@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from simcompare.compare.comparison import FAIL, PASS
+from simcompare.comparison.comparison import FAIL, PASS
 from simcompare.model.settings import DEFAULT, SHOWN_LEVELS, TUNED
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Part

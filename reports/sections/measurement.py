@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from simcompare.compare.against import Match
+from simcompare.comparison.against import Match
 from simcompare.notation import capital
 from simcompare.reports.render import numbers
 from simcompare.reports.render.parts import Part

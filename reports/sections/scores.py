@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from simcompare.compare.comparison import FAIL, INFO, PASS, Score
+from simcompare.comparison.comparison import FAIL, INFO, PASS, Score
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import TRUTH
 from simcompare.reports.render import numbers

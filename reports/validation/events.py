@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from simcompare.compare.events import Interval
+from simcompare.comparison.events import Interval
 from simcompare.reports.render.figures import MAX_PANELS, Figure, Panel, Series, spread
 from simcompare.reports.render.styles import style_of
 from simcompare.reports.render.tables import Column, Group, Scale, Table, of_engines, scale_of

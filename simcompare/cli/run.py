@@ -11,7 +11,7 @@ from simcompare import notation
 from simcompare.cli import complete, console, ending
 
 if TYPE_CHECKING:
-    from simcompare.compare.against import Match
+    from simcompare.comparison.against import Match
     from simcompare.model.plain import Plain
     from simcompare.results.records.run import Measurement, Record
     from simcompare.results.run import Run

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from simcompare.compare.values import ValuePair, overlap, resampled, value_pairs
+from simcompare.comparison.values import ValuePair, overlap, resampled, value_pairs
 from simcompare.inference.evaluated import Evaluated
 from simcompare.inference.segments import as_trajectory, shares
 from simcompare.inference.simulated import BEST, DOUBLE, FOURFOLD, HALF, Engine

@@ -10,7 +10,7 @@ import numpy as np
 from simcompare.alignment.clock_line import Alignment
 from simcompare.alignment.event_alignment import by_events
 from simcompare.alignment.wave_alignment import by_waveform
-from simcompare.compare.events import event_times
+from simcompare.comparison.events import event_times
 from simcompare.errors import InputError
 from simcompare.inference.estimate import Estimate
 from simcompare.inference.plan import Plan

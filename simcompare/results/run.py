@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from simcompare.compare.comparison import FAIL, Score
+from simcompare.comparison.comparison import FAIL, Score
 from simcompare.model.trajectory import Trajectory
 from simcompare.results.records.run import Record
 from simcompare.running.jobs import exit_code_of

@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from simcompare import measures
-from simcompare.compare.against import Match
-from simcompare.compare.comparison import Score
-from simcompare.compare.repeats import AtStep
+from simcompare.comparison.against import Match
+from simcompare.comparison.comparison import Score
+from simcompare.comparison.repeats import AtStep
 from simcompare.engine.library import installed_version
 from simcompare.hardware.recordings.bounce_table import BounceTable
 from simcompare.model.scenario import Scenario

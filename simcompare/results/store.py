@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from simcompare.compare.comparison import Score
+from simcompare.comparison.comparison import Score
 from simcompare.errors import InputError, OutputError
 from simcompare.model import parquet, plain
 from simcompare.model.settings import OLD_LEVELS

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from simcompare.compare.events import event_times
-from simcompare.compare.waveform import waveform
+from simcompare.comparison.events import event_times
+from simcompare.comparison.waveform import waveform
 from simcompare.inference.evaluated import Evaluated
 from simcompare.inference.plan import Plan
 from simcompare.inference.segments import noise

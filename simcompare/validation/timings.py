@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare.compare.events import EventUncertainty, compare_events, event_times
+from simcompare.comparison.events import EventUncertainty, compare_events, event_times
 from simcompare.inference.evaluated import Evaluated, times_of_events
 from simcompare.inference.simulated import BEST, DOUBLE, HALF, Engine
 from simcompare.model.trajectory import Array

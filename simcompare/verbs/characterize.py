@@ -14,7 +14,7 @@ from simcompare.characterization.experiment import Experiment
 from simcompare.characterization.force import ForceQuestion
 from simcompare.characterization.friction import FrictionQuestion
 from simcompare.characterization.joint import JointQuestion
-from simcompare.compare.repeats import one_step_s
+from simcompare.comparison.repeats import one_step_s
 from simcompare.engine import engines
 from simcompare.errors import BackendError, InputError, UnknownName
 from simcompare.model import plain

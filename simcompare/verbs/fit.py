@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from simcompare.compare.comparison import INFO, Score
-from simcompare.compare.repeats import sample_step_s
+from simcompare.comparison.comparison import INFO, Score
+from simcompare.comparison.repeats import sample_step_s
 from simcompare.engine import engines
 from simcompare.engine.assist import ALL, NONE
 from simcompare.engine.helps import known

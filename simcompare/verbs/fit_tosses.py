@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from simcompare import units
-from simcompare.compare.comparison import INFO, Score
-from simcompare.compare.repeats import sample_step_s
+from simcompare.comparison.comparison import INFO, Score
+from simcompare.comparison.repeats import sample_step_s
 from simcompare.engine import engines
 from simcompare.engine.assist import ALL
 from simcompare.errors import InputError, UnknownName

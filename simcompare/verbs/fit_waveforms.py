@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from simcompare import units
-from simcompare.compare.comparison import INFO, Score
+from simcompare.comparison.comparison import INFO, Score
 from simcompare.engine import engines
 from simcompare.errors import InputError, UnknownName
 from simcompare.fitting.waveforms import holdout, records

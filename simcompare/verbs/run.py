@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from simcompare import measures
-from simcompare.compare import ablation
-from simcompare.compare.against import matches
-from simcompare.compare.comparison import Repeat, Score, scores_of
-from simcompare.compare.repeats import AtStep, at_steps, sample_steps_s
+from simcompare.comparison import ablation
+from simcompare.comparison.against import matches
+from simcompare.comparison.comparison import Repeat, Score, scores_of
+from simcompare.comparison.repeats import AtStep, at_steps, sample_steps_s
 from simcompare.engine import engines
 from simcompare.engine.assist import ALL, NONE
 from simcompare.engine.helps import known

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from simcompare import units
-from simcompare.compare.repeats import sample_step_s
+from simcompare.comparison.repeats import sample_step_s
 from simcompare.engine import engines
 from simcompare.engine.calibration.calibration import CannotCalibrate
 from simcompare.engine.calibration.engine_drops import MIN_GRAVITY_M_S2

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from simcompare import units
-from simcompare.compare.repeats import one_step_s
+from simcompare.comparison.repeats import one_step_s
 from simcompare.errors import InputError
 
 #: steps that make sense for something that bounces [s]

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from simcompare import units
-from simcompare.compare.comparison import INFO, Score
+from simcompare.comparison.comparison import INFO, Score
 from simcompare.engine import engines
 from simcompare.errors import UnknownName
 from simcompare.inference import plan as plans

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from simcompare import measures
-from simcompare.compare.comparison import Repeat, Score, scores_of
-from simcompare.compare.repeats import truths_of
+from simcompare.comparison.comparison import Repeat, Score, scores_of
+from simcompare.comparison.repeats import truths_of
 from simcompare.engine import engines
 from simcompare.errors import BackendError, InputError
 from simcompare.exporters.scripts.measuring import Truth

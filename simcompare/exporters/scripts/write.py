@@ -6,7 +6,7 @@ import contextlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from simcompare.compare.repeats import repeats_of, sample_step_s
+from simcompare.comparison.repeats import repeats_of, sample_step_s
 from simcompare.engine import engines
 from simcompare.engine.backend import EngineBackend, refuse
 from simcompare.engine.calibration.plan import drop_plans

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from simcompare import units
-from simcompare.compare.values import ValuePair, value_pairs
+from simcompare.comparison.values import ValuePair, value_pairs
 from simcompare.engine.assist import ALL
 from simcompare.fitting.waveforms.engines import EngineWaves
 from simcompare.fitting.waveforms.holdout import rms_of

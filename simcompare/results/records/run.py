@@ -8,9 +8,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from simcompare.compare.ablation import Ablation
-from simcompare.compare.against import Match
-from simcompare.compare.comparison import Score
+from simcompare.comparison.ablation import Ablation
+from simcompare.comparison.against import Match
+from simcompare.comparison.comparison import Score
 from simcompare.engine.backend import KnownLimit
 from simcompare.model.answer import Answer
 from simcompare.model.audit import AuditRow

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from simcompare.alignment.clock_line import Alignment
-from simcompare.compare.events import EventComparison
-from simcompare.compare.waveform import Waveform
+from simcompare.comparison.events import EventComparison
+from simcompare.comparison.waveform import Waveform
 from simcompare.inference.compared_values import ComparedValue
 from simcompare.inference.plan import ClockPlan
 from simcompare.model.recording import Event, Provenance

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from simcompare.compare.comparison import Score
+from simcompare.comparison.comparison import Score
 from simcompare.hardware.recordings.bounce_table import BounceTable, Quantity
 from simcompare.statistics.agreement import COVERAGE_FACTOR, e_n
 

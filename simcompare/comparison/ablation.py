@@ -8,8 +8,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from simcompare.compare.comparison import Repeat, Score, scores_of
-from simcompare.compare.repeats import AtStep
+from simcompare.comparison.comparison import Repeat, Score, scores_of
+from simcompare.comparison.repeats import AtStep
 from simcompare.engine.helps import HELPS
 from simcompare.errors import SimcompareError
 from simcompare.model.settings import ASSISTED, Settings

@@ -11,7 +11,7 @@ import numpy as np
 
 from simcompare import measures
 from simcompare.alignment.matching import match
-from simcompare.compare.values import observing
+from simcompare.comparison.values import observing
 from simcompare.errors import UnknownName
 from simcompare.model.scenario import Measure, Scenario
 from simcompare.model.trajectory import Array, Trajectory
