@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from simcompare.cli import complete, console, ending
+from simcompare.cli import complete, console, ending, opening
 from simcompare.errors import UnknownName
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ def characterize(
     ),
     out: Path = typer.Option(Path("runs"), "--out", "-o", help="Folder for the results' folder."),
     report: bool = typer.Option(True, help="Write report.html into the results' folder."),
+    opened: bool = opening.OPTION,
     figures: str = typer.Option(
         None, metavar="FORMAT", help="Also write every picture as a file: pdf, png or svg."
     ),
@@ -47,6 +48,7 @@ def characterize(
 
     if figures is not None and figures not in matplotlib_.FORMATS:
         raise UnknownName("figure format", figures, matplotlib_.FORMATS)
+    opening.check(opened, report=report)
     with console.progress_bar("characterize") as progress:
         result = verb.characterize(
             experiments,
@@ -62,6 +64,7 @@ def characterize(
         lambda: {**plain(result), "exit_code": result.exit_code},
         lambda: _show(result, last_file, details=details),
         result.exit_code,
+        page=last_file if opened else None,
         as_json=as_json,
     )
 

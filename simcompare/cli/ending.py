@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import typer
 
-from simcompare.cli import console
+from simcompare.cli import console, opening
 
 if TYPE_CHECKING:
     from simcompare.model.plain import Plain
@@ -19,13 +19,27 @@ INTERRUPTED = 130
 
 
 def finish(
-    plain: Callable[[], Plain], show: Callable[[], None], exit_code: int, *, as_json: bool
+    plain: Callable[[], Plain],
+    show: Callable[[], None],
+    exit_code: int,
+    *,
+    as_json: bool,
+    page: Path | None = None,
 ) -> NoReturn:
-    """Prints the answer, as one JSON object or for people, and ends the command."""
+    """Prints the answer, as one JSON object or for people, and ends the command.
+
+    Args:
+        plain: gives what ``--json`` prints.
+        show: prints it for people.
+        exit_code: with which the command ends.
+        as_json: whether JSON is printed.
+        page: what is opened in the browser, ``None`` for nothing.
+    """
     if as_json:
         console.print_json(plain())
     else:
         show()
+    opening.open_page(page)
     raise typer.Exit(exit_code)
 
 
@@ -35,6 +49,7 @@ def finish_run(
     show: Callable[[Path | None], None],
     *,
     report: bool,
+    opened: bool,
     as_json: bool,
 ) -> NoReturn:
     """Ends a run, a fit or a validation.
@@ -44,11 +59,12 @@ def finish_run(
         plain: gives what ``--json`` prints.
         show: prints it for people; it is given the page of the report, ``None`` without one.
         report: whether report.html is written into the run's folder.
+        opened: whether it is opened in the browser.
         as_json: whether JSON is printed.
     """
     page = _write_report(result) if report else None
     code = INTERRUPTED if result.record.interrupted else result.exit_code
-    finish(plain, lambda: show(page), code, as_json=as_json)
+    finish(plain, lambda: show(page), code, page=page if opened else None, as_json=as_json)
 
 
 def show_end(result: Run, page: Path | None) -> None:

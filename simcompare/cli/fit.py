@@ -6,7 +6,7 @@ from pathlib import Path
 
 import typer
 
-from simcompare.cli import complete, console, ending
+from simcompare.cli import complete, console, ending, opening
 from simcompare.errors import InputError, UnknownName
 
 
@@ -62,6 +62,7 @@ def fit(
     ),
     out: Path = typer.Option(Path("runs"), "--out", "-o", help="Folder for the run's own folder."),
     report: bool = typer.Option(True, help="Write report.html into the run's folder."),
+    opened: bool = opening.OPTION,
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
     time_limit: float = typer.Option(120.0, help="Longest time for one simulation, in seconds."),
 ) -> None:
@@ -72,6 +73,7 @@ def fit(
     from simcompare.reports.fit import fits
     from simcompare.verbs import fit as fitting
 
+    opening.check(opened, report=report)
     with console.progress_bar(scenario) as progress:
         result = fitting.fit(
             scenario,
@@ -97,6 +99,7 @@ def fit(
         lambda: {**plain(fits.of_any(result)), "run": str(result.folder)},
         lambda page: fit_tables.show(result, page),
         report=report,
+        opened=opened,
         as_json=as_json,
     )
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import typer
 
+from simcompare.cli import opening
 from simcompare.errors import UnknownName
 
 FORMATS = ("html", "pdf", "md", "png", "svg")
@@ -24,6 +25,7 @@ def report(
         "-o",
         help="File to write (a folder for png and svg); beside the first run by default.",
     ),
+    opened: bool = opening.OPTION,
 ) -> None:
     """Write a comparison report from stored runs."""
     from simcompare.reports import builder
@@ -44,3 +46,5 @@ def report(
         written = [write(loaded, path)]
     for file in written:
         typer.echo(str(file))
+    if opened:
+        opening.open_page(written[0])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from simcompare import notation
-from simcompare.cli import complete, console, ending
+from simcompare.cli import complete, console, ending, opening
 
 if TYPE_CHECKING:
     from simcompare.comparison.against import Match
@@ -54,6 +54,7 @@ def run(
     ),
     out: Path = typer.Option(Path("runs"), "--out", "-o", help="Folder for the run's own folder."),
     report: bool = typer.Option(True, help="Write report.html into the run's folder."),
+    opened: bool = opening.OPTION,
     details: bool = typer.Option(
         False, "--details", help="Print a table of every measure, not only of the leading one."
     ),
@@ -63,6 +64,7 @@ def run(
     """Simulate a scenario on engines, compare, store, and write a report."""
     from simcompare.verbs import run as experiment
 
+    opening.check(opened, report=report)
     with console.progress_bar(scenario) as progress:
         result = experiment.run(
             scenario,
@@ -84,6 +86,7 @@ def run(
         lambda: _plain(result),
         lambda page: _show(result, page, details=details),
         report=report,
+        opened=opened,
         as_json=as_json,
     )
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from simcompare.cli import complete, console, ending
+from simcompare.cli import complete, console, ending, opening
 
 if TYPE_CHECKING:
     from simcompare.reports.render.tables import Table
@@ -47,6 +47,7 @@ def validate(
     strict: bool = typer.Option(False, "--strict", help="Refuse a log with any defect."),
     out: Path = typer.Option(Path("runs"), "--out", "-o", help="Folder for the run's own folder."),
     report: bool = typer.Option(True, help="Write report.html into the run's folder."),
+    opened: bool = opening.OPTION,
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
     time_limit: float = typer.Option(120.0, help="Longest time for one simulation, in seconds."),
 ) -> None:
@@ -54,6 +55,7 @@ def validate(
     from simcompare.model.plain import plain
     from simcompare.verbs import validate as validating
 
+    opening.check(opened, report=report)
     with console.progress_bar(scenario) as progress:
         result = validating.validate(
             scenario,
@@ -74,6 +76,7 @@ def validate(
         lambda: {**plain(result.record), "exit_code": result.exit_code},
         lambda page: _print(result, page),
         report=report,
+        opened=opened,
         as_json=as_json,
     )
 
