@@ -33,7 +33,7 @@ def stepped(mode, tolerances=WIDE, **engines):
         run, engine=[e for e in engines for _ in (1, 2)], engine_step_s=[1e-3, 2e-3] * len(engines)
     )
     # then the tolerance of a score is that of its step
-    return records.changed(run, scores=tuple(replace(s, tolerance=None) for s in run.scores))
+    return records.changed(run, scores=tuple(replace(s, tolerance=None) for s in run.record.scores))
 
 
 def test_each_engine_is_a_line_of_its_values_in_the_order_of_the_steps():

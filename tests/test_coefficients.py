@@ -53,7 +53,7 @@ def test_a_robot_stands_still_by_default_and_drives_with_coefficients(engine):
 @pytest.mark.engines("pybullet")
 def test_wheels_drawn_as_cylinders_tell_engines_apart_though_all_have_the_coefficients():
     run = simcompare.run("robot_cylinder", contact="coefficients,assisted")
-    found = {(s.source, s.contact): s for s in run.scores if s.measure == "acceleration"}
+    found = {(s.source, s.contact): s for s in run.record.scores if s.measure == "acceleration"}
     truth = found[SPATIAL[0], ASSISTED].truth
     apart = [abs(found[name, COEFFICIENTS].value / truth - 1) for name in SPATIAL]
     # measured: 46 % for the engine that finds one point of a line, less than 0.1 % for the others
@@ -65,7 +65,11 @@ def test_wheels_drawn_as_cylinders_tell_engines_apart_though_all_have_the_coeffi
 
 def test_a_coefficient_of_restitution_alone_does_not_make_the_bounce():
     run = simcompare.run("ball", contact="coefficients", seeds=5)
-    found = {s.source: s.value for s in run.scores if (s.measure, s.index) == ("restitution", None)}
+    found = {
+        s.source: s.value
+        for s in run.record.scores
+        if (s.measure, s.index) == ("restitution", None)
+    }
     # a spring of its own, contacts that act while apart, a speed taken after gravity; a bounce that
     # begins where a step finds the body is 0.4 % off here, and more where it is slower
     off = {name: abs(value / 0.8 - 1) for name, value in found.items()}

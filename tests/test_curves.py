@@ -36,7 +36,7 @@ def swept(modes=("default", "assisted"), unit="Hz", **truths):
                           known, None, "info")
                 )  # fmt: skip
     axes = {"amplitude": "frequency", "phase": "frequency"}
-    return changed(run, axes=axes, scores=(*run.scores, *scores))
+    return changed(run, axes=axes, scores=(*run.record.scores, *scores))
 
 
 def series_of(panel, label="north"):
@@ -125,7 +125,7 @@ def test_an_engine_that_is_far_off_by_default_does_not_press_all_others_flat():
     run = swept()
     far = tuple(
         replace(s, value=100.0) if (s.contact, s.measure) == ("default", "amplitude") else s
-        for s in run.scores
+        for s in run.record.scores
     )
     figure = curve_figures.curves_figures(changed(run, scores=far), "frequency")[0]
     assert figure.panels[0].y_range[1] < 50

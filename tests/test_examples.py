@@ -54,7 +54,7 @@ def test_the_scene_with_joints_that_is_shown_to_contributors_runs(tmp_path):
     path = tmp_path / "driven_pendulum.yaml"
     path.write_text("name: driven_pendulum" + scene, encoding="utf-8")
     run = simcompare.run(str(path), contact="assisted")
-    ends = [score.value for score in run.scores if score.measure == "final"]
+    ends = [score.value for score in run.record.scores if score.measure == "final"]
     assert len(ends) == len(INSTALLED)
     # the motor has lifted it, and all engines agree how far
     assert min(ends) > 0.1

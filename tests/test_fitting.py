@@ -71,7 +71,7 @@ def test_a_fit_is_used_again_and_its_range_is_watched(found):
     place = str(found.folder / "fit.json")
     fitted = read(found.folder / "fit.json")
     again = simcompare.run("ball", engine="pymunk", contact=place, seeds=3)
-    score = next(s for s in again.scores if s.measure == "restitution" and s.index is None)
+    score = next(s for s in again.record.scores if s.measure == "restitution" and s.index is None)
     assert score.contact == "fitted"
     assert score.value == pytest.approx(E, rel=1e-3)
     assert again.record.parameters["restitution"] == pytest.approx(fitted.closed["restitution"])

@@ -32,7 +32,7 @@ def changed(run, name, **fields):
     """The same run with fields of the scores of one engine replaced."""
     found = tuple(
         replace(s, **fields) if s.source == name and s.measure == "restitution" else s
-        for s in run.scores
+        for s in run.record.scores
     )
     return records.changed(run, scores=found)
 
@@ -97,7 +97,8 @@ def test_of_engines_that_agree_no_value_is_told_that_none_of_them_has():
     run = answered(level("tuned", north=0.797, south=0.803), answer=template)
     times = {"north": 3.9, "south": 4.1}
     timed = [
-        replace(s, value=times[s.source]) if s.measure == "settling_time" else s for s in run.scores
+        replace(s, value=times[s.source]) if s.measure == "settling_time" else s
+        for s in run.record.scores
     ]
     run = changed(records.changed(run, scores=tuple(timed)), "south", scatter=0.003)
     (sentence,) = answer.sentences(run)
@@ -155,7 +156,9 @@ def test_without_helps_the_level_says_so():
 def test_another_measure_in_a_template_is_filled_in():
     template = {**ANSWER, "within": "the ball bounces with {value} for {settling_time}"}
     run = answered(level("tuned", north=0.8), answer=template)
-    timed = [replace(s, value=3.96) if s.measure == "settling_time" else s for s in run.scores]
+    timed = [
+        replace(s, value=3.96) if s.measure == "settling_time" else s for s in run.record.scores
+    ]
     (sentence,) = answer.sentences(records.changed(run, scores=tuple(timed)))
     assert "bounces with 0.800 ± 0.001 for 4.0 s in north" in sentence
 
@@ -212,7 +215,7 @@ def test_what_was_not_measured_is_not_called_met():
     run = answered(level("assisted", north=0.8, south=0.8))
     why = "south does not give ball.position_m: it has none"
     met = [replace(s, value=4.0, verdict="pass") if s.measure == "settling_time" else s
-           for s in run.scores]  # fmt: skip
+           for s in run.record.scores]  # fmt: skip
     run = changed(records.changed(run, scores=tuple(met)), "south", value=None,
                   verdict="info", lacking=why)  # fmt: skip
     assert remarks.remarks(run)[-1] == (
@@ -224,7 +227,7 @@ def test_what_was_not_measured_is_not_called_met():
 def test_what_the_scatter_is_and_what_the_first_event_gives_is_said():
     run = answered(level("tuned", north=0.8, south=0.8))
     first = [replace(s, value=0.78) if (s.source, s.index) == ("south", 1) else s
-             for s in run.scores]  # fmt: skip
+             for s in run.record.scores]  # fmt: skip
     assert remarks.remarks(records.changed(run, scores=tuple(first)))[:2] == [
         "± is the standard deviation over 3 repeats. Phases.",
         "Tuned, the first restitution alone is 0.800 ± 0.001 in north, 0.780 ± 0.001 in south.",
@@ -315,7 +318,7 @@ def test_an_engine_at_all_of_its_steps_is_one_name():
 def test_a_tolerance_with_both_widths_is_the_larger_one():
     both = {"restitution": {"relative": 0.1, "absolute": 0.01, "reason": "Because of both."}}
     run = make_run(level("default", north=0.5), tolerances=both)
-    score = next(s for s in run.scores if s.measure == "restitution" and s.index is None)
+    score = next(s for s in run.record.scores if s.measure == "restitution" and s.index is None)
     assert runs.width(run, score) == pytest.approx(0.08)
 
 

@@ -106,7 +106,9 @@ def test_no_engine_has_our_helps_in_its_own_levels(engine):
 def test_rims_are_ours_and_a_cylinder_is_the_engines():
     """Bullet touches a plane with one point of a cylinder, so the robot is far too slow."""
     run = simcompare.run("robot_cylinder", engine="pybullet", contact="tuned,assisted")
-    found = {s.contact: s for s in run.scores if s.measure == "acceleration" and s.index is None}
+    found = {
+        s.contact: s for s in run.record.scores if s.measure == "acceleration" and s.index is None
+    }
     assert found[ASSISTED].verdict == "pass"
     assert found[TUNED].value < 0.9 * found[TUNED].truth
     assert found[TUNED].verdict == "fail"
@@ -140,7 +142,7 @@ def test_numbers_are_the_same_in_every_repeat_and_stand_in_the_record():
 def test_what_tuned_misses_fails_a_run_only_where_it_is_to_be_judged():
     asked = {"engine": "dart", "seeds": 1, "contact": "tuned"}
     shown = simcompare.run("ball", **asked)
-    assert any(score.verdict == "fail" for score in shown.scores)
+    assert any(score.verdict == "fail" for score in shown.record.scores)
     assert shown.exit_code == 0
     assert simcompare.run("ball", **asked, judge="tuned").exit_code == 1
     with pytest.raises(UnknownName, match="level that is judged"):
@@ -172,7 +174,7 @@ def test_the_old_name_of_assisted_is_accepted_and_old_runs_are_read(tmp_path):
     path.write_text(json.dumps(record | {"format": 1}))
     old = store.load(run.folder)
     assert {source.contact for source in old.record.sources} == {"assisted"}
-    assert {score.contact for score in old.scores} == {"assisted"}
+    assert {score.contact for score in old.record.scores} == {"assisted"}
 
 
 def test_helps_are_chosen_by_name():

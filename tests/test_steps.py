@@ -37,7 +37,11 @@ def each():
 
 def told(run, source, contact):
     """Everything that was measured of a source, without its name."""
-    return [replace(s, source="") for s in run.scores if (s.source, s.contact) == (source, contact)]
+    return [
+        replace(s, source="")
+        for s in run.record.scores
+        if (s.source, s.contact) == (source, contact)
+    ]
 
 
 def without_times(record):
@@ -199,7 +203,7 @@ def test_what_was_written_is_read_back(several, tmp_path):
     assert [(t.source, t.contact, t.repeat) for t in again.trajectories] == [
         (t.source, t.contact, t.repeat) for t in several.trajectories
     ]
-    assert again.scores == several.scores
+    assert again.record.scores == several.record.scores
 
 
 def test_the_command_that_makes_it_again_names_all_steps(several):
@@ -240,7 +244,7 @@ def test_variants_and_steps_make_sources_together():
     )
     names = ["mujoco@1ms", "mujoco@2ms", "mujoco:rk4@1ms", "mujoco:rk4@2ms"]
     assert [source.name for source in run.record.sources] == names
-    values = [s.value for s in run.scores if s.measure == "restitution" and s.index is None]
+    values = [s.value for s in run.record.scores if s.measure == "restitution" and s.index is None]
     assert len(set(values)) == 4
     numbers = {s.tuning[0].numbers for s in run.record.sources}
     assert len(numbers) == 4, "each is tuned by itself"

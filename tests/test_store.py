@@ -85,7 +85,7 @@ def synthetic():
 
 
 def assert_same(back, run):
-    assert back.scores == run.scores
+    assert back.record.scores == run.record.scores
     assert back.record == replace(run.record, run=back.record.run)
     assert len(back.trajectories) == len(run.trajectories)
     for ours, theirs in zip(back.trajectories, run.trajectories, strict=True):

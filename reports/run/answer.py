@@ -138,7 +138,7 @@ def _template(lead: Lead, kind: str) -> str:
 def _filled(run: Run, lead: Lead, mode: str, template: str, group: Group) -> str:
     """A template with the values of some engines that agree."""
     values = {VALUE: lead.range_of(group.rows)}
-    measured = {score.measure for score in run.scores if score.index is None}
+    measured = {score.measure for score in run.record.scores if score.index is None}
     for name in placeholders(template):
         if name != VALUE:
             values[name] = _other(run, name, mode, group) if name in measured else "–"

@@ -103,7 +103,7 @@ def _width(run: Run, lead: Lead, step: StepRecord) -> float | None:
     """The tolerance at a step."""
     widths = (
         runs.width(run, score)
-        for score in run.scores
+        for score in run.record.scores
         if score.measure == lead.measure and score.index is None and score.source.endswith(step.at)
     )
     return next((width for width in widths if width is not None), None)

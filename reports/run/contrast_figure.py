@@ -61,7 +61,7 @@ def _missed(run: Run) -> str:
     """What failed without a value that could be drawn."""
     missed = sorted({
         f"{runs.measure_words(score.measure)} in {score.source}, {runs.mode_words(score.contact)}"
-        for score in run.scores
+        for score in run.record.scores
         if score.index is None and score.measure in runs.judged(run)
         and score.value is None and score.verdict == FAIL
     })  # fmt: skip

@@ -30,7 +30,7 @@ _ABSOLUTE = ("deg", "rad", "s")
 
 def axes_drawn(run: Run) -> list[str]:
     """Measures that serve as an axis and were measured, in the order of the scenario."""
-    measured = {score.measure for score in run.scores if score.index is not None}
+    measured = {score.measure for score in run.record.scores if score.index is not None}
     return [axis for axis in dict.fromkeys(runs.axes(run).values()) if axis in measured]
 
 
@@ -196,4 +196,4 @@ def _words(run: Run, axis: str) -> str:
 
 
 def _unit(run: Run, measure: str) -> str:
-    return next((score.unit for score in run.scores if score.measure == measure), "1")
+    return next((score.unit for score in run.record.scores if score.measure == measure), "1")

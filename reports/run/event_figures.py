@@ -33,7 +33,7 @@ def event_measures(run: Run) -> list[str]:
         run,
         (
             s.measure
-            for s in run.scores
+            for s in run.record.scores
             if s.index is not None and s.truth is not None and s.measure not in curves
         ),
     )
@@ -119,7 +119,7 @@ def _tolerance_band(run: Run, measure: str) -> tuple[Band, ...]:
     """
     halves = [
         100 * accepted / abs(score.truth)
-        for score in run.scores
+        for score in run.record.scores
         if score.measure == measure and score.index is None and score.truth
         if (accepted := runs.width(run, score)) is not None
     ]

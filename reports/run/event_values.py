@@ -15,7 +15,7 @@ from simcompare.results.run import Run
 
 def events_of(run: Run, measure: str) -> dict[tuple[str, str], list[Score]]:
     """Scores of one measure by source and mode, in the order of the events."""
-    scores = [s for s in run.scores if s.measure == measure and s.index is not None]
+    scores = [s for s in run.record.scores if s.measure == measure and s.index is not None]
     scores.sort(key=lambda score: score.index or 0)
     return grouped(((score.source, score.contact), score) for score in scores)
 

@@ -174,7 +174,7 @@ def lead_as(run: Run, measure: str) -> Lead:
 
 
 def _lead(run: Run, measure: str, answer: Answer | None) -> Lead:
-    every = [s for s in run.scores if s.measure == measure]
+    every = [s for s in run.record.scores if s.measure == measure]
     scores = [s for s in every if s.index is None]
     known = next((score for score in scores if score.truth is not None), scores[0])
     widths = sorted({w for score in scores if (w := width_of(run, score)) is not None})

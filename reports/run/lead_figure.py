@@ -192,7 +192,9 @@ def _truth(run: Run, lead: Lead) -> tuple[Span, ...]:
     line = Span(lead.truth, lead.truth, f"truth ({TRUTH})")
     if len(lead.widths) < 2:
         return (*(_tolerance(lead.truth, width) for width in lead.widths), line)
-    scores = {s.source: s for s in run.scores if (s.measure, s.index) == (lead.measure, None)}
+    scores = {
+        s.source: s for s in run.record.scores if (s.measure, s.index) == (lead.measure, None)
+    }
     widths = [runs.width(run, scores[name]) if name in scores else None for name in runs.names(run)]
     bands = [
         _tolerance(lead.truth, width, (i - 0.5, i + 0.5))

@@ -52,7 +52,7 @@ def first_events(run: Run, lead: Lead, mode: str) -> list[Row]:
     """What every source has of the first event alone, where the measure is a mean over events."""
     return [
         Row(score.source, score.value, score.scatter, UNJUDGED)
-        for score in run.scores
+        for score in run.record.scores
         if (score.measure, score.contact, score.index) == (lead.measure, mode, 1)
         and score.value is not None
     ]

@@ -46,7 +46,7 @@ def _truths(run: Run, lead: Lead) -> dict[str, str]:
     """The truth as a row; one for each step where they differ in what is shown."""
     truths = {
         score.source.partition(AT)[2]: _value(lead, score.truth, None)
-        for score in run.scores
+        for score in run.record.scores
         if score.measure == lead.measure and score.index is None and score.truth is not None
     }
     if len(set(truths.values())) < 2:

@@ -123,7 +123,7 @@ def observed(trajectory: Trajectory | None, probe: Probe) -> Array | None:
 
 def score_of(run: Run, source: str, contact: str, measure: str) -> Score | None:
     """The score of a whole run of one source."""
-    for score in run.scores:
+    for score in run.record.scores:
         if (score.source, score.contact, score.measure, score.index) == (
             source, contact, measure, None,
         ):  # fmt: skip
@@ -133,7 +133,7 @@ def score_of(run: Run, source: str, contact: str, measure: str) -> Score | None:
 
 def measures(run: Run) -> list[str]:
     """Everything that was measured once a run: what has a tolerance first."""
-    return toleranced_first(run, (s.measure for s in run.scores if s.index is None))
+    return toleranced_first(run, (s.measure for s in run.record.scores if s.index is None))
 
 
 def toleranced_first(run: Run, measures: Iterable[str]) -> list[str]:
@@ -162,7 +162,9 @@ def tolerances(run: Run, source: str) -> Mapping[str, Tolerance]:
 def judged(run: Run) -> list[str]:
     """What has a truth and a tolerance, in the order in which the scenario measures it."""
     with_truth = {
-        score.measure for score in run.scores if score.index is None and score.truth is not None
+        score.measure
+        for score in run.record.scores
+        if score.index is None and score.truth is not None
     }
     tolerances = run.record.tolerances
     return [name for name in measures(run) if name in with_truth and name in tolerances]

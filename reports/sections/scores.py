@@ -34,7 +34,7 @@ def _note(run: Run) -> str:
             " single run would scatter, not a bound of its error. The standard uncertainty of the"
             f" mean is u = s/√{repeats}; run.json and scores.csv hold both."
         )
-    if any(score.truth is not None for score in run.scores):
+    if any(score.truth is not None for score in run.record.scores):
         text += f" Deviations are from the {TRUTH}, sampled and measured in the same way."
     return (
         f"{text} What an engine does by default is shown and not judged: nobody gave it the"
@@ -53,7 +53,7 @@ def _columns(mode: str) -> list[Column]:
 
 
 def _group(run: Run, measure: str) -> Group:
-    measured = [s for s in run.scores if s.measure == measure and s.index is None]
+    measured = [s for s in run.record.scores if s.measure == measure and s.index is None]
     names = [source.name for source in run.record.sources if source.ran]
     rows = tuple(
         (name, *(cell for mode in runs.modes(run) for cell in _cells(run, name, mode, measure)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from simcompare.comparison.comparison import FAIL, Score
+from simcompare.comparison.comparison import FAIL
 from simcompare.model.trajectory import Trajectory
 from simcompare.results.records.run import Record
 from simcompare.running.jobs import exit_code_of
@@ -47,11 +47,6 @@ class Run:
     folder: Path | None = None
 
     @property
-    def scores(self) -> tuple[Score, ...]:
-        """Every score."""
-        return self.record.scores
-
-    @property
     def exit_code(self) -> int:
         """0 fine, 1 a tolerance failed, 3 an engine is broken or none of those asked for ran.
 
@@ -68,5 +63,5 @@ class Run:
         if code:
             return code
         judged = self.record.judge
-        failed = {score.contact for score in self.scores if score.verdict == FAIL}
+        failed = {score.contact for score in self.record.scores if score.verdict == FAIL}
         return 1 if (failed if judged is None else failed & set(judged)) else 0

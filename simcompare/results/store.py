@@ -57,7 +57,7 @@ def save(run: Run, folder: Path) -> Run:
     with new_folder(folder, run.record.created, run.record.scenario) as (place, partial):
         record = replace(run.record, run=str(place))
         (partial / RECORD).write_text(plain.text(record, indent=1) + "\n", encoding="utf-8")
-        _write_scores(partial / SCORES, run.scores)
+        _write_scores(partial / SCORES, run.record.scores)
         _write_trajectories(partial / TRAJECTORIES, run.trajectories)
     return replace(run, record=record, folder=place)
 
