@@ -15,6 +15,7 @@ _PUBLIC = {
     "control": "simcompare.verbs.control",
     "Run": "simcompare.results.run",
     "load_run": "simcompare.results.store",
+    "runs": "simcompare.verbs.runs",
     "export": "simcompare.exporters.export",
     "import_log": "simcompare.verbs.import_log",
     "fit": "simcompare.verbs.fit",

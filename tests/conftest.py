@@ -139,6 +139,19 @@ def fall(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.fixture(scope="session")
+def sweep(tmp_path_factory) -> tuple[Any, ...]:
+    """Three stored runs of one engine from three heights; tests copy what they change."""
+    import simcompare
+
+    need("pymunk")
+    out = tmp_path_factory.mktemp("sweep") / "runs"
+    return tuple(
+        simcompare.run("ball", engine="pymunk", seeds=3, set={"drop_height": height}, out=out)
+        for height in ("1m", "0.3m", "2m")
+    )
+
+
 @pytest.fixture
 def write(tmp_path: Path):
     """Writes a text file and returns its path."""

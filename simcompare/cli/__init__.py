@@ -87,6 +87,7 @@ def main() -> None:
         list_,
         report,
         run,
+        runs,
         show,
         tune,
         validate,
@@ -99,6 +100,7 @@ def main() -> None:
     app.command("show")(show.show)
     app.command("doctor")(doctor.doctor)
     app.command("report")(report.report)
+    app.command("runs")(runs.runs)
     app.command("characterize")(characterize.characterize)
     app.command("export")(export.export)
     app.command("import")(import_.import_)

@@ -1,0 +1,156 @@
+"""``simcompare runs``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from simcompare.cli import console
+from simcompare.errors import InputError
+
+if TYPE_CHECKING:
+    from simcompare.model.plain import Plain
+    from simcompare.results.stored_runs import StoredRun
+
+#: letters of a list of engines, and between columns
+_ENGINES, _GUTTER = 14, 2
+#: letters of what was asked for that are left at least
+_MIN_ASKED = 8
+
+
+def runs(
+    folder: Path = typer.Argument(Path("runs"), help="Folder in which the runs lie."),
+    clean: bool = typer.Option(False, "--clean", help="Delete old runs; asks first."),
+    older_than: str = typer.Option(None, help="With --clean: only runs older than this, as 30d."),
+    keep: int = typer.Option(None, help="With --clean: keep so many of the newest."),
+    yes: bool = typer.Option(False, "--yes", "-y", help="With --clean: do not ask."),
+    as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
+) -> None:
+    """List stored runs, the newest first, or delete old ones."""
+    from simcompare.verbs import runs as verb
+
+    given = {"--older-than": older_than is not None, "--keep": keep is not None, "--yes": yes}
+    if not clean and any(given.values()):
+        alone = " and ".join(flag for flag, is_given in given.items() if is_given)
+        raise InputError(alone, ["deletes nothing without --clean"])
+    found = verb.runs(folder)
+    going = verb.to_clean(found, older_than=older_than, keep=keep) if clean else []
+    if clean:
+        _clean(folder, found, going, yes=yes, as_json=as_json)
+    elif as_json:
+        console.print_json({"runs": [_plain(run) for run in found]})
+    else:
+        _show(folder, found)
+
+
+def _plain(run: StoredRun) -> Plain:
+    record = run.record
+    return {
+        "folder": str(run.folder),
+        "created": run.created,
+        "kind": "" if record is None else record.kind,
+        "scenario": "" if record is None else record.scenario,
+        "asked": list(run.asked),
+        "engines": list(run.engines),
+        "verdict": run.verdict,
+        "size_bytes": run.size_bytes,
+        "fault": run.fault,
+        "others": list(run.others),
+    }
+
+
+def _show(folder: Path, found: list[StoredRun]) -> None:
+    if not found:
+        typer.echo(f"{folder} holds no runs. Make one: simcompare run ball")
+        return
+    _show_rows(found)
+    size = _size(sum(run.size_bytes for run in found))
+    typer.echo(f"{len(found)} {'run' if len(found) == 1 else 'runs'} in {folder}, {size}")
+
+
+def _show_rows(found: list[StoredRun]) -> None:
+    """One line a run; what is too long ends with … and stands whole in --json."""
+    from simcompare.reports.render.tables import printable
+
+    heads = ("run", "kind", "asked for", "engines", "verdict", "size")
+    rows = [heads, *(tuple(map(printable, _cells(run))) for run in found)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for column, least in ((2, _MIN_ASKED), (0, _MIN_ASKED)):
+        over = sum(widths) + _GUTTER * (len(heads) - 1) - console.width()
+        widths[column] = max(widths[column] - max(over, 0), min(widths[column], least))
+    for cells in rows:
+        *words, size = map(_shortened, cells, widths)
+        texts = [text.ljust(width) for text, width in zip(words, widths[:-1], strict=True)]
+        typer.echo((" " * _GUTTER).join([*texts, size.rjust(widths[-1])]))
+
+
+def _cells(run: StoredRun) -> tuple[str, ...]:
+    name, size = run.folder.name, _size(run.size_bytes)
+    if run.record is None:
+        return (name, "–", run.fault, "–", run.verdict, size)
+    asked = ", ".join(run.asked) or "–"
+    if run.record.command is None:  # those of version 0.1 do not say
+        asked = "not known"
+    if run.record.scenario not in name:  # the folder was given another name
+        asked = f"{run.record.scenario}: {asked}"
+    engines = ", ".join(run.engines) or "none"
+    if len(engines) > _ENGINES:
+        engines = f"{len(run.engines)} engines"
+    return (name, run.record.kind, asked, engines, run.verdict, size)
+
+
+def _shortened(text: str, width: int) -> str:
+    return text if len(text) <= width else f"{text[: width - 1]}…"
+
+
+def _size(size_bytes: int) -> str:
+    return f"{size_bytes / 1e6:.1f} MB"
+
+
+def _clean(
+    folder: Path,
+    found: list[StoredRun],
+    going: list[StoredRun],
+    *,
+    yes: bool,
+    as_json: bool,
+) -> None:
+    from simcompare.results import stored_runs
+
+    if not as_json:
+        _announce(folder, found, going)
+    if going and not yes:
+        _ask()
+    stored_runs.delete(going)
+    if as_json:
+        console.print_json({"deleted": [_plain(run) for run in going]})
+    elif going:
+        typer.echo("Deleted.")
+
+
+def _announce(folder: Path, found: list[StoredRun], going: list[StoredRun]) -> None:
+    """What is to be deleted, and what is not ours to delete."""
+    from simcompare.results.stored_runs import can_go
+
+    if going:
+        _show_rows(going)
+        size = _size(sum(run.size_bytes for run in going))
+        typer.echo(f"To delete: {len(going)} of {len(found)} runs in {folder}, {size}")
+    else:
+        typer.echo(f"None of the {len(found)} runs in {folder} is to be deleted.")
+    for run in found:
+        if not can_go(run):
+            typer.echo(f"Kept: {run.folder} holds files that are not ours: {', '.join(run.others)}")
+
+
+def _ask() -> None:
+    """Ends the command where the user says no, or nobody can be asked."""
+    try:
+        agreed = typer.confirm("Delete them? They cannot be brought back.", err=True)
+    except typer.Abort:
+        raise InputError("--clean", ["nobody answered, nothing was deleted; add --yes"]) from None
+    if not agreed:
+        typer.echo("Nothing was deleted.")
+        raise typer.Exit

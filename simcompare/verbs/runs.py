@@ -1,0 +1,62 @@
+"""The verb ``runs``: what is stored, and which of it is to be deleted."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from pathlib import Path
+
+from simcompare import units
+from simcompare.errors import InputError
+from simcompare.results import stored_runs
+from simcompare.results.stored_runs import StoredRun
+
+
+def runs(folder: str | Path = "runs") -> list[StoredRun]:
+    """The stored runs, fits and validations in a folder, the newest first.
+
+    Args:
+        folder: in which their own folders lie.
+
+    Raises:
+        InputError: there is no such folder.
+    """
+    return stored_runs.of(Path(folder))
+
+
+def to_clean(
+    found: list[StoredRun],
+    *,
+    older_than: str | None = None,
+    keep: int | None = None,
+    now: datetime | None = None,
+) -> list[StoredRun]:
+    """Those that ``runs --clean`` deletes; what is not ours, or holds files of others, stays.
+
+    Args:
+        found: as ``runs`` gives them.
+        older_than: an age with its unit, such as "30d"; younger ones stay.
+        keep: so many of the newest stay.
+        now: the time from which ages are counted; the present where ``None``.
+
+    Raises:
+        InputError: neither is given, or one makes no sense.
+    """
+    if older_than is None and keep is None:
+        raise InputError(
+            "--clean", ["say which runs go: --older-than 30d, or --keep 10 for all but the newest"]
+        )
+    if keep is not None and keep < 0:
+        raise InputError("--keep", [f"{keep} is not a number of runs; expected 0 or more"])
+    age_s = None if older_than is None else _age_s(older_than)
+    now = now or datetime.now(UTC)
+    return stored_runs.chosen(found, older_than_s=age_s, keep=keep, now=now)
+
+
+def _age_s(text: str) -> float:
+    """An age [s]; a number alone could mean days or seconds."""
+    if text.strip().replace(".", "", 1).isdigit():
+        raise InputError("--older-than", [f"{text} has no unit; expected such as {text}d or 12h"])
+    age_s = units.to_si(text, "s", "--older-than")
+    if age_s < 0:
+        raise InputError("--older-than", [f"{text} is no age; expected such as 30d or 12h"])
+    return age_s
