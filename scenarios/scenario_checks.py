@@ -256,7 +256,8 @@ def _names_of(measure: Measure) -> list[str]:
 
 
 def _held(scenario: Scenario) -> Iterator[str]:
-    """Quantities of contacts and joints of which an engine may hold a value of its own."""
+    """Quantities of which an engine may hold a value of its own: contacts, joints, sleep."""
+    yield "sleep"
     for contact in scenario.contacts:
         for coefficient in ("restitution", "friction"):
             yield f"{'-'.join(contact.pair)} {coefficient}"

@@ -135,7 +135,9 @@ class Box2dSimulation(PlanarSimulation):
         gives, steps = self.scene.gives(TUNED), {"step(sub_step_count)": self.inner_steps}
         for name, put in {**steps, **(MADE_WITH if gives else {}), **SET_AFTER}.items():
             values = put if gives or name in steps else None, getattr(self._world, name, None)
-            audit.add("world", None, f"World.{name}", values, "SI")
+            # a scenario's bodies never sleep
+            of, wanted = ("sleep", 0.0) if name == "sleeping_enabled" else ("world", None)
+            audit.add(of, wanted, f"World.{name}", values, "SI")
         welds = {n: one[0] for n, one in self._links.items() if hasattr(one[0], "linear_hertz")}
         for name, weld in welds.items():
             audit.add(name, None, "WeldJoint.linear_hertz", (self._hertz, weld.linear_hertz), "Hz")

@@ -184,7 +184,7 @@ class DartSimulation(ReducedSimulation):
         is_tuned, solver = self.scene.gives(TUNED), self._world.getConstraintSolver()
         sleeps = self._world.getDeactivationOptions().mEnabled
         values: tuple[float | None, float] = (0 if is_tuned else None, sleeps)
-        audit.add("sleep", None, "deactivation", values, "1", "what rests falls asleep")
+        audit.add("sleep", 0.0, "deactivation", values, "1", "what rests falls asleep")
         parts, lcp = parts_of(self.scene), solver.getBoxedLcpSolver()
         if DETECTOR in parts:
             held = f"{solver.getCollisionDetector().getType()}CollisionDetector"
