@@ -55,7 +55,7 @@ def test_an_answer_is_read(read):
         ('"it rests"', '"it rests {"', "answer.nothing", "expected placeholders such as {value}"),
         ("quantity: block-floor friction", "quantity: block-floor frict",
          "answer.causes.0.quantity", "did you mean block-floor friction"),
-        ('  nothing: "it rests"\n', "", "answer.nothing", "is missing"),
+        ('  within: "it slides {value}"\n', "", "answer.within", "is missing"),
     ],
 )  # fmt: skip
 def test_what_an_answer_names_must_exist(read, old, new, place, sentence):
@@ -64,6 +64,12 @@ def test_what_an_answer_names_must_exist(read, old, new, place, sentence):
     (fault,) = caught.value.faults
     assert place in fault
     assert sentence in fault
+
+
+def test_what_is_said_within_the_tolerance_is_said_outside_where_nothing_else_is(read):
+    short = read('  outside: "it slides {value}"\n  nothing: "it rests"\n', "").resolve().answer
+    assert short.half_sentence("outside") == "it slides {value}"
+    assert short.half_sentence("nothing") is None
 
 
 def test_a_scene_needs_no_answer(read):

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
 
-from simcompare.model.answer import VALUE, Cause, placeholders
+from simcompare.model.answer import VALUE, placeholders
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import TRUTH
 from simcompare.reports.render import numbers
-from simcompare.reports.run import audit, by_step, listing, runs
+from simcompare.reports.run import by_step, listing, runs
+from simcompare.reports.run.causes import causes
 from simcompare.reports.run.lead import (
     MIXED,
     NOTHING,
@@ -21,11 +21,11 @@ from simcompare.reports.run.lead import (
     WITHIN,
     Lead,
     Row,
-    lead_as,
     lead_of,
 )
 from simcompare.reports.run.lead_rows import Group, groups_of, rows_of
-from simcompare.reports.run.level_phrases import how, merged
+from simcompare.reports.run.level_phrases import merged
+from simcompare.reports.run.templates import filled, template_of
 from simcompare.results.run import Run
 
 #: so many values are told apart, the others as a range
@@ -43,7 +43,7 @@ def sentences(run: Run) -> list[str]:
     if runs.steps(run):
         lines = [line for mode in runs.modes(run) for line in by_step.lines(run, lead, mode)]
     else:
-        lines = merged((how(run, mode), _level(run, lead, mode)) for mode in runs.modes(run))
+        lines = merged(run, ((mode, _level(run, lead, mode)) for mode in runs.modes(run)))
     if lead.truth is None and lines:
         lines.append(f"There is no truth to hold the {lead.words} against.")
     return lines or ["Nothing was measured."]
@@ -58,10 +58,10 @@ def _level(run: Run, lead: Lead, mode: str) -> str:
         clauses += _nearness(lead, rows)
     unknown = _clauses(run, lead, mode, rows, (MIXED, UNMEASURED))
     if mode in SHOWN_LEVELS:
-        causes = _causes(run, lead, mode, rows, (OUTSIDE, NOTHING))
-        clauses += f": {causes}" if causes else ""
-        causes = _causes(run, lead, mode, rows, (UNMEASURED,))
-        unknown += f" ({causes})" if causes else ""
+        why = _why(run, lead, mode, rows, (OUTSIDE, NOTHING))
+        clauses += f": {why}" if why else ""
+        why = _why(run, lead, mode, rows, (UNMEASURED,))
+        unknown += f" ({why})" if why else ""
     return "; ".join(part for part in (clauses, unknown) if part)
 
 
@@ -83,13 +83,13 @@ def _clause(run: Run, lead: Lead, mode: str, rows: Sequence[Row], kind: str) -> 
         return f"the {lead.words} differs from repeat to repeat, {ends}"
     if kind in (NOTHING, UNMEASURED):
         names = listing.engines([row.name for row in of_kind], every)
-        return f"{_template(lead, kind)} in {names}{_lacking(of_kind)}"
+        return f"{template_of(lead, kind)} in {names}{_lacking(of_kind)}"
     if kind != OUTSIDE:
         return _values(run, lead, mode, of_kind, every, bare=False)
-    same = _template(lead, WITHIN) == _template(lead, OUTSIDE)
+    same = template_of(lead, WITHIN) == template_of(lead, OUTSIDE)
     repeated = same and any(row.kind == WITHIN for row in rows)
     values = _values(run, lead, mode, of_kind, every, bare=repeated)
-    head = "outside the tolerance: " if repeated else ""
+    head = "too far off: " if repeated else ""
     return f"{head}{values}, where the {TRUTH} gives {lead.true}"
 
 
@@ -97,14 +97,14 @@ def _values(
     run: Run, lead: Lead, mode: str, rows: Sequence[Row], every: Sequence[str], *, bare: bool
 ) -> str:
     """Half a sentence, then value by value the engines that agree."""
-    template = _template(lead, rows[0].kind)
+    template = template_of(lead, rows[0].kind)
     groups = groups_of(lead, rows)
     if VALUE not in placeholders(template):
         groups = [Group(tuple(rows))]
     parts: list[str] = []
     for group in groups[:_MAX_GROUPS]:
         first = not parts and not bare
-        value = _filled(run, lead, mode, template, group) if first else lead.range_of(group.rows)
+        value = filled(run, lead, mode, template, group) if first else lead.range_of(group.rows)
         parts.append(f"{value} in {listing.engines(group.names, every)}")
     others = [row for group in groups[_MAX_GROUPS:] for row in group.rows]
     if others:
@@ -126,32 +126,6 @@ def _lacking(rows: Sequence[Row]) -> str:
     return f" ({'; '.join(reasons)})" if reasons else ""
 
 
-def _template(lead: Lead, kind: str) -> str:
-    if kind == UNMEASURED:
-        return f"the {lead.words} could not be measured"
-    kind = OUTSIDE if kind == UNJUDGED else kind
-    if lead.answer is not None:
-        return str(getattr(lead.answer, kind))
-    return f"there is no {lead.words}" if kind == NOTHING else f"the {lead.words} is {{{VALUE}}}"
-
-
-def _filled(run: Run, lead: Lead, mode: str, template: str, group: Group) -> str:
-    """A template with the values of some engines that agree."""
-    values = {VALUE: lead.range_of(group.rows)}
-    measured = {score.measure for score in run.record.scores if score.index is None}
-    for name in placeholders(template):
-        if name != VALUE:
-            values[name] = _other(run, name, mode, group) if name in measured else "–"
-    return template.format(**values)
-
-
-def _other(run: Run, measure: str, mode: str, group: Group) -> str:
-    """What the same engines have of another measure, which is not judged here."""
-    lead = lead_as(run, measure)
-    rows = [row for row in rows_of(run, lead, mode) if row.name in group.names]
-    return lead.range_of([replace(row, scatter=None, kind=UNJUDGED) for row in rows])
-
-
 def _nearness(lead: Lead, rows: Sequence[Row]) -> str:
     """How near all engines come, rounded up."""
     truth = lead.truth or 0.0
@@ -170,18 +144,6 @@ def _rounded_up(value: float) -> float:
     return math.ceil(value / place * (1 - 1e-9)) * place
 
 
-def _causes(run: Run, lead: Lead, mode: str, rows: Sequence[Row], kinds: Sequence[str]) -> str:
-    """What the scenario names as a cause, where the audit shows that it holds."""
-    missing = [row.name for row in rows if row.kind in kinds]
-    phrases = []
-    for cause in lead.answer.causes if lead.answer else ():
-        causing = [name for name in missing if _keeps(run, name, mode, cause)]
-        if causing:
-            where = "" if causing == missing else f"in {listing.joined(causing)} "
-            phrases.append(f"{where}{cause.says}")
-    return "; ".join(phrases)
-
-
-def _keeps(run: Run, name: str, mode: str, cause: Cause) -> bool:
-    source = runs.source_of(run, name, mode)
-    return source is not None and audit.keeps_its_own(source, cause.quantity)
+def _why(run: Run, lead: Lead, mode: str, rows: Sequence[Row], kinds: Sequence[str]) -> str:
+    wrong = [row.name for row in rows if row.kind in kinds]
+    return "; ".join(shown.text(wrong) for shown in causes(run, lead, mode, wrong))

@@ -17,6 +17,8 @@ WITHIN, OUTSIDE, NOTHING, UNJUDGED = "within", "outside", "nothing", "unjudged"
 MIXED, UNMEASURED = "mixed", "unmeasured"
 #: so many more digits are tried to show that a value is outside
 _MORE = 2
+#: an error below this part of its tolerance is none
+_NO_ERROR = 1e-3
 #: what rounding leaves of a part of a tolerance
 _EQUAL = 1e-9
 
@@ -64,12 +66,18 @@ class Lead:
         """The true value with its unit."""
         places = None if self.truth is None else self.places(self.truth)
         if self.truth is None or places is None or round(self.truth, places) == self.truth:
-            return numbers.plain(self.truth, 4) + self._unit
+            return numbers.plain(self.truth, 4) + self.after
         return self._range([(self.truth, None)], 0)
 
     @property
-    def _unit(self) -> str:
+    def after(self) -> str:
+        """The unit as it follows a number."""
         return "" if self.unit in ("", "1") else f" {self.unit}"
+
+    @property
+    def none(self) -> str:
+        """No value at all, with its unit."""
+        return f"0{self.after}"
 
     def off(self, value: float, width: float | None = None) -> float:
         """How far a value is from the truth, in tolerances."""
@@ -85,6 +93,8 @@ class Lead:
     def range_of(self, rows: Sequence[Row]) -> str:
         """What rows have, as one value or a range, with the digits that show what is outside."""
         known = [row for row in rows if row.value is not None]
+        if self.truth == 0 and known and all(row.kind != OUTSIDE for row in known):
+            return self._at_most([abs(row.value or 0.0) for row in known])
         text = "–"
         for more in range(_MORE + 1 if known else 0):
             text = self._range([(row.value or 0.0, row.scatter) for row in known], more)
@@ -92,9 +102,21 @@ class Lead:
                 break
         return text
 
+    def _at_most(self, sizes: Sequence[float]) -> str:
+        """The largest of some errors in two digits; none at all far below the tolerance."""
+        largest = max(sizes)
+        if largest < _NO_ERROR * (self.width or 0.0):
+            return self.none
+        many = "at most " if len(sizes) > 1 else ""
+        return f"{many}{numbers.plain(largest, 2)}{self.after}"
+
+    def span(self, values: Sequence[float]) -> str:
+        """The lowest and the highest of some values."""
+        return self._range([(value, None) for value in values], 0) if values else "–"
+
     def ends(self, row: Row) -> str:
         """The lowest and the highest repeat of a source."""
-        return self._range([(end, None) for end in row.ends or ()], 0) if row.ends else "–"
+        return self.span(row.ends or ())
 
     def _is_shown(self, row: Row, more: int) -> bool:
         """Whether so many further digits show that a value is outside, where it is."""
@@ -106,7 +128,7 @@ class Lead:
 
     def _range(self, pairs: Sequence[tuple[float, float | None]], more: int) -> str:
         """Values with their scatters, from the lowest to the highest; the same digits once."""
-        after = self._unit
+        after = self.after
         (low, u), (high, _) = min(pairs, key=lambda p: p[0]), max(pairs, key=lambda p: p[0])
         if self.places(high) is None:
             if low == high:

@@ -3,34 +3,44 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 
 from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED
-from simcompare.reports.render import numbers
-from simcompare.reports.run import audit
+from simcompare.reports.run.listing import joined
 from simcompare.results.run import Run
 
 
-def merged(phrases: Iterable[tuple[str, str]]) -> list[str]:
-    """Sentences of a begin and a rest; those after each other with the same rest are one."""
-    sentences: list[str] = []
-    for rest, group in itertools.groupby(((head, rest) for head, rest in phrases if rest), _rest):
-        first, *others = (head for head, _ in group)
-        also = "".join(f"; {head[0].lower()}{head[1:].rstrip(',')} the same" for head in others)
-        sentences.append(f"{first} {rest}{also}.")
-    return sentences
+def merged(run: Run, phrases: Iterable[tuple[str, str]]) -> list[str]:
+    """Sentences of a level and a rest; levels after each other with the same rest are one.
+
+    Args:
+        run: the run.
+        phrases: contact levels, and what is said of each; nothing is said of an empty one.
+    """
+    said = [(mode, rest) for mode, rest in phrases if rest]
+    return [f"{head([mode for mode, _ in group], run)} {rest}." for rest, group in _together(said)]
 
 
-def _rest(phrase: tuple[str, str]) -> str:
-    return phrase[1]
+def _together(said: Sequence[tuple[str, str]]) -> Iterator[tuple[str, list[tuple[str, str]]]]:
+    for rest, group in itertools.groupby(said, lambda phrase: phrase[1]):
+        yield rest, list(group)
+
+
+def head(modes: Sequence[str], run: Run) -> str:
+    """The begin of a sentence about some levels."""
+    first, *others = (how(run, mode) for mode in modes)
+    if not others:
+        return first
+    heads = [first, *(f"{other[0].lower()}{other[1:]}" for other in others)]
+    return f"{joined([one.rstrip(',') for one in heads])},"
 
 
 def how(run: Run, mode: str) -> str:
-    """A level as the begin of a sentence, with the step that all engines took in it."""
+    """A level as the begin of a sentence."""
     if mode == ASSISTED and run.record.assist == "none":
         return "With none of our helps,"
     if mode == TUNED:
-        return f"Tuned{_step(run, mode)},"
+        return "Tuned,"
     return _HOW.get(mode, f"At the level {mode},")
 
 
@@ -40,10 +50,3 @@ _HOW = {
     ASSISTED: "With our helps,",
     "fitted": "With the fitted parameters,",
 }
-
-
-def _step(run: Run, mode: str) -> str:
-    ran = [source for source in run.record.sources if source.contact == mode]
-    steps = {audit.step_of(source) for source in ran if source.status == "ok"}
-    step_s = steps.pop() if len(steps) == 1 else None
-    return "" if step_s is None else f" at a step of {numbers.plain(1e3 * step_s, 3)} ms"

@@ -28,13 +28,23 @@ def joined(names: Sequence[str]) -> str:
 
 
 def engines(names: Sequence[str], every: Sequence[str]) -> str:
-    """Some of all sources by their names, ``all 7 engines`` where they are all or nearly so."""
+    """Some of all sources by their names, counted where they are all or nearly so."""
     others = [name for name in every if name not in names]
-    if not others and len(names) > _FEW:
-        return f"all {len(names)} {noun(every)}"
-    if others and len(others) <= _FEW and len(names) > 2 * _FEW:
-        return f"all {len(every)} {noun(every)} but {joined(others)}"
+    if len(names) > (_FEW if not others else 2 * _FEW) and len(others) <= _FEW:
+        return _count(names, every)
     return joined(steps_together(names, every))
+
+
+def in_how_many(names: Sequence[str], every: Sequence[str]) -> str:
+    """Where something happens, shortly: one or two by their names, more of them counted."""
+    few = len(names) <= _FEW and len(steps_together(names, every)) <= _FEW
+    return f"in {joined(steps_together(names, every)) if few else _count(names, every)}"
+
+
+def _count(names: Sequence[str], every: Sequence[str]) -> str:
+    if len(names) == len(every):
+        return f"all {len(every)} {noun(every)}"
+    return f"{len(names)} of {len(every)} {noun(every)}"
 
 
 def steps_together(names: Sequence[str], every: Sequence[str]) -> list[str]:

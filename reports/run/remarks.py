@@ -12,7 +12,7 @@ from simcompare.reports.render import numbers
 from simcompare.reports.run import runs
 from simcompare.reports.run.lead import Lead, lead_of
 from simcompare.reports.run.lead_rows import first_events, groups_of
-from simcompare.reports.run.level_phrases import how, merged
+from simcompare.reports.run.level_phrases import merged
 from simcompare.reports.run.listing import engines, grouped, joined
 from simcompare.reports.run.tuning_phrases import contacts, typed_in
 from simcompare.results.records.run import SourceRecord
@@ -26,7 +26,7 @@ def remarks(run: Run) -> list[str]:
     """Sentences, as far as there is something to say."""
     judged = [mode for mode in runs.modes(run) if mode not in SHOWN_LEVELS]
     sentences = [*_means(run, judged), *typed_in(run), contacts(run)]
-    sentences += merged((how(run, mode), _missed(run, mode)) for mode in judged)
+    sentences += merged(run, ((mode, _missed(run, mode)) for mode in judged))
     sentences += [*_variants(run), *_not_run(run)]
     if run.record.interrupted:
         sentences.append("The run was interrupted before it was complete.")
@@ -43,7 +43,7 @@ def _means(run: Run, judged: Sequence[str]) -> list[str]:
     if repeats > 1 and dither:
         sentences.append(f"± is the standard deviation over {repeats} repeats. {dither.reason}")
     if lead.of_events and not runs.steps(run):
-        sentences += merged((how(run, mode), _first(run, lead, mode)) for mode in judged)
+        sentences += merged(run, ((mode, _first(run, lead, mode)) for mode in judged))
     return sentences
 
 

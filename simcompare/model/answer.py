@@ -17,13 +17,14 @@ VALUE = "value"
 class Cause(Frozen):
     """Why engines miss the truth as they come: they hold a value of their own."""
 
-    quantity: str = Field(description="as in the audit: a-b friction, joint.friction, …")
+    quantity: str = Field(description="as in the audit: a-b friction, joint.friction, sleep, …")
     says: str = Field(min_length=1, description="the cause, in a few words")
 
 
 class Answer(Frozen):
     """The leading measure, and half a sentence for each thing that can become of it.
 
+    Without ``outside`` that of ``within`` is said there as well, so it must not say "right".
     ``{value}`` stands for the leading measure, ``{name}`` for another one. The words ``in`` and
     the names of engines follow, so each template must also be true of several engines: "the ball
     stays on the floor", not "the ball does not bounce".
@@ -31,9 +32,17 @@ class Answer(Frozen):
 
     measure: str = Field(description="the measure that leads the report")
     within: str = Field(min_length=1, description="said where the value is within its tolerance")
-    outside: str = Field(min_length=1, description="said where it is not")
-    nothing: str = Field(min_length=1, description="said where it is 0 in every repeat, and wrong")
+    outside: str | None = Field(None, min_length=1, description="said where it is not")
+    nothing: str | None = Field(
+        None, min_length=1, description="said where it is 0 in every repeat, and wrong"
+    )
     causes: tuple[Cause, ...] = ()
+
+    def half_sentence(self, kind: str) -> str | None:
+        """What is said of one kind; ``None`` where the scenario leaves that to the report."""
+        if kind == "nothing":
+            return self.nothing
+        return self.within if kind == "within" else self.outside or self.within
 
     def faults(self, measured: Collection[str], held: Collection[str]) -> dict[str, str]:
         """What in it points to nothing, as place -> sentence.
@@ -47,7 +56,7 @@ class Answer(Frozen):
             found["measure"] = str(UnknownName("measured value", self.measure, measured))
         for key in ("within", "outside", "nothing"):
             try:
-                used = list(placeholders(getattr(self, key)))
+                used = list(placeholders(getattr(self, key) or ""))
             except ValueError as error:
                 found[key] = f"{error}; expected placeholders such as {{{VALUE}}}"
                 continue

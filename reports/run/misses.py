@@ -1,0 +1,79 @@
+"""What else is outside its tolerance, beside the leading measure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from simcompare.comparison.comparison import FAIL, Score
+from simcompare.reports.run import runs
+from simcompare.reports.run.lead import Lead, lead_as
+from simcompare.reports.run.listing import joined
+from simcompare.results.run import Run
+
+#: more engines than this are counted
+_NAMED = 2
+
+
+@dataclass(frozen=True)
+class Miss:
+    """One measure that engines miss.
+
+    Attributes:
+        measure: its name.
+        scores: those that fail, by the order of the engines.
+    """
+
+    measure: str
+    scores: tuple[Score, ...]
+
+    @property
+    def names(self) -> list[str]:
+        """Of the engines."""
+        return [score.source for score in self.scores]
+
+
+def misses_of(run: Run, lead: Lead, mode: str, names: Sequence[str]) -> list[Miss]:
+    """Measures other than the leading one that some of the engines miss at a level."""
+    found = []
+    for measure in runs.judged(run):
+        scores = [runs.score_of(run, name, mode, measure) for name in names]
+        failed = tuple(score for score in scores if score is not None and score.verdict == FAIL)
+        if failed and measure != lead.measure:
+            found.append(Miss(measure, failed))
+    return found
+
+
+def said(run: Run, misses: Sequence[Miss], *, named: bool = True, value: bool = True) -> str:
+    """The misses as half a sentence.
+
+    Args:
+        run: the run.
+        misses: at least one.
+        named: whether it is told what is off and where; else the misses are counted.
+        value: whether the farthest value is told as well.
+    """
+    count = f"{len(misses)} other value{' is' if len(misses) == 1 else 's are'} off"
+    if not named:
+        return f"but {count}"
+    far = max(misses, key=lambda miss: max(_share(run, score) for score in miss.scores))
+    names = list(dict.fromkeys(name for miss in misses for name in miss.names))
+    who = joined(names) if len(names) <= _NAMED else f"{len(names)} engines"
+    words = f"the {runs.measure_words(far.measure)}"
+    told = _farthest(run, far) if value else ""
+    if len(misses) == 1:
+        return f"but {words} is off in {who}{told}"
+    return f"but {count} in {who}" + (f", most of all {words}{told}" if value else "")
+
+
+def _farthest(run: Run, miss: Miss) -> str:
+    """The farthest value in brackets, nothing where none could be measured."""
+    lead = lead_as(run, miss.measure)
+    value = max(miss.scores, key=lambda score: _share(run, score)).value
+    if value is None:
+        return ""
+    return f" ({lead.text(value)}{f' instead of {lead.true}' if lead.truth else ''})"
+
+
+def _share(run: Run, score: Score) -> float:
+    return runs.share_of_tolerance(run, score) or 0.0

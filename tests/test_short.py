@@ -1,0 +1,145 @@
+"""The answer of a run in forty words and four numbers."""
+
+from dataclasses import replace
+
+import pytest
+
+from simcompare.model.settings import DEFAULT
+from simcompare.reports.run.key_numbers import key_numbers
+from simcompare.reports.run.short import MAX_WORDS, short
+from tests import records
+from tests.records import with_sources
+from tests.test_headline import ANSWER, answered, changed, level
+from tests.test_reports import audit_row, make_run
+
+CAUSE = "no restitution is set"
+WHOLE = {
+    **ANSWER,
+    "within": "the ball bounces with {value} and rests after {settling_time}",
+}
+
+
+def words(sentences):
+    return sum(len(sentence.split()) for sentence in sentences)
+
+
+def met(run):
+    """The same run, in which the second tolerance is met by all."""
+    scores = [replace(s, value=4.0, verdict="pass") if s.measure == "settling_time" else s
+              for s in run.record.scores]  # fmt: skip
+    return records.changed(run, scores=tuple(scores))
+
+
+def all_levels(**more):
+    return met(
+        answered(
+            [
+                *level("default", north=0.0, south=0.0, west=0.0),
+                *level("tuned", north=0.81, south=0.82, west=0.8),
+                *level("assisted", north=0.8, south=0.8, west=0.801),
+            ],
+            answer=WHOLE,
+            **more,
+        )
+    )
+
+
+def test_each_level_is_a_sentence():
+    run = all_levels()
+    held = audit_row(DEFAULT)
+    given = replace(held, set_value=0.8, read_value=0.8)
+    run = with_sources(run, audit=[(held,)] * 3 + [(given,)] * 6)
+    assert short(run) == (
+        "By default the ball stays on the floor in all 3 engines: no restitution is set.",
+        "Tuned, the ball bounces with 0.810 to 0.820 instead of 0.8 in north and south.",
+        "With our helps, 0.800 to 0.801 in all 3.",
+    )
+
+
+@pytest.mark.parametrize(("set_value", "end"), [(0.8, " (tuned sets it)."), (None, ".")])
+def test_what_cures_a_cause_is_said_only_where_it_does(set_value, end):
+    run = met(answered([*level("default", north=0.0), *level("tuned", north=0.8)]))
+    held = audit_row(DEFAULT)
+    given = replace(held, set_value=set_value, read_value=set_value or 0.0)
+    run = with_sources(run, audit=[(held,), (given,)])
+    assert short(run)[0] == f"By default the ball stays on the floor in north: {CAUSE}{end}"
+
+
+def test_what_happens_alike_at_two_levels_is_one_sentence():
+    run = met(answered([*level("tuned", north=0.8), *level("assisted", north=0.8)], answer=WHOLE))
+    assert short(run) == (
+        "Tuned and with our helps, the ball bounces with 0.800 and rests after 4.0 s in north.",
+    )
+
+
+def test_engines_that_are_off_are_named_with_what_they_have():
+    run = met(answered(level("tuned", a=0.8, b=0.8, c=0.801, d=0.9)))
+    assert short(run) == (
+        "Tuned, the ball bounces with 0.800 to 0.801 in 3 of 4 engines; off in d (0.900).",
+    )
+
+
+def test_other_measures_that_fail_are_said_where_the_leading_one_passes():
+    run = answered(level("assisted", north=0.8, south=0.8))
+    (sentence,) = short(run)
+    assert sentence.endswith("in north and south; but the settling time is off in north and south.")
+
+
+def test_repeats_that_differ_are_told_by_their_ends():
+    run = changed(answered(level("default", a=0.0, b=0.0, c=0.0)), "c", value=None, low=0.0,
+                  high=0.17)  # fmt: skip
+    assert "now and then in c (0.000 to 0.170)" in short(run)[0]
+
+
+def test_what_most_engines_lack_is_said():
+    run = changed(met(answered(level("tuned", a=0.8, b=0.8))), "b", value=None, low=None, high=None)
+    assert short(run)[0].endswith("not measurable in b.")
+
+
+def test_an_error_is_told_by_its_largest():
+    tolerances = {"restitution": {"relative": None, "absolute": 0.01, "reason": "Because of it."}}
+    run = make_run(level("tuned", a=0.002, b=0.004), truth=0.0, tolerances=tolerances)
+    assert short(run) == ("Tuned, the restitution is at most 0.004 in a and b.",)
+    run = make_run(level("tuned", a=1e-12, b=2e-13), truth=0.0, tolerances=tolerances)
+    assert short(run) == ("Tuned, the restitution is 0 in a and b.",)
+
+
+def test_nothing_measured_says_so():
+    assert short(answered(level("default", north=None))) == ("Nothing was measured.",)
+    assert key_numbers(answered(level("default", north=None))) == ()
+
+
+@pytest.mark.parametrize("engines", [1, 3, 14])
+def test_it_is_never_longer_than_forty_words(engines):
+    names = [f"engine{i}" for i in range(engines)]
+    modes = ("default", "coefficients", "tuned", "assisted")
+    rows = [(name, mode, 0.1 * (i + k)) for k, mode in enumerate(modes)
+            for i, name in enumerate(names)]  # fmt: skip
+    run = answered(rows, answer=WHOLE)
+    assert 0 < words(short(run)) <= MAX_WORDS
+
+
+def test_key_numbers_are_one_for_each_level_and_the_truth():
+    numbers = [(n.label, n.value, n.note, n.verdict) for n in key_numbers(all_levels())]
+    assert numbers == [
+        ("by default", "0", "the ball stays on the floor in all 3 engines", ""),
+        ("tuned", "0.800 to 0.820", "1 of 3 within ±0.008", "fail"),
+        ("assisted", "0.800 to 0.801", "3 of 3 within ±0.008", "pass"),
+        ("truth", "0.8", "", ""),
+    ]
+
+
+def test_a_key_number_counts_what_else_is_off():
+    (number, _) = key_numbers(answered(level("assisted", north=0.8)))
+    assert number.note == "1 of 1 within ±0.008; 1 other value is off"
+    assert number.verdict == "fail"
+
+
+def test_the_value_that_is_farthest_off_is_told_beside_its_truth():
+    run = answered(level("assisted", north=0.8, south=0.8))
+    times = {"north": 4.2, "south": 5.0}
+    run = records.changed(run, scores=tuple(
+        replace(s, value=times[s.source], verdict="fail") if s.measure == "settling_time" else s
+        for s in run.record.scores
+    ))  # fmt: skip
+    assert "settling time is off in north and south (5.0 s instead of 4 s)" in short(run)[0]
