@@ -16,6 +16,7 @@ _PUBLIC = {
     "Run": "simcompare.results.run",
     "load_run": "simcompare.results.store",
     "runs": "simcompare.verbs.runs",
+    "explain": "simcompare.verbs.explain",
     "export": "simcompare.exporters.export",
     "import_log": "simcompare.verbs.import_log",
     "fit": "simcompare.verbs.fit",

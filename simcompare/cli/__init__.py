@@ -81,6 +81,7 @@ def main() -> None:
         characterize,
         data,
         doctor,
+        explain,
         export,
         fit,
         import_,
@@ -99,6 +100,7 @@ def main() -> None:
     app.command("list")(list_.list_)
     app.command("show")(show.show)
     app.command("doctor")(doctor.doctor)
+    app.command("explain")(explain.explain)
     app.command("report")(report.report)
     app.command("runs")(runs.runs)
     app.command("characterize")(characterize.characterize)

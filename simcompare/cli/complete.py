@@ -52,3 +52,10 @@ def experiments(incomplete: str) -> list[str]:
     names = ["bounce", "friction", "joint", "force", *([] if comma else ["all"])]
     free = [name for name in names if name not in before.split(",")]
     return [f"{before}{comma}{name}" for name in free if name.startswith(last)]
+
+
+def words(incomplete: str) -> list[str]:
+    """Words that are explained."""
+    from simcompare import glossary
+
+    return [one.word for one in glossary.terms() if one.word.startswith(incomplete)]
