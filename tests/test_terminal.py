@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import webbrowser
 from pathlib import Path
 
@@ -53,3 +54,66 @@ def test_a_report_that_is_not_written_is_not_opened(call, fall, opened):
     code, out, err = call("run", fall, "--open", "--no-report")
     assert (code, out, opened) == (2, "", [])
     assert "--open: there is no page to open; leave out --no-report" in err
+
+
+# --- options of every verb --------------------------------------------------------------------
+
+
+def verbs():
+    from typer.main import get_command
+
+    from simcompare.cli import app, register
+
+    register()
+    root = get_command(app)
+    return {**root.commands, **root.commands["data"].commands}
+
+
+def test_every_verb_takes_them():
+    for name, verb in verbs().items():
+        given = {word for param in verb.params for word in param.opts}
+        assert {"--quiet", "-q", "--verbose", "-v", "--debug"} <= given, name
+
+
+@pytest.mark.parametrize("words", [["-q", "list"], ["list", "-q"], ["data", "list", "--quiet"]])
+def test_quiet_prints_nothing(call, words):
+    assert call(*words) == (0, "", "")
+
+
+def test_quiet_prints_errors_and_what_was_asked_for_as_text(call, fall, add_engine):
+    add_engine("toy")
+    words = ("run", fall, "--engine", "toy", "--contact", "assisted", "--no-report", "-q")
+    assert call(*words) == (0, "", "")
+    code, out, _ = call(*words, "--json")
+    assert json.loads(out)["exit_code"] == code == 0
+    code, out, err = call("-q", "show", "bal")
+    assert (code, out) == (2, "")
+    assert "did you mean ball?" in err
+    _, script, _ = call("export", "pendulum", "-q")
+    assert script.startswith("<?xml")
+
+
+def test_tune_takes_them_beside_the_options_of_an_engine(call):
+    words = ("tune", "--engine", "pymunk", "--elasticity", "0.8", "--speed", "2")
+    code, out, err = call(*words, "-q")
+    assert (code, out) == (0, ""), err
+    assert call("-q", *words)[1] == ""
+
+
+def test_debug_shows_where_an_error_comes_from(call):
+    _, _, short = call("show", "bal")
+    _, _, long = call("show", "bal", "--debug")
+    assert "Traceback" not in short
+    assert "Traceback" in long
+    assert "catalogue.py" in long
+    assert long.endswith(short)
+
+
+def test_debug_shows_where_an_engine_failed(call, fall, add_engine):
+    add_engine("raises", "raise RuntimeError('the solver gave up')")
+    words = ("run", fall, "--engine", "raises", "--contact", "assisted", "--no-report")
+    _, _, short = call(*words)
+    _, _, long = call("--debug", *words)
+    assert short == ""
+    assert "raises_engine.py" in long
+    assert "RuntimeError: the solver gave up" in long

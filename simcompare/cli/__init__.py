@@ -5,6 +5,7 @@ Nothing heavy is imported here: ``--help``, ``list`` and completion must answer 
 
 from __future__ import annotations
 
+import functools
 import io
 import os
 import signal
@@ -14,15 +15,16 @@ from contextlib import contextmanager
 from typing import Any
 
 import typer
-from typer.core import TyperGroup
 
+from simcompare.cli import manner
 from simcompare.errors import SimcompareError
 
 
-class _Verbs(TyperGroup):
+class _Verbs(manner.Group):
     """Turns our own errors into one sentence on stderr and the right exit code."""
 
     def make_context(self, *words: Any, **extra: Any) -> Any:  # noqa: ANN401
+        manner.reset()
         with _readers_may_leave():
             return super().make_context(*words, **extra)
 
@@ -31,11 +33,13 @@ class _Verbs(TyperGroup):
             with _readers_may_leave():
                 return super().invoke(ctx)
         except SimcompareError as error:
-            typer.echo(f"simcompare: {error}", err=True)
+            manner.show_error(error)
             raise typer.Exit(error.exit_code) from None
         except KeyboardInterrupt:
             typer.echo("simcompare: interrupted", err=True)
             raise typer.Exit(130) from None
+        finally:
+            manner.reset()
 
 
 @contextmanager
@@ -75,8 +79,9 @@ def _interrupt(*_: object) -> None:
     raise KeyboardInterrupt
 
 
-def main() -> None:
-    """Entry point of the ``simcompare`` command."""
+@functools.cache
+def register() -> None:
+    """Names the verbs; a verb more is a line more."""
     from simcompare.cli import (
         characterize,
         data,
@@ -94,8 +99,6 @@ def main() -> None:
         validate,
     )
 
-    # an ended terminal or batch job stops a run as Ctrl-C does: workers ended, results kept
-    signal.signal(signal.SIGTERM, _interrupt)
     app.command("run")(run.run)
     app.command("list")(list_.list_)
     app.command("show")(show.show)
@@ -112,6 +115,13 @@ def main() -> None:
     app.command("tune", context_settings=foreign)(tune.tune)
     app.command("validate")(validate.validate)
     app.add_typer(data.data, name="data")
+
+
+def main() -> None:
+    """Entry point of the ``simcompare`` command."""
+    # an ended terminal or batch job stops a run as Ctrl-C does: workers ended, results kept
+    signal.signal(signal.SIGTERM, _interrupt)
+    register()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # a terminal without the signs for ± and ζ
             stream.reconfigure(errors="replace")

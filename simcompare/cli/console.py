@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from simcompare.cli import manner
 from simcompare.errors import InputError
 
 if TYPE_CHECKING:
@@ -28,7 +29,12 @@ _CURE = "; cure: "
 
 def print_json(value: object) -> None:
     """Prints exactly one JSON object to stdout."""
-    typer.echo(json.dumps(value, ensure_ascii=False, allow_nan=False))
+    print_wanted(json.dumps(value, ensure_ascii=False, allow_nan=False))
+
+
+def print_wanted(text: str | bytes, *, nl: bool = True) -> None:
+    """Prints text that was asked for, such as a script, also where all else is quiet."""
+    typer.echo(text, file=manner.out(), nl=nl)
 
 
 def table(*columns: str) -> Any:  # noqa: ANN401
@@ -73,7 +79,7 @@ def print_wrapped(sentences: Iterable[str]) -> None:
 @contextmanager
 def progress_bar(what: str) -> Iterator[Progress | None]:
     """A progress bar on stderr, nothing where stderr is not a terminal."""
-    if not sys.stderr.isatty():
+    if manner.is_quiet() or not sys.stderr.isatty():
         yield None
         return
     from rich.console import Console

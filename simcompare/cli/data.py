@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import typer
 
-from simcompare.cli import complete, console
+from simcompare.cli import complete, console, manner
 
-data = typer.Typer(help="Public recordings of real hardware.", no_args_is_help=True)
+data = typer.Typer(
+    cls=manner.Group, help="Public recordings of real hardware.", no_args_is_help=True
+)
 
 
 @data.command("list")

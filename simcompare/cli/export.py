@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from simcompare.cli import complete
+from simcompare.cli import complete, console
 from simcompare.errors import InputError, OutputError
 
 if TYPE_CHECKING:
@@ -54,7 +54,6 @@ def export(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
     """Write a scenario as a digital twin for another simulator, or as a script of one engine."""
-    from simcompare.cli import console
     from simcompare.exporters.scripts.write import script
     from simcompare.exporters.twins import FORMATS, SCRIPT, twin
 
@@ -87,7 +86,7 @@ def export(
         )
         return
     if written is None:  # UTF-8 whatever the terminal's encoding is: the text may go into a file
-        typer.echo(made.text.encode("utf-8"), nl=False)
+        console.print_wanted(made.text.encode("utf-8"), nl=False)
     else:
         typer.echo(str(written))
     for sentence in made.left_out:
@@ -103,8 +102,6 @@ def _refuse_options(format: str, options: Mapping[str, str | None]) -> None:
 
 def _script(write: Callable[..., Script], out: Path | None, *, as_json: bool) -> None:
     """Writes a script, and beside it the file of inputs that it may need."""
-    from simcompare.cli import console
-
     if out is not None and not out.is_dir() and out.suffix != ".py":
         raise InputError(f"--out {out}", ["a script is a file that ends with .py"])
     name = None if out is None or out.is_dir() else out.stem
@@ -131,7 +128,7 @@ def _script(write: Callable[..., Script], out: Path | None, *, as_json: bool) ->
             }
         )
     elif not files:
-        typer.echo(made.text.encode("utf-8"), nl=False)
+        console.print_wanted(made.text.encode("utf-8"), nl=False)
     for file in () if as_json else files:
         typer.echo(str(file))
 
@@ -163,7 +160,7 @@ def _print_contact_values(
     fit_file.read(path).base(catalogue.load(scenario))  # is it of this scenario?
     text = contact_values.contact_values(path)
     if out is None:
-        typer.echo(text, nl=False)
+        console.print_wanted(text, nl=False)
     else:
         typer.echo(str(_write(out, f"{scenario}_contact_values.txt", text)))
 

@@ -50,7 +50,7 @@ def import_(
     from simcompare.verbs.import_log import facts, import_log
 
     if template:
-        typer.echo(importing.template(log, kind=kind), nl=False)
+        console.print_wanted(importing.template(log, kind=kind), nl=False)
         return
     place = out or Path(f"{log.stem or log.name}.rec")
     recording = import_log(

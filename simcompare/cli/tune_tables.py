@@ -44,9 +44,10 @@ def show_snippets(rows: Sequence[TuneResult]) -> None:
             typer.echo(row.reason, err=True)
             continue
         if len(rows) > 1:
-            typer.echo(f"# {row.engine} {row.version}", err=not row.snippet)
+            head = f"# {row.engine} {row.version}"
+            console.print_wanted(head) if row.snippet else typer.echo(head, err=True)
         if row.snippet:
-            typer.echo(row.snippet + ("\n" if len(rows) > 1 else ""))
+            console.print_wanted(row.snippet + ("\n" if len(rows) > 1 else ""))
         else:
             typer.echo("\n".join(_settings(row)), err=True)
 

@@ -7,6 +7,7 @@ bounces. Both are work for the engine's own process.
 from __future__ import annotations
 
 import math
+import traceback
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, replace
 from typing import Generic, TypeVar
@@ -93,6 +94,7 @@ class Inquiry(Generic[Answer]):
             return Reply(self, _status_of(error), str(error), version=version)
         # as in a job, an engine may raise anything
         except (Exception, SystemExit) as error:  # noqa: BLE001
+            traceback.print_exc()
             return self.failed(f"{self.engine}: {type(error).__name__}: {error}")
 
     def failed(self, reason: str, noise: str = "") -> Reply[Answer]:
@@ -198,6 +200,7 @@ def execute(job: Job) -> Outcome:
         return Outcome(job, _status_of(error), str(error), facts=facts)
     # an engine may raise anything, also SystemExit; it spoils only its own row
     except (Exception, SystemExit) as error:  # noqa: BLE001
+        traceback.print_exc()  # into what the engine prints, for whoever looks into it
         return Outcome(job, FAILED, f"{job.engine}: {type(error).__name__}: {error}", facts=facts)
     return Outcome(job, OK, trajectory=trajectory, facts=facts)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import os
 import pickle
 import queue
@@ -27,6 +28,7 @@ LEAVE_LIMIT_S = 2.0
 #: longest wait for a message, whatever the time limit [s]
 _MAX_WAIT_S = 3600.0
 _NOISE_KEPT = 4000
+_LOG = logging.getLogger(__name__)
 
 Progress = Callable[[str, int, int], None]
 _Ended = Outcome | Reply[Any]
@@ -233,6 +235,8 @@ class _Crew:
         self._running.remove(worker)
         worker.leave()
         noise = worker.noise()
+        if noise:
+            _LOG.debug("%s printed:\n%s", worker.engine, noise)
         if reason and noise:
             reason += f"; it last printed: {noise.splitlines()[-1]}"
         for index, job in enumerate(worker.jobs):
