@@ -22,7 +22,7 @@ from simcompare.model.settings import CONTACT_LEVELS
 from simcompare.reports.characterization import bounce_figures, findings, words
 from simcompare.reports.characterization import page as characterized
 from simcompare.reports.characterization import tables as characterized_tables
-from simcompare.reports.render import numbers, tables
+from simcompare.reports.render import numbers, text_tables
 from simcompare.reports.render.figures import MAX_PANELS
 from simcompare.results.records.characterization import Characterization, Trial
 from simcompare.results.records.run import Software
@@ -89,7 +89,7 @@ def test_pictures_are_written_for_a_paper(pymunk, tmp_path):
 def test_tables_fit_a_terminal(pymunk, name):
     table = characterized_tables.of(pymunk, name)
     assert [len(group.rows) for group in table.groups] == [1, 1]
-    assert max(map(len, tables.lines(table, 80))) <= 80
+    assert max(map(len, text_tables.lines(table, 80))) <= 80
 
 
 def test_nothing_is_asked_twice(pymunk, monkeypatch):
@@ -246,7 +246,7 @@ def test_the_table_tells_both_ways_of_being_off():
     large, small = (heads.index(f"1 % too {too} at (ms)") for too in ("large", "small"))
     cells = [(row[large], row[small]) for row in table.groups[0].rows]
     assert cells == [("> 2.9", "–"), ("–", "> 3.5"), ("–", "< 0.5, > 3.5"), ("–", "1")]
-    assert max(map(len, tables.lines(table, 80))) <= 80
+    assert max(map(len, text_tables.lines(table, 80))) <= 80
 
 
 def record_of(answers):

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
-import textwrap
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from simcompare.reports.render import numbers
 
 _POWERS = (-3, 6)
-#: letters of a column of words that still reads well, of the narrowest one, and between columns
-_GOOD_WORDS, _MIN_WORDS, _GUTTER = 30, 13, 2
 #: more decimals than these are noise to a reader
 _MAX_PLACES = 7
 
@@ -23,7 +20,7 @@ class Column(NamedTuple):
     Attributes:
         head: what is in it, with its unit where all rows share one.
         text: whether it holds words, which begin at the left, and not numbers.
-        spare: whether it is left out where there is little room.
+        spare: whether it is left out on paper, where there is little room.
         nowrap: whether its words, such as a name or a unit, stay on one line.
         over: a head that it shares with the columns beside it, empty for none.
     """
@@ -87,13 +84,14 @@ class Table(NamedTuple):
 
     def narrow(self) -> Table:
         """The same without the columns that can be spared."""
-        return self._kept([i for i, column in enumerate(self.columns) if not column.spare])
+        return self.kept([i for i, column in enumerate(self.columns) if not column.spare])
 
     def without(self, heads: Sequence[str]) -> Table:
         """The same without the columns with these heads."""
-        return self._kept([i for i, column in enumerate(self.columns) if column.head not in heads])
+        return self.kept([i for i, column in enumerate(self.columns) if column.head not in heads])
 
-    def _kept(self, keep: Sequence[int]) -> Table:
+    def kept(self, keep: Sequence[int]) -> Table:
+        """The same with some columns alone."""
         groups = tuple(
             group._replace(rows=tuple(tuple(row[i] for i in keep) for row in group.rows))
             for group in self.groups
@@ -152,71 +150,3 @@ def of_engines(
 def printable(text: str) -> str:
     """Text on one line without control characters; names come from files."""
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())
-
-
-def lines(table: Table, width: int) -> Iterator[str]:
-    """A table as plain text, the title of each group above its rows.
-
-    Args:
-        table: what to show; columns that can be spared are left out where there is no room.
-        width: letters on a line.
-    """
-    widths = _squeezed(table, width, _GOOD_WORDS)
-    if _total(table, widths) > width:
-        table = table.narrow()
-        widths = _squeezed(table, width, _MIN_WORDS)
-    heads = [printable(column.full_head) for column in table.columns]
-    yield from _laid_out(table, heads, widths)
-    yield "─" * min(_total(table, widths), width)
-    for group in table.groups:
-        if group.title:
-            yield from textwrap.wrap(printable(group.head), width)
-        indent = 2 if group.title else 0
-        for row in group.rows:
-            cells = list(map(printable, row))
-            yield from _laid_out(table, [" " * indent + cells[0], *cells[1:]], widths)
-
-
-def _widths(table: Table) -> list[int]:
-    """Letters that each column needs: its cells, and the longest word of its head."""
-    indent = 2 if any(group.title for group in table.groups) else 0
-    widths = []
-    for i, column in enumerate(table.columns):
-        cells = [printable(row[i]) for group in table.groups for row in group.rows]
-        longest = max(map(len, [*cells, *column.full_head.split()]), default=1)
-        widths.append(longest + (indent if i == 0 else 0))
-    return widths
-
-
-def _total(table: Table, widths: Sequence[int]) -> int:
-    return sum(widths) + _GUTTER * (len(table.columns) - 1)
-
-
-def _squeezed(table: Table, width: int, min_words: int) -> list[int]:
-    """Columns of words made narrower, the widest first, until all fit or none can give more.
-
-    Those that should stay on one line give only when no others can.
-    """
-    widths = _widths(table)
-    for nowrap in (False, True):
-        words = [i for i, c in enumerate(table.columns) if c.text and c.nowrap == nowrap]
-        while _total(table, widths) > width:
-            widest = max(words, key=lambda i: widths[i], default=None)
-            if widest is None or widths[widest] <= min_words:
-                break
-            widths[widest] -= 1
-    return widths
-
-
-def _laid_out(table: Table, cells: Sequence[str], widths: Sequence[int]) -> Iterator[str]:
-    """One row, on as many lines as its longest cell needs."""
-    parts = []
-    for cell, width in zip(cells, widths, strict=True):
-        indent = cell[: len(cell) - len(cell.lstrip())]
-        parts.append(textwrap.wrap(cell, width, subsequent_indent=indent) or [""])
-    for k in range(max(map(len, parts))):
-        shown = []
-        for part, width, column in zip(parts, widths, table.columns, strict=True):
-            text = part[k] if k < len(part) else ""
-            shown.append(text.ljust(width) if column.text else text.rjust(width))
-        yield (" " * _GUTTER).join(shown).rstrip()

@@ -10,7 +10,8 @@ from simcompare.comparison.comparison import FAIL, PASS
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import AT, TRUTH
 from simcompare.reports.render import numbers
-from simcompare.reports.render.tables import Column, Group, Table, lines
+from simcompare.reports.render.tables import Column, Group, Table
+from simcompare.reports.render.text_tables import lines
 from simcompare.reports.run import by_step, runs
 from simcompare.reports.run.lead import Lead, lead_as, lead_of
 from simcompare.results.run import Run

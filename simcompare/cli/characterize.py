@@ -97,10 +97,7 @@ def _show(result: Characterization, last_file: Path | None, *, details: bool) ->
 
 
 def _show_table(result: Characterization, name: str) -> None:
-    from simcompare.reports.characterization import tables as characterized_tables
-    from simcompare.reports.render import tables
+    from simcompare.reports.characterization import tables
 
-    width = min(console.width(), 100)
     typer.echo(f"\n{name}, at {1e3 * result.step_s:g} ms")
-    for line in tables.lines(characterized_tables.of(result, name), width):
-        typer.echo(line)
+    console.show_table(tables.of(result, name))

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import sys
 import textwrap
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -16,6 +17,7 @@ from simcompare.cli import manner
 from simcompare.errors import InputError
 
 if TYPE_CHECKING:
+    from simcompare.reports.render.tables import Table
     from simcompare.running.runner import Progress
 
 
@@ -23,6 +25,10 @@ if TYPE_CHECKING:
 _TIED = "\u00a0"
 #: such as a value and its scatter
 _UNBROKEN = {" ± ": f"{_TIED}±{_TIED}", "(± ": f"(±{_TIED}"}
+#: what begins like a number, or is empty
+_NUMBER = re.compile(r"[-−+±(≤≥]?\d|–?$")
+#: letters on a line where nobody sees it: of sentences, of tables; most of sentences; least of all
+_SENTENCES, _PIPED, _MOST_OF_SENTENCES, _LEAST = 80, 200, 100, 40
 #: what stands before a command
 _CURE = "; cure: "
 
@@ -37,28 +43,55 @@ def print_wanted(text: str | bytes, *, nl: bool = True) -> None:
     typer.echo(text, file=manner.out(), nl=nl)
 
 
-def table(*columns: str) -> Any:  # noqa: ANN401
-    """An empty rich table with these columns."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
+class Rows:
+    """A table that grows row by row.
 
-    grid = Table(box=SIMPLE_HEAD, pad_edge=False)
-    for column in columns:
-        grid.add_column(column, overflow="fold")
-    return grid
+    Args:
+        heads: of its columns; what holds nothing but numbers stands at the right.
+    """
+
+    def __init__(self, *heads: str) -> None:
+        self._heads = heads
+        self._rows: list[tuple[str, ...]] = []
+
+    def add_row(self, *cells: str) -> None:
+        """Adds a row; cells may have several lines, those at the end may be left away."""
+        self._rows.append((*cells, *[""] * (len(self._heads) - len(cells))))
+
+    @property
+    def table(self) -> Table:
+        """All of it."""
+        from simcompare.reports.render.tables import Column, Group, Table
+
+        columns = zip(*self._rows, strict=True) if self._rows else [()] * len(self._heads)
+        heads = [
+            Column(head, text=not all(map(_NUMBER.match, cells)))
+            for head, cells in zip(self._heads, columns, strict=True)
+        ]
+        return Table("", (*heads,), (Group("", (*self._rows,)),))
 
 
-def show_table(grid: Any) -> None:  # noqa: ANN401
-    """Prints a table to stdout; colours obey NO_COLOR and are left out of pipes."""
-    from rich.console import Console
+def show_table(made: Table | Rows) -> None:
+    """Prints a table to stdout, all of its columns however wide the terminal is."""
+    from simcompare.reports.render.text_tables import lines
 
-    width = None if sys.stdout.isatty() else 140
-    Console(width=width, markup=False).print(grid)  # a unit in brackets is no markup
+    for line in lines(made.table if isinstance(made, Rows) else made, table_width()):
+        typer.echo(line)
 
 
 def width() -> int:
-    """Letters on a line: those of the terminal, 80 where nobody sees one."""
-    return shutil.get_terminal_size().columns if sys.stdout.isatty() else 80
+    """Letters on a line of sentences: those of the terminal, or as many as read well."""
+    return min(_columns(_SENTENCES), _MOST_OF_SENTENCES)
+
+
+def table_width() -> int:
+    """Letters on a line of a table: those of the terminal, many in a pipe or file."""
+    return _columns(_PIPED)
+
+
+def _columns(unseen: int) -> int:
+    """What COLUMNS says, or the terminal; ``unseen`` where there is none."""
+    return max(shutil.get_terminal_size((unseen, 24)).columns, _LEAST)
 
 
 def print_wrapped(sentences: Iterable[str]) -> None:

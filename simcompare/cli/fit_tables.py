@@ -87,7 +87,7 @@ def _print_waves(found: WaveformFit) -> None:
     closed, names = found.closed_form, found.closed_form.names
     held = found.holdout.streams
     lead = found.probes[0]
-    made = console.table(
+    made = console.Rows(
         "engine", "contact", *names, *(f"rms {lead} {row.stream}" for row in held),
         "simulations", "seconds",
     )  # fmt: skip
@@ -118,7 +118,7 @@ def _print_holdout(held: Sequence[HeldOutSegment]) -> None:
     names = list(dict.fromkeys(name for row in held for name in row.engines))
     if not names:
         return
-    made = console.table("held out", "value", "measured", *(f"E_n {name}" for name in names))
+    made = console.Rows("held out", "value", "measured", *(f"E_n {name}" for name in names))
     for row in held:
         for i, value in enumerate(row.values):
             found = [row.engines[n].values[i:] for n in names if n in row.engines]
@@ -133,7 +133,7 @@ def _print_holdout(held: Sequence[HeldOutSegment]) -> None:
 
 def _print_choice(found: BouncesFit) -> None:
     criterion = found.choice.criterion
-    made = console.table("closed form", "unknowns", "χ²", criterion, "BIC", "weight", "restitution")
+    made = console.Rows("closed form", "unknowns", "χ²", criterion, "BIC", "weight", "restitution")
     for row in found.choice.candidates:
         e = row.parameters.get("restitution", Value(None, None))
         value = row.score(criterion)
@@ -148,7 +148,7 @@ def _print_choice(found: BouncesFit) -> None:
 def _print_tuned(found: BouncesFit) -> None:
     """The numbers to type in, and what each engine does with them in its plain loop."""
     step_ms = 1e3 * found.valid.engine_step_s
-    made = console.table(
+    made = console.Rows(
         "engine", f"type in, step {step_ms:.4g} ms", "first restitution", "scatter",
         "mean restitution", "depth [mm]", "contact [ms]", "late [ms]", "seconds",
     )  # fmt: skip
@@ -189,7 +189,7 @@ def _milli(value: float | None) -> str:
 
 def _print_engines(found: BouncesFit) -> None:
     names = list(dict.fromkeys(name for source in found.sources for name in source.parameters))
-    made = console.table(
+    made = console.Rows(
         "engine", "contact", *names, "effective restitution", "simulations", "seconds"
     )
     closed = found.closed_form.parameters

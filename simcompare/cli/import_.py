@@ -70,7 +70,7 @@ def _print(recording: Recording) -> None:
 
     about = recording.provenance
     typer.echo(f"{about.file}: {about.importer}, {about.size_bytes / 1e6:.3g} MB")
-    table = console.table("stream", "samples", "seconds", "channel", "unit", "from", "range")
+    table = console.Rows("stream", "samples", "seconds", "channel", "unit", "from", "range")
     for name, stream in recording.streams.items():
         start = [name, str(len(stream.time_s)), f"{stream.time_s[-1]:.6g}"]
         for channel, content in stream.channels.items():

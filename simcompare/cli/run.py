@@ -105,7 +105,7 @@ def _show(result: Run, page: Path | None, *, details: bool) -> None:
 
     console.print_wrapped(answer.sentences(result))
     for table in lead_table.lead_tables(result, every=details):
-        typer.echo("\n".join(["", *lead_table.text(table, console.width())]))
+        typer.echo("\n".join(["", *lead_table.text(table, console.table_width())]))
     typer.echo()
     console.print_wrapped([*remarks.remarks(result), *_levels(result.record)])
     _show_remarks(result)
@@ -162,7 +162,7 @@ def _show_against(against: Measurement) -> None:
     typer.echo(f"  {head.get('citation', 'no citation given')}")
     if against.caution:
         typer.echo(f"  {against.caution}")
-    table = console.table("engine", "contact", "quantity", "simulated", "measured", "E_n", "inside")
+    table = console.Rows("engine", "contact", "quantity", "simulated", "measured", "E_n", "inside")
     for match in against.matches:
         inside = {True: "yes", False: "no", None: "no uncertainty is known"}[match.inside]
         table.add_row(

@@ -58,7 +58,7 @@ def show(
 
 
 def _show_parameters(facts: ScenarioFacts) -> None:
-    table = console.table("parameter", "value", "unit", "from", "to", "what it is")
+    table = console.Rows("parameter", "value", "unit", "from", "to", "what it is")
     for name, parameter in facts.parameters.items():
         value, low, high = (f"{n:.6g}" for n in (parameter.value, parameter.min, parameter.max))
         table.add_row(name, value, parameter.unit, low, high, parameter.text)

@@ -39,7 +39,7 @@ def show(result: Run, found: TossFit, written: Path | None) -> None:
 
 
 def _print_engines(found: TossFit) -> None:
-    made = console.table(
+    made = console.Rows(
         "engine", "contact", *found.unknowns, "corners, fitted [%]", "position, held out [%]",
         "rotation, held out [°]", "simulations", "seconds",
     )  # fmt: skip

@@ -126,7 +126,7 @@ def _speeds(request: Request) -> str:
 
 def _show_table(rows: Sequence[TuneResult]) -> None:
     """Two or three lines for each engine, so that all of it fits into 80 columns."""
-    made = console.table("engine", "type in", "restitution", "holds at", "sinks, lasts")
+    made = console.Rows("engine", "type in", "restitution", "holds at", "sinks, lasts")
     for row in rows:
         name = f"{row.engine}\n{row.version or ''}"
         if row.statement is None:
@@ -224,7 +224,7 @@ def _other_step(found: Statement) -> str:
 
 
 def _show_speeds(found: Statement, request: Request) -> None:
-    made = console.table("impact [m/s]", "restitution", "± scatter", "sinks [mm]", "lasts [ms]",
+    made = console.Rows("impact [m/s]", "restitution", "± scatter", "sinks [mm]", "lasts [ms]",
                          "late by [ms]")  # fmt: skip
     for one in found.at:
         if not math.isfinite(one.restitution):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,9 +12,6 @@ from simcompare.cli import complete, console, ending, opening
 if TYPE_CHECKING:
     from simcompare.reports.render.tables import Table
     from simcompare.results.run import Run
-
-#: letters on a line where nobody knows how wide the reader's window is
-_PIPE_WIDTH = 140
 
 
 def validate(
@@ -110,11 +105,6 @@ def _say(text: str) -> None:
 
 
 def _show(table: Table | None) -> None:
-    from simcompare.reports.render.tables import lines
-
-    if table is None:
-        return
-    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else _PIPE_WIDTH
-    typer.echo("")
-    for line in lines(table, width):
-        typer.echo(line)
+    if table is not None:
+        typer.echo("")
+        console.show_table(table)
