@@ -6,37 +6,40 @@ one of them is used.
 
 from __future__ import annotations
 
-import importlib
-from typing import Any
+import importlib as _importlib
+from typing import Any as _Any
 
+#: name -> the module that has it, and what it is called there where that differs
 _PUBLIC = {
     "run": "simcompare.verbs.run",
+    "load_run": "simcompare.verbs.load_run",
+    "report": "simcompare.verbs.report",
+    "fit": "simcompare.verbs.fit",
+    "validate": "simcompare.verbs.validate",
+    "tune": "simcompare.verbs.tune",
     "characterize": "simcompare.verbs.characterize",
     "control": "simcompare.verbs.control",
-    "Run": "simcompare.results.run",
-    "load_run": "simcompare.results.store",
     "runs": "simcompare.verbs.runs",
     "explain": "simcompare.verbs.explain",
     "export": "simcompare.exporters.export",
     "import_log": "simcompare.verbs.import_log",
-    "fit": "simcompare.verbs.fit",
-    "tune": "simcompare.verbs.tune",
-    "validate": "simcompare.verbs.validate",
+    "Result": "simcompare.verbs.result",
     "Recording": "simcompare.model.recording",
     "Scenario": "simcompare.model.scenario",
     "Trajectory": "simcompare.model.trajectory",
     "Settings": "simcompare.engine.backend",
     "SimcompareError": "simcompare.errors",
 }
-__all__ = list(_PUBLIC)
+#: all of it but what would hide a name of Python itself
+__all__ = [name for name in _PUBLIC if name != "list"]
 
 
-def __getattr__(name: str) -> Any:  # noqa: ANN401
+def __getattr__(name: str) -> _Any:  # noqa: ANN401
     if name not in _PUBLIC:
         raise AttributeError(f"module 'simcompare' has no attribute {name!r}")
-    module = importlib.import_module(_PUBLIC[name])
-    return getattr(module, "load" if name == "load_run" else name)
+    module, _, other = _PUBLIC[name].partition(":")
+    return getattr(_importlib.import_module(module), other or name)
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *_PUBLIC])
+    return sorted([*_PUBLIC, "__doc__", "__file__", "__name__", "__path__"])

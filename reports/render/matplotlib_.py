@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import io
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 
 FORMATS = ("pdf", "png", "svg")
 DPI = 300
+#: of a figure in a notebook, one and a half pixels to that of a browser
+_SCREEN_DPI = 144
 #: two columns of a journal [inch]; a single panel takes one and a half
 _WIDTH, _SINGLE_WIDTH, _HEIGHT = 7.2, 5.0, 3.1
 #: powers of ten between which numbers are written whole
@@ -84,16 +87,44 @@ def document(pages: Sequence[Canvas]) -> bytes:
 
 
 def canvas(figure: Figure) -> Canvas:
-    """A figure as matplotlib's, sized for a paper."""
+    """A figure as matplotlib's, sized for a paper; a notebook shows it by itself."""
     import matplotlib as mpl
-    from matplotlib.figure import Figure as NewCanvas
 
-    count = len(figure.panels)
-    width = _SINGLE_WIDTH if count == 1 else _WIDTH * max(1.0, count / 2)
     with mpl.rc_context(_LOOK):
-        page = NewCanvas(figsize=(width, _HEIGHT * figure.height), layout="constrained")
+        page = _kind_of_canvas()(figsize=size(figure), layout="constrained")
         draw(page, figure)
     return page
+
+
+def size(figure: Figure) -> tuple[float, float]:
+    """Width and height [inch]."""
+    count = len(figure.panels)
+    width = _SINGLE_WIDTH if count == 1 else _WIDTH * max(1.0, count / 2)
+    return width, _HEIGHT * figure.height
+
+
+def shown(page: Canvas) -> bytes:
+    """What a notebook shows of a figure, as the content of a PNG file."""
+    import matplotlib as mpl
+
+    with mpl.rc_context(_LOOK):
+        stream = io.BytesIO()
+        page.savefig(stream, format="png", dpi=_SCREEN_DPI)
+    return stream.getvalue()
+
+
+@functools.cache
+def _kind_of_canvas() -> type[Canvas]:
+    """Matplotlib's figure, which a notebook by itself shows only where pyplot made it."""
+    from matplotlib.figure import Figure as Plain
+
+    class Shown(Plain):
+        """A figure that a notebook shows."""
+
+        def _repr_png_(self) -> bytes:
+            return shown(self)
+
+    return Shown
 
 
 def draw(page: Any, figure: Figure) -> None:  # noqa: ANN401  (a Figure or a SubFigure of matplotlib)

@@ -72,6 +72,11 @@ class Part:
         return [*self.figures, *(one for part in self.parts for one in part.every_figure)]
 
     @property
+    def every_table(self) -> list[Table]:
+        """Its tables and those of its parts."""
+        return [*self.tables, *(one for part in self.parts for one in part.every_table)]
+
+    @property
     def has_text(self) -> bool:
         """Whether there is more to show than figures, where there is little room."""
         texts = (*self.answer, *self.notices, *self.remarks, *self.facts, *self.notes, self.code)

@@ -13,6 +13,7 @@ import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -23,6 +24,8 @@ from simcompare.model.settings import OLD_LEVELS
 from simcompare.model.trajectory import Array, Trajectory
 from simcompare.results.records.run import Record
 from simcompare.results.run import Run, Stored
+
+AnyRun = TypeVar("AnyRun", bound=Run)
 
 RECORD, TRAJECTORIES, SCORES = "run.json", "trajectories.parquet", "scores.csv"
 #: columns that say whose sample a row is
@@ -48,7 +51,7 @@ def check_writable(folder: Path) -> None:
         ) from None
 
 
-def save(run: Run, folder: Path) -> Run:
+def save(run: AnyRun, folder: Path) -> AnyRun:
     """Writes a run below ``folder`` and returns it with its place filled in.
 
     Raises:
@@ -92,12 +95,17 @@ def new_folder(
             shutil.rmtree(partial, ignore_errors=True)
 
 
-def load(place: Path) -> Run:
+def load(place: str | Path) -> Run:
     """Reads a stored run.
+
+    Args:
+        place: its folder, or run.json in it.
 
     Raises:
         InputError: there is none, or its files are damaged; names the file.
     """
+    named = Path(place)
+    place = named.parent if named.name == RECORD else named
     path = place / RECORD
     if not path.is_file():
         raise InputError(str(place), [f"is not a stored run: it holds no {RECORD}"])

@@ -46,12 +46,13 @@ from simcompare.results.records.fit_engines import BouncesEngine, EffectiveValue
 from simcompare.results.records.fit_forms import Prior
 from simcompare.results.records.fit_holdout import Holdout
 from simcompare.results.records.fit_parts import EngineParameter, finite
-from simcompare.results.run import Run, Stored
+from simcompare.results.run import Stored
 from simcompare.running.runner import TIME_LIMIT_S, Progress
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs import fit_tosses, fit_waveforms, levels
 from simcompare.verbs.request import FitRequest
+from simcompare.verbs.result import Result
 
 
 def fit(
@@ -73,7 +74,7 @@ def fit(
     out: str | Path | None = None,
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
-) -> Run:
+) -> Result:
     """Fits a scenario to a measurement: to impacts and heights, signals over time, or tosses.
 
     Args:
@@ -215,7 +216,7 @@ def _engines(
     return start, assisted, holdout.of_engines(closed, other, assisted), None
 
 
-def _saved(done: Run, out: str | Path | None) -> Run:
+def _saved(done: Result, out: str | Path | None) -> Result:
     if out is None:
         return done
     saved = store.save(done, Path(out))
@@ -259,7 +260,7 @@ def _gather(
     found: Sequence[EngineFit],
     told: Mapping[str, Any],
     scene: Scenario,
-) -> Run:
+) -> Result:
     sources = [
         run_record.of_source(one.engine, FITTED, [one.outcome])
         for one in found
@@ -272,7 +273,7 @@ def _gather(
         for one in found
         for drop, (_, run) in enumerate(one.runs)
     ]
-    return Run(record, tuple(trajectories))
+    return Result(record, tuple(trajectories))
 
 
 def _scores(row: BouncesEngine) -> list[Score]:

@@ -21,11 +21,12 @@ from simcompare.results import run_record
 from simcompare.results.fit_file import FITTED
 from simcompare.results.records.fit import FitRecord
 from simcompare.results.records.fit_tosses import TossSource
-from simcompare.results.run import Run, Stored
+from simcompare.results.run import Stored
 from simcompare.running.runner import TIME_LIMIT_S, Progress
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs import levels
 from simcompare.verbs.request import FitRequest
+from simcompare.verbs.result import Result
 
 #: what ``--fix`` calls measured lengths over true ones
 SCALE = "scale"
@@ -50,7 +51,7 @@ def fit_tosses(
     *,
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
-) -> Run:
+) -> Result:
     """Fits what makes a cube land as it was seen to land, engine by engine.
 
     Args:
@@ -90,7 +91,7 @@ def fit_tosses(
         recording_asked=tuple(map(str, request.recordings)), command=request.command(),
     )  # fmt: skip
     runs = [(one.engine, one.outcome.trajectory) for one in found]
-    return Run(record, tuple(Stored(name, FITTED, 0, run) for name, run in runs if run))
+    return Result(record, tuple(Stored(name, FITTED, 0, run) for name, run in runs if run))
 
 
 def given_of(file: ScenarioFile, request: FitRequest) -> Given:

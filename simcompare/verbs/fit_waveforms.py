@@ -22,10 +22,11 @@ from simcompare.results.fit_file import FITTED
 from simcompare.results.records.fit import FitRecord
 from simcompare.results.records.fit_parts import finite
 from simcompare.results.records.fit_waveforms import WaveHoldout
-from simcompare.results.run import Run, Stored
+from simcompare.results.run import Stored
 from simcompare.running.runner import TIME_LIMIT_S, Progress
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs.request import FitRequest
+from simcompare.verbs.result import Result
 
 #: mode under which fitted engines are recorded, and what measured signals are stored under
 MEASURED = "measured"
@@ -38,7 +39,7 @@ def fit_waveform(
     *,
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
-) -> Run:
+) -> Result:
     """Fits a scenario to recorded signals: reference first, then every engine's own parameters.
 
     Args:
@@ -107,7 +108,7 @@ def _gather(
     given: Mapping[str, float],
     step_s: float | None,
     request: FitRequest,
-) -> Run:
+) -> Result:
     sources = [run_record.of_source(one.engine, FITTED, one.outcomes) for one in found]
     best = fitted.estimate.as_dict()
     scene = model.scenario(setup.fitted[0], best, step_s)
@@ -124,7 +125,7 @@ def _gather(
         engines_asked=request.engine, scenario_asked=request.scenario,
         recording_asked=tuple(map(str, request.recordings)), command=request.command(),
     )  # fmt: skip
-    return Run(record, tuple(_stored(model, setup, fitted, found, step_s)))
+    return Result(record, tuple(_stored(model, setup, fitted, found, step_s)))
 
 
 def _stored(

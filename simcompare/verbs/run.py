@@ -23,13 +23,14 @@ from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, DEFAULT, TUNED, 
 from simcompare.model.trajectory import TRUTH
 from simcompare.results import run_record, store
 from simcompare.results.records.run import Measurement, RunRecord
-from simcompare.results.run import Run, Stored
+from simcompare.results.run import Stored
 from simcompare.running.jobs import FAILED, OK, Job, Outcome
 from simcompare.running.runner import TIME_LIMIT_S, Interrupted, Progress, run_jobs
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs import levels
 from simcompare.verbs.request import RunRequest
+from simcompare.verbs.result import Result
 
 if TYPE_CHECKING:
     from simcompare.results.fit_file import FitFile
@@ -50,7 +51,7 @@ def run(
     out: str | Path | None = None,
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
-) -> Run:
+) -> Result:
     """Simulates a scenario on engines and compares the results.
 
     Args:
@@ -213,7 +214,7 @@ def _gather(
     steps: Sequence[AtStep],
     outcomes: Sequence[Outcome],
     table: BounceTable | None,
-) -> Run:
+) -> Result:
     scores: list[Score] = []
     trajectories: list[Stored] = []
     sources = []
@@ -253,7 +254,7 @@ def _gather(
         without=tuple(row for at in steps for row in ablation.results_of(at, outcomes)),
         against=_against(file, table, scores, finest.nominal),
     )  # fmt: skip
-    return Run(record_of_run, tuple(trajectories))
+    return Result(record_of_run, tuple(trajectories))
 
 
 def _against(

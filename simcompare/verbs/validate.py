@@ -22,13 +22,14 @@ from simcompare.model.trajectory import TRUTH, Trajectory
 from simcompare.reports.validation import answer
 from simcompare.results import run_record, store
 from simcompare.results.records.validation import ValidationRecord, ValueRecord
-from simcompare.results.run import Run, Stored
+from simcompare.results.run import Stored
 from simcompare.running.runner import TIME_LIMIT_S, Progress
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.validation import records
 from simcompare.validation.records import Compared
 from simcompare.verbs.request import ValidateRequest
+from simcompare.verbs.result import Result
 
 #: what measured trajectories are stored under
 MEASURED = "measured"
@@ -48,7 +49,7 @@ def validate(
     out: str | Path | None = None,
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
-) -> Run:
+) -> Result:
     """Holds simulations against a recording.
 
     Args:
@@ -98,7 +99,7 @@ def validate(
     return done if out is None else store.save(done, Path(out))
 
 
-def _run_of(request: ValidateRequest, file: ScenarioFile, done: Compared) -> Run:
+def _run_of(request: ValidateRequest, file: ScenarioFile, done: Compared) -> Result:
     validation = answer.with_words(records.of_validation(done))
     record = run_record.of_run(
         ValidationRecord,
@@ -113,7 +114,7 @@ def _run_of(request: ValidateRequest, file: ScenarioFile, done: Compared) -> Run
         recording_asked=str(request.recording),
         command=request.command(),
     )
-    return Run(record, tuple(_stored(done.segments, done.engines, request.contact)))
+    return Result(record, tuple(_stored(done.segments, done.engines, request.contact)))
 
 
 def _score(row: ValueRecord, contact: str) -> Score:

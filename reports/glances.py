@@ -1,0 +1,89 @@
+"""What a run, fit or validation shows of itself at one glance; its tables and figures by name."""
+
+from __future__ import annotations
+
+from simcompare.errors import UnknownName
+from simcompare.reports import builder
+from simcompare.reports.render.figures import Figure
+from simcompare.reports.render.glance import Glance
+from simcompare.reports.render.parts import Part
+from simcompare.reports.render.tables import Table
+from simcompare.reports.run import lead_table, runs
+from simcompare.reports.run.not_run import not_run
+from simcompare.reports.sections import of_run
+from simcompare.results.run import Run
+
+_MORE = "More: .table(), .plot(), .scores, .samples(engine, level), .report()"
+
+
+def glance_of(run: Run) -> Glance:
+    """The answer, the table of what leads, what did not run, and the first figure."""
+    record, part = run.record, _answer(run)
+    notes = [f"{row.name} ({row.modes}) did not run: {row.reason}" for row in not_run(run)]
+    notes += ["Interrupted: what had finished is kept."] if record.interrupted else []
+    return Glance(
+        title=f"{record.title} ({record.scenario}), {record.kind}",
+        question=record.question,
+        sentences=part.short or part.answer[:1],
+        table=_table(run, part),
+        notes=tuple(notes),
+        figure=next(iter(part.every_figure), None),
+        more=_MORE if run.folder is None else f"{_MORE}. Stored in {run.folder}",
+    )
+
+
+def table(run: Run, measure: str | None = None) -> Table:
+    """The table of what leads, or of another measure.
+
+    Raises:
+        UnknownName: it was not measured; names what was.
+    """
+    if measure is None:
+        found = _table(run, _answer(run))
+    else:
+        measured = runs.measures(run)
+        if measure not in measured:
+            raise UnknownName("measure of this run", measure, measured)
+        found = lead_table.lead_table(run, measure)
+    return found or Table("Nothing was measured.", (), ())
+
+
+def figure(run: Run, name: str | None = None) -> Figure:
+    """The figure that leads, or another one by its name; of a probe its own name is enough.
+
+    Raises:
+        UnknownName: there is none of that name; names those that there are.
+    """
+    leading = None if name is not None else next(iter(_answer(run).every_figure), None)
+    if leading is not None:
+        return leading
+    known = _figures(run)
+    if name not in known:
+        raise UnknownName("figure of this run", str(name or "answer"), known)
+    return known[name]
+
+
+def _answer(run: Run) -> Part:
+    """The first section of the report."""
+    part = of_run(run.record)[0](run)
+    assert part is not None
+    return part
+
+
+def _table(run: Run, part: Part) -> Table | None:
+    if run.record.kind == "run":
+        return lead_table.lead_table(run)
+    return next(iter(part.every_table), None)
+
+
+def _figures(run: Run) -> dict[str, Figure]:
+    """Every figure of the report by its name."""
+    (block,) = builder.blocks_of([run])
+    names = {one.name: one for one in block.figures}
+    # a probe that leads is drawn twice, and the whole of it comes later
+    return {_short(name): one for name, one in names.items()}
+
+
+def _short(name: str) -> str:
+    """The name of a figure; of what a probe sees, that of the probe."""
+    return name.removeprefix("probe-").removeprefix("motion-")

@@ -1,0 +1,27 @@
+"""The verb ``load_run``: a stored run, fit or validation, read again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from simcompare.results import store
+from simcompare.verbs.result import Result
+
+
+def load_run(place: str | Path) -> Result:
+    """Reads a stored run, fit or validation.
+
+    ::
+
+        run = simcompare.load_run("runs/20260101-120000-ball")
+        run.table()
+        run.samples("mujoco", "tuned")
+
+    Args:
+        place: its folder, or run.json in it.
+
+    Raises:
+        InputError: there is none, or its files are damaged; names the file.
+    """
+    found = store.load(place)
+    return Result(found.record, found.trajectories, found.folder)

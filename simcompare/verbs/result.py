@@ -1,0 +1,95 @@
+"""What ``run``, ``fit``, ``validate`` and ``load_run`` give to Python: a run that shows itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from simcompare.reports import glances
+from simcompare.reports.render import frames, glance, matplotlib_
+from simcompare.results import frames as run_frames
+from simcompare.results.run import Run
+from simcompare.verbs import report
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, repr=False)
+class Result(Run):
+    """What a run, a fit or a validation found.
+
+    A notebook shows the answer, one table and one figure. Besides::
+
+        result = simcompare.run("ball", engine="mujoco,pymunk")
+        result.table()  # engines and levels
+        result.plot("height_m")  # any figure of the report
+        result.samples("mujoco", "tuned")  # every signal over time
+
+    Attributes:
+        record: everything, as in run.json.
+        trajectories: every trajectory, the truth's included.
+        folder: where it is stored, ``None`` where it is not.
+    """
+
+    @property
+    def scores(self) -> pd.DataFrame:
+        """Every measured value in a row of its own, as in scores.csv."""
+        return run_frames.scores(self)
+
+    @property
+    def passed(self) -> bool:
+        """Whether every tolerance that counts is met and every engine ran."""
+        return self.exit_code == 0
+
+    def table(self, measure: str | None = None) -> pd.DataFrame:
+        """Engines as rows, levels as columns, each value with its scatter and verdict.
+
+        Args:
+            measure: such as "restitution"; what the scenario asks for where ``None``.
+
+        Raises:
+            UnknownName: it was not measured; names what was.
+        """
+        return frames.frame(glances.table(self, measure))
+
+    def plot(self, name: str | None = None) -> Figure:
+        """A figure of the report, which ``.savefig("ball.pdf")`` stores.
+
+        Args:
+            name: a probe such as "height_m", or the name of a figure; the first where ``None``.
+
+        Raises:
+            UnknownName: there is none of that name; names those that there are.
+        """
+        return matplotlib_.canvas(glances.figure(self, name))
+
+    def samples(
+        self, engine: str | None = None, contact: str | None = None, repeat: int | None = None
+    ) -> pd.DataFrame:
+        """Signals over time, one row a sample: whose it is, time, probes, then every signal.
+
+        Args:
+            engine: its name, or "closed form"; every one where ``None``.
+            contact: contact level; every one where ``None``.
+            repeat: number of the repeat, first is 0; the middle one where ``None``.
+
+        Raises:
+            UnknownName: no such engine or level.
+            InputError: it did not run; says why.
+        """
+        return run_frames.samples(self, engine, contact, repeat)
+
+    def report(
+        self, out: str | Path | None = None, *, format: str = "html", open: bool = False
+    ) -> Path:
+        """Writes the report and returns its file; see :func:`simcompare.report`."""
+        return report.report(self, format=format, out=out, open=open)
+
+    def __repr__(self) -> str:
+        return glance.text(glances.glance_of(self))
+
+    def _repr_html_(self) -> str:
+        return glance.html(glances.glance_of(self))
