@@ -14,6 +14,8 @@ _PUBLIC = {
     "run": "simcompare.verbs.run",
     "load_run": "simcompare.verbs.load_run",
     "report": "simcompare.verbs.report",
+    "list": "simcompare.verbs.listing:listing",
+    "show": "simcompare.verbs.show",
     "fit": "simcompare.verbs.fit",
     "validate": "simcompare.verbs.validate",
     "tune": "simcompare.verbs.tune",

@@ -163,3 +163,20 @@ def test_the_package_shows_what_people_use_and_no_more():
 
 def test_importing_everything_hides_no_name_of_python():
     assert not set(simcompare.__all__) & set(dir(builtins))
+
+
+def test_list_shows_what_simcompare_list_prints():
+    listed = simcompare.list()
+    assert "ball" in listed.table().index
+    assert "pymunk" in listed.engines
+    assert "Scenarios:" in repr(listed)
+    assert ">ball<" in listed._repr_html_()
+    assert len(listed._repr_html_().encode()) < MOST_BYTES
+
+
+def test_show_shows_the_parameters_and_which_engines_can():
+    facts = simcompare.show("ball")
+    assert facts.table().loc["drop_height_m", "value"] == "1"
+    assert "drop_height_m = 1 m" in repr(facts)
+    assert "pymunk" in facts._repr_html_()
+    assert len(facts._repr_html_().encode()) < MOST_BYTES

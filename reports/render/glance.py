@@ -55,7 +55,7 @@ def html(glance: Glance) -> str:
 
 def text(glance: Glance) -> str:
     """Its words on a few lines, for a terminal."""
-    lines = [glance.title, *glance.sentences, *glance.notes, glance.more]
+    lines = [glance.title, glance.question, *glance.sentences, *glance.notes, glance.more]
     return "\n  ".join(printable(line) for line in lines if line)
 
 

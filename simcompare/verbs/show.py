@@ -4,14 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from simcompare import units
 from simcompare.engine import engines
 from simcompare.engine.features import Feature, needs
 from simcompare.errors import SimcompareError
 from simcompare.model.scenario import Joint, Sensor, Tolerance, World
+from simcompare.reports.render import frames, glance
+from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import Preset
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_HEADS = ("value", "unit", "from", "to", "what it is")
 
 
 @dataclass(frozen=True)
@@ -25,7 +33,7 @@ class ParameterFacts:
     unit: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ScenarioFacts:
     """What there is to know of a scenario.
 
@@ -67,9 +75,54 @@ class ScenarioFacts:
     truth: str
     tolerances: Mapping[str, Tolerance]
 
+    def table(self) -> pd.DataFrame:
+        """Parameters, a row each."""
+        return frames.frame(self._table())
+
+    def __repr__(self) -> str:
+        rows = (f"  {name} = {p.value:.6g} {_unit(p)}" for name, p in self.parameters.items())
+        return "\n".join([glance.text(self._glance()), *map(str.rstrip, rows)])
+
+    def _repr_html_(self) -> str:
+        return glance.html(self._glance())
+
+    def _glance(self) -> glance.Glance:
+        able = [name for name, lacking in self.engines.items() if not lacking]
+        notes = [f"preset={name!r}: {preset.text}" for name, preset in self.presets.items()]
+        notes.append(f"Engines that can run it: {', '.join(able) or 'none'}")
+        return glance.Glance(
+            title=f"{self.title} ({self.name})",
+            question=self.question,
+            table=self._table(),
+            notes=tuple(notes),
+            more=f"More: simcompare.run({self.name!r}), set={{…}} changes a parameter",
+        )
+
+    def _table(self) -> Table:
+        rows = tuple(
+            (name, f"{p.value:.6g}", _unit(p), f"{p.min:.6g}", f"{p.max:.6g}", p.text)
+            for name, p in self.parameters.items()
+        )
+        columns = [Column(head, text=head in ("unit", _HEADS[-1])) for head in _HEADS]
+        return Table("", (Column("parameter", text=True), *columns), (Group("", rows),))
+
 
 def show(scenario: str) -> ScenarioFacts:
-    """The facts of a scenario given by name, folder or file."""
+    """What there is to know of a scenario.
+
+    ::
+
+        simcompare.show("ball")
+        simcompare.show("ball").table()
+        simcompare.show("ball").presets
+
+    Args:
+        scenario: name, folder or file.
+
+    Raises:
+        UnknownName: there is none of that name.
+        InputError: faults of the file.
+    """
     file = catalogue.load(scenario)
     scene = file.resolve()
     features = needs(scene)
@@ -104,6 +157,11 @@ def show(scenario: str) -> ScenarioFacts:
         else "none: engines are compared with each other only",
         tolerances=scene.tolerances,
     )
+
+
+def _unit(parameter: ParameterFacts) -> str:
+    """Its unit, nothing for a plain number."""
+    return parameter.unit.removeprefix("1")
 
 
 def _sensor_words(sensor: Sensor) -> str:
