@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from simcompare import notation
 from simcompare.comparison.comparison import FAIL, PASS
@@ -35,7 +35,7 @@ def lead_table(run: Run, measure: str | None = None) -> Table | None:
         return None
     # a judged value is followed by its verdict
     columns = [Column(mode, text=mode not in SHOWN_LEVELS, nowrap=True) for mode in modes]
-    rows = [(name, *(_cell(run, lead, name, mode) for mode in modes)) for name in runs.names(run)]
+    rows = [(name, *(cell(run, lead, name, mode) for mode in modes)) for name in runs.names(run)]
     if lead is not None:
         rows += [(name, *(true for _ in modes)) for name, true in _truths(run, lead).items()]
     return Table(
@@ -46,7 +46,7 @@ def lead_table(run: Run, measure: str | None = None) -> Table | None:
 def _truths(run: Run, lead: Lead) -> dict[str, str]:
     """The truth as a row; one for each step where they differ in what is shown."""
     truths = {
-        score.source.partition(AT)[2]: _value(lead, score.truth, None)
+        score.source.partition(AT)[2]: number(lead, score.truth, None)
         for score in run.record.scores
         if score.measure == lead.measure and score.index is None and score.truth is not None
     }
@@ -90,7 +90,18 @@ def _tolerances(run: Run, lead: Lead) -> str:
     return ", ".join(f"{numbers.plain(w, 2)} at {step}" for step, w in each if w is not None)
 
 
-def _cell(run: Run, lead: Lead | None, name: str, mode: str) -> str:
+def cell(
+    run: Run, lead: Lead | None, name: str, mode: str, marks: Mapping[str, str] = _VERDICTS
+) -> str:
+    """What a source has of a measure at a level, with its scatter and verdict.
+
+    Args:
+        run: the run.
+        lead: the measure.
+        name: of the source.
+        mode: the level.
+        marks: what stands behind a value that was judged.
+    """
     source = runs.source_of(run, name, mode)
     if source is None:
         return "–"
@@ -102,13 +113,13 @@ def _cell(run: Run, lead: Lead | None, name: str, mode: str) -> str:
     if score.value is None and score.low is not None and score.high is not None:
         # a mean over some of the repeats would be none over all
         ends = " to ".join(
-            dict.fromkeys(_value(lead, end, None) for end in (score.low, score.high))
+            dict.fromkeys(number(lead, end, None) for end in (score.low, score.high))
         )
-        return f"{ends} {runs.measured_words(run, score)}{_VERDICTS.get(score.verdict, '')}"
-    return _value(lead, score.value, score.scatter) + _VERDICTS.get(score.verdict, "")
+        return f"{ends} {runs.measured_words(run, score)}{marks.get(score.verdict, '')}"
+    return number(lead, score.value, score.scatter) + marks.get(score.verdict, "")
 
 
-def _value(lead: Lead, value: float | None, u: float | None) -> str:
+def number(lead: Lead, value: float | None, u: float | None) -> str:
     """A value in the concise notation, to a hundredth of the tolerance at most."""
     if value is None:
         return "–"
