@@ -21,6 +21,7 @@ _PUBLIC = {
     "tune": "simcompare.verbs.tune",
     "characterize": "simcompare.verbs.characterize",
     "control": "simcompare.verbs.control",
+    "compare": "simcompare.verbs.compare",
     "runs": "simcompare.verbs.runs",
     "explain": "simcompare.verbs.explain",
     "export": "simcompare.exporters.export",

@@ -84,6 +84,7 @@ def register() -> None:
     """Names the verbs; a verb more is a line more."""
     from simcompare.cli import (
         characterize,
+        compare,
         data,
         doctor,
         explain,
@@ -105,6 +106,7 @@ def register() -> None:
     app.command("doctor")(doctor.doctor)
     app.command("explain")(explain.explain)
     app.command("report")(report.report)
+    app.command("compare")(compare.compare)
     app.command("runs")(runs.runs)
     app.command("characterize")(characterize.characterize)
     app.command("export")(export.export)

@@ -1,0 +1,1 @@
+"""What differs between runs: found, named, and shown as one table and one figure."""

@@ -1,0 +1,70 @@
+"""The page of runs beside each other: one figure, one table, and all other measures folded."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from simcompare.reports import builder
+from simcompare.reports.compare import tables, words
+from simcompare.reports.compare.compared import Compared
+from simcompare.reports.compare.figure import figure
+from simcompare.reports.render import output
+from simcompare.reports.render.parts import Block, Part
+from simcompare.reports.run import runs
+
+
+def write_html(compared: Compared, measure: str, path: Path) -> Path:
+    """Writes the page as one HTML file that needs no network and nothing beside it.
+
+    Raises:
+        OutputError: it cannot be written, or plotly's script is not installed.
+    """
+    page = builder.html_of([block_of(compared, measure)])
+    return output.write(path, page.encode("utf-8"))
+
+
+def block_of(compared: Compared, measure: str) -> Block:
+    """What the page shows.
+
+    Args:
+        compared: the runs.
+        measure: what leads.
+    """
+    return Block(
+        "compare",
+        "comparison",
+        words.title(compared),
+        " ".join(dict.fromkeys(run.record.question for run in compared.runs)),
+        origin="",
+        version=compared.runs[-1].record.software.simcompare,
+        parts=(_answer(compared, measure), _others(compared, measure), _runs(compared)),
+    )
+
+
+def _answer(compared: Compared, measure: str) -> Part:
+    shown = tables.tables(compared, measure)
+    said = words.short(compared, measure)
+    return Part(
+        "Answer", "answer", short=said, figures=(figure(compared, measure),),
+        notes=words.notes(compared), tables=tuple(shown),
+        parts=(Part(notes=words.legend(compared, shown)),),
+    )  # fmt: skip
+
+
+def _others(compared: Compared, measure: str) -> Part:
+    """Every other measure, each folded."""
+    others = [name for name in compared.measures if name != measure]
+    parts = tuple(
+        Part(
+            runs.measure_words(name),
+            figures=(figure(compared, name),),
+            tables=tuple(tables.tables(compared, name)),
+            folded=True,
+        )
+        for name in others
+    )
+    return Part("Other measures", "measures", parts=parts)
+
+
+def _runs(compared: Compared) -> Part:
+    return Part("Runs", "runs", tables=(tables.what_differs(compared),))

@@ -1,0 +1,114 @@
+"""What is said of runs beside each other: what came out, what else differs, what did not run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from simcompare import glossary
+from simcompare.comparison.comparison import FAIL, PASS
+from simcompare.model.settings import SHOWN_LEVELS
+from simcompare.notation import capital
+from simcompare.reports.compare.compared import Compared
+from simcompare.reports.render.tables import Table
+from simcompare.reports.run import runs
+from simcompare.reports.run.listing import grouped, joined
+
+#: what may stand in a cell, and the word that explains it
+_SIGNS = {"✓": PASS, "✗": FAIL, "(": "brackets", "–": "–"}
+
+
+def title(compared: Compared) -> str:
+    """What is compared, in one line."""
+    scenario = " and ".join(dict.fromkeys(run.record.title for run in compared.runs))
+    over = joined([one.label for one in compared.told]) or "nothing that is known"
+    return f"{scenario}: {len(compared.runs)} runs that differ in {over}"
+
+
+def short(compared: Compared, measure: str) -> tuple[str, ...]:
+    """In how many runs each engine meets the tolerance of a measure, level by level."""
+    judged = [level for level in compared.levels if level not in SHOWN_LEVELS]
+    found = (_met(compared, measure, level) for level in judged)
+    return tuple(sentence for sentence in found if sentence)
+
+
+def _met(compared: Compared, measure: str, level: str) -> str:
+    counts = []
+    for name in compared.engines:
+        scores = [runs.score_of(run, name, level, measure) for run in compared.runs]
+        verdicts = [score.verdict for score in scores if score is not None]
+        judged = verdicts.count(PASS) + verdicts.count(FAIL)
+        if judged:
+            counts.append((_of(verdicts.count(PASS), judged, len(scores)), name))
+    if not counts:
+        return ""
+    told = [f"{joined(names)} in {of}" for of, names in grouped(counts).items()]
+    words = runs.measure_words(measure)
+    return f"{capital(runs.mode_words(level))}, {words} within its tolerance: {'; '.join(told)}."
+
+
+def _of(met: int, judged: int, total: int) -> str:
+    if judged == total and met in (0, total):
+        return "every run" if met else "no run"
+    return f"{met} of {judged} runs"
+
+
+def notes(compared: Compared) -> tuple[str, ...]:
+    """What the reader must know beside the numbers."""
+    return tuple([*_about_scenarios(compared), *_also(compared), *_not_run(compared)])
+
+
+def _about_scenarios(compared: Compared) -> Iterator[str]:
+    records = [run.record for run in compared.runs]
+    if len(compared.scenarios) > 1:
+        measured = joined([runs.measure_words(name) for name in compared.measures])
+        yield f"The scenarios differ; only what all of them measure is compared: {measured}."
+    elif len({record.scenario_sha256 for record in records}) > 1:
+        yield "The file of the scenario changed between these runs; they may differ in more."
+    if not compared.told:
+        yield "Nothing that is stored differs between these runs; they should give the same."
+
+
+def _also(compared: Compared) -> Iterator[str]:
+    for one in compared.untold:
+        values = "; ".join(one.number(i) for i in range(len(compared.runs)))
+        yield f"Also different: {one.label} ({values})."
+
+
+def _not_run(compared: Compared) -> Iterator[str]:
+    """Every reason once, with the engines, levels and runs that it is of."""
+    pairs = [
+        (source.reason or source.status, (f"{source.name} {source.contact}", title))
+        for run, title in zip(compared.runs, compared.titles, strict=True)
+        for source in run.record.sources
+        if not source.ran
+    ]
+    for reason, places in grouped(pairs).items():
+        names = joined([*dict.fromkeys(name for name, _ in places)])
+        where = list(dict.fromkeys(title for _, title in places))
+        runs_of = "in any run" if len(where) == len(compared.runs) else f"({'; '.join(where)})"
+        yield f"{names} did not run {runs_of}: {reason}"
+
+
+def legend(compared: Compared, shown: Iterable[Table]) -> tuple[str, ...]:
+    """A line for each level and each sign in the tables."""
+    cells = [c for table in shown for group in table.groups for row in group.rows for c in row]
+    signs = {sign: word for sign, word in _SIGNS.items() if any(sign in cell for cell in cells)}
+    words = [level for level in compared.levels if level in glossary_words()]
+    lines = list(glossary.legend(words))
+    for sign, word in signs.items():
+        line = glossary.legend([word])[0]
+        lines.append(f"{sign} {line}" if word in (PASS, FAIL) else line)
+    return tuple(lines)
+
+
+def glossary_words() -> set[str]:
+    """Words that are explained."""
+    return {term.word for term in glossary.terms()}
+
+
+def common_folder(compared: Compared) -> Path:
+    """The folder that holds the runs; the current one where they lie apart or are not stored."""
+    parents = {None if run.folder is None else run.folder.parent for run in compared.runs}
+    parent = parents.pop() if len(parents) == 1 else None
+    return Path() if parent is None else parent

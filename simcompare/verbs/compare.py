@@ -1,0 +1,168 @@
+"""The verb ``compare``: runs beside each other, one table and one figure of what differs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from simcompare.errors import InputError
+from simcompare.reports.compare import page, rows, tables, words
+from simcompare.reports.compare.compared import Compared, compared
+from simcompare.reports.compare.figure import figure
+from simcompare.reports.render import frames, glance, matplotlib_, output
+from simcompare.reports.render.glance import Glance
+from simcompare.results import store, stored_runs
+from simcompare.results.run import Run
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+Source = Run | str | Path
+#: the page of a comparison, in the folder that holds the runs
+PAGE = "comparison.html"
+_MORE = "More: .table(measure), .plot(measure), .scores, .to_csv(path), .report()"
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison:
+    """Runs beside each other.
+
+    A notebook shows one table and one figure of what differs. Besides::
+
+        comparison = simcompare.compare(runs)
+        comparison.plot("settling_time").savefig("settling.pdf")
+        comparison.to_csv("sweep.csv")
+
+    Attributes:
+        compared: the runs in order, what differs, and their titles.
+        measure: what table and figure show.
+    """
+
+    compared: Compared
+    measure: str
+
+    @property
+    def measures(self) -> tuple[str, ...]:
+        """What all runs measured, the leading one first."""
+        return self.compared.measures
+
+    @property
+    def scores(self) -> pd.DataFrame:
+        """A row for each run, engine, level and measure; what differs is in columns, in SI."""
+        return rows.frame(self.compared, self.measures)
+
+    def table(self, measure: str | None = None) -> pd.DataFrame:
+        """Engines and levels as rows, runs as columns, each value with its scatter and verdict.
+
+        Args:
+            measure: such as "restitution"; what leads where ``None``.
+
+        Raises:
+            UnknownName: not all runs measured it; names what they did.
+        """
+        return frames.frame(tables.runs_beside(self.compared, self._chosen(measure)))
+
+    def plot(self, measure: str | None = None) -> Figure:
+        """The measure over the one number in which runs differ, else run by run.
+
+        Args:
+            measure: such as "restitution"; what leads where ``None``.
+
+        Raises:
+            UnknownName: not all runs measured it; names what they did.
+        """
+        return matplotlib_.canvas(figure(self.compared, self._chosen(measure)))
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Writes :attr:`scores` as a CSV file and returns its place.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        text = self.scores.to_csv(index=False, lineterminator="\n")
+        return output.write(Path(path), text.encode("utf-8"))
+
+    def report(self, out: str | Path | None = None) -> Path:
+        """Writes table and figure of every measure as one HTML page and returns its place.
+
+        Args:
+            out: the file; in the folder that holds the runs where ``None``.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        path = words.common_folder(self.compared) / PAGE if out is None else Path(out)
+        return page.write_html(self.compared, self.measure, path)
+
+    def _chosen(self, measure: str | None) -> str:
+        if measure is not None:
+            self.compared.check(measure)
+        return measure or self.measure
+
+    def _glance(self) -> Glance:
+        table = tables.one_table(self.compared, self.measure)
+        return Glance(
+            title=words.title(self.compared),
+            sentences=words.short(self.compared, self.measure),
+            legend=words.legend(self.compared, [table]),
+            table=table,
+            notes=words.notes(self.compared),
+            figure=figure(self.compared, self.measure),
+            more=_MORE,
+        )
+
+    def __repr__(self) -> str:
+        return glance.text(self._glance())
+
+    def _repr_html_(self) -> str:
+        return glance.html(self._glance())
+
+
+def compare(runs: Source | Sequence[Source], measure: str | None = None) -> Comparison:
+    """Puts runs beside each other and finds what differs between them.
+
+    ::
+
+        heights = ("0.3m", "1m", "2m")
+        runs = [simcompare.run("ball", engine="pymunk", set={"drop_height": h}) for h in heights]
+        simcompare.compare(runs).plot()
+
+    Args:
+        runs: results of ``run``, folders of stored runs, or folders that hold such folders.
+        measure: what table and figure show, such as "restitution"; what the scenario asks for
+            where ``None``.
+
+    Raises:
+        InputError: fewer than two runs, a damaged one, or runs that measured nothing alike.
+        UnknownName: not all runs measured it; names what they did.
+    """
+    listed = [runs] if isinstance(runs, Run | str | Path) else [*runs]
+    found = compared(list(_read(listed)))
+    if measure is not None:
+        found.check(measure)
+    return Comparison(found, measure or found.measures[0])
+
+
+def _read(listed: Sequence[Source]) -> Iterator[Run]:
+    """Each run once, in the order in which they are given."""
+    known = set()
+    for one in listed:
+        for place in [one] if isinstance(one, Run) else _places(Path(one)):
+            run = place if isinstance(place, Run) else store.load(place)
+            key = id(run) if run.folder is None else run.folder.resolve()
+            if key not in known:
+                known.add(key)
+                yield run
+
+
+def _places(path: Path) -> list[Path]:
+    """A run, or the runs in a folder, the oldest first."""
+    if stored_runs.is_run(path) or path.name == store.RECORD:
+        return [path]
+    inside = stored_runs.places(path)
+    if path.is_dir() and not inside:
+        raise InputError(str(path), ["holds no stored run; expected a folder such as runs"])
+    return inside or [path]
