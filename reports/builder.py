@@ -16,6 +16,7 @@ from simcompare.reports.render import matplotlib_, numbers, output, plotly_
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Block
 from simcompare.reports.render.styles import style_of
+from simcompare.reports.run import settings
 from simcompare.reports.sections import of_run
 from simcompare.results.records.run import RunRecord
 from simcompare.results.run import Run
@@ -111,11 +112,13 @@ def _block(anchor: str, run: Run) -> Block:
     return Block(
         anchor,
         record.scenario,
-        record.title,
+        f"{record.title} – {record.kind}",
         record.question,
         origin=", ".join(filter(None, (record.preset, against, record.created))),
         version=record.software.simcompare,
         parts=tuple(part for part in parts if part is not None),
+        settings=settings.settings(run),
+        made_with=settings.made_with(run),
     )
 
 

@@ -14,7 +14,7 @@ from simcompare.comparison.comparison import Score
 from simcompare.errors import OutputError, UnknownName
 from simcompare.model.audit import AuditRow
 from simcompare.model.trajectory import TRUTH, Trajectory
-from simcompare.reports import builder, pages
+from simcompare.reports import builder
 from simcompare.reports.render import numbers, output, plotly_
 from simcompare.reports.run import reproduce, runs
 from simcompare.reports.run.audit import state_of
@@ -322,7 +322,7 @@ def test_text_from_outside_is_escaped(html):
     text = html(RUNS["one failed"])
     assert "<script>alert" not in text
     assert "&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt; it broke" in text
-    assert "<h1>A toy &lt;scene&gt;</h1>" in text
+    assert "<h1>A toy &lt;scene&gt; – run</h1>" in text
 
 
 def test_engine_that_failed_is_a_row_with_its_reason(html):
@@ -512,26 +512,6 @@ def test_figures_of_several_runs_do_not_overwrite_each_other(tmp_path):
 def test_unknown_figure_format_is_named(tmp_path):
     with pytest.raises(UnknownName, match="did you mean svg"):
         builder.write_figures([make_run()], tmp_path, "svgz")
-
-
-@pytest.mark.parametrize("name", ["against", "nothing ran"])
-def test_pdf_has_a_page_for_each_figure_and_the_tables(name, tmp_path):
-    run = RUNS[name]
-    content = builder.write_pdf([run], tmp_path / "r.pdf").read_bytes()
-    assert content.startswith(b"%PDF")
-    pages = len(re.findall(rb"/Type /Page\b", content))
-    figures, tables = len(builder.blocks_of([run])[0].figures), {"against": 4, "nothing ran": 2}
-    assert pages == figures + tables[name]
-
-
-@pytest.mark.parametrize(
-    ("levels", "whole"), [(("tuned",), True), (("default", "tuned", "assisted"), False)]
-)
-def test_a_table_that_is_too_wide_for_a_page_does_without_what_can_be_spared(levels, whole):
-    (block,) = builder.blocks_of([make_run([("north", level, 0.801) for level in levels])])
-    texts = {text.get_text() for page in pages.of(block) for text in page.texts}
-    assert {"tuned, value ± s", "tuned, verdict"} <= texts
-    assert ("tuned, of tolerance" in texts) == whole
 
 
 # Markdown

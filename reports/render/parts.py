@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from simcompare.notation import sentence
 from simcompare.reports.render.figures import Figure
@@ -30,14 +31,14 @@ class KeyNumber:
 
 @dataclass(frozen=True)
 class Part:
-    """A part of a report, shown in the order of its fields; parts may hold parts.
+    """A part of a report; parts may hold parts. See ``items`` for the order on the page.
 
     Attributes:
         title: its heading, empty for none.
         name: short name of a section, for anchors.
         short: the answer in at most 40 words, above everything else.
         key_numbers: at most three or four numbers, beside each other below it.
-        answer: sentences in large letters.
+        answer: the answer in full sentences; below the first figure where there is a short one.
         notices: what the reader must not miss.
         figures: what is drawn.
         remarks: sentences below the first figure.
@@ -47,7 +48,8 @@ class Part:
         tables: of numbers and words.
         parts: parts of this part.
         folded: whether it is only wanted by few readers.
-        brief: whether it stands in Markdown and among the tables of a PDF too.
+        finding: what is found in it, in a few words behind the title of what is folded.
+        brief: whether it stands in Markdown too.
     """
 
     title: str = ""
@@ -64,7 +66,30 @@ class Part:
     tables: tuple[Table, ...] = ()
     parts: tuple[Part, ...] = ()
     folded: bool = False
+    finding: str = ""
     brief: bool = True
+
+    @property
+    def items(self) -> list[tuple[str, Any]]:
+        """All that it holds, from top to bottom, each with the name of its kind.
+
+        A part with a short answer is one screen: that, a few numbers and a figure. The table that
+        leads and all sentences stand below.
+        """
+        leads = bool(self.short)
+        figures, tables = _each("figure", self.figures), _each("table", self.tables)
+        answer, remarks = _each("answer", self.answer), _each("remark", self.remarks)
+        numbers = [("numbers", self.key_numbers)] if self.key_numbers else []
+        above = [*_each("short", self.short), *numbers, *([] if leads else answer)]
+        below = [*(tables[:1] + figures[1:] + answer if leads else []), *remarks]
+        rest = [] if leads else figures[1:]
+        facts = [("facts", self.facts)] if self.facts else []
+        code = [("code", self.code)] if self.code else []
+        return [
+            *above, *_each("notice", self.notices), *figures[:1], *below, *rest, *facts,
+            *_each("note", self.notes), *code, *tables[1 if leads else 0 :],
+            *_each("part", self.parts),
+        ]  # fmt: skip
 
     @property
     def every_figure(self) -> list[Figure]:
@@ -78,10 +103,13 @@ class Part:
 
     @property
     def has_text(self) -> bool:
-        """Whether there is more to show than figures, where there is little room."""
-        texts = (*self.answer, *self.notices, *self.remarks, *self.facts, *self.notes, self.code)
-        inner = any(part.has_text for part in self.parts)
-        return self.brief and (any(texts) or bool(self.tables) or inner)
+        """Whether there is more to show than figures."""
+        kinds = {kind for kind, _ in self.items} - {"figure", "part"}
+        return bool(kinds) or any(part.has_text for part in self.parts)
+
+
+def _each(kind: str, values: Iterable[Any]) -> list[tuple[str, Any]]:
+    return [(kind, value) for value in values]
 
 
 #: what makes a part of a report out of a run; ``None`` where there is nothing to show
@@ -96,8 +124,12 @@ def part_of(
     notes: Iterable[str] = (),
     answer: Iterable[str] = (),
     facts: Mapping[str, str] | None = None,
+    finding: str | None = None,
 ) -> Part:
-    """Figures, tables and sentences of a section, as far as there are any; texts on one line."""
+    """Figures, tables and sentences of a section, as far as there are any; texts on one line.
+
+    A section with a finding, which may be empty, is folded.
+    """
     return Part(
         title,
         name,
@@ -106,6 +138,8 @@ def part_of(
         facts=facts or {},
         notes=tuple(sentence(printable(note)) for note in notes if note),
         tables=tuple(table for table in tables if table is not None),
+        folded=finding is not None,
+        finding=finding or "",
     )
 
 
@@ -116,8 +150,10 @@ class Block:
     Attributes:
         anchor: prefix of everything that is linked to in this block.
         name: what the names of its files start with.
-        title: above everything.
+        title: above everything, with what kind of report it is.
         question: below it.
+        settings: how it was made, on one line.
+        made_with: the same in a few sentences, folded behind that line.
         origin: what tells it from other blocks of the same title, such as when it was made.
         version: of simcompare, with which it was made.
         parts: its sections, the answer first.
@@ -130,6 +166,8 @@ class Block:
     origin: str
     version: str | None
     parts: tuple[Part, ...]
+    settings: str = ""
+    made_with: tuple[str, ...] = ()
 
     @property
     def figures(self) -> list[Figure]:

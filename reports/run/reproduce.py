@@ -20,7 +20,7 @@ from simcompare.scenarios import catalogue
 
 def command(run: Run) -> str:
     """The words that were typed; all values where the scenario's file is not that of the run."""
-    record, scenario = run.record, _scenario(run)
+    record, scenario = run.record, scenario_of(run)
     if record.command and (not isinstance(record, RunRecord) or scenario is not None):
         return shlex.join(record.command)
     words = ["simcompare", "run", str(record.scenario_asked)]
@@ -55,7 +55,7 @@ def scripts(run: Run) -> list[str]:
         words = ["simcompare", "export", str(record.scenario_asked), "--format", "script"]
         steps_s = [] if source.engine_step_s is None else [source.engine_step_s]
         words += ["--engine", name, "--contact", level]
-        words += _values(run, _scenario(run), steps_s)
+        words += _values(run, scenario_of(run), steps_s)
         stem = f"{record.scenario}_{source.name}_{level}"
         words += ["-o", f"{re.sub('[:@]', '_', stem)}.py"]
         commands.append(shlex.join(words))
@@ -84,7 +84,7 @@ def _values(run: Run, scenario: Scenario | None, steps_s: Sequence[float]) -> li
     return words
 
 
-def _scenario(run: Run) -> Scenario | None:
+def scenario_of(run: Run) -> Scenario | None:
     """The scenario as its file has it, ``None`` where that file is gone or has changed."""
     try:
         file = catalogue.load(str(run.record.scenario_asked))

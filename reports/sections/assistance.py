@@ -57,7 +57,17 @@ def assistance(run: Run) -> Part | None:
         if (items := [item for item in left_out if item.help == name])
     )
     short = Table("", _SHORT, (Group("", rows),), _NOTE)
-    return Part("What our helps change", "helps", tables=(short, _every(run, left_out)))
+    tables = (short, _every(run, left_out))
+    return Part("What our helps change", "helps", tables=tables, folded=True, finding=_finding(run))
+
+
+def _finding(run: Run) -> str:
+    """The help that changes most, and what it changes."""
+    share, source, row = _largest(run, (left_out := runs.run_record(run).without))
+    if row is None or share <= _NOTHING:
+        return "nothing that is judged"
+    help_ = next(item.help for item in left_out if item.source == source and row in item.measures)
+    return f"{help_} changes {runs.measure_words(row.measure)} most, in {source}"
 
 
 def _short(run: Run, name: str, items: Sequence[Ablation]) -> tuple[str, ...]:

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
+from simcompare.comparison.comparison import Score
 from simcompare.reports.render.parts import Part
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.reports.run import event_figures, runs
 from simcompare.reports.run.event_values import events_of
+from simcompare.reports.run.listing import grouped, joined
 from simcompare.reports.sections.pictures import others
 from simcompare.results.run import Run
+
+#: more columns than these are not read beside each other
+_BESIDE = 8
 
 
 def events(run: Run) -> Part | None:
@@ -17,9 +24,10 @@ def events(run: Run) -> Part | None:
         return None
     first, *rest = (event_figures.events_figure(run, measure) for measure in measures)
     words = ", ".join(map(runs.measure_words, measures[1:]))
-    tables = tuple(_table(run, measure) for measure in measures)
+    tables = tuple(table for measure in measures for table in _tables(run, measure))
     numbers = Part("The numbers", notes=(_note(run),), tables=tables, folded=True, brief=False)
-    return Part("Event by event", "events", figures=(first,),
+    finding = f"each {joined([runs.measure_words(measure) for measure in measures])}"
+    return Part("Event by event", "events", figures=(first,), folded=True, finding=finding,
                 parts=(*others(words, tuple(rest)), numbers))  # fmt: skip
 
 
@@ -33,16 +41,31 @@ def _note(run: Run) -> str:
     return f"{known} A dash: the engine does not resolve this event in every repeat."
 
 
-def _table(run: Run, measure: str) -> Table:
-    scores = events_of(run, measure)
-    longest = max(scores.values(), key=len)
-    columns = [Column(f"{name}, {runs.mode_words(mode)}") for name, mode in scores]
+def _tables(run: Run, measure: str) -> list[Table]:
+    """All sources beside each other; one table for each level where that is too wide to read."""
+    scores, title = events_of(run, measure), runs.label(measure, _unit(run, measure))
+    if len(scores) <= _BESIDE:
+        return [_table(run, title, scores)]
+    by_mode = grouped((mode, (name, mode)) for name, mode in scores)
+    return [
+        _table(run, f"{title}, {runs.mode_words(mode)}", {key: scores[key] for key in keys})
+        for mode, keys in by_mode.items()
+    ]
+
+
+def _unit(run: Run, measure: str) -> str:
+    return next(score.unit for score in run.scores if score.measure == measure)
+
+
+def _table(run: Run, title: str, scores: Mapping[tuple[str, str], Sequence[Score]]) -> Table:
+    several = len({mode for _, mode in scores}) > 1
+    words = [f"{name}, {runs.mode_words(mode)}" if several else name for name, mode in scores]
     rows = [
         (
             str(k + 1),
             *(runs.value_words(run, row[k] if k < len(row) else None) for row in scores.values()),
         )
-        for k in range(len(longest))
+        for k in range(max(map(len, scores.values())))
     ]
-    title = runs.label(measure, longest[0].unit)
-    return Table(title, (Column("Event", text=True), *columns), (Group("", tuple(rows)),))
+    columns = (Column("Event", text=True), *map(Column, words))
+    return Table(title, columns, (Group("", tuple(rows)),))

@@ -43,7 +43,14 @@ def given(run: Run) -> Part:
     parts = tuple(map(_source, run.record.sources))
     unset = _unset(run)
     return Part("What each engine was given", "given", notes=(_NOTE,),
-                tables=(unset,) if unset else (), parts=parts, brief=False)  # fmt: skip
+                tables=(unset,) if unset else (), parts=parts, folded=True, finding=_finding(run),
+                brief=False)  # fmt: skip
+
+
+def _finding(run: Run) -> str:
+    """How many values were read back, and how many of them are the engine's own."""
+    states = [state_of(row) for source in run.record.sources for row in source.audit]
+    return f"{len(states)} values, {states.count(UNSET)} of them the engine's own"
 
 
 def _unset(run: Run) -> Table | None:

@@ -16,8 +16,10 @@ from simcompare.reports.run import (
     remarks,
     runs,
 )
+from simcompare.reports.run.key_numbers import key_numbers
 from simcompare.reports.run.lead import Lead, lead_of
 from simcompare.reports.run.lead_figure import lead_figure
+from simcompare.reports.run.short import short
 from simcompare.results.records.run import SourceRecord
 from simcompare.results.run import Run
 
@@ -30,7 +32,8 @@ def headline(run: Run) -> Part:
     lead = lead_of(run)
     figures = (figure for figure in _figures(run, lead) if figure is not None)
     missing = Part(tables=not_run.tables(run), brief=False)  # told in "How it was made" as well
-    return Part("Answer", "answer", answer=tuple(answer.sentences(run)), figures=tuple(figures),
+    return Part("Answer", "answer", short=short(run), key_numbers=key_numbers(run),
+                answer=tuple(answer.sentences(run)), figures=tuple(figures),
                 remarks=tuple(remarks.remarks(run)), tables=(_scoreboard(run, lead),),
                 parts=(missing,))  # fmt: skip
 

@@ -17,4 +17,9 @@ def limits(run: Run) -> Part | None:
     )
     columns = Column("Limit", text=True), Column("Documented or measured", text=True)
     table = Table("", columns, groups)
-    return Part("Known limits", "limits", tables=(table,), brief=False) if groups else None
+    if not groups:
+        return None
+    finding = f"{sum(len(group.rows) for group in groups)} limits of {len(groups)} engines"
+    return Part(
+        "Known limits", "limits", tables=(table,), folded=True, finding=finding, brief=False
+    )

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
+
+from simcompare.reports.render import numbers
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Part
 from simcompare.reports.run import curve_figures, motion_figures, runs
@@ -26,13 +31,24 @@ def curves(run: Run) -> Part | None:
     ]
     for axis in axes:
         figures += curve_figures.deviations_figures(run, axis)
-    return Part("Curves", "curves", figures=tuple(figures)) if figures else None
+    words = "; ".join(figure.title for figure in figures)
+    return _folded("Further curves", "curves", tuple(figures), words) if figures else None
 
 
 def energy(run: Run) -> Part | None:
     """Where the energy goes; ``None`` where the scenario does not tell what it takes."""
     figure = motion_figures.energy_figure(run)
-    return None if figure is None else Part("Energy", "energy", figures=(figure,))
+    if figure is None:
+        return None
+    highest = max(
+        (float(np.nanmax(one.y)), one.label, panel.title)
+        for panel in figure.panels
+        for one in panel.series
+        if np.isfinite(one.y).any()
+    )
+    share, source, level = highest
+    finding = f"at most {numbers.percent(share)} of that at the start, in {source} {level}"
+    return _folded("Energy", "energy", (figure,), finding)
 
 
 def contrast(run: Run) -> Part | None:
@@ -40,7 +56,7 @@ def contrast(run: Run) -> Part | None:
     figure = contrast_figure(run)
     if figure is None:
         return None
-    return Part("Deviation in tolerances", "contrast", figures=(figure,))
+    return _folded("Deviation in tolerances", "contrast", (figure,), "every measure at a glance")
 
 
 def signals(run: Run) -> Part | None:
@@ -50,10 +66,18 @@ def signals(run: Run) -> Part | None:
         probes = probes[1:]  # the whole of the first is in the answer
     if not probes:
         return None
+    every = [probe.label for _, probe in probes]
     figures = tuple(motion_figures.probe_figure(run, name, probe) for name, probe in probes)
     rest = figures[_OPEN:]
     words = "; ".join(figure.title.removesuffix(" over time") for figure in rest)
-    return Part("Over time", "signals", figures=figures[:_OPEN], parts=others(words, rest))
+    more = f" and {len(every) - _OPEN} more" if rest else ""
+    finding = f"{', '.join(every[:_OPEN])}{more}"
+    part = _folded("Over time", "signals", figures[:_OPEN], finding)
+    return replace(part, parts=others(words, rest))
+
+
+def _folded(title: str, name: str, figures: tuple[Figure, ...], finding: str) -> Part:
+    return Part(title, name, figures=figures, folded=True, finding=finding)
 
 
 def others(words: str, figures: tuple[Figure, ...]) -> tuple[Part, ...]:

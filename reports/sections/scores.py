@@ -22,7 +22,20 @@ def scores(run: Run) -> Part | None:
         return None
     columns = [column for mode in runs.modes(run) for column in _columns(mode)]
     table = of_engines(columns, [_group(run, measure) for measure in measures])
-    return Part("Scores", "scores", notes=(_note(run),), tables=(table,))
+    return Part(
+        "Scores", "scores", notes=(_note(run),), tables=(table,), folded=True, finding=_finding(run)
+    )
+
+
+def _finding(run: Run) -> str:
+    """How many tolerances were met at each level at which they are judged."""
+    parts = []
+    for mode in runs.modes(run):
+        pairs = [runs.passed(run, name, mode) for name in runs.ran(run, mode)]
+        met, of = sum(met for met, _ in pairs), sum(of for _, of in pairs)
+        if of and mode not in SHOWN_LEVELS:
+            parts.append(f"{runs.mode_words(mode)} {met} of {of} within the tolerance")
+    return ", ".join(parts) or "every value of a whole run"
 
 
 def _note(run: Run) -> str:

@@ -22,6 +22,7 @@ _SOURCES = (
     Column("Repeats"), Column("Samples"), Column("Build (ms)"), Column("Run (ms)"),
     Column("µs per sample"),
 )  # fmt: skip
+_FINDING = "the command, parameters, settings, versions and times"
 _TIMES = (
     "Times are wall times of one repeat, the mean over the repeats. A sample may hold many inner"
     " steps of the engine; the notes above say so."
@@ -35,7 +36,7 @@ def setup(run: Run) -> Part:
     sources = of_engines(_SOURCES, [Group("", tuple(map(_times, record.sources)))], _TIMES)
     versions = {**vars(record.software), **vars(record.machine)}
     facts = {name.replace("_", " "): value or "–" for name, value in versions.items()}
-    return Part("How it was made", "setup", parts=(
+    return Part("How it was made", "setup", folded=True, finding=_FINDING, parts=(
         Part("To make it again", code=command(run), parts=tuple(_scripts(run)),
              tables=not_run.tables(run)),
         Part("Parameters", tables=(Table("", _PARAMETERS, (Group("", parameters),)),)),

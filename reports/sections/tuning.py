@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from simcompare.model.settings import ASSISTED
 from simcompare.model.tuning import TuningRow
 from simcompare.reports.render import numbers
@@ -42,7 +44,22 @@ def tuning(run: Run) -> Part | None:
         for row in source.tuning
     ]
     table = of_engines(_COLUMNS, groups, _NOTE)
-    return Part("How the bounce was tuned", "tuning", tables=(table,)) if groups else None
+    if not groups:
+        return None
+    finding = _finding([row for source in sources for row in source.tuning])
+    return Part("How the bounce was tuned", "tuning", tables=(table,), folded=True, finding=finding)
+
+
+def _finding(rows: Sequence[TuningRow]) -> str:
+    """How far bounces are off at speeds for which nothing was solved."""
+    off = [
+        abs(at.restitution / row.restitution - 1)
+        for row in rows
+        for at in (*row.at[1:], *row.checks)
+    ]
+    if not off:
+        return "at the speed of the first impact"
+    return f"at the first impact; at other speeds off by up to {numbers.percent(max(off))}"
 
 
 def _title(source: SourceRecord, row: TuningRow) -> str:

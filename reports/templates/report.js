@@ -1,59 +1,123 @@
 "use strict";
-// every figure is drawn from the JSON beside it; one in a closed <details> when that is opened
+// every figure is drawn from the JSON beside it, for the width that there is; one in a closed
+// <details> when that is opened
 (() => {
-  const options = { responsive: true, displaylogo: false, displayModeBar: "hover", modeBarButtonsToRemove: ["select2d", "lasso2d"] };
-  // words that are longer than their axis go on in a second line
-  const folded = (text, letters) => text.split(" ").reduce((lines, word) => {
+  const OPTIONS = { displaylogo: false, displayModeBar: "hover", modeBarButtonsToRemove: ["select2d", "lasso2d"] };
+  // below the first width [px] panels stand one below the other; the second is what a page of paper has
+  const NARROW = 640, PAPER = 1000;
+  // width of a letter, heights of a line of words and of the plot without its margins [px]
+  const LETTER = 8.5, LINE = 20, PLOT = 320;
+  // words that are longer than their place go on in a second line
+  const folded = (text, width) => text.split("<br>").map((line) => line.split(" ").reduce((lines, word) => {
     const last = lines[lines.length - 1];
-    return last && `${last} ${word}`.length > letters ? [...lines, word] : [...lines.slice(0, -1), last ? `${last} ${word}` : word];
-  }, []).join("<br>");
-  const LETTER = 9;
-  // on a telephone panels stand one below the other instead of side by side
-  const stack = (layout, data, tall, wide) => {
+    return last && `${last} ${word}`.length > width / LETTER ? [...lines, word] : [...lines.slice(0, -1), last ? `${last} ${word}` : word];
+  }, []).join("<br>")).join("<br>");
+  const lines = (text) => text.split("<br>").length;
+  // fits what is written along an axis into so many pixels; returns the height that this takes
+  const fitted = (axis, width) => {
+    let high = 46;
+    axis.title.text = folded(axis.title.text, width);
+    if (axis.ticktext) {
+      const longest = Math.max(...axis.ticktext.flatMap((text) => text.split("<br>")).map((line) => line.length));
+      if (axis.ticktext.length * longest * LETTER > width) {
+        axis.tickangle = -40;
+        axis.ticktext = axis.ticktext.map((text) => text.replaceAll("<br>", " "));
+      }
+      if (axis.tickangle) high += 0.6 * LETTER * Math.max(...axis.ticktext.map((text) => text.length));
+    } else if (axis.type === "log") {
+      if (width < 300) Object.assign(axis, { dtick: 1 });
+    } else {
+      axis.nticks = Math.max(3, Math.min(axis.nticks, Math.floor(width / 60)));
+      while (axis.dtick && axis.range[1] / axis.dtick > width / 32) axis.dtick *= 2;
+    }
+    return high + LINE * lines(axis.title.text);
+  };
+  // places every panel, in pixels from the left and the top of the plot, and returns its height
+  const place = (layout, plot, wide) => {
     const axes = Object.keys(layout).filter((key) => /^xaxis\d*$/.test(key));
-    if (!axes.length) return;
-    // of each part the lower third is for the numbers and words below its axis; the last needs none
-    const count = axes.length - 0.32, part = 1 / count, each = Math.max(260, tall);
-    // names in the legend stand two in a row, long ones alone
-    const names = [...data, ...layout.shapes].filter((one) => one.showlegend).length;
-    const up = 100 + 28 * Math.ceil(0.7 * names);
-    axes.forEach((key, i) => {
-      const y = layout[`yaxis${key.slice(5)}`], top = 1 - i * part;
-      layout[key].domain = [0, 1];
-      y.domain = [top - 0.68 * part, top];
-      y.showticklabels = true;
-      Object.assign(layout[key], { nticks: 5, tickfont: { size: 12 } });
-      layout[key].title.text = folded(layout[key].title.text, (wide - 110) / LETTER);
-      y.title.text = folded(y.title.text, 0.68 * each / LETTER);
+    const stacked = axes.length > 1 && wide < NARROW;
+    if (wide < NARROW) Object.assign(layout.margin, { l: 44, r: 10 });
+    const inner = wide - layout.margin.l - layout.margin.r - 30;
+    const below = [], heads = axes.map((key, i) => {
+      const [low, high] = stacked ? [0, 1] : layout[key].domain;
+      const width = (high - low) * inner;
+      below.push(fitted(layout[key], width));
       const head = layout.annotations[i];
-      Object.assign(head, { x: 0, y: top, xanchor: "left", yanchor: "bottom" });
+      head.text = folded(head.text, width);
+      return LINE * lines(head.text);
     });
-    layout.margin = { ...layout.margin, t: up, r: 12 };
-    layout.height = each * count + up + 64;
-    layout.legend.y = 1 + 34 / (each * count);
-    return `${layout.height}px`;
+    const sum = (some) => some.reduce((a, b) => a + b, 0);
+    const height = stacked ? axes.length * plot + sum(below.slice(0, -1)) + sum(heads.slice(1)) : plot;
+    let top = 0;
+    axes.forEach((key, i) => {
+      const y = layout[`yaxis${key.slice(5)}`], head = layout.annotations[i];
+      y.title.text = folded(y.title.text, plot);
+      if (!stacked) return Object.assign(head, { y: 1 });
+      if (i) top += plot + below[i - 1] + heads[i];
+      layout[key].domain = [0, 1];
+      y.domain = [Math.max(0, 1 - (top + plot) / height), 1 - top / height];
+      y.showticklabels = true;
+      y.title.text = y.title.text || layout.yaxis.title.text;
+      Object.assign(head, { x: 0, y: y.domain[1], xanchor: "left" });
+    });
+    layout.margin.b = stacked ? below.at(-1) : Math.max(...below);
+    layout.margin.t = Math.max(...(stacked ? heads.slice(0, 1) : heads), 0) + 8;
+    return height;
   };
-  const draw = (box) => {
-    if (box.dataset.drawn) return;
-    box.dataset.drawn = "yes";
-    const figure = JSON.parse(box.querySelector("script").textContent);
-    const height = box.clientWidth < 640 && stack(figure.layout, figure.data, 0.6 * box.clientHeight, box.clientWidth);
-    if (height) box.style.height = height;
-    // a finger has no pointer to hover with, and the tools would lie on the legend
-    Plotly.newPlot(box, figure.data, figure.layout, height ? { ...options, displayModeBar: false } : options);
+  const draw = (box, paper) => {
+    const wide = paper ? PAPER : box.clientWidth, size = `${wide} ${paper}`;
+    if (box.dataset.size === size || !wide) return;
+    box.dataset.size = size;
+    const { data, layout } = JSON.parse(box.querySelector("script").textContent);
+    const height = place(layout, PLOT * Number(box.dataset.height) * (wide < NARROW || paper ? 0.75 : 1), wide);
+    [...data, ...layout.shapes].forEach((one) => { if (one.showlegend) one.name = folded(one.name, wide - 130); });
+    const heads = layout.margin.t;
+    const sized = (legend) => {
+      const margin = { ...layout.margin, t: heads + legend };
+      return { margin, width: wide, height: height + margin.t + margin.b, legend: { ...layout.legend, y: 1 + heads / height } };
+    };
+    // the legend is measured, then given its place; a finger has no pointer to hover with
+    Plotly.react(box, data, { ...layout, ...sized(60) }, { ...OPTIONS, displayModeBar: wide < NARROW ? false : "hover" });
+    const legend = box.querySelector(".legend .bg");
+    const fits = sized(legend ? Math.ceil(legend.getBBox().height) + 6 : 0);
+    Plotly.relayout(box, fits);
+    box.style.height = `${fits.height}px`;
   };
-  const hidden = (box) => box.closest("details:not([open])");
-  const boxes = [...document.querySelectorAll(".plot")];
-  boxes.filter((box) => !hidden(box)).forEach(draw);
-  document.addEventListener("toggle", (event) => {
-    event.target.querySelectorAll(".plot").forEach((box) => hidden(box) || draw(box));
-  }, true);
-  const details = [...document.querySelectorAll("details")];
+  const boxes = [...document.querySelectorAll(".plot")], details = [...document.querySelectorAll("details")];
+  const shown = () => boxes.filter((box) => !box.closest("details:not([open])"));
+  const drawShown = () => shown().forEach((box) => draw(box, false));
+  // what is linked to is opened, with all that it lies in
+  const reach = () => {
+    const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    if (!target) return;
+    for (let one = target.closest("details"); one; one = one.parentElement.closest("details")) one.open = true;
+    drawShown();
+    target.scrollIntoView();
+  };
+  document.querySelectorAll("p.all button").forEach((button) => button.addEventListener("click", () => {
+    const inside = [...button.closest("article").querySelectorAll("details")];
+    const open = inside.some((one) => !one.open);
+    inside.forEach((one) => { one.open = open; });
+    button.textContent = open ? "Close everything" : "Open everything";
+  }));
+  document.addEventListener("toggle", drawShown, true);
+  window.addEventListener("hashchange", reach);
+  window.addEventListener("resize", drawShown);
+  // size of the letters of a table on paper [px]; one that is too wide for the page is made smaller
+  const PRINTED = 10.7, tables = [...document.querySelectorAll(".wide table")];
   window.addEventListener("beforeprint", () => {
     details.forEach((one) => { one.dataset.was = one.open; one.open = true; });
-    boxes.forEach(draw);
+    boxes.forEach((box) => draw(box, true));
+    tables.forEach((table) => {
+      const wide = table.scrollWidth * PRINTED / parseFloat(getComputedStyle(table).fontSize);
+      table.style.zoom = Math.min(1, PAPER / wide);
+    });
   });
   window.addEventListener("afterprint", () => {
     details.forEach((one) => { one.open = one.dataset.was === "true"; });
+    tables.forEach((table) => { table.style.zoom = ""; });
+    drawShown();
   });
+  drawShown();
+  reach();
 })();
