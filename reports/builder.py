@@ -80,13 +80,12 @@ def write_figures_of(blocks: Sequence[Block], folder: Path, format: str) -> list
 
 
 def write_pdf(runs: Sequence[Run], path: Path) -> Path:
-    """Writes one PDF: answer, every figure with its caption, and the tables.
+    """Writes one PDF with all that the HTML file holds, what is folded there as well.
 
     Raises:
         OutputError: it cannot be written.
     """
-    drawn = [page for block in blocks_of(runs) for page in pages.of(block)]
-    return output.write(Path(path), matplotlib_.document(drawn))
+    return output.write(Path(path), pages.rendered(blocks_of(runs)))
 
 
 def write_markdown(runs: Sequence[Run], path: Path) -> Path:

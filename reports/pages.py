@@ -1,225 +1,174 @@
-"""Pages of the PDF report: the answer, every figure with its caption, and the scores."""
+"""The PDF report: all that the page in a browser holds, what is folded there as well."""
 
 from __future__ import annotations
 
-import textwrap
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
 
 from simcompare.reports.render import matplotlib_
-from simcompare.reports.render.parts import Block, Part
-from simcompare.reports.render.tables import Table, printable
+from simcompare.reports.render.paper import GUTTER, SOFT, WIDTH, Cell, Paper, Type
+from simcompare.reports.render.parts import Block, KeyNumber, Part
+from simcompare.reports.render.tables import Column, Table, printable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
 
-    from simcompare.reports.render.figures import Figure
-
-#: A4 across [inch], and the line height of its text as part of the page
-_SIZE, _LINE = (11.69, 8.27), 0.026
-_LEFT, _TOP, _BOTTOM = 0.06, 0.93, 0.06
-#: letters of 10 points on a line across the page, and of 9 points on the whole page
-_WRAP, _CELL_WRAP = 128, 190
-#: figures from which on the second has the remarks above it
-_TWO = 2
-#: a figure needs at least so much of the first page
-_ROOM = 0.55
-#: a heading is not left alone at the foot of a page
-_GROUP = 6 * _LINE
-_INK, _SOFT = "#1b1b1b", "#555555"
-
-#: a column is as wide as its longest cell, within these numbers of letters
-_MIN_WIDTH, _MAX_WIDTH = 10, 45
-#: letters of a table that is as wide as its words, and the space between columns
-_TIGHT, _GUTTER = 0.88, 0.012
-#: letters of all columns of a table for which there is room
-_FITTING = _CELL_WRAP * (1 - 2 * _LEFT) * _TIGHT
+_TITLE, _SECTION, _PART = 20.0, 15.0, 11.0
+_QUESTION, _CAPTION, _CODE = Type(12, colour=SOFT), Type(9, colour=SOFT), Type(8)
+_BODY, _CELL, _HEAD = Type(10), Type(8.5), Type(8.5, strong=True)
+_SENTENCES = {
+    "short": Type(13), "answer": Type(11), "notice": Type(10, strong=True), "remark": _BODY,
+    "note": _BODY,
+}  # fmt: skip
+_SIGNS = {"pass": " ✓", "fail": " ✗"}
+#: columns of words are as wide as their words, within these widths [inch]
+_MIN_WORDS, _MAX_WORDS = 0.9, 3.2
 
 
-class Line(NamedTuple):
-    """A row of cells.
-
-    Attributes:
-        cells: its texts.
-        strong: whether it is a heading.
-        widths: of the columns, relative to each other; empty for a single cell.
-        numbers: columns that end at their right edge, so that digits stand below each other.
-    """
-
-    cells: Sequence[str]
-    strong: bool
-    widths: Sequence[int] = ()
-    numbers: frozenset[int] = frozenset()
+def document(blocks: Sequence[Block]) -> list[Canvas]:
+    """Pages of all blocks, numbered through."""
+    papers = list(map(_paper, blocks))
+    counts = [len(paper.pages) for paper in papers]
+    firsts = itertools.accumulate(counts, initial=1)
+    return [
+        page
+        for paper, first in zip(papers, firsts, strict=False)
+        for page in paper.finish(first, sum(counts))
+    ]
 
 
-def of(block: Block) -> Iterator[Canvas]:
-    """Pages of one run."""
-    figures = block.figures
-    yield from _first(block, figures[0] if figures else None)
-    for i, figure in enumerate(figures[1:]):
-        yield _with_figure(figure, block.parts[0] if i == 0 else None)
-    answer, *others = block.parts
-    for part in (replace(answer, answer=(), remarks=()), *others):
-        yield from _text_pages(part.title, list(_lines(part)))
+def _paper(block: Block) -> Paper:
+    paper = Paper(block.title)
+    paper.heading(block.title, _TITLE, 0)
+    paper.text(block.question, _QUESTION, 0.05)
+    paper.text(block.settings, _CAPTION, 0.05)
+    first, *others = block.parts
+    _part(paper, first)
+    for part in others:
+        paper.heading(part.title, _SECTION, 0.3)
+        if part.finding:
+            paper.text(part.finding, _CAPTION)
+        _part(paper, part)
+    for sentence in block.made_with:
+        paper.text(sentence, _CAPTION, 0.05)
+    return paper
 
 
-def _first(block: Block, figure: Figure | None) -> Iterator[Canvas]:
-    """The answer, and below it a figure; on a page of its own where the answer is long."""
-    page, answer = _blank(), block.parts[0]
-    y = _write(page, _TOP, block.title, size=20, weight="bold")
-    y = _write(page, y - 0.01, block.question, size=12, colour=_SOFT)
-    for sentence in answer.answer:
-        y = _write(page, y - 0.008, sentence, size=12)
-    if len(block.figures) < _TWO:  # else they have room beside the second
-        y = _remarks(page, y, answer)
-    crowded = y < _ROOM
-    if figure is not None and not crowded:
-        _place(page, figure, y - 0.02)
-    yield page
-    if figure is not None and crowded:
-        yield _with_figure(figure)
+def _part(paper: Paper, part: Part) -> None:
+    for kind, it in part.items:
+        if kind in _SENTENCES:
+            paper.text(it, _SENTENCES[kind], 0.06)
+        else:
+            _OTHERS[kind](paper, it)
 
 
-def _remarks(page: Canvas, y: float, part: Part) -> float:
-    for sentence in part.remarks:
-        y = _write(page, y - 0.004, sentence, size=10)
-    return y
-
-
-def _with_figure(figure: Figure, part: Part | None = None) -> Canvas:
-    """A figure on a page of its own, below the remarks of a part where one is given."""
-    page = _blank()
-    y = _TOP if part is None else _remarks(page, _TOP, part) - 0.02
-    y = _write(page, y, figure.title, size=16, weight="bold")
-    _place(page, figure, y - 0.01)
-    return page
-
-
-def _place(page: Canvas, figure: Figure, top: float) -> None:
-    """Draws a figure between ``top`` and its caption at the foot of the page."""
-    lines = textwrap.wrap(figure.caption, _WRAP)
-    foot = _BOTTOM + len(lines) * _LINE
-    _write(page, foot - 0.01, figure.caption, size=10, colour=_SOFT)
-    height = top - foot
-    grid: Any = page.subfigures(
-        3,
-        3,
-        height_ratios=[1 - top, height, foot],
-        width_ratios=[_LEFT, 1 - 2 * _LEFT, _LEFT],
+def _numbers(paper: Paper, numbers: Sequence[KeyNumber]) -> None:
+    """The few numbers beside each other."""
+    width = WIDTH / len(numbers)
+    rows = (
+        ([number.label for number in numbers], _CAPTION),
+        ([n.value + _SIGNS.get(n.verdict, "") for n in numbers], Type(13, strong=True)),
+        ([number.note for number in numbers], _CAPTION),
     )
-    matplotlib_.draw(grid[1, 1], figure)
+    paper.text("", _CAPTION)
+    for texts, type_ in rows:
+        cells = [Cell(text, i * width, width - GUTTER) for i, text in enumerate(texts)]
+        paper.row(cells, type_)
 
 
-def _text_pages(heading: str, rest: list[Line]) -> Iterator[Canvas]:
-    """Rows of cells on as many pages as they need."""
-    while rest:
-        page = _blank()
-        y = _write(page, _TOP, heading, size=16, weight="bold") - 0.01
-        first = True
-        while rest and (
-            first or y - _height(rest[0]) > _BOTTOM + (_GROUP if rest[0].strong else 0)
-        ):
-            line, first = rest.pop(0), False
-            y = _row(page, y - (0.012 if line.strong else 0), line)
-        yield page
+def _figure(paper: Paper, figure: Any) -> None:  # noqa: ANN401  (of items, which hold anything)
+    paper.figure(figure, _CAPTION)
 
 
-def _columns(line: Line) -> Iterator[tuple[str, float, float, int]]:
-    """Each cell with where its column begins and ends and how many letters fit into it."""
-    widths = line.widths
-    left, scale = _LEFT, (1 - 2 * _LEFT) / sum(widths)
-    for cell, width in zip(line.cells, widths, strict=True):
-        fitting = int(_CELL_WRAP * scale * width * _TIGHT)
-        yield cell, left, left + scale * width - _GUTTER, max(fitting, 1)
-        left += scale * width
+def _facts(paper: Paper, facts: Any) -> None:  # noqa: ANN401
+    for name, value in facts.items():
+        paper.text(f"{name}: {value}", _BODY, 0.03)
 
 
-def _height(line: Line) -> float:
-    """Height by which a row is longer than the two lines for which there is always room."""
-    if len(line.cells) == 1:
-        return 0.0  # long remarks may begin anywhere
-    most = max(len(textwrap.wrap(cell, wrap)) for cell, _, _, wrap in _columns(line))
-    return max(most - 2, 0) * 0.9 * _LINE
+def _code(paper: Paper, code: str) -> None:
+    for line in code.splitlines():
+        paper.text(line, _CODE)
 
 
-def _row(page: Canvas, y: float, line: Line) -> float:
-    weight = "bold" if line.strong else "normal"
-    if len(line.cells) == 1:
-        return _write(page, y, line.cells[0], size=9, weight=weight)
-    lowest = y
-    for i, (cell, left, right, wrap) in enumerate(_columns(line)):
-        is_number = i in line.numbers
-        end = _write(
-            page, y, cell, size=9, weight=weight, left=right if is_number else left, wrap=wrap,
-            ha="right" if is_number else "left",
-        )  # fmt: skip
-        lowest = min(lowest, end)
-    return lowest
+def _inner(paper: Paper, part: Part) -> None:
+    if part.title:
+        paper.heading(part.title, _PART)
+    if part.finding:
+        paper.text(part.finding, _CAPTION)
+    _part(paper, part)
 
 
-def _lines(part: Part) -> Iterator[Line]:
-    """Everything that a part and its parts hold beside figures."""
-    if not part.has_text:
-        return
-    texts = [*part.answer, *part.notices, *part.remarks]
-    texts += [f"{key}: {value}" for key, value in part.facts.items()]
-    for text in (*texts, *part.notes, *part.code.splitlines()):
-        yield Line((text,), False)
-    for table in part.tables:
-        yield from _grid_lines(table)
-    for inner in part.parts:
-        if inner.has_text and inner.title:
-            yield Line((inner.title,), True)
-        yield from _lines(inner)
-
-
-def _grid_lines(table: Table) -> Iterator[Line]:
-    """A table, without the columns that can be spared where there is no room for them."""
-    if sum(_widths(table)) > _FITTING:
-        table = table.narrow()
-    widths, heads = _widths(table), tuple(column.full_head for column in table.columns)
-    numbers = frozenset(i for i, column in enumerate(table.columns) if i and not column.text)
+def _table(paper: Paper, table: Table) -> None:
+    """A table, in several pieces below each other where it is wider than the page."""
     if table.title:
-        yield Line((table.title,), True)
-    yield Line(heads, True, widths, numbers)
+        paper.heading(table.title, _PART)
+    for columns in pieces(table):
+        _piece(paper, table, columns)
+    if table.note:
+        paper.text(table.note, _CAPTION, 0.05)
+
+
+def _piece(paper: Paper, table: Table, columns: dict[int, float]) -> None:
+    heads = [column.full_head for column in table.columns]
+    paper.text("", _CELL)
+    head = _cells(table, columns, heads)
+    paper.head(head, _CELL)
     for group in table.groups:
         if group.title:
-            yield Line((printable(group.title),), True)
+            paper.text(printable(group.title), _HEAD, 0.06)
         if group.note:
-            yield Line((printable(group.note),), False)
+            paper.text(printable(group.note), _CAPTION)
         for row in group.rows:
-            yield Line(tuple(map(printable, row)), False, widths, numbers)
-    if table.note:
-        yield Line((table.note,), False)
+            paper.row(_cells(table, columns, row), _CELL, head)
 
 
-def _widths(table: Table) -> tuple[int, ...]:
-    """Letters of each column."""
-    rows = [row for group in table.groups for row in group.rows]
-    heads = [column.full_head for column in table.columns]
-    lengths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
-    return tuple(min(max(length, _MIN_WIDTH), _MAX_WIDTH) for length in lengths)
+def _cells(table: Table, columns: dict[int, float], texts: Sequence[str]) -> list[Cell]:
+    lefts = itertools.accumulate((width + GUTTER for width in columns.values()), initial=0.0)
+    return [
+        Cell(printable(texts[i]), left, width, is_number=bool(i) and not table.columns[i].text)
+        for (i, width), left in zip(columns.items(), lefts, strict=False)
+    ]
 
 
-def _blank() -> Canvas:
-    import matplotlib as mpl
-    from matplotlib.figure import Figure as NewCanvas
+def pieces(table: Table) -> Iterator[dict[int, float]]:
+    """Columns that fit beside each other, each with its width [inch]; the first one in each."""
+    widths = [_width(table, i, _MAX_WORDS) for i in range(len(table.columns))]
+    if _total(widths) > WIDTH:
+        widths = [_width(table, i, 1.6) for i in range(len(table.columns))]
+    if _total(widths) > WIDTH:
+        widths = [_width(table, i, _MIN_WORDS) for i in range(len(table.columns))]
+    piece = {0: widths[0]}
+    for i, width in list(enumerate(widths))[1:]:
+        if len(piece) > 1 and _total([*piece.values(), width]) > WIDTH:
+            yield piece
+            piece = {0: widths[0]}
+        piece[i] = width
+    yield piece
 
-    with mpl.rc_context():
-        return NewCanvas(figsize=_SIZE, layout="constrained")
+
+def _total(widths: Sequence[float]) -> float:
+    return sum(widths) + GUTTER * (len(widths) - 1)
 
 
-def _write(
-    page: Canvas, y: float, text: str, *, size: float, weight: str = "normal",
-    colour: str = _INK, left: float = _LEFT, wrap: int = 0, ha: str = "left",
-) -> float:  # fmt: skip
-    """Writes wrapped text from ``y`` down and returns where it ends."""
-    # a fitting number of letters for the size of the type
-    lines = textwrap.wrap(text, wrap or int(_WRAP * 10 / size)) or [""]
-    for line in lines:
-        # a dollar sign would start mathematics
-        shown = line.replace("$", r"\$")
-        page.text(left, y, shown, size=size, weight=weight, color=colour, va="top", ha=ha)
-        y -= _LINE * size / 10
-    return y
+def _width(table: Table, i: int, most: float) -> float:
+    """Width of a column: of its longest cell, and of the longest word of its head."""
+    column: Column = table.columns[i]
+    cells = [printable(row[i]) for group in table.groups for row in group.rows]
+    longest = max(map(_CELL.width, cells), default=0.0)
+    if column.text:
+        longest = min(longest, most)
+    words = column.full_head.split()
+    head = max(map(_HEAD.width, words), default=0.0)
+    return min(max(longest, head, 0.3) + 0.02, WIDTH / 2)
+
+
+_OTHERS: dict[str, Callable[[Paper, Any], None]] = {
+    "numbers": _numbers, "figure": _figure, "facts": _facts, "code": _code, "table": _table,
+    "part": _inner,
+}  # fmt: skip
+
+
+def rendered(blocks: Sequence[Block]) -> bytes:
+    """The report as one PDF file."""
+    return matplotlib_.document(document(blocks))

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
 
 FORMATS = ("pdf", "png", "svg")
+#: ships with matplotlib: the same on every machine
+FONT = "DejaVu Sans"
 DPI = 300
 #: of a figure in a notebook, one and a half pixels to that of a browser
 _SCREEN_DPI = 144
@@ -49,7 +51,7 @@ _MARKERS = {
     "triangle-down": "v", "triangle-left": "<", "triangle-right": ">", "x": "X", "star": "*",
 }  # fmt: skip
 _LOOK: Any = {  # matplotlib types every key by itself
-    "font.family": "DejaVu Sans",  # ships with matplotlib: the same on every machine
+    "font.family": FONT,
     "font.size": 8,
     "axes.titlesize": 8.5,
     "legend.fontsize": 8,
@@ -86,12 +88,20 @@ def document(pages: Sequence[Canvas]) -> bytes:
     return stream.getvalue()
 
 
+def blank(size: tuple[float, float]) -> Canvas:
+    """An empty page [inch]; a notebook shows it by itself."""
+    import matplotlib as mpl
+
+    with mpl.rc_context(_LOOK):
+        return _kind_of_canvas()(figsize=size, layout="constrained")
+
+
 def canvas(figure: Figure) -> Canvas:
     """A figure as matplotlib's, sized for a paper; a notebook shows it by itself."""
     import matplotlib as mpl
 
+    page = blank(size(figure))
     with mpl.rc_context(_LOOK):
-        page = _kind_of_canvas()(figsize=size(figure), layout="constrained")
         draw(page, figure)
     return page
 
@@ -153,7 +163,7 @@ def draw(page: Any, figure: Figure) -> None:  # noqa: ANN401  (a Figure or a Sub
         _frame(axes, panel, figure.y_range(panel), labelled=i == 0 or not figure.share_y)
     if handles:
         page.legend(
-            list(handles.values()), list(map(_text, handles)), loc="outside upper center",
+            list(handles.values()), list(map(plain, handles)), loc="outside upper center",
             frameon=False, ncols=_columns(page, handles), handlelength=3.2,
         )  # fmt: skip
 
@@ -174,10 +184,10 @@ def _frame(
 ) -> None:
     from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
 
-    axes.set_title(_text(panel.title), fontweight="bold")
-    axes.set_xlabel(_text(panel.x_label))
+    axes.set_title(plain(panel.title), fontweight="bold")
+    axes.set_xlabel(plain(panel.x_label))
     if labelled:
-        axes.set_ylabel(_text(panel.y_label))
+        axes.set_ylabel(plain(panel.y_label))
     if panel.log_y:
         axes.set_yscale("log")
         axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
@@ -206,17 +216,17 @@ def _frame(
 def _names(axes: Axes, panel: Panel) -> None:
     """Names instead of numbers along an axis."""
     if panel.x_ticks is not None:
-        axes.set_xticks(range(len(panel.x_names)), list(map(_text, panel.x_names)))
+        axes.set_xticks(range(len(panel.x_names)), list(map(plain, panel.x_names)))
         if panel.slanted:
             axes.tick_params("x", rotation=40)
             for text in axes.get_xticklabels():
                 text.set(ha="right", rotation_mode="anchor")
     if panel.y_ticks is not None:
-        axes.set_yticks(range(len(panel.y_ticks)), list(map(_text, panel.y_ticks)))
+        axes.set_yticks(range(len(panel.y_ticks)), list(map(plain, panel.y_ticks)))
         axes.grid(visible=False, axis="y")
 
 
-def _text(text: str) -> str:
+def plain(text: str) -> str:
     """A dollar sign would start mathematics."""
     return text.replace("$", r"\$")
 
@@ -268,7 +278,7 @@ def _label(axes: Axes, bars: Bars, drawn: Any) -> None:  # noqa: ANN401
     if not bars.texts:
         return
     texts = axes.bar_label(
-        drawn, list(map(_text, bars.texts)), label_type="center", color="#ffffff"
+        drawn, list(map(plain, bars.texts)), label_type="center", color="#ffffff"
     )
     for text in texts:
         if text.get_text():
@@ -277,7 +287,7 @@ def _label(axes: Axes, bars: Bars, drawn: Any) -> None:  # noqa: ANN401
 
 def _note(axes: Axes, note: Note) -> None:
     axes.text(
-        note.x, note.y, _text(note.text), color=note.colour, ha=note.anchor,
+        note.x, note.y, plain(note.text), color=note.colour, ha=note.anchor,
         va="center", fontsize="small", zorder=6,
     )  # fmt: skip
 
