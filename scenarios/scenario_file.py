@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from simcompare import units
+from simcompare import notation, units
 from simcompare.errors import InputError, UnknownName
 from simcompare.model import expressions
 from simcompare.model.fittable import Fittable
@@ -186,9 +186,17 @@ def out_of_bounds(
             continue
         low, high = parameters[name].min, parameters[name].max
         if not low <= value <= high:
-            unit = units.symbol(units.unit_of(name))
-            faults[name] = f"{name} = {value:g} is outside {low:g} … {high:g} ({unit})"
+            faults[name] = _outside(name, value, low, high)
     return faults
+
+
+def _outside(name: str, value: float, low: float, high: float) -> str:
+    """That a value is out of its bounds, and the smaller unit in which it would be within."""
+    unit = units.unit_of(name)
+    meant = notation.meant(value, unit, low, high)
+    found = f"{name} = {value:g}{'' if unit == '1' else f' {units.symbol(unit)}'}"
+    hint = f"; did you mean {name.removesuffix(units.suffix_of(name))}={meant}?" if meant else ""
+    return f"{found} is outside {notation.span(low, high, unit)}{hint}"
 
 
 def build(

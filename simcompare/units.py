@@ -78,6 +78,8 @@ _ANGLE = re.compile(r"\b(rad|deg|degree|degrees|radian|radians|turn|turns|revolu
 _SYMBOLS = {"**2": "²", "**3": "³", "*": "·", "ohm": "Ω"}
 _UNIT = re.compile(r"^[A-Za-zµμΩ°%][A-Za-zµμΩ°%\d_*/^·²³ -]*$")
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
+#: a number of many countries: 0,5 and 1.234,5
+_COMMA = re.compile(r"^\s*([-+]?)(\d+|\d{1,3}(?:\.\d{3})+),(\d+)\s*(|[^\d\s,.].*?)\s*$")
 
 
 def suffix_of(name: str) -> str:
@@ -127,6 +129,10 @@ def to_si(text: str | float, unit: str, where: str) -> float:
     Raises:
         InputError: not a number, an unknown unit, or a unit of another dimension.
     """
+    pointed = with_point(text) if isinstance(text, str) else None
+    if pointed is not None:
+        to_si(pointed, unit, where)  # what else is wrong with it comes first
+        raise InputError(where, [f"{str(text).strip()!r} has a decimal comma; write {pointed}"])
     wanted = "a number without unit" if unit == "1" else f"a number in {symbol(unit)}"
     match = _QUANTITY.match(text) if isinstance(text, str) else None
     if isinstance(text, str) and match is None:
@@ -137,6 +143,12 @@ def to_si(text: str | float, unit: str, where: str) -> float:
     if not given_unit or given_unit == unit:
         return number
     return _converted(number, given_unit, unit, where)
+
+
+def with_point(text: str) -> str | None:
+    """``"0,5m"`` as it is written here, ``"0.5m"``; ``None`` where there is no decimal comma."""
+    match = _COMMA.match(text)
+    return match and f"{match[1]}{match[2].replace('.', '')}.{match[3]}{match[4]}"
 
 
 def conversion_factor(given: str, unit: str, where: str) -> float:

@@ -406,7 +406,7 @@ def test_a_run_in_which_nothing_is_known_is_told_nothing_of():
         (("--engine", "mujocco"), "no engine is called 'mujocco'; did you mean mujoco?"),
         (("--step", "0"), "--step: 0 is not a time above 0"),
         (("--step=-1ms",), "--step: -1ms is not a time above 0"),
-        (("--step", "1s"), "use 0.1 ms to 10 ms"),
+        (("--step", "1s"), "use 100 us to 10 ms"),
         (("--step", "1kg"), "--step"),
         (("--figures", "bmp"), "no figure format is called 'bmp'"),
         (("--time-limit", "0"), "--time-limit: 0 s is not a time above 0"),

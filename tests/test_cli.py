@@ -91,7 +91,10 @@ def test_what_an_engine_does_by_default_is_not_judged(call, fall, add_engine):
         (["run", "ball", "--preset", "tenis"], "did you mean tennis"),
         (["run", "ball", "--set", "drop_hight=1"], "did you mean drop_height_m?"),
         (["run", "ball", "--set", "drop_height=3s"], "the unit 's' does not fit"),
-        (["run", "ball", "--set", "drop_height=30"], "is outside 0.01 … 20 (m)"),
+        (
+            ["run", "ball", "--set", "drop_height=30"],
+            "1 cm to 20 m; did you mean drop_height=30cm?",
+        ),
         (["run", "ball", "--set", "drop_height"], "not of the form parameter=value"),
         (["run", "ball", "--step", "0"], "is not a time above 0"),
         (["run", "ball", "--step", "1kg"], "--step: the unit 'kg' does not fit"),

@@ -73,7 +73,7 @@ def test_a_temperature_with_an_offset_is_converted_or_refused_but_never_multipli
         ("abc", "kg", "'abc' is not a number; expected a number in kg"),
         ("", "m", "not a number"),
         ("nan", "m", "not a number"),
-        ("1,5", "m", "',5' is not a unit"),
+        ("1,5", "m", "'1,5' has a decimal comma; write 1.5"),
         ("1.5.2", "m", "'.2' is not a unit"),
     ],
 )

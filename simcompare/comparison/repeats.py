@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from simcompare import measures, units
+from simcompare import measures, notation, units
 from simcompare.engine.calibration.plan import drop_plans
 from simcompare.engine.drives import input_values
 from simcompare.engine.sensing import complete
@@ -20,6 +21,8 @@ from simcompare.scenarios.scenario_file import ScenarioFile
 
 #: samples below which a run shows nothing
 MIN_SAMPLES = 100
+#: 0,5ms: half a millisecond, and not a step without unit before one of 5 ms
+_DECIMAL_COMMA = re.compile(r"(?<![\d.])(\d+),(\d+\s*[a-zµμ]+)")
 
 
 @dataclass(frozen=True)
@@ -86,6 +89,9 @@ def read_steps(step: str | float | Sequence[str | float] | None) -> list[str | f
     """
     if step is None:
         return []
+    if isinstance(step, str) and _DECIMAL_COMMA.search(step):
+        point = _DECIMAL_COMMA.sub(r"\1.\2", step)
+        raise InputError("--step", [f"{step!r} has a decimal comma; write {point}"])
     each = step.split(",") if isinstance(step, str) else step
     steps: list[str | float] = [each] if isinstance(each, int | float) else [*each]
     if not steps or any(isinstance(one, str) and not one.strip() for one in steps):
@@ -99,7 +105,7 @@ def one_step_s(step: str | float) -> float:
     Raises:
         InputError: several, or no time above 0.
     """
-    if isinstance(step, str) and "," in step:
+    if isinstance(step, str) and "," in step and units.with_point(step) is None:
         raise InputError("--step", [f"{step}: expected one step; only run takes several"])
     step_s = units.to_si(step, "s", "--step")
     if not step_s > 0:
@@ -167,21 +173,44 @@ def sample_step_s(
     """
     nominal = file.resolve(values, preset=preset)
     step_s = one_step_s(step) * nominal.world.substeps
-    _check_step(nominal, step_s)
+    check_sample_step(nominal, step, step_s)
     return step_s
 
 
-def _check_step(scenario: Scenario, step_s: float) -> None:
-    duration, parts = scenario.world.duration_s, scenario.world.substeps
-    shortest, longest = duration / MAX_SAMPLES, duration / MIN_SAMPLES
-    if not shortest <= step_s <= longest:
-        raise InputError(
-            "--step",
-            [
-                f"{step_s / parts:g} s gives {duration / step_s:.3g} samples in {duration:.3g} s;"
-                f" use {shortest / parts:.2g} s to {longest / parts:.2g} s"
-            ],
-        )
+def check_sample_step(scenario: Scenario, step: str | float, sampled_s: float) -> None:
+    """Refuses a step that makes no sense in the time that a scene lasts.
+
+    Args:
+        scenario: the scene, with a step that does.
+        step: the engine's step as it was given.
+        sampled_s: time between samples that it gives [s].
+
+    Raises:
+        InputError: it is too long or too short; says which are not.
+    """
+    duration_s, parts = scenario.world.duration_s, scenario.world.substeps
+    low_s, high_s = duration_s / MAX_SAMPLES / parts, duration_s / MIN_SAMPLES / parts
+    step_s = sampled_s / parts
+    if low_s <= step_s <= high_s:
+        return
+    low_s, high_s = notation.rounded_within(low_s, high_s)
+    wrong = f"too {'short' if step_s < low_s else 'long'} for {notation.amount(duration_s, 's')}"
+    usual = step_words(scenario.world.engine_step_s)
+    fault = f"{step_found(step, step_s)} is {wrong}; {step_wanted(step_s, low_s, high_s, usual)}"
+    raise InputError("--step", [fault])
+
+
+def step_found(step: str | float, step_s: float) -> str:
+    """A wrong step as a subject, which says that a bare number is in seconds."""
+    if isinstance(step, str) and not step.strip()[-1:].isdigit():
+        return step
+    return f"a bare number is in seconds, and {notation.amount(step_s, 's')}"
+
+
+def step_wanted(step_s: float, low_s: float, high_s: float, usual: str) -> str:
+    """Which steps are taken, and the one that may have been meant."""
+    such = notation.meant(step_s, "s", low_s, high_s) or usual
+    return f"use {notation.span(low_s, high_s, 's')}, such as {such}"
 
 
 def truths_of(path: Path, scenarios: Sequence[Scenario]) -> list[Trajectory | None]:

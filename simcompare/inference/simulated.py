@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from simcompare import measures
+from simcompare.comparison.repeats import check_sample_step
 from simcompare.errors import InputError
 from simcompare.inference.reference_model import Model
 from simcompare.inference.segments import Segment
@@ -96,6 +97,19 @@ def simulate(
     return [
         Engine(name, [o for o in judged if o.job.engine == name], runs[name]) for name in engines
     ]
+
+
+def check_step(
+    model: Model, segments: Sequence[Segment], step: str | float | None, step_s: float | None
+) -> None:
+    """Refuses a step that makes no sense in the longest segment.
+
+    Raises:
+        InputError: it is too long or too short; says which are not.
+    """
+    if step is not None and step_s is not None:
+        longest = max(segments, key=lambda segment: segment.duration_s)
+        check_sample_step(model.scenario(longest), step, step_s)
 
 
 Planned = list[tuple[int, str, Scenario]]

@@ -14,7 +14,7 @@ from simcompare.characterization.experiment import Experiment
 from simcompare.characterization.force import ForceQuestion
 from simcompare.characterization.friction import FrictionQuestion
 from simcompare.characterization.joint import JointQuestion
-from simcompare.comparison.repeats import one_step_s
+from simcompare.comparison.repeats import one_step_s, step_found, step_wanted
 from simcompare.engine import engines
 from simcompare.errors import BackendError, InputError, UnknownName
 from simcompare.model import plain
@@ -115,13 +115,9 @@ def _chosen(kind: str, asked: str | Sequence[str], known: Iterable[str]) -> list
 def _step_s(step: str | float) -> float:
     step_s = one_step_s(step)
     if not MIN_STEP_S <= step_s <= MAX_STEP_S:
-        raise InputError(
-            "--step",
-            [
-                f"{step_s:g} s is not a step at which the experiments can be read; use"
-                f" {1e3 * MIN_STEP_S:g} ms to {1e3 * MAX_STEP_S:g} ms"
-            ],
-        )
+        wrong = "no step at which the experiments can be read"
+        use = step_wanted(step_s, MIN_STEP_S, MAX_STEP_S, "1ms")
+        raise InputError("--step", [f"{step_found(step, step_s)} is {wrong}; {use}"])
     return step_s
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from simcompare import units
+from simcompare.comparison.repeats import check_sample_step, one_step_s
 from simcompare.engine import engines
 from simcompare.engine.simulation import Controller
 from simcompare.model.settings import ASSISTED, Settings
@@ -48,7 +48,9 @@ def control(
     """
     file = catalogue.load(scenario)
     values = file.read_settings(set or {})
-    step_s = None if step is None else units.to_si(step, "s", "step")
+    step_s = None if step is None else one_step_s(step)
+    if step is not None and step_s is not None:
+        check_sample_step(file.resolve(values, preset=preset), step, step_s)
     scene = file.resolve(values, preset=preset, step_s=step_s)
     backend = engines.get(engine)
     simulation = backend.open(scene, Settings(contact))

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from simcompare import units
 from simcompare.comparison.comparison import INFO, Score
+from simcompare.comparison.repeats import one_step_s
 from simcompare.engine import engines
 from simcompare.errors import InputError, UnknownName
 from simcompare.fitting.waveforms import holdout, records
@@ -14,7 +15,7 @@ from simcompare.fitting.waveforms.reference import Fitted, fit_reference
 from simcompare.fitting.waveforms.setup import Setup, prepare
 from simcompare.inference.reference_model import Model, model_of
 from simcompare.inference.segments import as_trajectory
-from simcompare.inference.simulated import BEST, of_probes
+from simcompare.inference.simulated import BEST, check_step, of_probes
 from simcompare.model.trajectory import TRUTH
 from simcompare.reports.fit import wave_words
 from simcompare.results import run_record
@@ -60,11 +61,12 @@ def fit_waveform(
     model = model_of(file)
     if model.reference is None:
         raise InputError(file.name, ["has no reference.py, so its parameters cannot be fitted"])
-    step_s = None if request.step is None else units.to_si(request.step, "s", "--step")
+    step_s = None if request.step is None else one_step_s(request.step)
     setup = prepare(
         file, list(map(str, request.recordings)), list(map(str, request.hold_out)),
         unknowns=request.unknowns, given=given, mapping=request.mapping,
     )  # fmt: skip
+    check_step(model, setup.fitted, request.step, step_s)
     fitted = fit_reference(model, setup)
     found = fit_engines(
         model, setup, fitted, chosen, step_s=step_s, time_limit_s=time_limit_s, progress=progress

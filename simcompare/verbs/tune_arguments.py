@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from simcompare import units
-from simcompare.comparison.repeats import one_step_s
+from simcompare import notation, units
+from simcompare.comparison.repeats import one_step_s, step_found, step_wanted
 from simcompare.errors import InputError
 
 #: steps that make sense for something that bounces [s]
@@ -33,7 +33,7 @@ def speeds_m_s(speed: str | float | Sequence[float]) -> tuple[float, float]:
 
 
 def _unit_of(text: str | float) -> str:
-    return "" if not isinstance(text, str) else text.strip().lstrip("+-0123456789.eE").strip()
+    return "" if not isinstance(text, str) else text.strip().lstrip("+-0123456789.,eE").strip()
 
 
 def _with_unit(text: str | float, unit: str) -> str | float:
@@ -49,8 +49,9 @@ def step_s(step: str | float) -> float:
     """
     found = one_step_s(step)
     if not MIN_STEP_S <= found <= MAX_STEP_S:
-        wanted = f"expected {MIN_STEP_S:g} s to {MAX_STEP_S:g} s, such as 2ms"
-        raise InputError("--step", [f"{step} is {found:g} s; {wanted}"])
+        wrong = f"too {'short' if found < MIN_STEP_S else 'long'} for an impact"
+        use = step_wanted(found, MIN_STEP_S, MAX_STEP_S, "1ms")
+        raise InputError("--step", [f"{step_found(step, found)} is {wrong}; {use}"])
     return found
 
 
@@ -74,8 +75,9 @@ def between(value: str | float, unit: str, where: str, limits: tuple[float, floa
     """
     found = above_0(value, unit, where)
     if not limits[0] <= found <= limits[1]:
-        low, high = (f"{limit:g} {unit}" for limit in limits)
-        raise InputError(where, [f"{value}: expected {low} to {high}"])
+        meant = notation.meant(found, unit, *limits)
+        hint = f"; did you mean {meant}?" if meant else ""
+        raise InputError(where, [f"{value}: expected {notation.span(*limits, unit)}{hint}"])
     return found
 
 

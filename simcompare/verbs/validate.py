@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from simcompare import units
 from simcompare.comparison.comparison import INFO, Score
+from simcompare.comparison.repeats import one_step_s
 from simcompare.engine import engines
 from simcompare.errors import UnknownName
 from simcompare.inference import plan as plans
@@ -16,7 +16,7 @@ from simcompare.inference.evaluated import Evaluated, evaluate
 from simcompare.inference.reference_model import model_of
 from simcompare.inference.segment_reader import segments_of
 from simcompare.inference.segments import as_trajectory
-from simcompare.inference.simulated import BEST, NOMINAL, Engine, simulate
+from simcompare.inference.simulated import BEST, NOMINAL, Engine, check_step, simulate
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS
 from simcompare.model.trajectory import TRUTH, Trajectory
 from simcompare.reports.validation import answer
@@ -80,11 +80,12 @@ def validate(
     plan = plans.choose(source.plans, file.name)
     plan = plans.checked(plan, file.resolve(), source.name)
     overrides = file.read_settings(set or {})
-    step_s = None if step is None else units.to_si(step, "s", "--step")
+    step_s = None if step is None else one_step_s(step)
     if out is not None:
         store.check_writable(Path(out))
     model = model_of(file)
     segments = segments_of(file, plan, source.recording, streams or plan.streams, overrides)
+    check_step(model, segments, step, step_s)
     fit = calibrated(model, plan, source, overrides, mapping)
     evaluated = [evaluate(model, plan, segment, fit, step_s) for segment in segments]
     simulated = simulate(
