@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from simcompare.errors import InputError, UnknownName
+from simcompare.errors import InputError, unknown_or_missing
 
 if TYPE_CHECKING:
     from simcompare.model.signals import Signal
@@ -95,9 +95,7 @@ def find(name: str) -> Path:
                 str(path), [f"a scenario folder holds {inside.name}, this one does not"]
             )
         return inside
-    if path.suffix or len(path.parts) > 1:
-        raise InputError(name, ["there is no such file or folder"])
-    raise UnknownName("scenario", name, known)
+    raise unknown_or_missing("scenario", name, known)
 
 
 def load(name: str) -> ScenarioFile:

@@ -8,9 +8,14 @@ from __future__ import annotations
 
 import difflib
 import os
+import re
 import shlex
 import sys
 from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+#: how names of files end, and no name of ours
+_ENDING = re.compile(r"\.[A-Za-z]\w{0,7}$")
 
 
 class SimcompareError(Exception):
@@ -72,6 +77,55 @@ class UnknownName(SimcompareError):
             return
         hint = f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(self.known)}"
         super().__init__(f"no {kind} is called {name!r}; {hint}")
+
+
+class NoSuchFile(InputError):
+    """A path leads to nothing; names what is nearly called so in its folder.
+
+    Args:
+        path: as it was given.
+        expected: what it should lead to, such as "a fit.json of simcompare fit".
+    """
+
+    def __init__(self, path: str | Path, expected: str = "") -> None:
+        folder = Path(path).parent
+        if not folder.is_dir():
+            fault = f"there is no folder {folder}"
+        else:
+            near = _near_files(Path(path))
+            fault = "there is no such file or folder"
+            fault += f"; did you mean {' or '.join(near)}?" if near else ""
+        super().__init__(str(path), [fault + (f"; expected {expected}" if expected else "")])
+
+
+def unknown_or_missing(kind: str, name: str, known: Iterable[str]) -> SimcompareError:
+    """The error for what is neither a known name nor a file, whichever of both was meant."""
+    if _is_path(name) and not _exists(Path(name)):
+        return NoSuchFile(name)
+    return UnknownName(kind, name, known)
+
+
+def _is_path(name: str) -> bool:
+    """Whether a text can only mean a file: a slash, a dot before it, or the end of a file."""
+    return os.sep in name or name.startswith((".", "~")) or bool(_ENDING.search(name))
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError:  # a name too long for the file system
+        return False
+
+
+def _near_files(path: Path) -> list[str]:
+    """What lies beside a path and is nearly called so, as it can be typed."""
+    try:
+        names = sorted(entry.name for entry in os.scandir(path.parent))
+    except OSError:
+        return []
+    plain = {name.lower(): name for name in names if not name.startswith(".")}
+    near = difflib.get_close_matches(path.name.lower(), plain, n=3, cutoff=0.6)
+    return [str(path.with_name(plain[name])) for name in near]
 
 
 class UnknownVariant(UnknownName):

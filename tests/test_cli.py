@@ -108,7 +108,7 @@ def test_what_an_engine_does_by_default_is_not_judged(call, fall, add_engine):
         (["run", "ball", "--engine", "pymunk", "--out", "file/runs"], "choose another folder"),
         (["show", "bal"], "did you mean ball?"),
         (["show", "broken.yaml"], "broken.yaml: line 1, column"),
-        (["report", "nowhere"], "nowhere: is not a stored run"),
+        (["report", "nowhere"], "nowhere: there is no such file or folder"),
         (["frobnicate"], "frobnicate"),
     ],
     ids=lambda value: " ".join(value[1:] or value) if isinstance(value, list) else "",

@@ -18,7 +18,7 @@ import zipfile
 from pathlib import Path
 from typing import Protocol, cast
 
-from simcompare.errors import EngineMissing, InputError, SimcompareError, UnknownName
+from simcompare.errors import EngineMissing, InputError, NoSuchFile, SimcompareError, UnknownName
 from simcompare.hardware.logs import foreign
 from simcompare.hardware.mapping import Mapping
 from simcompare.hardware.raw import Head, RawLog
@@ -83,6 +83,8 @@ def head_of(path: Path) -> Head:
             return Head(path, b"", tuple(inside[:1000]))
         with path.open("rb") as file:
             start = file.read(HEAD_BYTES)
+    except FileNotFoundError:
+        raise NoSuchFile(path) from None
     except OSError as error:
         raise InputError(str(path), [f"cannot be read: {error.strerror or error}"]) from None
     if not start:

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from simcompare import units
-from simcompare.errors import InputError, UnknownName
+from simcompare.errors import InputError, UnknownName, unknown_or_missing
 from simcompare.hardware.logs.text.sniff import split
 from simcompare.hardware.recordings import published
 
@@ -93,7 +93,7 @@ def find(name: str) -> Path:
     known = published.tables()
     if name in known:
         return known[name]
-    raise UnknownName("file or published table", name, known)
+    raise unknown_or_missing("file or published table", name, known)
 
 
 def read(path: Path, known: Mapping[str, str]) -> BounceTable:

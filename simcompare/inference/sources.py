@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from simcompare.errors import UnknownName
+from simcompare.errors import unknown_or_missing
 from simcompare.hardware import importing
 from simcompare.hardware import mapping as mappings
 from simcompare.hardware.recordings import registry
@@ -43,7 +43,7 @@ def find(name: str, *, mapping: str | Path | None = None, strict: bool = False) 
 
     Raises:
         UnknownName: nothing of that name exists.
-        InputError: what is wrong with the files.
+        InputError: there is no such file, or what is wrong with the files.
     """
     reading = None if mapping is None else mappings.read(Path(mapping))
     plans = Entries((), name)
@@ -53,9 +53,8 @@ def find(name: str, *, mapping: str | Path | None = None, strict: bool = False) 
     if name in registry.files() and not recording_store.is_recording(path):
         return _public(name, reading, plans, strict)
     if not _exists(path):
-        raise UnknownName(
-            "recording (public data set, stored recording, or log)", name, registry.files()
-        )
+        kind = "recording (public data set, stored recording, or log)"
+        raise unknown_or_missing(kind, name, registry.files())
     if recording_store.is_recording(path):
         recording = recording_store.load(path)
     else:

@@ -10,7 +10,7 @@ from typing import Any
 import yaml
 from pydantic import ValidationError
 
-from simcompare.errors import InputError
+from simcompare.errors import InputError, NoSuchFile
 from simcompare.model.plain import Plain
 
 #: parts that aliases may stand for, beside those that are written out
@@ -25,6 +25,8 @@ def read_yaml(path: Path) -> tuple[Any, dict[str, int], dict[str, str]]:
     """
     try:
         text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise NoSuchFile(path) from None
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(str(path), [f"cannot be read: {error}"]) from None
     lines: dict[str, int] = {}

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from simcompare.engine.assist import ALL, chosen
 from simcompare.engine.calibration.plan import drop_plans
 from simcompare.engine.helps import HELPS
-from simcompare.errors import InputError, UnknownName
+from simcompare.errors import InputError, NoSuchFile, UnknownName
 from simcompare.model.audit import AuditRow
 from simcompare.model.fittable import BOUNCES, TOSSES
 from simcompare.model.plain import faults, of_plain
@@ -219,10 +219,10 @@ def _known(values: Mapping[str, float], file: ScenarioFile) -> dict[str, float]:
 
 def _damaged(path: Path, error: Exception) -> InputError:
     """What is said of a file that is no fit, or was changed by hand."""
-    if isinstance(error, FileNotFoundError | IsADirectoryError):
-        return InputError(
-            str(path), ["there is no such file; expected a fit.json of simcompare fit"]
-        )
+    if isinstance(error, FileNotFoundError):
+        return NoSuchFile(path, f"a {FILE} of simcompare fit")
+    if isinstance(error, IsADirectoryError):
+        return InputError(str(path), [f"is a folder without {FILE}; expected that of a fit"])
     said = "; ".join(faults(error)) if isinstance(error, ValidationError) else str(error)
     return InputError(
         str(path),
@@ -249,6 +249,7 @@ def read(path: Path) -> FitFile:
     """
     try:
         tree = json.loads(path.read_text(encoding="utf-8"))
+        _refuse_record(path, tree)
         if tree.get("by", BOUNCES) not in (BOUNCES, TOSSES):
             raise InputError(
                 str(path), ["is a fit of signals over time; give its parameters with --set"]
@@ -267,6 +268,16 @@ def read(path: Path) -> FitFile:
         fit.run_with.numbers, fit.contact, fit.assist, fit.valid.speed_m_s, fit.valid.step_s,
         fit.valid.engine_step_s or fit.valid.step_s, _first_height(fit.closed_form), fit.sources,
     )  # fmt: skip
+
+
+def _refuse_record(path: Path, tree: Mapping[str, object]) -> None:
+    """Says of a run.json that it is one, and where the fit is."""
+    kind = tree.get("kind")
+    if kind == "fit":
+        raise InputError(str(path), [f"is the record of a fit; give {path.with_name(FILE)}"])
+    if kind is not None:
+        wrong = f"is the record of a {kind}, in which nothing was fitted"
+        raise InputError(str(path), [f"{wrong}; give the {FILE} of simcompare fit"])
 
 
 def _check_plausible(run_with: RunWith) -> None:

@@ -18,7 +18,7 @@ from typing import TypeVar
 import numpy as np
 
 from simcompare.comparison.comparison import Score
-from simcompare.errors import InputError, OutputError
+from simcompare.errors import InputError, NoSuchFile, OutputError
 from simcompare.model import parquet, plain
 from simcompare.model.settings import OLD_LEVELS
 from simcompare.model.trajectory import Array, Trajectory
@@ -28,6 +28,8 @@ from simcompare.results.run import Run, Stored
 AnyRun = TypeVar("AnyRun", bound=Run)
 
 RECORD, TRAJECTORIES, SCORES = "run.json", "trajectories.parquet", "scores.csv"
+#: stored runs that are named where one must be chosen
+_LISTED = 5
 #: columns that say whose sample a row is
 _INDEX = ("source", "contact", "repeat", "parameters", "segment")
 #: those that version 0.1 did not have
@@ -108,11 +110,23 @@ def load(place: str | Path) -> Run:
     place = named.parent if named.name == RECORD else named
     path = place / RECORD
     if not path.is_file():
-        raise InputError(str(place), [f"is not a stored run: it holds no {RECORD}"])
+        raise _no_run(place)
     from simcompare.results.records import stored  # fits and validations are read nowhere else
 
     record = stored.read(path)
     return Run(record, tuple(_read_trajectories(place / TRAJECTORIES, record)), place)
+
+
+def _no_run(place: Path) -> InputError:
+    """What is wrong with a place that holds no run, and the runs that lie in it."""
+    if not place.exists():
+        return NoSuchFile(place, "the folder of a stored run")
+    inside = sorted(path.parent for path in place.glob(f"*/{RECORD}"))
+    fault = f"is not a stored run: it holds no {RECORD}"
+    if inside:
+        listed = "".join(f"\n  {path}" for path in inside[: -1 - _LISTED : -1])
+        fault = f"holds {len(inside)} stored runs; name one of them, such as the newest:{listed}"
+    return InputError(str(place), [fault])
 
 
 def _reserve(folder: Path, created: str, name: str) -> tuple[Path, Path]:

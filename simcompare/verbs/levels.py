@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from simcompare.engine import engines
 from simcompare.engine.assist import chosen
 from simcompare.engine.helps import HELPS, known
-from simcompare.errors import InputError, UnknownName
+from simcompare.errors import InputError, UnknownName, unknown_or_missing
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, OLD_LEVELS, TUNED
 
 if TYPE_CHECKING:
@@ -39,8 +40,10 @@ def chosen_levels(contact: str | Sequence[str]) -> tuple[list[str], FitFile | No
             modes.append(fit_file.FITTED)
         elif mode in CONTACT_LEVELS:
             modes.append(mode)
+        elif Path(mode).is_dir():
+            raise InputError("--contact", [f"{mode} is a folder without {fit_file.FILE}"])
         else:
-            raise UnknownName("contact level or fit", mode, CONTACT_LEVELS)
+            raise unknown_or_missing("contact level or fit", mode, CONTACT_LEVELS)
     return list(dict.fromkeys(modes)), fit
 
 
