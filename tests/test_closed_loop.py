@@ -1,6 +1,7 @@
 """A controller in the loop: what it reads, what it sets, and what it must not return."""
 
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -108,6 +109,46 @@ def test_both_faults_of_one_step_are_told():
 def test_an_input_that_does_not_exist_is_named_with_the_nearest():
     with pytest.raises(UnknownName, match="did you mean left_drive"):
         simcompare.control("robot", lambda t, r: {"left_drve": 0.0}, engine=SPATIAL[0])
+
+
+@pytest.mark.parametrize("asked", ["chassis.velocity", "chassis.velocty_m_s"])
+def test_a_reading_that_there_is_not_is_answered_with_the_nearest(asked):
+    with pytest.raises(KeyError, match="no reading is called") as caught:
+        simcompare.control("robot", lambda t, r: r[asked], engine=SPATIAL[0])
+    assert isinstance(caught.value, UnknownName)
+    assert f"{asked!r}; the nearest first: chassis.velocity_m_s, " in str(caught.value)
+    assert "left_motor.torque_N_m" in str(caught.value)  # all others too
+    assert pickle.loads(pickle.dumps(caught.value)).args == caught.value.args
+
+
+def test_a_controller_may_ask_whether_there_is_a_reading():
+    def look(time_s, readings):
+        assert "chassis.velocity" not in readings
+        assert readings.get("chassis.velocity") is None
+        return {}
+
+    simcompare.control("robot", look, engine=SPATIAL[0])
+
+
+class Overheated(Exception):
+    pass
+
+
+def test_what_a_controller_raises_goes_on_as_it_is_with_engine_and_time():
+    def breaks(time_s, readings):
+        if time_s > 0.0495:
+            raise Overheated("too hot")
+        return {}
+
+    with pytest.raises(Overheated, match="too hot") as caught:
+        simcompare.control("robot", breaks, engine=SPATIAL[0])
+    assert caught.value.args == ("too hot",)
+    assert caught.value.__notes__ == [f"the controller ran on {SPATIAL[0]} at t = 0.05 s"]
+
+
+def test_what_is_no_function_is_no_controller():
+    with pytest.raises(InputError, match="5 is no function; expected one such as controller"):
+        simcompare.control("robot", 5, engine=SPATIAL[0])
 
 
 def test_a_controller_of_a_scene_without_inputs_may_only_look():

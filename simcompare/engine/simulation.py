@@ -14,14 +14,13 @@ import numpy as np
 from simcompare.engine.drives import checked_inputs, input_values
 from simcompare.engine.helped import HelpedSimulation
 from simcompare.engine.helps import HELPS
+from simcompare.engine.readings import Readings
 from simcompare.engine.sensing import complete
 from simcompare.engine.short_turns import note_of_turns, refuse_slowed
 from simcompare.errors import InputError
 from simcompare.model.scenario import SENSOR_SIGNALS, Scenario
 from simcompare.model.trajectory import Array, Trajectory
 
-#: what a controller reads: every signal now, a number or a tuple of its components
-Readings = Mapping[str, float | tuple[float, ...]]
 #: called as controller(time_s, readings) before each recorded step; returns inputs by name
 Controller = Callable[[float, Readings], Mapping[str, float]]
 
@@ -62,10 +61,10 @@ class Simulation(HelpedSimulation):
             for name, values in input_values(self.scenario, times).items()
         }  # fmt: skip
         signals = self.signals(rows, times, inputs, lagging=False)
-        return {
-            name: float(values[-1]) if values.ndim == 1 else tuple(values[-1].tolist())
+        return Readings(
+            (name, float(values[-1]) if values.ndim == 1 else tuple(values[-1].tolist()))
             for name, values in signals.items()
-        }
+        )
 
     def _take_step(self, inputs: dict[str, float] | None) -> Sequence[float]:
         """One recorded step and its row."""
@@ -170,17 +169,25 @@ class Simulation(HelpedSimulation):
         """Steps with a controller in the loop; writes what it gave into the recorded inputs."""
         rows = []
         for k in range(count):
+            given = self._asked(controller)
+            for name, value in (given or {}).items():
+                inputs[name][k:] = value
+            rows.append(self._take_step(given))
+        return rows
+
+    def _asked(self, controller: Controller) -> dict[str, float] | None:
+        """What a controller gives now; what it raises goes on as it is, with engine and time."""
+        try:
             answer = controller(self.time_s, self.read())
             if answer is None:
                 raise InputError(
                     f"inputs at t = {self.time_s:g} s",
                     ["the controller returned nothing; expected a mapping of input -> number"],
                 )
-            given = checked_inputs(self.scenario, self.time_s, answer)
-            for name, value in (given or {}).items():
-                inputs[name][k:] = value
-            rows.append(self._take_step(given))
-        return rows
+            return checked_inputs(self.scenario, self.time_s, answer)
+        except Exception as error:
+            error.add_note(f"the controller ran on {self.scene.engine} at t = {self.time_s:g} s")
+            raise
 
     def signals(
         self, rows: Array, time_s: Array, inputs: Mapping[str, Array], *, lagging: bool = True

@@ -8,6 +8,7 @@ from dataclasses import replace
 from simcompare.comparison.repeats import check_sample_step, one_step_s
 from simcompare.engine import engines
 from simcompare.engine.simulation import Controller
+from simcompare.errors import InputError
 from simcompare.model.settings import ASSISTED, Settings
 from simcompare.model.trajectory import Trajectory
 from simcompare.scenarios import catalogue
@@ -43,9 +44,16 @@ def control(
 
     Raises:
         InputError: the controller returned something else than finite numbers by name.
+        NoSuchReading: it asked for a reading that there is not; also a KeyError.
         UnknownName: it set an input that the scenario does not have.
         Unsupported: the engine lacks what the scenario needs.
+        Exception: whatever the controller raises, with a note of the engine and the time.
     """
+    if not callable(controller):
+        raise InputError(
+            "controller",
+            [f"{controller!r} is no function; expected one such as controller(time_s, readings)"],
+        )
     file = catalogue.load(scenario)
     values = file.read_settings(set or {})
     step_s = None if step is None else one_step_s(step)
