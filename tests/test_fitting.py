@@ -113,8 +113,8 @@ def test_the_command_prints_json_with_the_names_of_the_contract(call, tmp_path):
         (["--assist", "magic"], "no help is called 'magic'"),
         (["--assist", "all,none"], "stands alone"),
         (["--step", "0"], "is not a time above 0"),
-        (["--step", "1ns"], "samples in"),
-        (["--step", "3s"], "samples in"),
+        (["--step", "1ns"], "is too short for 4.105 s"),
+        (["--step", "3s"], "is too long for 4.105 s; use 420 ns to 41 ms, such as 3ms"),
     ],
 )
 def test_bad_requests_are_one_clear_sentence(call, tmp_path, words, message):

@@ -263,7 +263,10 @@ def test_velocities_are_labelled_where_they_are_not_the_samples_own(engine):
     [
         (["--judge", "tuned", "--contact", "default"], "tuned is not among the levels that run"),
         (["--assist", "landing", "--contact", "tuned"], "is for the level assisted"),
-        (["--contact", "a.json,b.json"], "a.json: there is no such file; expected a fit.json"),
+        (
+            ["--contact", "a.json,b.json"],
+            "a.json: there is no such file or folder; expected a fit",
+        ),
     ],
 )
 def test_options_that_would_do_nothing_are_refused(call, words, told):

@@ -395,7 +395,7 @@ def test_damaged_trajectories_are_told(tmp_path, damage):
 def test_a_folder_without_a_run_is_told(tmp_path):
     with pytest.raises(InputError, match="not a stored run"):
         store.load(tmp_path)
-    with pytest.raises(InputError, match="not a stored run"):
+    with pytest.raises(InputError, match="no such file or folder; expected the folder of a stored"):
         store.load(tmp_path / "nope")
 
 

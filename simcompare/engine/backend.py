@@ -100,6 +100,12 @@ class EngineBackend(ABC):
     variants: Mapping[str, Variant] = MappingProxyType({})
     variant: str = ""
 
+    @property
+    def also_needed(self) -> tuple[str, ...]:
+        """What a backend on the kit has beside what every backend has."""
+        makes_its_own = type(self).make is not EngineBackend.make
+        return ("library",) if makes_its_own else ("simulation", "library")
+
     def with_variant(self, variant: str) -> Self:
         """The same engine in one of its variants.
 

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 ENTRY_POINT_GROUP = "simcompare.backends"
 #: what stands between the name of an engine and that of its variant
 VARIANT = ":"
+#: what every backend has: values, and functions
+_VALUES = ("name", "features", "known_limits", "mapping")
+_FUNCTIONS = ("version", "open", "simulate")
 _FOLDER = Path(__file__).parents[1] / "backends"
 
 
@@ -73,7 +76,7 @@ def get(name: str) -> Backend:
     Raises:
         UnknownName: no such engine; names the nearest, or tells why it cannot run here. Or the
             engine has no such variant; names those that it has.
-        EngineBroken: the backend's own code cannot be imported.
+        EngineBroken: the backend's own code cannot be imported, or lacks what a backend has.
     """
     engine, variant = split(name)
     backend = _backend(engine)
@@ -100,7 +103,22 @@ def _backend(name: str) -> Backend:
             f"the backend of {name} ({known[name]}) cannot be loaded:"
             f" {type(error).__name__}: {error}"
         ) from error
+    lacking = _lacking(backend)
+    if lacking:
+        raise EngineBroken(
+            f"the backend of {name} ({known[name]}) lacks {', '.join(lacking)}; simcompare.kit and"
+            " CONTRIBUTING.md show what a backend has"
+        )
     return backend
+
+
+def _lacking(backend: object) -> list[str]:
+    """What a backend has not, functions with brackets; all of it where it is nothing at all."""
+    values = (*_VALUES, *getattr(backend, "also_needed", ()))
+    return [
+        *(name for name in values if getattr(backend, name, None) is None),
+        *(f"{name}()" for name in _FUNCTIONS if not callable(getattr(backend, name, None))),
+    ]
 
 
 def select(text: str) -> list[str]:
