@@ -15,7 +15,7 @@ from simcompare.errors import InputError, UnknownName
 from simcompare.reports.compare import tables, words
 from simcompare.reports.compare.compared import compared
 from simcompare.reports.compare.figure import figure
-from simcompare.reports.render.tables import lines
+from simcompare.reports.render.text_tables import lines
 from tests.records import changed
 
 TITLE = "Restitution, mean over all events of a repeat and 3 repeats"

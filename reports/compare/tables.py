@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 from simcompare.comparison.comparison import FAIL, PASS
 from simcompare.notation import capital
 from simcompare.reports.compare.compared import Compared
-from simcompare.reports.render.tables import Column, Group, Table, lines
+from simcompare.reports.render.tables import Column, Group, Table
+from simcompare.reports.render.text_tables import lines
 from simcompare.reports.run import lead_table, runs
 from simcompare.reports.run.lead import Lead
 

@@ -54,7 +54,7 @@ def _tables(run: Run, measure: str) -> list[Table]:
 
 
 def _unit(run: Run, measure: str) -> str:
-    return next(score.unit for score in run.scores if score.measure == measure)
+    return next(score.unit for score in run.record.scores if score.measure == measure)
 
 
 def _table(run: Run, title: str, scores: Mapping[tuple[str, str], Sequence[Score]]) -> Table:
