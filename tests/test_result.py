@@ -180,3 +180,49 @@ def test_show_shows_the_parameters_and_which_engines_can():
     assert "drop_height_m = 1 m" in repr(facts)
     assert "pymunk" in facts._repr_html_()
     assert len(facts._repr_html_().encode()) < MOST_BYTES
+
+
+@pytest.fixture(scope="module")
+def tuned():
+    return simcompare.tune(restitution=0.8, engine="pymunk", speed="1..4")
+
+
+def test_answers_of_tune_are_a_table_and_a_figure(tuned):
+    assert [*tuned.table().index] == ["pymunk"]
+    assert tuned.table().loc["pymunk", "type in"].startswith("elasticity")
+    assert "holds in pymunk." in repr(tuned)
+    assert "<img" in tuned._repr_html_()
+    assert isinstance(tuned.plot(), Figure)
+
+
+def test_answers_of_tune_at_one_speed_are_no_figure():
+    tuned = simcompare.tune(restitution=0.8, engine="pymunk", speed="2")
+    assert "<img" not in tuned._repr_html_()
+    with pytest.raises(InputError, match=r'speed="0.5..4"'):
+        tuned.plot()
+
+
+def test_answers_of_tune_say_why_there_is_none(tuned):
+    failed = replace(tuned[0], statement=None, status="failed", reason="it fell apart")
+    table = type(tuned)([failed]).table()
+    assert table.loc["pymunk", "what to know"] == "it fell apart"
+
+
+def test_a_characterization_shows_its_first_experiment():
+    found = simcompare.characterize("friction", engine="pymunk", contact="tuned")
+    assert found.table().equals(found.table("friction"))
+    assert found._repr_html_().count("<img") == 1
+    assert isinstance(found.plot(), Figure)
+    with pytest.raises(UnknownName, match="experiment that was done"):
+        found.table("bounce")
+
+
+def test_a_controlled_trajectory_shows_its_probes():
+    found = simcompare.control("pendulum_torque", lambda time_s, readings: {}, engine="pymunk")
+    assert found.table().loc["angle_rad", "start"] == "0"
+    assert [*found.samples()][:2] == ["time_s", "angle_rad"]
+    assert "controlled in pymunk" in found._repr_html_()
+    assert isinstance(found.plot("hinge.rate_rad_s"), Figure)
+    with pytest.raises(UnknownName, match="did you mean angle_rad"):
+        found.plot("angel_rad")
+    assert len(repr(found)) < 300

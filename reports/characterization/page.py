@@ -45,7 +45,7 @@ def write_html(result: Characterization, path: Path) -> Path:
     Raises:
         OutputError: it cannot be written, or plotly's script is not installed.
     """
-    return output.write(Path(path), builder.html_of([_block(result)]).encode("utf-8"))
+    return output.write(Path(path), builder.html_of([block_of(result)]).encode("utf-8"))
 
 
 def write_figures(result: Characterization, folder: Path, format: str) -> list[Path]:
@@ -60,10 +60,11 @@ def write_figures(result: Characterization, folder: Path, format: str) -> list[P
         UnknownName: another format.
         OutputError: a file cannot be written.
     """
-    return builder.write_figures_of([_block(result)], folder, format)
+    return builder.write_figures_of([block_of(result)], folder, format)
 
 
-def _block(result: Characterization) -> Block:
+def block_of(result: Characterization) -> Block:
+    """What the page shows."""
     figures = {name: _FIGURES[name](result) for name in result.experiments}
     first = next(filter(None, figures.values()), [])
     lead = [figure for figure in first if figure.title.startswith(first[0].title)]

@@ -17,7 +17,7 @@ from simcompare.running.jobs import OK
 from simcompare.tuning.bench import STATED
 from simcompare.tuning.request import Request
 from simcompare.tuning.statement import Range, Statement
-from simcompare.verbs.tune import TuneResult
+from simcompare.verbs.tuning import TuneResult
 
 _LEGEND = (
     "restitution: lowest and highest mean over where in a step the impact falls; ± the largest"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +11,6 @@ from numpy.typing import NDArray
 from simcompare.errors import SimulationDiverged
 from simcompare.model.audit import AuditRow
 from simcompare.model.tuning import TuningRow
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 Array = NDArray[np.float64]
 
@@ -39,7 +35,7 @@ def _read_only(values: Array) -> Array:
     return view
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Trajectory:
     """Signals over time from one source.
 
@@ -94,6 +90,11 @@ class Trajectory:
         object.__setattr__(self, "signals", views)
         object.__setattr__(self, "time_s", _read_only(times))
 
+    def __repr__(self) -> str:
+        whose = " ".join(filter(None, (self.source, self.contact)))
+        until = f"{len(self.time_s)} samples to {self.time_s[-1]:g} s"
+        return f"Trajectory of {whose}: {until}; {', '.join(self.signals)}"
+
     def to_columns(self) -> dict[str, Array]:
         """One flat column per component: ``ball.position_m.z`` and so on, time first."""
         columns = {"time_s": self.time_s}
@@ -104,9 +105,3 @@ class Trajectory:
             for i, component in enumerate(_COMPONENTS[values.shape[1]]):
                 columns[f"{name}.{component}"] = values[:, i]
         return columns
-
-    def to_frame(self) -> pd.DataFrame:
-        """The trajectory as a tidy pandas table, one column per component."""
-        import pandas as pd
-
-        return pd.DataFrame(self.to_columns())

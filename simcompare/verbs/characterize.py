@@ -21,10 +21,11 @@ from simcompare.model import plain
 from simcompare.model.settings import CONTACT_LEVELS, OLD_LEVELS
 from simcompare.reports.characterization import findings
 from simcompare.results import store
-from simcompare.results.records.characterization import Characterization, Trial
+from simcompare.results.records.characterization import Trial
 from simcompare.results.run_record import software
 from simcompare.running.jobs import MISSING, Inquiry, Reply
 from simcompare.running.runner import TIME_LIMIT_S, Progress, check_time_limit, run_jobs
+from simcompare.verbs.characterized import Characterized
 
 #: experiment -> the question that is asked at a contact level and a step
 EXPERIMENTS: Mapping[str, Callable[[str, float], Experiment[Any]]] = {
@@ -47,7 +48,7 @@ def characterize(
     out: str | Path | None = None,
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
-) -> Characterization:
+) -> Characterized:
     """Shows how engines behave in small experiments with a known answer.
 
     Bounces of a sphere, friction of a block, a hinge with damper and spring, and the forces that an
@@ -87,7 +88,7 @@ def characterize(
     replies = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
     _refuse_nothing(replies)
     answers = tuple(map(_trial, replies))
-    result = Characterization(
+    result = Characterized(
         created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         step_s=step_s, experiments=tuple(names), contact=tuple(levels), engines_asked=engine,
         sentences=tuple(findings.sentences(answers, step_s)), answers=answers, software=software(),
@@ -135,7 +136,7 @@ def _trial(reply: Reply[Behaviour]) -> Trial:
     )
 
 
-def _saved(result: Characterization, folder: Path) -> Characterization:
+def _saved(result: Characterized, folder: Path) -> Characterized:
     with store.new_folder(folder, result.created, "characterization", "results") as (
         place,
         partial,

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from simcompare.comparison.repeats import check_sample_step, one_step_s
 from simcompare.engine import engines
 from simcompare.engine.simulation import Controller
 from simcompare.errors import InputError
 from simcompare.model.settings import ASSISTED, Settings
-from simcompare.model.trajectory import Trajectory
 from simcompare.scenarios import catalogue
+from simcompare.verbs.controlled import Controlled
 
 
 def control(
@@ -23,7 +22,7 @@ def control(
     set: Mapping[str, str | float] | None = None,
     preset: str | None = None,
     step: str | float | None = None,
-) -> Trajectory:
+) -> Controlled:
     """Runs a scenario on one engine with a controller in the loop.
 
     Args:
@@ -66,4 +65,5 @@ def control(
         found = simulation.run(engine, backend.version(), controller)
     finally:
         simulation.close()
-    return replace(found, contact=contact)
+    held = {**vars(found), "contact": contact}
+    return Controlled(**held, title=scene.title, probes=scene.probes)

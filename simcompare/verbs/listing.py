@@ -4,21 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from simcompare.engine import elsewhere, engines
 from simcompare.hardware.recordings import published
-from simcompare.reports.render import frames, glance
+from simcompare.reports.render.glance import Glance
+from simcompare.reports.render.shown import Shown
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.scenarios import catalogue
 
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 @dataclass(frozen=True, repr=False)
-class Listing:
-    """What there is.
+class Listing(Shown):
+    """What there is; ``table()`` has a row for each scenario.
 
     Attributes:
         scenarios: name -> title and question.
@@ -34,24 +31,16 @@ class Listing:
     engines_elsewhere: tuple[str, ...]
     measurements: tuple[str, ...]
 
-    def table(self) -> pd.DataFrame:
-        """Scenarios, a row each."""
-        return frames.frame(self._table())
-
     def __repr__(self) -> str:
         width = max(map(len, self.scenarios), default=0)
         rows = [f"{name:<{width}}  {text}" for name, text in self.scenarios.items()]
         return "\n".join(["Scenarios:", *(f"  {row}" for row in rows), *self._others()])
 
-    def _repr_html_(self) -> str:
-        more = "More: simcompare.show(NAME), simcompare.run(NAME)"
-        return glance.html(
-            glance.Glance("What there is", table=self._table(), notes=self._others(), more=more)
-        )
-
-    def _table(self) -> Table:
+    def _glance(self) -> Glance:
         columns = (Column("scenario", text=True), Column("what it asks", text=True))
-        return Table("", columns, (Group("", tuple(self.scenarios.items())),))
+        scenarios = Table("", columns, (Group("", tuple(self.scenarios.items())),))
+        more = "More: simcompare.show(NAME), simcompare.run(NAME)"
+        return Glance("What there is", table=scenarios, notes=self._others(), more=more)
 
     def _others(self) -> tuple[str, ...]:
         variants = [f"{engine}:{one}" for engine, many in self.variants.items() for one in many]

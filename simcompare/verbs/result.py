@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from simcompare.reports import glances
-from simcompare.reports.render import frames, glance, matplotlib_
+from simcompare.reports.render import frames, matplotlib_
+from simcompare.reports.render.glance import Glance
+from simcompare.reports.render.shown import Shown
 from simcompare.results import frames as run_frames
 from simcompare.results.run import Run
 from simcompare.verbs import report
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Result(Run):
+class Result(Shown, Run):
     """What a run, a fit or a validation found.
 
     A notebook shows the answer, one table and one figure. Besides::
@@ -88,8 +90,5 @@ class Result(Run):
         """Writes the report and returns its file; see :func:`simcompare.report`."""
         return report.report(self, format=format, out=out, open=open)
 
-    def __repr__(self) -> str:
-        return glance.text(glances.glance_of(self))
-
-    def _repr_html_(self) -> str:
-        return glance.html(glances.glance_of(self))
+    def _glance(self) -> Glance:
+        return glances.glance_of(self)

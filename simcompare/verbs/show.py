@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from simcompare import units
 from simcompare.engine import engines
 from simcompare.engine.features import Feature, needs
 from simcompare.errors import SimcompareError
 from simcompare.model.scenario import Joint, Sensor, Tolerance, World
-from simcompare.reports.render import frames, glance
+from simcompare.reports.render import numbers
+from simcompare.reports.render.glance import Glance
+from simcompare.reports.render.shown import Shown
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import Preset
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 _HEADS = ("value", "unit", "from", "to", "what it is")
 
@@ -34,8 +32,8 @@ class ParameterFacts:
 
 
 @dataclass(frozen=True, repr=False)
-class ScenarioFacts:
-    """What there is to know of a scenario.
+class ScenarioFacts(Shown):
+    """What there is to know of a scenario; ``table()`` has a row for each parameter.
 
     Attributes:
         name: of the scenario.
@@ -75,22 +73,15 @@ class ScenarioFacts:
     truth: str
     tolerances: Mapping[str, Tolerance]
 
-    def table(self) -> pd.DataFrame:
-        """Parameters, a row each."""
-        return frames.frame(self._table())
-
     def __repr__(self) -> str:
-        rows = (f"  {name} = {p.value:.6g} {_unit(p)}" for name, p in self.parameters.items())
-        return "\n".join([glance.text(self._glance()), *map(str.rstrip, rows)])
+        rows = (f"  {name} = {_number(p.value)} {_unit(p)}" for name, p in self.parameters.items())
+        return "\n".join([super().__repr__(), *map(str.rstrip, rows)])
 
-    def _repr_html_(self) -> str:
-        return glance.html(self._glance())
-
-    def _glance(self) -> glance.Glance:
+    def _glance(self) -> Glance:
         able = [name for name, lacking in self.engines.items() if not lacking]
         notes = [f"preset={name!r}: {preset.text}" for name, preset in self.presets.items()]
         notes.append(f"Engines that can run it: {', '.join(able) or 'none'}")
-        return glance.Glance(
+        return Glance(
             title=f"{self.title} ({self.name})",
             question=self.question,
             table=self._table(),
@@ -100,7 +91,7 @@ class ScenarioFacts:
 
     def _table(self) -> Table:
         rows = tuple(
-            (name, f"{p.value:.6g}", _unit(p), f"{p.min:.6g}", f"{p.max:.6g}", p.text)
+            (name, _number(p.value), _unit(p), _number(p.min), _number(p.max), p.text)
             for name, p in self.parameters.items()
         )
         columns = [Column(head, text=head in ("unit", _HEADS[-1])) for head in _HEADS]
@@ -159,9 +150,13 @@ def show(scenario: str) -> ScenarioFacts:
     )
 
 
+def _number(value: float) -> str:
+    return numbers.plain(value, 6)
+
+
 def _unit(parameter: ParameterFacts) -> str:
     """Its unit, nothing for a plain number."""
-    return parameter.unit.removeprefix("1")
+    return "" if parameter.unit == "1" else parameter.unit
 
 
 def _sensor_words(sensor: Sensor) -> str:

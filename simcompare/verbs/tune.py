@@ -21,6 +21,7 @@ from simcompare.tuning.request import Request
 from simcompare.tuning.statement import Statement
 from simcompare.tuning.typed_numbers import check_numbers
 from simcompare.verbs import tune_arguments
+from simcompare.verbs.tuning import TuneResult, Tuning
 
 #: impact speeds and step where none are given
 SPEEDS_M_S, STEP_S = (0.5, 4.0), 0.001
@@ -28,33 +29,6 @@ SPEEDS_M_S, STEP_S = (0.5, 4.0), 0.001
 MASSES_KG, RADII_M = (1e-6, 1e6), (1e-4, 1e2)
 #: contact levels in which numbers can be typed in
 LEVELS = (COEFFICIENTS, TUNED)
-
-
-@dataclass(frozen=True)
-class TuneResult:
-    """One engine's answer to one request.
-
-    Attributes:
-        engine: its name.
-        version: its version, ``None`` where it is not installed.
-        request: what was goal.
-        status: "ok", "unsupported", "missing" or "failed".
-        reason: one sentence where the status is not "ok"; the nearest that can be had is in it.
-        statement: what to type in, and what it does; ``None`` where the status is not "ok".
-        snippet: lines to copy into a loop of one's own; empty where only the settings are known.
-        about: which pairs of a scenario it is for.
-        notes: in what the drop stands for something else than the scene.
-    """
-
-    engine: str
-    version: str | None
-    request: Request
-    status: str
-    reason: str | None = None
-    statement: Statement | None = None
-    snippet: str = ""
-    about: str = ""
-    notes: tuple[str, ...] = ()
 
 
 def tune(
@@ -75,7 +49,7 @@ def tune(
     preset: str | None = None,
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
-) -> list[TuneResult]:
+) -> Tuning:
     """Finds what to type into engines for a restitution, or the restitution of what is typed in.
 
     Args:
@@ -129,7 +103,7 @@ def tune(
         )  # fmt: skip
         for level in goal.levels:
             questions.append(replace(plan, request=replace(request, level=level)))
-    return _answered(chosen, questions, time_limit_s, progress)
+    return Tuning(_answered(chosen, questions, time_limit_s, progress))
 
 
 @dataclass(frozen=True)
