@@ -7,13 +7,14 @@ from pathlib import Path
 import typer
 
 from simcompare.cli import opening
-from simcompare.errors import UnknownName
 
 FORMATS = ("html", "pdf", "md", "png", "svg")
 
 
 def report(
-    runs: list[Path] = typer.Argument(help="Folders of stored runs."),
+    runs: list[Path] = typer.Argument(
+        None, help="Folders of stored runs; the newest run in the folder runs by default."
+    ),
     format: str = typer.Option(
         "html",
         help="html, pdf (report with all figures), md, png or svg (the figures alone).",
@@ -27,24 +28,13 @@ def report(
     ),
     opened: bool = opening.OPTION,
 ) -> None:
-    """Write a comparison report from stored runs."""
-    from simcompare.reports import builder
-    from simcompare.results import store
+    """Write the report of a stored run, or of several one below the other."""
+    from simcompare.verbs import report as verb
+    from simcompare.verbs import runs as stored
 
-    if format not in FORMATS:
-        raise UnknownName("format", format, FORMATS)
-    loaded = [store.load(path) for path in runs]
-    if format in ("png", "svg"):
-        written = builder.write_figures(loaded, out or runs[0] / "figures", format)
-    else:
-        path = out or runs[0] / f"report.{format}"
-        write = {
-            "html": builder.write_html,
-            "pdf": builder.write_pdf,
-            "md": builder.write_markdown,
-        }[format]
-        written = [write(loaded, path)]
-    for file in written:
-        typer.echo(str(file))
+    places = [*runs] if runs else [stored.newest("runs")]
+    stored.check_single(places, "report")
+    written = verb.report(places, format=format, out=out)
+    typer.echo(str(written))
     if opened:
-        opening.open_page(written[0])
+        opening.open_page(written)
