@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import shlex
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +17,7 @@ from simcompare.hardware.conditioning.condition import condition
 from simcompare.hardware.logs import importers
 from simcompare.hardware.logs import template as templates
 from simcompare.hardware.mapping import NOTHING, Mapping
+from simcompare.hardware.raw import IMPORT
 from simcompare.model.recording import Provenance, Recording
 
 
@@ -25,8 +29,9 @@ def template(log: str | Path, *, kind: str | None = None) -> str:
         kind: format, recognised by content where ``None``.
     """
     path = Path(log)
-    name = kind or importers.recognise(path)
-    return templates.of_log(importers.read(path, name, NOTHING), path.name, name)
+    with _told_with_path(path):
+        name = kind or importers.recognise(path)
+        return templates.of_log(importers.read(path, name, NOTHING), path.name, name)
 
 
 def read(
@@ -39,9 +44,9 @@ def read(
     about: dict[str, str] | None = None,
 ) -> Recording:
     """Reads and conditions a log with a mapping that has been read already."""
-    name = kind or mapping.format or importers.recognise(path)
     # values of a damaged log may overflow; the checks look at what comes out
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+    with _told_with_path(path), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        name = kind or mapping.format or importers.recognise(path)
         raw = importers.read(path, name, mapping)
         size, digest = _measure(path)
         provenance = Provenance(
@@ -50,6 +55,19 @@ def read(
         )  # fmt: skip
         recording = condition(raw, mapping, provenance, assume_units=assume_units)
     return derived_channels.add(recording, mapping.derive, f"{path.name}, derive")
+
+
+@contextmanager
+def _told_with_path(path: Path) -> Iterator[None]:
+    """Commands in messages get the path of the log, so that they work when they are pasted."""
+    try:
+        yield
+    except InputError as error:
+        command = IMPORT.replace("LOG", shlex.quote(str(path)))
+        told = [fault.replace(IMPORT, command) for fault in error.faults]
+        if told == [*error.faults]:
+            raise
+        raise InputError(error.where, told) from error
 
 
 def _measure(path: Path) -> tuple[int, str]:

@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 from simcompare.model.recording import Clock, Event, Repair
 from simcompare.model.trajectory import Array
 
+#: how a message begins a command for the log; LOG becomes its path
+IMPORT = "simcompare import LOG"
 #: samples that are looked at together where all columns of a stream are
 BLOCK = 1 << 18
 #: rows of one defect that are named; their count is always whole

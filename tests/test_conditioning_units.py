@@ -176,7 +176,7 @@ def test_a_rate_that_is_not_the_derivative_names_the_unit(of_angle, of_rate, uni
     }  # fmt: skip
     (fault,) = checked(time, columns).faults
     assert cure in fault
-    assert "or add --assume-units" in fault
+    assert "or simcompare import LOG --assume-units" in fault
     work = checked(time, columns, assume_units=True)
     assert work.faults == []
     (repair,) = work.repairs

@@ -21,7 +21,7 @@ from typing import Protocol, cast
 from simcompare.errors import EngineMissing, InputError, NoSuchFile, SimcompareError, UnknownName
 from simcompare.hardware.logs import foreign
 from simcompare.hardware.mapping import Mapping
-from simcompare.hardware.raw import Head, RawLog
+from simcompare.hardware.raw import IMPORT, Head, RawLog
 
 ENTRY_POINT_GROUP = "simcompare.importers"
 #: bytes by which a format is recognised
@@ -115,11 +115,11 @@ def recognise(path: Path) -> str:
     if other and best < _CERTAIN:
         raise InputError(str(path), [other])
     if best <= 0:
-        known = ", ".join(targets())
-        raise InputError(str(path), [f"is of no known format; name it with --as (known: {known})"])
+        cure = f"name it ({', '.join(targets())}): {IMPORT} --as FORMAT"
+        raise InputError(str(path), [f"is of no known format; {cure}"])
     if len(names) > 1:
         raise InputError(
-            str(path), [f"may be {' or '.join(names)}; say which with --as {names[0]}"]
+            str(path), [f"may be {' or '.join(names)}; say which: {IMPORT} --as {names[0]}"]
         )
     return names[0]
 
@@ -144,6 +144,6 @@ def read(path: Path, kind: str, mapping: Mapping) -> RawLog:
             str(path),
             [
                 f"cannot be read as {importer.TITLE}: {type(error).__name__}: {error};"
-                " the file is damaged or of another format (--as)"
+                f" the file is damaged, or of another format: {IMPORT} --as FORMAT"
             ],
         ) from error

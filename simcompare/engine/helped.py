@@ -167,7 +167,7 @@ class HelpedSimulation(EngineHooks):
             raise Unsupported(
                 f"{self.scene.engine}: impacts are landed on within {far_m:.0f} m of the origin,"
                 f" and a body is {place_m:.4g} m away, where its numbers are too coarse for such"
-                " short steps; move the scene, or use --contact tuned"
+                " short steps; move the scene, or use the level tuned"
             )
 
     def _prepare_recoil(self) -> None:

@@ -22,6 +22,7 @@ from simcompare.hardware.conditioning.units.meaning import (
 )
 from simcompare.hardware.conditioning.units.rest import rest
 from simcompare.hardware.conditioning.work import Work
+from simcompare.hardware.raw import IMPORT
 from simcompare.model.trajectory import Array
 
 #: an acceleration below this at rest has no gravity in it [m/s²]; offsets of good and bad sensors
@@ -181,7 +182,8 @@ def _gyroscope_unit(work: Work, turn: Triad, fit: turning.Turning, text: str) ->
     if not work.assume_units:
         lines = "; ".join(mapping_line(claim, fit.unit) for claim in turn)
         work.fault(
-            f"{text}, not {turn[0].unit}: write in the mapping file {lines}; or add --assume-units"
+            f"{text}, not {turn[0].unit}: write in the mapping file {lines};"
+            f" or {IMPORT} --assume-units"
         )
         return
     for claim in turn:

@@ -12,7 +12,7 @@ from simcompare import units
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.mapping import ChannelMap, Mapping
-from simcompare.hardware.raw import RawColumn, RawStream
+from simcompare.hardware.raw import IMPORT, RawColumn, RawStream
 from simcompare.model.recording import Conversion
 
 #: columns whose name says that they measure an acceleration: there, g is no gram
@@ -152,7 +152,7 @@ def without_unit(works: Sequence[Work]) -> list[str]:
     have = "column has" if len(names) == 1 else "columns have"
     return [
         f"{len(names)} {have} no unit, neither in the name nor in the file: {shown};"
-        " simcompare import LOG --template > map.yaml writes a mapping file with a line for each:"
+        f" {IMPORT} --template > map.yaml writes a mapping file with a line for each:"
         " put the units in and give it with --map"
     ]
 

@@ -24,6 +24,7 @@ from simcompare.hardware.conditioning.units.meaning import (
 from simcompare.hardware.conditioning.units.naming import measures_acceleration
 from simcompare.hardware.conditioning.units.rest import rest
 from simcompare.hardware.conditioning.work import Work
+from simcompare.hardware.raw import IMPORT
 
 G = 9.80665
 #: how far |f| at rest may be from gravity, in parts of it. Sheets of cheap sensors allow offsets
@@ -112,7 +113,7 @@ def _acceleration(work: Work, triad: Sequence[Claim]) -> None:
         lines = "; ".join(mapping_line(claim, unit, divisor) for claim in triad)
         work.fault(
             f"{text} {units.symbol(first.unit)}; gravity is 9.8 m/s². That number fits {meant}:"
-            f" write in the mapping file {lines}; or add --assume-units"
+            f" write in the mapping file {lines}; or {IMPORT} --assume-units"
         )
 
 
@@ -155,7 +156,7 @@ def _derivative(work: Work, position: Claim, rate: Claim) -> None:
         take(work, claim, unit, text, {"slope": slope.value}, {"slope": fitted})
     elif cures:
         lines = " or ".join(mapping_line(claim, unit) for claim, unit in cures)
-        more = "; or add --assume-units" if len(cures) == 1 and slope.value > 0 else ""
+        more = f"; or {IMPORT} --assume-units" if len(cures) == 1 and slope.value > 0 else ""
         work.fault(f"{text}; expected 1. Write in the mapping file {lines}{more}; {way_out}")
     elif clock := _clock_factor(size):
         work.fault(
@@ -220,7 +221,8 @@ def _pressure(work: Work, claim: Claim) -> None:
         take(work, claim, unit, full, {"median_Pa": middle}, {"median_Pa": fitted})
     else:
         work.fault(
-            f"{text}: write in the mapping file {mapping_line(claim, unit)}, or add --assume-units;"
+            f"{text}: write in the mapping file {mapping_line(claim, unit)},"
+            f" or {IMPORT} --assume-units;"
             " if it is a difference of pressures, call it so (gauge_pressure)",
             channel=claim.column.name,
         )

@@ -11,6 +11,7 @@ from typing import IO
 
 from simcompare.errors import InputError
 from simcompare.hardware.logs.binary import zip_guard
+from simcompare.hardware.raw import IMPORT
 from simcompare.model.recording import INFO, Repair
 
 #: bytes by which encoding and layout are found
@@ -94,7 +95,8 @@ def _source(label: str, open_: Callable[[], IO[bytes]], start: bytes) -> Source:
     if not text.strip():
         raise InputError(label, ["is empty; expected a log with at least two samples"])
     if text.count("\0") > len(text) // 100:
-        raise InputError(label, ["is no text but binary data; name its format with --as"])
+        cure = f"name its format: {IMPORT} --as FORMAT"
+        raise InputError(label, [f"is no text but binary data; {cure}"])
     old_mac = "\n" not in text and text.count("\r") > 1
     lines = text.replace("\r", "\n").split("\n") if old_mac else text.split("\n")
     lines = lines if complete else lines[:-1]  # the last one may be cut

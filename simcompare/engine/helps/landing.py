@@ -122,7 +122,7 @@ def refuse(engine: str, scenario: Scenario) -> None:
     if bounces and (scenario.joints or len(moving) > 1) and not approaches(scenario)[0]:
         raise Unsupported(
             f"{engine}: impacts are landed on only where a single free body bounces, since a step"
-            " that is cut for one pair would change the motion of another; --contact tuned shows"
+            " that is cut for one pair would change the motion of another; the level tuned shows"
             " the engine itself"
         )
 

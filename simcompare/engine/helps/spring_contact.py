@@ -41,7 +41,7 @@ def refuse(engine: str, scenario: Scenario) -> None:
     if rubs and approaches(scenario)[0] and slips_at_impact(scenario):
         raise Unsupported(
             f"{engine}'s friction does not follow an impact that is landed on: a ball that slides"
-            " or spins would leave with a wrong speed and spin; use --contact tuned"
+            " or spins would leave with a wrong speed and spin; use the level tuned"
         )
     if values and min(values) < MIN_RESTITUTION:
         raise Unsupported(

@@ -115,7 +115,8 @@ def _settings(
         asked = fit_values.read(fit).settings(engine.name, nominal)
         if asked.contact != TUNED:
             raise InputError(
-                f"--fit {fit}", ["was made with our helps; fit again without --assist for a script"]
+                f"--fit {fit}",
+                ["was made with our helps; a script needs one of simcompare fit without --assist"],
             )
     try:
         refuse(engine, nominal, asked)
