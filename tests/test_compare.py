@@ -317,7 +317,7 @@ def test_the_page_lies_beside_the_runs(sweep, call):
 @pytest.mark.parametrize(
     ("place", "says"),
     [
-        ("nowhere", "nowhere: is not a stored run"),
+        ("nowhere", "nowhere: there is no such file or folder"),
         ("empty", "empty: holds no stored run; expected a folder such as runs"),
     ],
 )
