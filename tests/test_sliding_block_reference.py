@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from simcompare.errors import InputError
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.sliding_block import reference as block
 
@@ -80,6 +79,13 @@ def test_without_friction_it_goes_on():
     assert (moved[0], speed[0]) == (3.0, 1.5)
 
 
-def test_a_block_that_tips_is_refused():
-    with pytest.raises(InputError, match="tips over"):
-        block.reference(parameters(friction=2.0, height_m=0.1), np.array([0.0, 0.1]))
+@pytest.mark.parametrize(
+    ("changes", "tips"),
+    [({"friction": 1.0, "height_m": 0.11}, False), ({"friction": 1.0, "height_m": 0.13}, True),
+     # held by an incline that asks for less than friction could give
+     ({"friction": 1.0, "height_m": 0.13, "incline_rad": 0.5, "start_speed_m_s": 0.0}, False),
+     ({"friction": 1.0, "height_m": 0.25, "incline_rad": 0.5, "start_speed_m_s": 0.0}, True)],
+)  # fmt: skip
+def test_a_block_tips_where_friction_acts_too_far_below_its_centre(changes, tips):
+    scene = catalogue.load("sliding_block").resolve(changes)
+    assert any("tips over" in sentence for sentence in scene.beyond) == tips

@@ -37,16 +37,18 @@ def sentences(run: Run) -> list[str]:
 
     Where steps are compared, one line for each engine: how the value changes with the step.
     """
-    lead = lead_of(run)
+    lead, beyond = lead_of(run), [*runs.beyond(run)]
     if lead is None:
-        return ["Nothing was measured."]
+        return [*beyond, "Nothing was measured."]
     if runs.steps(run):
         lines = [line for mode in runs.modes(run) for line in by_step.lines(run, lead, mode)]
     else:
         lines = merged(run, ((mode, _level(run, lead, mode)) for mode in runs.modes(run)))
-    if lead.truth is None and lines:
+    if beyond:
+        lines.append("Nothing is judged: there the truth does not hold.")
+    elif lead.truth is None and lines:
         lines.append(f"There is no truth to hold the {lead.words} against.")
-    return lines or ["Nothing was measured."]
+    return [*beyond, *lines] or ["Nothing was measured."]
 
 
 def _level(run: Run, lead: Lead, mode: str) -> str:

@@ -19,6 +19,8 @@ MIXED, UNMEASURED = "mixed", "unmeasured"
 _MORE = 2
 #: an error below this part of its tolerance is none
 _NO_ERROR = 1e-3
+#: part of the largest value below which another is no more than rounding
+_ROUNDING = 1e-9
 #: what rounding leaves of a part of a tolerance
 _EQUAL = 1e-9
 
@@ -36,6 +38,7 @@ class Lead:
         widths: every one of these, each once.
         answer: what the scenario says of it, ``None`` where it says nothing.
         of_events: whether it is the mean over the events of a repeat, such as all its bounces.
+        size: of the largest value, beside which others may be no more than rounding.
     """
 
     measure: str
@@ -45,6 +48,7 @@ class Lead:
     widths: tuple[float, ...]
     answer: Answer | None
     of_events: bool = False
+    size: float = 0.0
 
     @property
     def words(self) -> str:
@@ -129,6 +133,7 @@ class Lead:
     def _range(self, pairs: Sequence[tuple[float, float | None]], more: int) -> str:
         """Values with their scatters, from the lowest to the highest; the same digits once."""
         after = self.after
+        pairs = [(0.0 if abs(v) < _ROUNDING * self.size else v, u) for v, u in pairs]
         (low, u), (high, _) = min(pairs, key=lambda p: p[0]), max(pairs, key=lambda p: p[0])
         if self.places(high) is None:
             if low == high:
@@ -201,7 +206,8 @@ def _lead(run: Run, measure: str, answer: Answer | None) -> Lead:
     known = next((score for score in scores if score.truth is not None), scores[0])
     widths = sorted({w for score in scores if (w := width_of(run, score)) is not None})
     least, of_events = min(widths, default=None), len(scores) < len(every)
-    return Lead(measure, known.unit, known.truth, least, (*widths,), answer, of_events)
+    size = max((abs(value) for s in scores for value in (s.value, s.truth) if value), default=0.0)
+    return Lead(measure, known.unit, known.truth, least, (*widths,), answer, of_events, size)
 
 
 def width_of(run: Run, score: Score) -> float | None:

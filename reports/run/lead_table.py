@@ -79,6 +79,8 @@ def _title(run: Run, lead: Lead | None) -> str:
         means.append(f"{run.record.repeats} repeats (scatter in the last digits)")
     if means:
         title += f", mean over {' and '.join(means)}"
+    if runs.beyond(run):
+        return f"{title}; not judged, for the truth does not hold here"
     return title if lead.width is None else f"{title}; tolerance {_tolerances(run, lead)}"
 
 

@@ -30,6 +30,11 @@ def run_record(run: Run) -> RunRecord:
     return run.record
 
 
+def beyond(run: Run) -> tuple[str, ...]:
+    """Why the truth does not hold for the parameters of a run; empty where it does."""
+    return run.record.beyond if isinstance(run.record, RunRecord) else ()
+
+
 def modes(run: Run) -> list[str]:
     """Contact levels of a run, in the order in which they were asked for."""
     return list(dict.fromkeys(source.contact for source in run.record.sources))

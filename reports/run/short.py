@@ -67,17 +67,17 @@ class _Detail:
 
 def short(run: Run) -> tuple[str, ...]:
     """What the run answers, with as much detail as forty words hold."""
-    lead = lead_of(run)
+    lead, beyond = lead_of(run), runs.beyond(run)
     if lead is None:
-        return ("Nothing was measured.",)
+        return (*beyond, "Nothing was measured.")
     detail = _Detail()
     best = _told(run, lead, detail)
     for more in fields(_Detail):
         richer = replace(detail, **{more.name: True})
         told = _told(run, lead, richer)
-        if _words(told) <= MAX_WORDS:
+        if _words((*beyond, *told)) <= MAX_WORDS:
             detail, best = richer, told
-    return best or ("Nothing was measured.",)
+    return (*beyond, *best) or ("Nothing was measured.",)
 
 
 def _words(sentences: Sequence[str]) -> int:

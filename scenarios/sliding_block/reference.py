@@ -11,7 +11,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from simcompare.errors import InputError
 from simcompare.model.trajectory import Array
 from simcompare.scenarios.body_signals import unturned
 
@@ -25,16 +24,7 @@ def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array
 
     Returns:
         Position, velocity, orientation and rate of the block.
-
-    Raises:
-        InputError: the block tips over.
     """
-    if parameters["friction"] * parameters["height_m"] > parameters["length_m"]:
-        fault = (
-            f"friction {parameters['friction']:g} times height_m {parameters['height_m']:g} is more"
-            f" than length_m {parameters['length_m']:g}, so the block tips over; make it flatter"
-        )
-        raise InputError("parameters of sliding_block", [fault])
     moved, speed = motion(parameters, time_s)
     zero = np.zeros(len(time_s))
     height = np.full(len(time_s), parameters["height_m"] / 2)

@@ -71,7 +71,8 @@ def at_steps(
         scenarios = repeats_of(file, values, preset, step_s, count)
         nominal = scenarios[len(scenarios) // 2]
         label = f"{AT}{step_words(nominal.world.engine_step_s)}" if len(steps_s) > 1 else ""
-        truths = truths_of(file.path, scenarios)
+        # beyond where it holds, a truth tells nothing
+        truths = [None] * len(scenarios) if nominal.beyond else truths_of(file.path, scenarios)
         steps.append(AtStep(label, scenarios, truths, drop_plans(nominal)))
     return steps
 

@@ -16,6 +16,7 @@ from simcompare.model.answer import Answer
 from simcompare.model.shapes import Frozen, Nonnegative, Pose, Shape, Vector, not_zero
 from simcompare.model.signals import Signal
 from simcompare.model.trajectory import BODY_SIGNALS
+from simcompare.model.validity import Condition
 
 #: samples of one run; more fill the memory of an ordinary machine
 MAX_SAMPLES = 1e7
@@ -324,6 +325,12 @@ class Scenario(Frozen):
     tolerances: Mapping[str, Tolerance] = Field(default_factory=dict)
     dither: Dither | None = None
     answer: Answer | None = None
+    holds_while: tuple[Condition, ...] = Field((), description="where the truth holds")
+
+    @property
+    def beyond(self) -> tuple[str, ...]:
+        """Why the truth does not hold for these parameters, a sentence each; empty if it does."""
+        return tuple(condition.said for condition in self.holds_while if condition.is_broken)
 
     def signals(self) -> dict[str, int]:
         """All that is recorded -> its number of components, in the order of the file."""

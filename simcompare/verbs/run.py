@@ -252,7 +252,7 @@ def _gather(
         RunRecord, file, finest.scenarios, TRUTH if any(finest.truths) else None, sources, scores,
         steps=tuple(map(run_record.of_scenario_at, steps)) if len(steps) > 1 else (),
         without=tuple(row for at in steps for row in ablation.results_of(at, outcomes)),
-        against=_against(file, table, scores, finest.nominal),
+        against=_against(file, table, scores, finest.nominal), beyond=finest.nominal.beyond,
     )  # fmt: skip
     return Result(record_of_run, tuple(trajectories))
 

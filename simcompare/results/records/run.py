@@ -233,6 +233,7 @@ class RunRecord(Record):
         against_asked: the measurement as the user named it.
         fit_asked: the fit with which engines ran.
         cautions: where that fit is used outside of what it was made for.
+        beyond: why the truth does not hold for these parameters, so that nothing is judged.
     """
 
     kind: Literal["run"] = "run"
@@ -241,3 +242,4 @@ class RunRecord(Record):
     against_asked: str | None = None
     fit_asked: str | None = None
     cautions: tuple[str, ...] = ()
+    beyond: tuple[str, ...] = ()
