@@ -15,7 +15,7 @@ OUTER = ("backends", "hardware", "reports", "scenarios")
 #: rooms from the lowest to the highest; those on one line do not know each other
 FLOORS = (
     ("errors",),
-    ("units", "notation", "glossary"),
+    ("units", "notation", "glossary", "arguments"),
     ("model",),
     ("statistics",),
     ("alignment",),

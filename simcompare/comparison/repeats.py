@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from simcompare import measures, notation, units
 from simcompare.engine.calibration.plan import drop_plans
 from simcompare.engine.drives import input_values
@@ -94,7 +96,7 @@ def read_steps(step: str | float | Sequence[str | float] | None) -> list[str | f
         point = _DECIMAL_COMMA.sub(r"\1.\2", step)
         raise InputError("--step", [f"{step!r} has a decimal comma; write {point}"])
     each = step.split(",") if isinstance(step, str) else step
-    steps: list[str | float] = [each] if isinstance(each, int | float) else [*each]
+    steps: list[str | float] = [each] if isinstance(each, int | float | np.number) else [*each]
     if not steps or any(isinstance(one, str) and not one.strip() for one in steps):
         raise InputError("--step", [f"{step!r} lacks a step; expected such as 1ms, or 0.5ms,1ms"])
     return steps

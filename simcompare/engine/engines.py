@@ -8,7 +8,7 @@ from __future__ import annotations
 import functools
 import importlib
 import importlib.metadata
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -119,6 +119,11 @@ def _lacking(backend: object) -> list[str]:
         *(name for name in values if getattr(backend, name, None) is None),
         *(f"{name}()" for name in _FUNCTIONS if not callable(getattr(backend, name, None))),
     ]
+
+
+def listed(asked: str | Sequence[str]) -> str:
+    """Engines of a list as a text with commas; a text as it is."""
+    return asked if isinstance(asked, str) else ",".join(asked)
 
 
 def select(text: str) -> list[str]:

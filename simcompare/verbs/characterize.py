@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from simcompare.arguments import checked
 from simcompare.characterization.behaviour import Behaviour
 from simcompare.characterization.bounce import BounceQuestion
 from simcompare.characterization.experiment import Experiment
@@ -39,10 +40,11 @@ MIN_STEP_S, MAX_STEP_S = 0.1e-3, 10e-3
 FILE = "characterization.json"
 
 
+@checked
 def characterize(
     experiments: str | Sequence[str] = "all",
     *,
-    engine: str = "all",
+    engine: str | Sequence[str] = "all",
     contact: str | Sequence[str] = CONTACT_LEVELS,
     step: str | float = "1ms",
     out: str | Path | None = None,
@@ -56,7 +58,7 @@ def characterize(
 
     Args:
         experiments: "all", or some of bounce, friction, joint and force.
-        engine: "all", or names with commas.
+        engine: "all", names with commas or a list of names.
         contact: contact levels.
         step: the engine's step, such as "1ms"; a number is in seconds. Each experiment is also
             looked at over steps from 0.25 to 8 ms.
@@ -73,6 +75,7 @@ def characterize(
         EngineMissing: none of the engines is installed.
         OutputError: the folder cannot be written to.
     """
+    engine = engines.listed(engine)
     names = _chosen("experiment", experiments, EXPERIMENTS)
     levels = _chosen("contact level", contact, CONTACT_LEVELS)
     step_s = _step_s(step)

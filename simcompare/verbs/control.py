@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
+from simcompare.arguments import checked
 from simcompare.comparison.repeats import check_sample_step, one_step_s
 from simcompare.engine import engines
 from simcompare.engine.simulation import Controller
@@ -13,8 +15,9 @@ from simcompare.scenarios import catalogue
 from simcompare.verbs.controlled import Controlled
 
 
+@checked
 def control(
-    scenario: str,
+    scenario: str | Path,
     controller: Controller,
     *,
     engine: str,
@@ -53,7 +56,7 @@ def control(
             "controller",
             [f"{controller!r} is no function; expected one such as controller(time_s, readings)"],
         )
-    file = catalogue.load(scenario)
+    file = catalogue.load(str(scenario))
     values = file.read_settings(set or {})
     step_s = None if step is None else one_step_s(step)
     if step is not None and step_s is not None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from simcompare.arguments import checked
 from simcompare.comparison.comparison import INFO, Score
 from simcompare.comparison.repeats import sample_step_s
 from simcompare.engine import engines
@@ -55,12 +56,13 @@ from simcompare.verbs.request import FitRequest
 from simcompare.verbs.result import Result
 
 
+@checked
 def fit(
-    scenario: str = "ball",
+    scenario: str | Path = "ball",
     *,
     recordings: Sequence[str | Path],
     hold_out: Sequence[str | Path] = (),
-    engine: str = "all",
+    engine: str | Sequence[str] = "all",
     model: str = "auto",
     unknowns: Sequence[str] = (),
     fixed: Mapping[str, str | float] | None = None,
@@ -81,7 +83,7 @@ def fit(
         scenario: name, folder or file of a scenario that says under ``fit:`` how it is fitted.
         recordings: logs, stored recordings, public data sets or bounce tables that are fitted.
         hold_out: the same, which are not fitted but predicted.
-        engine: ``"all"`` or names with commas.
+        engine: ``"all"``, names with commas or a list of names.
         model: closed form, or "auto": the one with the least AICc.
         unknowns: what is fitted beside what the model has, such as "clock_skew"; by waveform
             and by tosses, all that is fitted.
@@ -105,6 +107,7 @@ def fit(
     Raises:
         InputError: every fault of the request or of a recording.
     """
+    scenario, engine = str(scenario), engines.listed(engine)
     options = FitRequest(
         scenario=scenario, recordings=tuple(recordings), hold_out=tuple(hold_out), engine=engine,
         model=model, unknowns=tuple(unknowns), fixed=fixed, priors=priors, u_time_s=u_time_s,

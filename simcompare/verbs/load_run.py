@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from simcompare.arguments import checked
 from simcompare.results import store
 from simcompare.verbs.result import Result
 
 
+@checked
 def load_run(place: str | Path) -> Result:
     """Reads a stored run, fit or validation.
 

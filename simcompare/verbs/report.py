@@ -6,6 +6,7 @@ import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
 
+from simcompare.arguments import checked
 from simcompare.errors import InputError, UnknownName
 from simcompare.reports import builder
 from simcompare.results import store
@@ -18,6 +19,7 @@ FORMATS = (*DOCUMENTS, *FIGURES)
 Source = Run | str | Path
 
 
+@checked
 def report(
     runs: Source | Sequence[Source],
     *,

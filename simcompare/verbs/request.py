@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from numbers import Integral, Real
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, NamedTuple, get_type_hints
 
@@ -124,7 +125,12 @@ def _words(option: Option, value: Any) -> list[str]:  # noqa: ANN401
 
 
 def _written(option: Option, value: Any) -> str:  # noqa: ANN401
-    return f"{value!r}{option.unit}" if isinstance(value, float | int) else str(value)
+    return f"{_plain(value)!r}{option.unit}" if isinstance(value, Real) else str(value)
+
+
+def _plain(value: Real) -> float | int:
+    """A number of Python, where it is one of NumPy."""
+    return int(value) if isinstance(value, Integral) else float(value)
 
 
 def _assigned(name: str, value: Any) -> str:  # noqa: ANN401

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from simcompare import measures
+from simcompare.arguments import checked
 from simcompare.comparison import ablation
 from simcompare.comparison.against import matches
 from simcompare.comparison.comparison import Repeat, Score, scores_of
@@ -36,10 +37,11 @@ if TYPE_CHECKING:
     from simcompare.results.fit_file import FitFile
 
 
+@checked
 def run(
-    scenario: str = "ball",
+    scenario: str | Path = "ball",
     *,
-    engine: str = "all",
+    engine: str | Sequence[str] = "all",
     contact: str | Sequence[str] = (DEFAULT, TUNED, ASSISTED),
     assist: str | Sequence[str] = ALL,
     judge: str | Sequence[str] = ASSISTED,
@@ -56,7 +58,7 @@ def run(
 
     Args:
         scenario: name, folder or file.
-        engine: ``"all"`` or names with commas; "mujoco:rk4" is an engine's variant.
+        engine: ``"all"``, names with commas or a list of names; "mujoco:rk4" is a variant.
         contact: contact levels, a list or a text with commas; also the fit.json of a fit, with
             which each engine runs with its own fitted parameters.
         assist: our helps in "assisted": "all", "none" or names (see ``simcompare.engine.helps``).
@@ -78,6 +80,7 @@ def run(
     Raises:
         SimcompareError: faults of the arguments or of a file, or nowhere to store the run.
     """
+    scenario, engine = str(scenario), engines.listed(engine)
     chosen = engines.select(engine)
     modes, fit = levels.chosen_levels(contact)
     helps = levels.chosen_helps(assist, engine)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 from simcompare import units
+from simcompare.arguments import checked
 from simcompare.engine import engines
 from simcompare.engine.features import Feature, needs
 from simcompare.errors import SimcompareError
@@ -98,7 +100,8 @@ class ScenarioFacts(Shown):
         return Table("", (Column("parameter", text=True), *columns), (Group("", rows),))
 
 
-def show(scenario: str) -> ScenarioFacts:
+@checked
+def show(scenario: str | Path) -> ScenarioFacts:
     """What there is to know of a scenario.
 
     ::
@@ -114,7 +117,7 @@ def show(scenario: str) -> ScenarioFacts:
         UnknownName: there is none of that name.
         InputError: faults of the file.
     """
-    file = catalogue.load(scenario)
+    file = catalogue.load(str(scenario))
     scene = file.resolve()
     features = needs(scene)
     return ScenarioFacts(

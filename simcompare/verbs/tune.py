@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from simcompare import units
+from simcompare.arguments import checked
 from simcompare.comparison.repeats import sample_step_s
 from simcompare.engine import engines
 from simcompare.engine.calibration.calibration import CannotCalibrate
@@ -31,10 +33,11 @@ MASSES_KG, RADII_M = (1e-6, 1e6), (1e-4, 1e2)
 LEVELS = (COEFFICIENTS, TUNED)
 
 
+@checked
 def tune(
-    scenario: str | None = None,
+    scenario: str | Path | None = None,
     *,
-    engine: str = "all",
+    engine: str | Sequence[str] = "all",
     restitution: str | float | None = None,
     speed: str | float | Sequence[float] | None = None,
     step: str | float | None = None,
@@ -54,7 +57,7 @@ def tune(
 
     Args:
         scenario: name, folder or file: its restitutions, bodies, gravity and speeds of impact.
-        engine: ``"all"`` or names with commas.
+        engine: ``"all"``, names with commas or a list of names.
         restitution: Newton's coefficient, in place of a scenario.
         speed: of the impact, "2" or "0.5..4" in m/s, also with a unit; a pair from Python.
         step: the engine's step, "1ms" or in seconds.
@@ -78,7 +81,8 @@ def tune(
     Raises:
         SimcompareError: faults of the arguments.
     """
-    chosen = engines.select(engine)
+    chosen = engines.select(engines.listed(engine))
+    scenario = None if scenario is None else str(scenario)
     goal = _Goal(scenario, restitution, tuple(numbers), contact, chosen)
     if numbers:
         check_numbers(chosen[0], goal.numbers, "--numbers")

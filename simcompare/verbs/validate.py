@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+from simcompare.arguments import checked
 from simcompare.comparison.comparison import INFO, Score
 from simcompare.comparison.repeats import one_step_s
 from simcompare.engine import engines
@@ -35,11 +36,12 @@ from simcompare.verbs.result import Result
 MEASURED = "measured"
 
 
+@checked
 def validate(
-    scenario: str,
+    scenario: str | Path,
     *,
-    recording: str,
-    engine: str = "all",
+    recording: str | Path,
+    engine: str | Sequence[str] = "all",
     contact: str = ASSISTED,
     mapping: str | Path | None = None,
     set: Mapping[str, str | float] | None = None,
@@ -55,7 +57,7 @@ def validate(
     Args:
         scenario: name, folder or file.
         recording: a public data set, the folder of an imported recording, or a log.
-        engine: ``"all"`` or names with commas.
+        engine: ``"all"``, names with commas or a list of names.
         contact: contact level.
         mapping: mapping file, whose ``validate:`` says which channel is which quantity.
         set: parameters that replace what is known before.
@@ -72,6 +74,8 @@ def validate(
     Raises:
         SimcompareError: faults of the arguments, of a file or of the plan.
     """
+    scenario, engine = str(scenario), engines.listed(engine)
+    recording = str(recording)
     if contact not in CONTACT_LEVELS:
         raise UnknownName("contact level", contact, CONTACT_LEVELS)
     chosen = engines.select(engine)

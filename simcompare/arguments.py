@@ -1,0 +1,90 @@
+"""Arguments of our functions, held against the types that these say they take."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import types
+from collections.abc import Callable, Collection, Mapping, Sequence
+from numbers import Integral, Real
+from pathlib import Path, PurePath
+from typing import Any, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
+
+from simcompare.errors import InputError
+
+Asked = ParamSpec("Asked")
+Given = TypeVar("Given")
+#: types that stand for more than their own instances, numbers of NumPy among them
+_KINDS: Mapping[Any, type] = {float: Real, int: Integral, Path: PurePath}
+_WORDS: Mapping[Any, str] = {
+    str: "text",
+    Path: "a path",
+    bool: "True or False",
+    int: "a whole number",
+    float: "a number",
+}
+
+
+def checked(function: Callable[Asked, Given]) -> Callable[Asked, Given]:
+    """The same function; it refuses what it does not take with one error that names all of it."""
+
+    @functools.wraps(function)
+    def called(*args: Asked.args, **kwargs: Asked.kwargs) -> Given:
+        given = inspect.signature(function).bind(*args, **kwargs).arguments
+        hints = get_type_hints(function)
+        faults = [
+            f"{name}={value!r}: expected {words(hints[name])}"
+            for name, value in given.items()
+            if not fits(value, hints[name])
+        ]
+        if faults:
+            raise InputError(function.__name__, faults)
+        return function(*args, **kwargs)
+
+    return called
+
+
+def fits(value: object, hint: Any) -> bool:  # noqa: ANN401
+    """Whether a value is what a type says."""
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin in (Union, types.UnionType):
+        return any(fits(value, one) for one in inner)
+    if origin is tuple and Ellipsis not in inner:
+        return isinstance(value, Sequence) and len(value) == len(inner) and all(
+            map(fits, value, inner)
+        )  # fmt: skip
+    if origin is Callable:
+        return callable(value)
+    if origin is Mapping:
+        return isinstance(value, Mapping) and all(
+            fits(key, inner[0]) and fits(one, inner[1]) for key, one in value.items()
+        )
+    if origin is not None:
+        is_text = isinstance(value, str | bytes | Mapping)
+        return (
+            isinstance(value, Collection)
+            and not is_text
+            and all(fits(one, inner[0]) for one in value)
+        )
+    is_truth = isinstance(value, bool) and hint is not bool
+    return hint is Any or (isinstance(value, _KINDS.get(hint, hint)) and not is_truth)
+
+
+def words(hint: Any) -> str:  # noqa: ANN401
+    """A type in words; what may be left out is not told."""
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin in (Union, types.UnionType):
+        return _joined([words(one) for one in inner if one is not type(None)])
+    if origin is Callable:
+        return "a function"
+    if origin is Mapping:
+        return f"a dictionary of names with {words(inner[1])}"
+    if origin is tuple and Ellipsis not in inner:
+        return f"{len(inner)} of {words(inner[0])}"
+    if origin is not None:
+        return f"a list of {words(inner[0])}"
+    return _WORDS.get(hint, getattr(hint, "__name__", str(hint)))
+
+
+def _joined(parts: Sequence[str]) -> str:
+    return " or ".join([", ".join(parts[:-1]), parts[-1]] if parts[:-1] else parts)

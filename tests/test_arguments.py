@@ -1,0 +1,104 @@
+"""Arguments that make no sense are refused with one error of ours."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import simcompare
+from simcompare.arguments import checked, fits, words
+from simcompare.errors import InputError
+
+
+@pytest.mark.parametrize(
+    ("value", "hint"),
+    [
+        ("a", str),
+        (np.int64(3), int),
+        (np.float32(0.5), float),
+        (3, float),
+        (None, int | None),
+        (Path("a"), str | Path),
+        (["a"], str | Sequence[str]),
+        (np.array(["a"]), Sequence[str]),
+        (pd.Index(["a"]), Sequence[str]),
+        ({"a": "1m", "b": 2}, Mapping[str, str | float]),
+        ((1.0, 0.1), tuple[float, float]),
+        (print, Callable[[str], None]),
+    ],
+)
+def test_what_fits(value, hint):
+    assert fits(value, hint)
+
+
+@pytest.mark.parametrize(
+    ("value", "hint", "expected"),
+    [
+        ("3", int | None, "a whole number"),
+        (2.5, int, "a whole number"),
+        (True, int, "a whole number"),
+        (1, bool, "True or False"),
+        ("ab", Sequence[str], "a list of text"),
+        ([1], str | Sequence[str], "text or a list of text"),
+        ({1: 1}, Mapping[str, float], "a dictionary of names with a number"),
+        ({"a": None}, Mapping[str, str | float], "a dictionary of names with text or a number"),
+        ((1.0,), tuple[float, float], "2 of a number"),
+        (3, Callable[[str], None], "a function"),
+        (3, str | Path | None, "text or a path"),
+    ],
+)
+def test_what_does_not_fit_is_told_in_words(value, hint, expected):
+    assert not fits(value, hint)
+    assert words(hint) == expected
+
+
+def test_all_faults_are_told_at_once():
+    def bounce(height: float, *, times: int | None = None) -> None:
+        """Bounces."""
+
+    with pytest.raises(InputError) as caught:
+        checked(bounce)("high", times="3")
+    assert str(caught.value) == (
+        "bounce: 2 faults\n"
+        "  - height='high': expected a number\n"
+        "  - times='3': expected a whole number"
+    )
+    assert checked(bounce).__doc__ == "Bounces."
+
+
+@pytest.mark.parametrize("verb", ["run", "fit", "validate", "tune", "characterize", "control"])
+def test_verbs_refuse_arguments_of_another_type(verb):
+    with pytest.raises(InputError, match=f"^{verb}: .*engine=3"):
+        getattr(simcompare, verb)(
+            *{"control": ["ball", print], "validate": ["ball"]}.get(verb, []),
+            engine=3,
+            **{"fit": {"recordings": ["a"]}, "validate": {"recording": "a"}}.get(verb, {}),
+        )
+
+
+@pytest.mark.parametrize("engine", ["pymunk,box2d", ["pymunk", "box2d"], ("pymunk", "box2d")])
+@pytest.mark.engines("pymunk", "box2d")
+def test_engines_are_a_list_or_a_text_with_commas(engine):
+    run = simcompare.run("ball", engine=engine, seeds=1, contact="default")
+    assert run.record.engines_asked == "pymunk,box2d"
+    assert [*run.table().index][:2] == ["pymunk", "box2d"]
+
+
+def test_a_scenario_is_a_path_too():
+    place = Path(simcompare.__file__).parent / "scenarios" / "ball"
+    run = simcompare.run(place, engine="pymunk", seeds=1, contact="default")
+    assert run.record.command[:3] == ("simcompare", "run", str(place))
+    assert simcompare.show(place).name == "ball"
+
+
+def test_numbers_of_numpy_are_numbers():
+    run = simcompare.run(
+        "ball", engine="pymunk", contact="default", seeds=np.int64(1), step=np.float64(0.001),
+        set={"drop_height": np.float32(0.5)},
+    )  # fmt: skip
+    assert run.record.parameters["drop_height_m"] == 0.5
+    assert run.record.command[7:] == (
+        "--step", "0.001s", "--contact", "default", "--seeds", "1",
+    )  # fmt: skip
