@@ -206,7 +206,17 @@ def test_what_did_not_run_is_told_once_with_its_reason(sweep):
 def test_the_answer_counts_runs_within_the_tolerance_level_by_level(sweep):
     tuned, assisted = words.short(compared(sweep), "restitution")
     assert tuned.startswith("Tuned, restitution within its tolerance: pymunk in ")
-    assert assisted == "Assisted, restitution within its tolerance: pymunk in every run."
+    assert assisted == "Assisted, restitution within its tolerance: pymunk in 3 of 3 runs."
+
+
+def test_the_page_begins_with_how_many_values_are_within_the_tolerance(sweep):
+    found = compared(sweep)
+    tuned, assisted = words.key_numbers(found, "restitution")
+    assert (tuned.label, tuned.verdict) == ("tuned", "fail")
+    assert (assisted.value, assisted.verdict) == ("3 of 3", "pass")
+    assert words.finding(found, "settling_time").startswith("tuned ")
+    assert words.key_numbers(found, "resolved_bounces") == ()
+    assert words.finding(found, "resolved_bounces") == "not judged"
 
 
 # --- figure -------------------------------------------------------------------------------------

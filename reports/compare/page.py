@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from simcompare.notation import capital
 from simcompare.reports import builder
 from simcompare.reports.compare import tables, words
 from simcompare.reports.compare.compared import Compared
@@ -43,28 +44,33 @@ def block_of(compared: Compared, measure: str) -> Block:
 
 def _answer(compared: Compared, measure: str) -> Part:
     shown = tables.tables(compared, measure)
-    said = words.short(compared, measure)
+    legend = ". ".join(words.legend(compared, shown))
     return Part(
-        "Answer", "answer", short=said, figures=(figure(compared, measure),),
-        notes=words.notes(compared), tables=tuple(shown),
-        parts=(Part(notes=words.legend(compared, shown)),),
-    )  # fmt: skip
+        "Answer",
+        "answer",
+        short=words.short(compared, measure),
+        key_numbers=words.key_numbers(compared, measure),
+        figures=(figure(compared, measure),),
+        notes=words.notes(compared),
+        tables=(*shown[:-1], shown[-1]._replace(note=f"{legend}.")),
+    )
 
 
 def _others(compared: Compared, measure: str) -> Part:
     """Every other measure, each folded."""
-    others = [name for name in compared.measures if name != measure]
-    parts = tuple(
+    parts = (
         Part(
-            runs.measure_words(name),
+            capital(runs.measure_words(name)),
             figures=(figure(compared, name),),
             tables=tuple(tables.tables(compared, name)),
             folded=True,
+            finding=words.finding(compared, name),
         )
-        for name in others
+        for name in compared.measures
+        if name != measure
     )
-    return Part("Other measures", "measures", parts=parts)
+    return Part("Other measures", "measures", parts=tuple(parts))
 
 
 def _runs(compared: Compared) -> Part:
-    return Part("Runs", "runs", tables=(tables.what_differs(compared),))
+    return Part("Runs", "runs", tables=(tables.what_differs(compared),), folded=True)

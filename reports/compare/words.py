@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from simcompare import glossary
@@ -10,6 +10,7 @@ from simcompare.comparison.comparison import FAIL, PASS
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.notation import capital
 from simcompare.reports.compare.compared import Compared
+from simcompare.reports.render.parts import KeyNumber
 from simcompare.reports.render.tables import Table
 from simcompare.reports.run import runs
 from simcompare.reports.run.listing import grouped, joined
@@ -27,30 +28,50 @@ def title(compared: Compared) -> str:
 
 def short(compared: Compared, measure: str) -> tuple[str, ...]:
     """In how many runs each engine meets the tolerance of a measure, level by level."""
-    judged = [level for level in compared.levels if level not in SHOWN_LEVELS]
-    found = (_met(compared, measure, level) for level in judged)
-    return tuple(sentence for sentence in found if sentence)
+    found = ((level, _counts(compared, measure, level)) for level in _judged_levels(compared))
+    return tuple(_met(measure, level, counts) for level, counts in found if counts)
 
 
-def _met(compared: Compared, measure: str, level: str) -> str:
-    counts = []
+def key_numbers(compared: Compared, measure: str) -> tuple[KeyNumber, ...]:
+    """How many values of each level are within their tolerance."""
+    numbers = []
+    for level in _judged_levels(compared):
+        counts = _counts(compared, measure, level).values()
+        met, judged = (sum(column) for column in zip(*counts, strict=True)) if counts else (0, 0)
+        if judged:
+            verdict = PASS if met == judged else FAIL
+            note = "values within the tolerance"
+            numbers.append(KeyNumber(runs.mode_words(level), f"{met} of {judged}", note, verdict))
+    return tuple(numbers)
+
+
+def finding(compared: Compared, measure: str) -> str:
+    """The same in a few words, such as "tuned 3 of 6, assisted 6 of 6 within the tolerance"."""
+    met = [f"{one.label} {one.value}" for one in key_numbers(compared, measure)]
+    return f"{', '.join(met)} within the tolerance" if met else "not judged"
+
+
+def _judged_levels(compared: Compared) -> list[str]:
+    return [level for level in compared.levels if level not in SHOWN_LEVELS]
+
+
+def _counts(compared: Compared, measure: str, level: str) -> dict[str, tuple[int, int]]:
+    """Engine -> in how many runs it is within its tolerance, and of how many that are judged."""
+    counts = {}
     for name in compared.engines:
         scores = [runs.score_of(run, name, level, measure) for run in compared.runs]
         verdicts = [score.verdict for score in scores if score is not None]
-        judged = verdicts.count(PASS) + verdicts.count(FAIL)
-        if judged:
-            counts.append((_of(verdicts.count(PASS), judged, len(scores)), name))
-    if not counts:
-        return ""
-    told = [f"{joined(names)} in {of}" for of, names in grouped(counts).items()]
+        met, missed = verdicts.count(PASS), verdicts.count(FAIL)
+        if met + missed:
+            counts[name] = met, met + missed
+    return counts
+
+
+def _met(measure: str, level: str, counts: Mapping[str, tuple[int, int]]) -> str:
+    pairs = ((f"{met} of {judged}", name) for name, (met, judged) in counts.items())
+    told = [f"{joined(names)} in {of} runs" for of, names in grouped(pairs).items()]
     words = runs.measure_words(measure)
     return f"{capital(runs.mode_words(level))}, {words} within its tolerance: {'; '.join(told)}."
-
-
-def _of(met: int, judged: int, total: int) -> str:
-    if judged == total and met in (0, total):
-        return "every run" if met else "no run"
-    return f"{met} of {judged} runs"
 
 
 def notes(compared: Compared) -> tuple[str, ...]:
