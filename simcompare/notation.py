@@ -3,6 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
+
+#: digits of the largest value where no tolerance says how many matter
+_DIGITS = 6
+#: a spread of rounding is below this decimal
+_ROUNDING_PLACES = 12
 
 #: SI unit -> the units in which people write it, the largest first
 _SPOKEN = {
@@ -21,24 +27,75 @@ _SPOKEN = {
 }
 
 
-def number(value: float | None, u: float | None = None) -> str:
+def places(tolerance: float | None, values: Iterable[float | None] = ()) -> int | None:
+    """Decimals of what is worth reading: nothing below the last one is shown, and it is 0.
+
+    Args:
+        tolerance: where there is one, its second digit is the last that matters.
+        values: where there is none, what stands in one table; the largest has six digits, and
+            counts have no decimals.
+
+    Returns:
+        Decimals, such as 4 for a tolerance of 0.0016; ``None`` where nothing is known.
+    """
+    if tolerance:
+        return max(0, 1 - math.floor(math.log10(tolerance)))
+    sizes = [abs(value) for value in values if value and math.isfinite(value)]
+    if sizes and all(size.is_integer() for size in map(float, sizes)):
+        return 0
+    return max(0, _DIGITS - 1 - math.floor(math.log10(max(sizes)))) if sizes else None
+
+
+def number(value: float | None, u: float | None = None, places: int | None = None) -> str:
     """A value with its standard deviation in the last two digits: ``0.80000(12)``; ``–`` if none.
 
     The concise notation of JCGM 100:2008, 7.2.2.
+
+    Args:
+        value: the value.
+        u: its standard deviation; left out where it is below the last decimal.
+        places: decimals at most; ``None`` for all that matter.
     """
     if value is None:
         return "–"
-    if u is None or u == 0 or not math.isfinite(u):
-        return f"{value:.6g}"
-    places = 1 - math.floor(math.log10(u))
-    digits = round(u * 10**places)
-    if digits == 100:  # 0.0996 is 0.10, not 0.100
-        places, digits = places - 1, 10
-    if places > 12:  # a spread of rounding
-        return f"{value:.9g}"
-    if places <= 0:
-        return f"{round(value, places):.0f}({digits * 10**-places})"
-    return f"{value:.{places}f}({digits})"
+    if u is None or not u or not math.isfinite(u):
+        return _alone(value, places)
+    last = 1 - math.floor(math.log10(u))
+    if round(u * 10.0**last) == 100:  # 0.0996 is 0.10, not 0.100
+        last -= 1
+    if places is not None and places < last:
+        last = places
+    if last > _ROUNDING_PLACES:
+        return minus(f"{value:.9g}")
+    digits = round(u * 10.0**last)
+    if u * 10.0**last < 1:
+        return _alone(value, places)
+    return f"{fixed(value, last)}({digits * 10 ** max(-last, 0)})"
+
+
+def fixed(value: float, places: int) -> str:
+    """A number with so many decimals; what rounds to 0 has no sign."""
+    text = f"{round(value, places):.{max(places, 0)}f}"
+    return minus(text.lstrip("-") if float(text) == 0 else text)
+
+
+def is_zero(value: float, places: int | None) -> bool:
+    """Whether nothing is left of a value with so many decimals."""
+    return round(value, 15 if places is None else places) == 0
+
+
+def _alone(value: float, places: int | None) -> str:
+    """A value without a standard deviation."""
+    if places is None:
+        return minus(f"{value:.{_DIGITS}g}") if value else "0"
+    if is_zero(value, places):
+        return "0"
+    return fixed(value, places)
+
+
+def minus(text: str) -> str:
+    """Text with the sign of numbers, which is longer than a hyphen."""
+    return text.replace("-", "−")
 
 
 def amount(value: float, unit: str) -> str:

@@ -42,7 +42,6 @@ def test_0_when_all_is_well(run_fall, add_engine, tmp_path):
     code, out, err = run_fall("--engine", "toy")
     assert code == 0, err
     assert re.search(r"^toy +[\d.]+ pass$", out, re.MULTILINE)
-    assert "Versions: toy 1.0." in out
     assert "closed form" in out
     assert "Stored in runs" in out
     assert len(list((tmp_path / "runs").iterdir())) == 1
@@ -54,9 +53,8 @@ def test_the_answer_and_one_table_fit_80_columns_and_details_show_the_other_meas
     long = "a" * 20
     add_engine(long)
     _, out, _ = run_fall("--engine", long)
-    table = out[: out.index("Versions")].splitlines()
-    assert max(map(len, table)) <= 80
-    assert out.startswith("With our helps, ")
+    assert max(map(len, out[: out.index("Stored in")].splitlines())) <= 80
+    assert out.startswith("Assisted: ")
     _, more, _ = run_fall("--engine", long, "--details")
     heads = [line for line in more.splitlines() if line.startswith("engine ")]
     assert len(heads) > 1
@@ -66,9 +64,10 @@ def test_the_answer_and_one_table_fit_80_columns_and_details_show_the_other_meas
 def test_1_when_a_tolerance_fails(run_fall, add_engine):
     add_engine("drowns", DROWNS)
     add_engine("toy")
-    code, out, _ = run_fall("--engine", "toy,drowns")
+    code, out, _ = run_fall("--engine", "toy,drowns", "-v")
     assert code == 1
     assert "missed: penetration by drowns" in out
+    assert "Versions: toy 1.0, drowns 1.0." in out
     code, out, _ = run_fall("--engine", "drowns", "--json")
     assert code == 1
     assert json.loads(out)["exit_code"] == 1
@@ -325,10 +324,28 @@ def test_a_number_is_shown_to_the_digit_that_its_uncertainty_leaves(value, u, sh
     assert notation.number(value, u) == shown
 
 
+@pytest.mark.parametrize(
+    ("tolerance", "values", "places"),
+    [(0.0016, (), 4), (0.81, (), 2), (160.0, (), 0), (None, (1.25, 6e-7), 5), (None, (), None),
+     (None, (18.0, 4.0, None), 0), (None, (0.0,), None)],
+)  # fmt: skip
+def test_decimals_follow_the_tolerance_or_the_largest_value(tolerance, values, places):
+    assert notation.places(tolerance, values) == places
+
+
+@pytest.mark.parametrize(
+    ("value", "u", "shown"),
+    [(0.79998, 7e-5, "0.8000"), (-1e-5, None, "0"), (-0.00013, None, "−0.0001"), (0.0, 0.0, "0"),
+     (0.002, 0.006, "0.0020(60)"), (0.79834, 0.0003, "0.7983(3)")],
+)  # fmt: skip
+def test_nothing_is_shown_below_the_last_decimal_that_matters(value, u, shown):
+    assert notation.number(value, u, 4) == shown
+
+
 @pytest.mark.parametrize("value", [123.456, 0.000500277, -3.25, 8e5])
 @pytest.mark.parametrize("u", [1e-3, 1e-6, 1e-9, 1e-10, 1e-12, 1e-15])
 def test_a_small_uncertainty_never_rounds_the_value_away(value, u):
-    shown = float(notation.number(value, u).split("(")[0])
+    shown = float(notation.number(value, u).split("(")[0].replace("−", "-"))
     assert shown == pytest.approx(value, rel=1e-5, abs=u)
 
 

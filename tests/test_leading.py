@@ -4,7 +4,7 @@ import pytest
 
 from simcompare.reports.render import matplotlib_, plotly_
 from simcompare.reports.run.lead_figure import lead_figure
-from simcompare.reports.run.lead_table import lead_table, text
+from simcompare.reports.run.lead_table import lead_table, legend_words, text
 from tests.test_headline import answered, changed, level
 from tests.test_reports import make_run
 
@@ -94,7 +94,7 @@ def test_repeats_that_differ_are_told_by_their_ends():
     assert any(x - u == pytest.approx(0.01) and x + u == pytest.approx(0.17) for x, u in bars)
     assert "from their lowest to their highest" in lead_figure(run).caption
     (row,) = [line for line in shown(run) if line.startswith("south")]
-    assert "0.01000 to 0.17000" in row
+    assert "0.0100 to" in row
 
 
 def test_no_scatter_is_no_bar_and_no_end_of_one():
@@ -162,13 +162,12 @@ def shown(run, measure=None):
 
 def test_levels_stand_side_by_side_with_verdicts_and_the_truth_below():
     assert shown(three_levels()) == [
-        "restitution, mean over all events of a repeat and 3 repeats (scatter in the last",
-        "digits); tolerance 0.008",
+        "restitution, mean of all events and 3 repeats; tolerance 0.008",
         "engine          default  tuned            assisted",
         "─" * 57,
         "north        0.0000(10)  0.8100(10) fail  0.8000(10) pass",
         "south        0.5000(10)  0.8300(10) fail  0.8010(10) pass",
-        "closed form     0.80000  0.80000          0.80000",
+        "closed form      0.8000  0.8000           0.8000",
     ]
 
 
@@ -198,10 +197,31 @@ def test_any_measure_has_such_a_table():
 
 @pytest.mark.parametrize(
     ("scatter", "cell"),
-    [(None, "0.81234"), (0.0, "0.81234"), (0.00004, "0.81234(4)"), (0.0012, "0.8123(12)"),
-     (0.25, "0.81(25)"), (1e-9, "0.81234")],
+    [(None, "0.8123"), (0.0, "0.8123"), (0.00004, "0.8123"), (0.0004, "0.8123(4)"),
+     (0.0012, "0.8123(12)"), (0.25, "0.81(25)"), (1e-9, "0.8123")],
 )  # fmt: skip
-def test_digits_of_a_value_end_with_its_scatter_or_far_below_the_tolerance(scatter, cell):
+def test_digits_of_a_value_end_with_its_scatter_or_with_the_tolerance(scatter, cell):
     run = changed(answered(level("default", north=0.81234)), "north", scatter=scatter)
     (row,) = [line for line in shown(run) if line.startswith("north")]
     assert row.split()[1] == cell
+
+
+def test_further_digits_show_that_a_value_is_outside():
+    run = answered(level("tuned", north=0.80801))
+    (row,) = [line for line in shown(changed(run, "north", scatter=None)) if "north" in line]
+    assert row.split() == ["north", "0.80801", "fail"]
+
+
+def test_what_is_far_below_the_tolerance_is_0_and_the_table_says_so():
+    run = answered([*level("default", north=-1e-5), *level("tuned", north=0.8)])
+    lines = shown(changed(run, "north", scatter=None))
+    assert lines[3].split() == ["north", "0", "0.8000", "pass"]
+    assert lines[-1] == "0 means less than 0.00005."
+    assert "means" not in shown(changed(run, "north", scatter=None, value=0.0))[-1]
+
+
+def test_legends_explain_what_stands_in_a_table():
+    table = lead_table(three_levels())
+    assert legend_words([table]) == ["default", "tuned", "assisted", "brackets"]
+    bare = lead_table(changed(answered(level("tuned", north=0.8)), "north", value=None))
+    assert legend_words([bare]) == ["tuned", "–"]

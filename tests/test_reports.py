@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from simcompare import notation
 from simcompare.comparison.comparison import Score
 from simcompare.errors import OutputError, UnknownName
 from simcompare.model.audit import AuditRow
@@ -223,15 +224,17 @@ def test_numbers_alone(value, digits, text):
 
 
 @pytest.mark.parametrize(
-    ("value", "tolerance", "text"),
+    ("value", "u", "tolerance", "text"),
     [
-        (1.953602, 0.0059, "1.9536"), (1.953712, 0.0059, "1.95371"),
-        (2.53838e-4, 0.01, "2.538·10⁻⁴"),
-        (11.50189, 0.0144, "11.5019"), (123.456, None, "123.5"), (0.0, 0.1, "0"), (None, 0.1, "–"),
+        (1.953602, None, 0.0059, "1.9536"), (-2.538e-5, None, 0.01, "0"),
+        (11.50189, None, 0.0144, "11.502"), (123.456, None, None, "123.5"),
+        (0.0, None, 0.1, "0"), (None, None, 0.1, "–"), (0.8, 7e-5, 0.0016, "0.8000"),
+        (0.79834, 0.00112, 0.0016, "0.7983 ± 0.0011"), (0.79834, 3e-4, 0.0016, "0.7983 ± 0.0003"),
+        (1.234e-9, None, 2e-11, "1.234·10⁻⁹"), (9.876e9, None, 0.01, "9.876·10⁹"),
     ],
 )  # fmt: skip
-def test_digits_of_a_value_of_unknown_uncertainty_follow_its_tolerance(value, tolerance, text):
-    assert numbers.plain(value, numbers.digits(value, tolerance)) == text
+def test_digits_of_a_value_follow_its_tolerance(value, u, tolerance, text):
+    assert numbers.with_u(value, u, digits=4, places=notation.places(tolerance)) == text
 
 
 def test_a_number_is_rounded_before_its_power_is_taken():

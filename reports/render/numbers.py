@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 import re
 
+from simcompare.notation import fixed, is_zero, minus
+
 #: outside of these powers of ten a number is written as a mantissa and a power
 _PLAIN = (-3, 6)
 _MISSING = "–"
 #: relative size below which a difference of two doubles is rounding
 ROUNDING = 1e-12
-#: significant digits of a value whose uncertainty is not known
-_MIN_DIGITS, _MAX_DIGITS = 4, 12
+#: more decimals than these are read better as a power of ten
+MOST_PLACES = 9
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -26,7 +28,7 @@ def plain(value: float | None, digits: int = 6) -> str:
     mantissa = value / 10.0 ** (power or 0)
     place = digits - 1 - math.floor(math.log10(abs(mantissa)))
     text = f"{round(mantissa, place):.{max(place, 0)}f}"
-    text = _minus(text.rstrip("0").rstrip(".") if "." in text else text)
+    text = minus(text.rstrip("0").rstrip(".") if "." in text else text)
     return text if power is None else f"{text}·10{raised(power)}"
 
 
@@ -36,6 +38,7 @@ def with_u(
     unit: str = "1",
     scale: float | None = None,
     digits: int = 6,
+    places: int | None = None,
 ) -> str:
     """``value ± u``: u in two significant digits, the value to the same place.
 
@@ -45,36 +48,25 @@ def with_u(
         unit: unit, ``"1"`` for none.
         scale: size of the quantity (its truth, say); what is a rounding error of it counts as 0.
         digits: significant digits of the value where its uncertainty is not known.
+        places: decimals that are worth reading, see :func:`simcompare.notation.places`.
     """
     if value is None or not math.isfinite(value):
         return _MISSING
     smallest = ROUNDING * max(abs(value), abs(scale or 0.0))
     value = value if abs(value) > smallest else 0.0
     after = "" if unit in ("", "1") else f" {unit}"
+    if places is not None and places <= MOST_PLACES and abs(value) < 10.0 ** _PLAIN[1]:
+        return _limited(value, u, places) + after
     if u is None or not math.isfinite(u):
         return plain(value, digits) + after
     if u <= smallest:  # all repeats fell into the same sample: "± 0" would claim too much
         return plain(value) + after
     power = _power(max(abs(value), u))
     factor = 10.0 ** (power or 0)
-    text = _same_place(value / factor, u / factor)
+    text = _same_place(value / factor, u / factor, _last(u / factor))
     if power is None:
         return f"({text}){after}" if after else text
     return f"({text})·10{raised(power)}{after}"
-
-
-def digits(value: float | None, tolerance: float | None) -> int:
-    """Digits of a value whose uncertainty is not known: the last a hundredth of its tolerance."""
-    if not value or not math.isfinite(value) or not tolerance:
-        return _MIN_DIGITS
-    apart = math.floor(math.log10(abs(value))) - math.floor(math.log10(tolerance))
-    return min(max(_MIN_DIGITS, apart + 3), _MAX_DIGITS)
-
-
-def fixed(value: float, places: int) -> str:
-    """A number with so many decimals; what rounds to 0 has no sign."""
-    text = f"{value:.{places}f}"
-    return _minus(text.lstrip("-") if float(text) == 0 else text)
 
 
 def percent(part: float | None) -> str:
@@ -84,11 +76,20 @@ def percent(part: float | None) -> str:
     return f"{plain(100 * part, 2 if abs(part) < 1 else 3)} %"
 
 
-def _same_place(value: float, u: float) -> str:
-    # the exponent after rounding, so that 0.0996 is 0.10 and not 0.100
-    place = 1 - int(f"{u:.1e}".partition("e")[2])
-    decimals = max(place, 0)
-    return f"{_minus(f'{round(value, place):.{decimals}f}')} ± {round(u, place):.{decimals}f}"
+def _limited(value: float, u: float | None, places: int) -> str:
+    """A value with so many decimals at most; its u is told where it reaches the last of them."""
+    if u is None or not math.isfinite(u) or u < 10.0**-places:
+        return "0" if is_zero(value, places) else fixed(value, places)
+    return _same_place(value, u, min(_last(u), places))
+
+
+def _same_place(value: float, u: float, place: int) -> str:
+    return f"{fixed(value, place)} ± {fixed(u, place)}"
+
+
+def _last(u: float) -> int:
+    """The decimal of the second digit, after rounding: 0.0996 is 0.10 and not 0.100."""
+    return 1 - int(f"{u:.1e}".partition("e")[2])
 
 
 def _power(value: float) -> int | None:
@@ -100,10 +101,6 @@ def _power(value: float) -> int | None:
 def raised(power: int) -> str:
     """A power as it is written above the line."""
     return str(power).translate(_SUPERSCRIPTS)
-
-
-def _minus(text: str) -> str:
-    return text.replace("-", "−")
 
 
 def tied(text: str) -> str:

@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+from simcompare import notation
 from simcompare.reports.render import numbers
 
 _POWERS = (-3, 6)
@@ -114,7 +115,7 @@ class Scale(NamedTuple):
         """A number; a dash where there is none."""
         if value is None or not math.isfinite(value):
             return "–"
-        return numbers.fixed(value / 10.0**self.power, self.places)
+        return notation.fixed(value / 10.0**self.power, self.places)
 
     def unit(self, unit: str) -> str:
         """Unit in brackets, with the power of ten where there is one."""

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from simcompare import notation
 from simcompare.comparison.comparison import Score
 from simcompare.model.answer import Answer
 from simcompare.reports.render import numbers
@@ -39,6 +40,7 @@ class Lead:
         answer: what the scenario says of it, ``None`` where it says nothing.
         of_events: whether it is the mean over the events of a repeat, such as all its bounces.
         size: of the largest value, beside which others may be no more than rounding.
+        decimals: how many are worth reading in a table, ``None`` where that is not known.
     """
 
     measure: str
@@ -49,6 +51,7 @@ class Lead:
     answer: Answer | None
     of_events: bool = False
     size: float = 0.0
+    decimals: int | None = None
 
     @property
     def words(self) -> str:
@@ -151,7 +154,7 @@ class Lead:
         return f"{' to '.join(ends)}{after} (± {largest}{after}{at_most})"
 
     def _digits(self, value: float, more: int) -> str:
-        return numbers.fixed(value, (self.places(value) or 0) + more)
+        return notation.fixed(value, (self.places(value) or 0) + more)
 
     def places(self, value: float) -> int | None:
         """Decimals that the tolerance leaves, ``None`` where a power of ten reads better."""
@@ -207,7 +210,12 @@ def _lead(run: Run, measure: str, answer: Answer | None) -> Lead:
     widths = sorted({w for score in scores if (w := width_of(run, score)) is not None})
     least, of_events = min(widths, default=None), len(scores) < len(every)
     size = max((abs(value) for s in scores for value in (s.value, s.truth) if value), default=0.0)
-    return Lead(measure, known.unit, known.truth, least, (*widths,), answer, of_events, size)
+    decimals = notation.places(
+        least, (value for s in scores for value in (s.value, s.truth, s.low, s.high))
+    )
+    return Lead(
+        measure, known.unit, known.truth, least, (*widths,), answer, of_events, size, decimals
+    )
 
 
 def width_of(run: Run, score: Score) -> float | None:

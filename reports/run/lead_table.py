@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from simcompare import notation
-from simcompare.comparison.comparison import FAIL, PASS
+from simcompare.comparison.comparison import FAIL, PASS, Score
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import AT, TRUTH
 from simcompare.reports.render import numbers
@@ -17,8 +18,15 @@ from simcompare.reports.run.lead import Lead, lead_as, lead_of
 from simcompare.results.run import Run
 from simcompare.running.jobs import OK
 
-#: further digits than the tolerance leaves
-_MORE = 2
+#: digits of a value with a power of ten, and further ones that show what is outside
+_FEW, _MORE = 4, 2
+#: a standard deviation in the last digits, after a number
+_BRACKETS = re.compile(r"\d\(\d+\)")
+_DASH = re.compile("–( |$)")
+#: a whole number with decimals
+_WHOLE = re.compile(r"−?\d+\.0+")
+#: what rounding leaves of a part of a tolerance
+_EQUAL = 1e-9
 _VERDICTS = {PASS: " pass", FAIL: " fail"}
 
 
@@ -38,9 +46,30 @@ def lead_table(run: Run, measure: str | None = None) -> Table | None:
     rows = [(name, *(cell(run, lead, name, mode) for mode in modes)) for name in runs.names(run)]
     if lead is not None:
         rows += [(name, *(true for _ in modes)) for name, true in _truths(run, lead).items()]
-    return Table(
-        _title(run, lead), (Column("engine", text=True), *columns), (Group("", tuple(rows)),)
-    )
+    note = "" if lead is None else _zero(run, lead, rows)
+    heads = (Column("engine", text=True), *columns)
+    return Table(_title(run, lead), heads, (Group("", tuple(rows)),), note)
+
+
+def legend_words(tables: Sequence[Table]) -> list[str]:
+    """What of these tables a reader may look up in the glossary: levels and signs."""
+    levels = [column.head for table in tables for column in table.columns[1:]]
+    cells = [c for table in tables for group in table.groups for row in group.rows for c in row]
+    signs = {"brackets": any(map(_BRACKETS.search, cells)), "–": any(map(_DASH.match, cells))}
+    return [*dict.fromkeys(levels), *(sign for sign, is_there in signs.items() if is_there)]
+
+
+def _zero(run: Run, lead: Lead, rows: Sequence[Sequence[str]]) -> str:
+    """What a 0 of the table means, where it is one by rounding."""
+    is_there = any(cell.split()[:1] == ["0"] for row in rows for cell in row[1:])
+    scores = [s for s in run.record.scores if s.measure == lead.measure and s.index is None]
+    values = [one for s in scores for one in (s.value, s.low, s.high) if one]
+    decimals = lead.decimals
+    if decimals is None or not is_there:
+        return ""
+    if not any(notation.is_zero(value, decimals) for value in values):
+        return ""
+    return f"0 means less than {notation.fixed(0.5 * 10.0**-decimals, decimals + 1)}."
 
 
 def _truths(run: Run, lead: Lead) -> dict[str, str]:
@@ -64,24 +93,23 @@ def lead_tables(run: Run, *, every: bool) -> list[Table]:
 
 
 def text(table: Table, width: int) -> Iterator[str]:
-    """A table with its title above it."""
+    """A table with its title above it and its note below."""
     yield from textwrap.wrap(table.title, width)
     yield from lines(table, width)
+    yield from textwrap.wrap(table.note, width)
 
 
 def _title(run: Run, lead: Lead | None) -> str:
     if lead is None:
         return ""
     unit = "" if lead.unit in ("", "1") else f" in {lead.unit}"
-    title = f"{lead.words}{unit}"
-    means = ["all events of a repeat"] if lead.of_events else []
-    if run.record.repeats > 1:
-        means.append(f"{run.record.repeats} repeats (scatter in the last digits)")
-    if means:
-        title += f", mean over {' and '.join(means)}"
+    means = ["all events"] if lead.of_events else []
+    means += [f"{run.record.repeats} repeats"] if run.record.repeats > 1 else []
+    mean = f", mean of {' and '.join(means)}" if means else ""
+    accepted = "" if lead.width is None else f"; tolerance {_tolerances(run, lead)}"
     if runs.beyond(run):
-        return f"{title}; not judged, for the truth does not hold here"
-    return title if lead.width is None else f"{title}; tolerance {_tolerances(run, lead)}"
+        accepted = "; not judged, for the truth does not hold here"
+    return f"{lead.words}{unit}{mean}{accepted}"
 
 
 def _tolerances(run: Run, lead: Lead) -> str:
@@ -112,27 +140,36 @@ def cell(
     score = runs.score_of(run, name, mode, lead.measure) if lead else None
     if lead is None or score is None:
         return "–"
+    verdict = marks.get(score.verdict, "")
     if score.value is None and score.low is not None and score.high is not None:
         # a mean over some of the repeats would be none over all
-        ends = " to ".join(
-            dict.fromkeys(number(lead, end, None) for end in (score.low, score.high))
-        )
-        return f"{ends} {runs.measured_words(run, score)}{marks.get(score.verdict, '')}"
-    return number(lead, score.value, score.scatter) + marks.get(score.verdict, "")
+        ends = dict.fromkeys(number(lead, end, None) for end in (score.low, score.high))
+        return f"{' to '.join(ends)} {runs.measured_words(run, score)}{verdict}"
+    return number(lead, score.value, score.scatter, _further(lead, score)) + verdict
 
 
-def number(lead: Lead, value: float | None, u: float | None) -> str:
-    """A value in the concise notation, to a hundredth of the tolerance at most."""
-    if value is None:
-        return "–"
-    places = lead.places(value)
-    if places is None:
-        text = notation.number(value, u)
-        return f"−{text[1:]}" if text.startswith("-") else text
-    places += _MORE
-    digits = round((u or 0.0) * 10**places)
-    if digits >= 100:  # two digits of the scatter are enough
-        places -= min(len(str(digits)) - 2, places)
-        digits = round((u or 0.0) * 10**places)
-    text = numbers.fixed(value, places)
-    return f"{text}({digits})" if digits else text
+def _further(lead: Lead, score: Score) -> int:
+    """Further decimals that show that a value is outside, where it is."""
+    known = score.value is not None and score.truth is not None and score.tolerance is not None
+    if lead.decimals is None or score.verdict != FAIL or not known:
+        return 0
+    value, truth, width = score.value or 0.0, score.truth or 0.0, score.tolerance or 0.0
+    places = range(lead.decimals, lead.decimals + _MORE)
+    shown = [abs(round(value, place) - truth) > width * (1 + _EQUAL) for place in places]
+    return shown.index(True) if True in shown else _MORE
+
+
+def number(lead: Lead, value: float | None, u: float | None, further: int = 0) -> str:
+    """A value in the concise notation; with a power of ten where that reads better.
+
+    Args:
+        lead: the measure.
+        value: of it.
+        u: its standard deviation.
+        further: decimals beyond those that its tolerance leaves.
+    """
+    decimals = None if lead.decimals is None else lead.decimals + further
+    if decimals is not None and decimals > numbers.MOST_PLACES:
+        return numbers.with_u(value, u, digits=_FEW)
+    text = notation.number(value, u, decimals)
+    return text if lead.width or not _WHOLE.fullmatch(text) else text.partition(".")[0]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from simcompare import notation
 from simcompare.comparison.comparison import PASS, Score
 from simcompare.errors import UnknownName
 from simcompare.measures import observe
@@ -204,13 +205,13 @@ def value_words(run: Run, score: Score | None) -> str:
     if score is None:
         return "–"
     if score.value is None and score.low is not None and score.high is not None:
-        least = numbers.ROUNDING * size(run, score)
-        low, high = (numbers.plain(end if abs(end) > least else 0.0, 4)
+        scale, places = size(run, score), notation.places(width(run, score))
+        low, high = (numbers.with_u(end, None, scale=scale, digits=4, places=places)
                      for end in (score.low, score.high))  # fmt: skip
         ends = low if low == high else f"{low} to {high}"
         return f"{ends} {measured_words(run, score)}"
-    scale, digits = size(run, score), numbers.digits(score.value, width(run, score))
-    return numbers.with_u(score.value, score.scatter, scale=scale, digits=digits)
+    scale, places = size(run, score), notation.places(width(run, score))
+    return numbers.with_u(score.value, score.scatter, scale=scale, digits=4, places=places)
 
 
 def measured_words(run: Run, score: Score) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from simcompare import notation
 from simcompare.comparison.comparison import FAIL, INFO, PASS, Score
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import TRUTH
@@ -91,8 +92,8 @@ def _accepted(run: Run, measured: list[Score]) -> str:
 
 
 def _truth(run: Run, score: Score) -> str:
-    digits = 6 if score.scatter is not None else numbers.digits(score.truth, runs.width(run, score))
-    return numbers.with_u(score.truth, None, scale=runs.size(run, score), digits=digits)
+    places = notation.places(runs.width(run, score))
+    return numbers.with_u(score.truth, None, scale=runs.size(run, score), places=places)
 
 
 def _cells(run: Run, name: str, mode: str, measure: str) -> list[str]:
@@ -109,5 +110,6 @@ def _cells(run: Run, name: str, mode: str, measure: str) -> list[str]:
 def _deviation(run: Run, score: Score) -> str:
     if score.value is None or score.truth is None:
         return "–"
-    size, digits = runs.size(run, score), 6 if score.scatter is not None else 4
-    return numbers.with_u(score.value - score.truth, score.scatter, scale=size, digits=digits)
+    size, places = runs.size(run, score), notation.places(runs.width(run, score))
+    deviation = score.value - score.truth
+    return numbers.with_u(deviation, score.scatter, scale=size, digits=4, places=places)
