@@ -359,7 +359,7 @@ def test_counts_of_tolerances_name_their_level_and_ends_stand_for_a_mean(tmp_pat
     page = builder.write_html([run], tmp_path / "report.html").read_text(encoding="utf-8")
     assert "tuned\u00a01\u00a0of\u00a02" in page
     assert "assisted\u00a01\u00a0of\u00a02" in page
-    assert "0.01 to 0.17" in page
+    assert "0.0100 to 0.1700" in page
 
 
 TWO = """
@@ -387,7 +387,7 @@ measures:
 def test_numbers_are_told_for_every_restitution_of_a_scene(call, tmp_path):
     (tmp_path / "two").mkdir()
     (tmp_path / "two" / "two.yaml").write_text(TWO, encoding="utf-8")
-    words = ("--engine", "pymunk", "--contact", "tuned", "--no-report")
+    words = ("--engine", "pymunk", "--contact", "tuned", "--no-report", "-v")
     _, out, _ = call("run", str(tmp_path / "two"), *words)
     assert "Typed in for a restitution of 0.8: 0.80" in out
     assert "Typed in for a restitution of 0.5: 0.50" in out

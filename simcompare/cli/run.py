@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import typer
 
 from simcompare import notation
-from simcompare.cli import complete, console, ending, opening
+from simcompare.cli import complete, console, ending, manner, opening
 
 if TYPE_CHECKING:
     from simcompare.comparison.against import Match
     from simcompare.model.plain import Plain
-    from simcompare.results.records.run import Measurement, Record
+    from simcompare.results.records.run import Measurement
     from simcompare.results.run import Run
 
 
@@ -100,51 +100,59 @@ def _plain(result: Run) -> Plain:
 
 
 def _show(result: Run, page: Path | None, *, details: bool) -> None:
-    """The answer, the leading measure level by level, and what the reader must know of both."""
-    from simcompare.reports.run import answer, lead_table, remarks
+    """The answer, the leading measure level by level, and what its words mean."""
+    from simcompare import glossary
+    from simcompare.reports.run import lead_table, short
 
-    console.print_wrapped(answer.sentences(result))
-    for table in lead_table.lead_tables(result, every=details):
+    console.print_wrapped(short.short(result))
+    tables = lead_table.lead_tables(result, every=details or manner.is_verbose())
+    for table in tables:
         typer.echo("\n".join(["", *lead_table.text(table, console.table_width())]))
     typer.echo()
-    console.print_wrapped([*remarks.remarks(result), *_levels(result.record)])
-    _show_remarks(result)
+    console.print_wrapped(glossary.legend(lead_table.legend_words(tables)))
+    _show_not_run(result)
+    _show_limits(result)
+    if manner.is_verbose():
+        _show_all(result)
     ending.show_end(result, page)
 
 
-def _levels(record: Record) -> list[str]:
-    """What the levels of the table are, in a sentence each, and what was run."""
-    levels = dict.fromkeys(source.contact for source in record.sources)
-    texts = dict(_LEVELS)
-    if record.assist == "none":
-        texts["assisted"] = "here with none of our helps, so the same as tuned."
+def _show_not_run(result: Run) -> None:
+    """What did not run and why; what an engine cannot do is only named where others can."""
+    from simcompare.reports.run.not_run import not_run
+    from simcompare.running.jobs import UNSUPPORTED
+
+    rows = not_run(result)
+    some_ran = any(source.ran for source in result.record.sources)
+    is_brief = some_ran and not manner.is_verbose()
+    short = [row.name for row in rows if is_brief and row.status == UNSUPPORTED]
+    if short:
+        names = ", ".join(dict.fromkeys(short))
+        console.print_wrapped([f"unsupported: {names} (-v tells why)"])
+    told = [row for row in rows if not is_brief or row.status != UNSUPPORTED]
+    console.print_wrapped(f"{row.name} ({row.modes}): {row.reason}" for row in told)
+
+
+def _show_all(result: Run) -> None:
+    """What else is known: the whole answer, remarks on it, and versions."""
+    from simcompare.reports.run import answer, remarks
+
+    console.print_wrapped([*answer.sentences(result), *remarks.remarks(result)])
+    known = [source for source in result.record.sources if source.version]
     # one engine may stand in several rows, each with its step behind an @
-    known = [source for source in record.sources if source.version]
     versions = {source.name.partition("@")[0]: source.version for source in known}
-    sentences = [f"{level}: {texts[level]}" for level in levels if level in texts]
     if versions:
         named = ", ".join(f"{name} {version}" for name, version in versions.items())
-        sentences.append(f"Versions: {named}.")
-    return sentences
+        console.print_wrapped([f"Versions: {named}."])
 
 
-#: level -> what stands in its rows
-_LEVELS = {
-    "default": "the engine as it comes; shown, not judged.",
-    "coefficients": "as it comes, with the scenario's restitution and friction; not judged.",
-    "tuned": "the engine in a plain loop, everything typed in; what it misses is its own.",
-    "assisted": "the same with our helps (the report names them, and what each changes).",
-    "fitted": "with the parameters and numbers of the fit, at the level that it was made for.",
-}
-
-
-def _show_remarks(result: Run) -> None:
-    """What did not run, what was held against, and what lies outside of a fit's range."""
+def _show_limits(result: Run) -> None:
+    """What was held against, and what lies outside of a fit's range."""
     from simcompare.reports.run import runs
-    from simcompare.reports.run.not_run import not_run
 
-    console.print_wrapped(f"{row.name} ({row.modes}): {row.reason}" for row in not_run(result))
     record = runs.run_record(result)
+    if record.assist == "none":
+        typer.echo("--assist none: assisted has none of our helps, so it is the same as tuned.")
     if record.against is not None:
         _show_against(record.against)
     console.print_wrapped(f"Caution: {caution}" for caution in record.cautions)
