@@ -50,7 +50,7 @@ def figures(run):
 
 def test_a_report_has_its_sections_and_no_address_to_fetch(fitted, tmp_path):
     html = html_of(fitted, tmp_path)
-    for title in ("Answer", "What the gap is made of", "What is left", "Single values",
+    for title in ("What the gap is made of", "What is left", "Single values",
                   "Parameters", "The recording", "How it was made"):  # fmt: skip
         assert f"<h2>{title}</h2>" in html
     own = without_scripts(html)
