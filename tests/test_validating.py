@@ -94,7 +94,7 @@ def test_a_fit_to_the_same_data_is_never_called_a_validation(fitted):
     assert any("this is a fit, not a validation" in text for text in fitted.sentences)
     assert not any("prediction" in text for text in fitted.sentences)
     for row in fitted.values:
-        assert row.words != "within the noise level"
+        assert row.words != "within the uncertainty"
 
 
 def test_a_wrong_length_is_seen_as_such(logs):
@@ -107,7 +107,7 @@ def test_a_wrong_length_is_seen_as_such(logs):
     expected = 2 * np.pi * np.sqrt(0.26 / 9.80665) - 2 * np.pi * np.sqrt(LENGTH_M / 9.80665)
     assert periods[0].error == pytest.approx(expected, rel=0.02)
     assert abs(periods[0].e_n) > 1
-    assert periods[0].words == "beyond the uncertainties"
+    assert periods[0].words == "beyond the uncertainty"
 
 
 def test_what_is_known_badly_is_in_the_uncertainty(logs):
@@ -118,7 +118,7 @@ def test_what_is_known_badly_is_in_the_uncertainty(logs):
     (period,) = [row for row in found.values if row.measure == "small_angle_period"]
     assert period.u_input == pytest.approx(0.5 * 0.01 / 0.24 * period.simulated, rel=0.05)
     assert abs(period.e_n) < 1
-    assert period.words == "within the noise level"
+    assert period.words == "within the uncertainty"
 
 
 def test_every_engine_that_can_is_held_against_the_recording(logs, tmp_path):

@@ -1,5 +1,6 @@
 """Figures of simulations held against a recording."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -142,10 +143,12 @@ def test_events_are_marked_on_the_aligned_clock(fitted):
 def test_the_residual_shows_noise_and_parameters(judged):
     (panel,) = waveforms.residual_figure(judged, "angle_rad").panels
     (band,) = panel.bands
-    assert (band.low, band.high) == pytest.approx((-2 * NOISE_RAD, 2 * NOISE_RAD))
+    noise_deg = math.degrees(NOISE_RAD)
+    assert panel.y_label == "simulated − measured (°)"
+    assert (band.low, band.high) == pytest.approx((-2 * noise_deg, 2 * noise_deg))
     shaded = next(series for series in panel.series if series.shaded)
-    assert (shaded.u >= 2 * NOISE_RAD - 1e-12).all()
-    assert shaded.u.max() > 10 * NOISE_RAD
+    assert (shaded.u >= 2 * noise_deg - 1e-12).all()
+    assert shaded.u.max() > 10 * noise_deg
 
 
 def timed(run, **more):

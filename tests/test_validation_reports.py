@@ -70,7 +70,7 @@ def test_every_figure_has_a_caption_and_axes_with_units(name, request):
             if "E_n" in panel.x_label or "÷ u" in panel.x_label:
                 continue  # numbers without a unit
             assert re.search(r"\((rad|s)\)", panel.x_label)
-            assert panel.y_ticks is not None or "(rad)" in panel.y_label
+            assert panel.y_ticks is not None or "(°)" in panel.y_label
 
 
 def test_sections_have_names_of_their_own(fitted):

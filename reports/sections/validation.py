@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
+from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Part, Section, part_of
 from simcompare.reports.run.not_run import not_run
 from simcompare.reports.validation import (
@@ -9,6 +13,7 @@ from simcompare.reports.validation import (
     gap_figures,
     parameter_tables,
     phrases,
+    short,
     validations,
     waveforms,
 )
@@ -16,9 +21,12 @@ from simcompare.reports.validation import source as recorded
 from simcompare.reports.validation import tables as real_tables
 from simcompare.results.run import Run
 
+#: figures of the recording that are seen at once, the others on request
+_OPEN = 2
+
 
 def answer(run: Run) -> Part:
-    """What was found, in words, and measured and simulated over each other."""
+    """The recording with the engines over it, and how far they are off."""
     validation = validations.validation(run)
     figures = [
         figure
@@ -29,7 +37,15 @@ def answer(run: Run) -> Part:
     if missing := sorted({row.name for row in not_run(run)}):
         sentences.append(f"Did not run: {', '.join(missing)}; the reasons are below.")
     tables = [real_tables.waveforms(run)] if validation.waveforms else []
-    return part_of("Answer", "answer", figures, tables, answer=sentences)
+    figures = figures or [figure for figure in [events.figure(run)] if figure is not None]
+    part = part_of("Answer", "answer", figures[:_OPEN], tables, answer=sentences)
+    return replace(part, short=short.short(validation), key_numbers=short.key_numbers(validation),
+                   parts=_others(figures[_OPEN:]))  # fmt: skip
+
+
+def _others(figures: Sequence[Figure]) -> tuple[Part, ...]:
+    words = "The other quantities and segments"
+    return (Part(words, figures=tuple(figures), folded=True),) if figures else ()
 
 
 def gap(run: Run) -> Part | None:
@@ -37,7 +53,8 @@ def gap(run: Run) -> Part | None:
     figures = gap_figures.gap_figures(run)
     if not figures:
         return None
-    return part_of("What the gap is made of", "gap", figures, real_tables.gaps(run))
+    title = "What the gap is made of"
+    return part_of(title, "gap", figures, real_tables.gaps(run), finding="")
 
 
 def residuals(run: Run) -> Part | None:
@@ -49,7 +66,8 @@ def residuals(run: Run) -> Part | None:
 def timings(run: Run) -> Part | None:
     """When things happened; ``None`` where no events are compared."""
     tables = [events.summary(run), events.intervals(run)]
-    return part_of("Events", "timings", [events.figure(run)], tables) if any(tables) else None
+    figures = [events.figure(run)] if validations.validation(run).waveforms else []
+    return part_of("Events", "timings", figures, tables) if any(tables) else None
 
 
 def values(run: Run) -> Part | None:
@@ -62,12 +80,14 @@ def values(run: Run) -> Part | None:
 
 def parameters(run: Run) -> Part:
     """What was known, what was fitted, where each number comes from, and single segments."""
+    fitted = [row for row in validations.validation(run).parameters if row.fitted is not None]
     return part_of(
         "Parameters",
         "parameters",
         [gap_figures.parameter_figure(run)],
         [parameter_tables.parameters(run), parameter_tables.single_fits(run)],
         [validations.validation(run).note, _fit_words(run), _bound(run)],
+        finding=f"{len(fitted)} fitted" if fitted else "known before",
     )
 
 
@@ -93,16 +113,19 @@ def recording(run: Run) -> Part:
     tables = [*repairs, recorded.segments(run), recorded.events(run), recorded.conversions(run)]
     notes = ["No defect was found in the log: nothing was repaired."] if is_sound else []
     facts = recorded.facts(run)
-    return part_of("The recording", "recording", tables=tables, notes=notes, facts=facts)
+    return part_of(
+        "The recording", "recording", tables=tables, notes=notes, facts=facts,
+        finding="no defect" if is_sound else "the log had defects",
+    )  # fmt: skip
 
 
 #: in the order in which a reader wants them
 SECTIONS: tuple[Section, ...] = (
     answer,
-    gap,
     residuals,
     timings,
     values,
+    gap,
     parameters,
     recording,
 )

@@ -21,14 +21,14 @@ def with_words(validation: Validation) -> Validation:
 
 
 def verdict(row: ValueRecord, basis: str) -> str:
-    """One value in words; "within the noise level" is not "validated"."""
+    """One value in words; "within the uncertainty" is not "validated"."""
     if row.e_n is None:
         return "not judged: u unknown"
     if not row.within_noise:
-        return "beyond the uncertainties"
+        return "beyond the uncertainty"
     if basis == SAME:
-        return "within the noise level (same data)"
-    return "within the noise level"
+        return "within the uncertainty (same data)"
+    return "within the uncertainty"
 
 
 def sentences(validation: Validation) -> list[str]:
@@ -56,10 +56,7 @@ def _clocks(validation: Validation) -> Iterator[str]:
     streams = [case.stream for case, one in pairs if one is not None and one.ambiguous]
     if streams:
         on = f" ({', '.join(streams)})" if len(validation.cases) > 1 else ""
-        yield (
-            f"The clocks are not aligned with certainty{on}: another offset fits about as well, so"
-            " everything that compares times may be wrong."
-        )
+        yield (f"The clocks are not aligned with certainty{on}: another offset fits about as well.")
 
 
 def _cut(validation: Validation) -> Iterator[str]:
@@ -70,7 +67,7 @@ def _cut(validation: Validation) -> Iterator[str]:
     lengths = phrases.size_span([case.duration_s for case in cut], "s")
     if len(validation.cases) > 1:
         lengths += f" of {', '.join(case.stream for case in cut)}"
-    yield f"The log ends before the window that was asked for: only {lengths} are judged."
+    yield f"The log ends early: only {lengths} are judged."
 
 
 def _log(validation: Validation) -> Iterator[str]:
@@ -86,4 +83,4 @@ def _log(validation: Validation) -> Iterator[str]:
             defects.append(f"{words}: {', '.join(rules)}")
     if defects:
         listed = "; ".join(defects)
-        yield f"The log had defects ({listed}); the section on the recording has the rows."
+        yield f"The log had defects ({listed}); see the section on the recording."

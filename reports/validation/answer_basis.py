@@ -31,11 +31,11 @@ _NAMED = 5
 def sentences(validation: Validation) -> Iterator[str]:
     """Where the parameters come from."""
     if validation.fit is None:
-        yield _known(validation)
+        yield from _known(validation)
         return
-    yield " ".join(
-        [_fitted(validation, validation.fit), *_read_off(validation), *_alike(validation.fit)]
-    )
+    yield from _fitted(validation, validation.fit)
+    yield from _read_off(validation)
+    yield from _alike(validation.fit)
 
 
 # where the parameters come from
@@ -45,22 +45,22 @@ def _names(validation: Validation, kind: str) -> list[str]:
     return [row.name for row in validation.parameters if row.kind == kind and row.name != DURATION]
 
 
-def _known(validation: Validation) -> str:
-    parts = list(_read_off(validation))
+def _known(validation: Validation) -> Iterator[str]:
+    read_off = list(_read_off(validation))
     by_user, known, default = (_names(validation, kind) for kind in ("given", "known", "scenario"))
+    yield from read_off
     if by_user:
-        parts.append(f"{_were(by_user)} given by the user.")
-    if known and not parts and not default:
-        return "All parameters were known before the measurement was looked at."
-    if known:
-        parts.append(f"{_were(known)} known before the measurement was looked at.")
+        yield f"{_were(by_user)} given by the user."
+    if known and not read_off and not by_user and not default:
+        yield "All parameters were known before the measurement."
+    elif known:
+        yield f"{_were(known)} known before the measurement."
     if default:
         others = "All parameters are"
-        if parts:
+        if read_off or by_user or known:
             count = len(default)
             others = "One more parameter is" if count == 1 else f"The other {count} parameters are"
-        parts.append(f"{others} the scenario's own, with no uncertainty.")
-    return " ".join(parts)
+        yield f"{others} the scenario's own, taken as exact."
 
 
 def _were(names: Sequence[str]) -> str:
@@ -73,39 +73,29 @@ def _were(names: Sequence[str]) -> str:
 def _read_off(validation: Validation) -> Iterator[str]:
     names = _names(validation, "read off")
     if names:
-        of_each = "each segment of it" if len(validation.cases) > 1 else "it"
-        yield (f"{_were(names)} read off the recording that is judged, at the start of {of_each}.")
+        where = "each segment" if len(validation.cases) > 1 else "the recording"
+        yield f"{_were(names)} read off the start of {where}."
 
 
-def _fitted(validation: Validation, fit: CalibrationRecord) -> str:
+def _fitted(validation: Validation, fit: CalibrationRecord) -> Iterator[str]:
     names = [row.name for row in validation.parameters if row.fitted is not None]
     fitted = f"{phrases.parameters(names)} {'were' if len(names) > 1 else 'was'} fitted to"
-    fitted = phrases.first_up(fitted)
-    streams = phrases.places(fit.recording, fit.streams)
-    judged = phrases.places(validation.recording, [case.stream for case in validation.cases])
+    yield f"{phrases.first_up(fitted)} {phrases.places(fit.recording, fit.streams)}."
     if validation.basis == SAME:
-        return (
-            f"{fitted} {streams}, which is also what was judged: this is a fit, not a validation."
-        )
-    start = f"{fitted} {streams} and held against {judged}, which the fit had not seen"
+        yield "The same data were judged: this is a fit, not a validation."
+        return
     if fit.chosen_knowing:
-        return (
-            f"{start}; but the fitted segments were chosen knowing the judged ones, so this is"
-            " weaker than a prediction. It holds for motions like these, not beyond."
-        )
-    return (
-        f"{start}: what is said here is a prediction. It holds for motions like these, not beyond."
-    )
+        yield ("The fitted segments were chosen with the judged ones in sight, so this is weaker"
+               " than a prediction.")  # fmt: skip
+        return
+    yield "The judged data were not fitted, so this is a prediction."
+    yield "It holds for motions like these, not beyond."
 
 
 def _alike(fit: CalibrationRecord) -> Iterator[str]:
-    pairs = _same_pairs(fit)
-    if pairs:
-        named = "; ".join(
-            f"{phrases.parameter(a)} and {phrases.parameter(b)} ({_near_one(r)})"
-            for a, b, r in pairs
-        )  # fmt: skip
-        yield f"The fit cannot tell apart (correlation): {named}."
+    for a, b, r in _same_pairs(fit):
+        both = f"{phrases.parameter(a)} and {phrases.parameter(b)}"
+        yield f"The fit cannot separate {both} (correlation {_near_one(r)})."
 
 
 def _near_one(value: float) -> str:
@@ -136,22 +126,19 @@ def advice(validation: Validation) -> Iterator[str]:
 def _advice(validation: Validation) -> str:
     bound = [] if validation.fit is None else validation.fit.at_bound
     if bound:
-        return (
-            f"ask why the fit pushed the {phrases.parameters(bound)} to its bound; the model may"
-            " lack something."
-        )
+        return f"ask why the fit pushed the {phrases.parameters(bound)} to the limit."
     if validation.basis == SAME:
         return "judge segments that were not fitted."
     part = _largest_part(validation.gaps)
     if part == "numerical":
-        return "a shorter step, since numerical error is most of what is left."
+        return "make the step shorter; most of what is left is its error."
     if part == "noise":
-        return "a quieter sensor or a longer record; this one holds no more about the model."
+        return "use a quieter sensor or a longer record."
     if part is None:
         return ""
     return _about_parameters(validation) or (
-        "a better model; neither a shorter step nor a quieter sensor would close this gap. What is"
-        f" left over time shows where to look.{_also(validation)}"
+        "improve the model; a shorter step or a quieter sensor would not help. What is left over"
+        f" time shows where to look.{_also(validation)}"
     )
 
 
@@ -161,10 +148,7 @@ def _also(validation: Validation) -> str:
     judged = answer_values.judged(validation.values)
     if not name or answer_values.dominant(judged)[0] != "u_input":
         return ""
-    return (
-        f" Most of the values' uncertainty comes from the {phrases.parameter(name)}: measure it"
-        " better."
-    )
+    return f" Measure the {phrases.parameter(name)} better, too."
 
 
 def _leading(values: Sequence[ValueRecord]) -> str:
@@ -178,31 +162,22 @@ def _about_parameters(validation: Validation) -> str:
     name = _leading(validation.values)
     if answer_gap.is_covered(validation.gaps):
         what = "the parameters" if not name else f"the {phrases.parameter(name)}"
-        return (
-            f"measure {what} better; until then the uncertainty of the parameters hides what else"
-            " is wrong with the model."
+        return f"measure {what} better; its uncertainty hides what else is wrong.".replace(
+            "its", "their" if not name else "its"
         )
     if name in _names(validation, "read off"):
-        return (
-            f"measure the {phrases.parameter(name)} better, apart from this recording; it was read"
-            " off, and most of the parameters' uncertainty is its own."
-        )
+        return f"measure the {phrases.parameter(name)} better, apart from this recording."
     if validation.fit is None:
-        return (
-            "fit the parameters to one part of the recordings and judge another (calibrate:), to"
-            " tell wrong parameters from a wrong model."
-        )
+        return "fit the parameters to one part of the recordings and judge another (calibrate:)."
     pairs = _same_pairs(validation.fit)
     residual = _residual(validation, validation.fit)
     worse = any(row.shares.removed < -_WORSE for row in validation.gaps)
     if not pairs or (residual <= _FAR and not worse):
         return ""
     first, second, _ = pairs[0]
-    why = f" The fit leaves {residual:.2g} times the noise of a sample." if residual > _FAR else ""
     return (
-        f"fit a recording that tells {phrases.parameter(first)} and {phrases.parameter(second)}"
-        " apart, such as one with motions of many sizes; as it is, wrong parameters and a wrong"
-        f" model look alike.{why}"
+        f"fit a recording that separates {phrases.parameter(first)} and"
+        f" {phrases.parameter(second)}, such as one with large and small motions."
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 from simcompare.reports.validation import phrases
 from simcompare.results.records.validation import (
@@ -15,10 +15,10 @@ from simcompare.results.records.validation import (
 )
 
 _PARTS = {
-    "removed": "parameters",
-    "model_form": "model form",
-    "numerical": "numerical error",
-    "noise": "noise of the measurement",
+    "removed": "the parameters",
+    "model_form": "the model",
+    "numerical": "the step",
+    "noise": "noise",
 }
 #: a part of this share is most of the whole; an error below the second is small beside another
 _DOMINANT, _SMALL = 0.5, 0.2
@@ -43,90 +43,80 @@ def is_covered(rows: Sequence[GapRecord]) -> bool:
     return bool(covered) and min(covered) >= _ALL
 
 
-# how large
+def judged_rows(validation: Validation, probe: str) -> list[WaveformRecord]:
+    """Rows of a quantity with the parameters that are judged, on aligned clocks if there are any.
 
-
-def _how_large(validation: Validation) -> Iterator[str]:
-    rows = [row for row in validation.waveforms if row.judged]
-    probes = list(dict.fromkeys(row.probe for row in rows))
-    by_probe = {probe: [row for row in rows if row.probe == probe] for probe in probes}
-    if len(probes) > _MANY:
-        yield " ".join(
-            [_sizes(validation, by_probe), *_numerical(validation.gaps), *_spread(validation, rows)]
-        )
-        return
-    for probe, of_probe in by_probe.items():
-        gaps = [row for row in validation.gaps if row.probe == probe]
-        yield " ".join(
-            [_size(validation, of_probe), *_numerical(gaps), *_spread(validation, of_probe)]
-        )
-
-
-def _sizes(validation: Validation, by_probe: Mapping[str, Sequence[WaveformRecord]]) -> str:
-    """One sentence for many quantities."""
-    mains = {probe: _main(validation, of_probe) for probe, of_probe in by_probe.items()}
-    shown = "; ".join(
-        f"{phrases.label(validation, probe)} {_off(validation, main)}"
-        for probe, main in mains.items()
-    ).replace(" of the measured range", "")
-    still = [any(phrases.is_constant(validation, row) for row in main) for main in mains.values()]
-    if all(still):
-        how = "root mean square; what was measured varies no more than its noise"
-    else:
-        how = "root mean square, in shares of the measured range"
-        how += " where it varies" if any(still) else ""
-    return f"With {_whose(validation)}, the simulated signals are off by ({how}): {shown}."
-
-
-def _whose(validation: Validation) -> str:
-    return "the parameters known before" if validation.fit is None else "fitted parameters"
-
-
-def _main(validation: Validation, rows: Sequence[WaveformRecord]) -> list[WaveformRecord]:
-    """Rows with the parameters that are judged, on aligned clocks where there are any."""
+    Args:
+        validation: the record of the validation.
+        probe: which quantity.
+    """
     parameters = KNOWN if validation.fit is None else FITTED
-    last = [row for row in rows if row.parameters == parameters]
+    last = [r for r in validation.waveforms if r.probe == probe and r.parameters == parameters]
     aligned = any(row.aligned for row in last)
     return [row for row in last if row.aligned == aligned]
 
 
-def _size(validation: Validation, rows: Sequence[WaveformRecord]) -> str:
-    main = _main(validation, rows)
-    worst = max(main, key=lambda row: row.rmse)
-    text = (
-        f"With {_whose(validation)}, the simulated {phrases.label(validation, worst.probe)} is"
-        f" {_off(validation, main)} off (root mean square)"
-    )
-    if validation.fit is not None:
-        same = main[0].aligned
-        before = [r for r in rows if r.parameters == KNOWN and r.aligned == same]
-        text += f"; before the fit it was {_off(validation, before)}" if before else ""
-    if main[0].aligned:
-        parameters = main[0].parameters
-        raw = [r for r in rows if r.parameters == parameters and not r.aligned]
-        text += f"; with the clocks as recorded it would be {_off(validation, raw)}" if raw else ""
-    size, most = _sizes_of(worst)
-    who = _largest(validation, main, worst)
-    return f"{text}. The largest: {who}, {size}, and {most} at one instant."
-
-
-def _largest(validation: Validation, rows: Sequence[WaveformRecord], worst: WaveformRecord) -> str:
-    """Who has the largest gap: all engines where theirs are the same in what is told."""
-    there = [row for row in rows if row.stream == worst.stream]
-    alike = [row.source for row in there if _sizes_of(row) == _sizes_of(worst)]
-    return phrases.whose(alike, phrases.engines_of(there)) + phrases.where(validation, worst)
-
-
-def _sizes_of(row: WaveformRecord) -> tuple[str, str]:
-    """Root mean square and greatest deviation as they are told."""
-    return phrases.sized(row.rmse, row.unit), phrases.sized(row.max_abs, row.unit)
-
-
-def _off(validation: Validation, rows: Sequence[WaveformRecord]) -> str:
-    """A share of the measured range; a size where that range is nothing but noise."""
+def off(validation: Validation, rows: Sequence[WaveformRecord]) -> str:
+    """How far simulations are off, in a unit that a person uses, and as a share of the range."""
+    size = phrases.size_span([row.rmse for row in rows], rows[0].unit)
     if any(phrases.is_constant(validation, row) for row in rows):
-        return phrases.size_span([row.rmse for row in rows], rows[0].unit)
-    return f"{phrases.span([row.nrmse or 0.0 for row in rows])} of the measured range"
+        return size
+    return f"{size}, {phrases.span([row.nrmse or 0.0 for row in rows])} of the measured range"
+
+
+def before_the_fit(validation: Validation, rows: Sequence[WaveformRecord]) -> list[WaveformRecord]:
+    """The rows that belong to some fitted ones with the parameters known before."""
+    return [
+        row for row in validation.waveforms
+        if validation.fit is not None and row.probe == rows[0].probe
+        and (row.parameters, row.aligned) == (KNOWN, rows[0].aligned)
+    ]  # fmt: skip
+
+
+# how large
+
+
+def _how_large(validation: Validation) -> Iterator[str]:
+    probes = list(dict.fromkeys(row.probe for row in validation.waveforms if row.judged))
+    if len(probes) > _MANY:
+        shown = (f"{phrases.label(validation, probe)} {_short_off(validation, probe)}"
+                 for probe in probes)  # fmt: skip
+        yield f"The simulation is off by (root mean square): {'; '.join(shown)}."
+        yield from _numerical(validation.gaps)
+        yield from _spread(validation, probes)
+        return
+    for probe in probes:
+        yield from _size(validation, probe)
+        yield from _numerical([row for row in validation.gaps if row.probe == probe])
+        yield from _spread(validation, [probe])
+
+
+def _short_off(validation: Validation, probe: str) -> str:
+    rows = judged_rows(validation, probe)
+    return phrases.size_span([row.rmse for row in rows], rows[0].unit)
+
+
+def _size(validation: Validation, probe: str) -> Iterator[str]:
+    rows = judged_rows(validation, probe)
+    label = phrases.label(validation, probe)
+    yield f"The simulated {label} is off by {off(validation, rows)} (root mean square)."
+    before = before_the_fit(validation, rows)
+    if before:
+        yield f"Before the fit it was {_sizes(before)}."
+    raw = [r for r in validation.waveforms if r.probe == probe and not r.aligned]
+    raw = [r for r in raw if r.parameters == rows[0].parameters]
+    if rows[0].aligned and raw:
+        yield f"With the clocks as recorded it would be {_sizes(raw)}."
+    worst = max(rows, key=lambda row: row.max_abs)
+    there = [row for row in rows if row.stream == worst.stream]
+    most = phrases.human(worst.max_abs, worst.unit)
+    alike = [row.source for row in there if phrases.human(row.max_abs, row.unit) == most]
+    who = phrases.whose(alike, phrases.engines_of(there))
+    yield f"At one instant it is off by {most}, in {who}{phrases.where(validation, worst)}."
+
+
+def _sizes(rows: Sequence[WaveformRecord]) -> str:
+    return phrases.size_span([row.rmse for row in rows], rows[0].unit)
 
 
 def _numerical(gaps: Sequence[GapRecord]) -> Iterator[str]:
@@ -135,19 +125,18 @@ def _numerical(gaps: Sequence[GapRecord]) -> Iterator[str]:
     if not rows:  # it is not known
         return
     share = max(row.numerical / row.remaining for row in rows)
-    several = len(phrases.engines_of(rows)) > 1
-    whose = "The numerical error of each engine" if several else "Its numerical error"
     if share >= _SMALL:
-        yield f"{whose} is up to {phrases.percent(share)} of that: a shorter step comes first."
+        yield (f"The error of the step is up to {phrases.percent(share)} of the gap: make the step"
+               " shorter first.")  # fmt: skip
         return
     most = "" if share < phrases.NOTHING else "at most "
-    yield f"{whose} is {most}{phrases.percent(share)} of that."
+    yield f"The error of the step is {most}{phrases.percent(share)} of the gap."
 
 
-def _spread(validation: Validation, waveforms: Sequence[WaveformRecord]) -> Iterator[str]:
+def _spread(validation: Validation, probes: Sequence[str]) -> Iterator[str]:
     """How far the engines are from each other, beside how far they are from reality."""
     sizes: dict[tuple[str, str], list[float]] = {}
-    for row in _main(validation, waveforms):
+    for row in (row for probe in probes for row in judged_rows(validation, probe)):
         sizes.setdefault((row.stream, row.probe), []).append(row.rmse)
     ratios = []
     for one in validation.spread:
@@ -159,9 +148,9 @@ def _spread(validation: Validation, waveforms: Sequence[WaveformRecord]) -> Iter
     if max(ratios) < _SAME:
         yield "The engines give the same numbers."
         return
-    text = f"The engines' spread about their own mean is {phrases.span(ratios)} of that"
+    text = f"The engines differ from each other by {phrases.span(ratios)} of the gap"
     if max(ratios) < _CLOSE:
-        text += ": they agree far better with each other than with reality"
+        text += ": they agree better with each other than with reality"
     yield f"{text}."
 
 
@@ -171,37 +160,35 @@ def _spread(validation: Validation, waveforms: Sequence[WaveformRecord]) -> Iter
 def _made_of(validation: Validation) -> Iterator[str]:
     probes = list(dict.fromkeys(row.probe for row in validation.gaps))
     if len(probes) > _MANY:
-        yield _many_parts(validation, probes)
+        yield from _many_parts(validation, probes)
         return
     for probe in probes:
         rows = [row for row in validation.gaps if row.probe == probe]
         label = phrases.label(validation, probe)
-        text = (
-            _split(validation, rows, label) if validation.fit is not None else _unsplit(rows, label)
-        )
-        yield text + _explained(rows)
+        yield from _unsplit(rows, label) if validation.fit is None else _split(rows, label)
+        yield from _blame(validation, rows)
+        yield from _explained(rows)
 
 
-def _many_parts(validation: Validation, probes: Sequence[str]) -> str:
+def _many_parts(validation: Validation, probes: Sequence[str]) -> Iterator[str]:
     """One sentence for many quantities."""
     shown = []
     for probe in probes:
         shares = [r.shares.model_form for r in validation.gaps if r.probe == probe]
         shown.append(f"{phrases.label(validation, probe)} {phrases.span(shares)}")
+    left = "was not the parameters, noise, or the step" if validation.fit else (
+        "is neither noise nor the step"
+    )  # fmt: skip
+    yield f"So much of each gap (mean square) {left}: {'; '.join(shown)}."
     if validation.fit is None:
-        return (
-            "Of the mean square of each gap this is neither noise nor numerical error:"
-            f" {'; '.join(shown)}. Nothing was fitted, so it may come from the parameters or from"
-            " the model." + _explained(validation.gaps)
-        )
-    return (
-        "Of the mean square of each gap before the fit this is neither taken away by the fit nor"
-        f" noise nor numerical error (model form): {'; '.join(shown)}."
-        + _explained(validation.gaps)
-    )
+        yield _UNFITTED
+    yield from _explained(validation.gaps)
 
 
-def _split(validation: Validation, rows: Sequence[GapRecord], label: str) -> str:
+_UNFITTED = "Nothing was fitted, so the rest may be wrong parameters or a wrong model."
+
+
+def _split(rows: Sequence[GapRecord], label: str) -> Iterator[str]:
     shares = {key: [getattr(row.shares, key) for row in rows] for key in _PARTS}
     order = sorted(_PARTS, key=lambda key: -max(shares[key]))
     parts = [
@@ -209,47 +196,38 @@ def _split(validation: Validation, rows: Sequence[GapRecord], label: str) -> str
         for key in order
         if max(shares[key]) > 0
     ]
-    text = (
-        f"Before the fit, the gap of the {label} was made of (shares of its mean square):"
-        f" {'; '.join(parts)}."
-    )
-    worse = -min(shares["removed"])
+    yield f"The gap of the {label} before the fit came from (mean square): {', '.join(parts)}."
+
+
+def _blame(validation: Validation, rows: Sequence[GapRecord]) -> Iterator[str]:
+    """What a fit says of the parameters and of the model."""
+    if validation.fit is None:
+        return
+    worse = -min(row.shares.removed for row in rows)
     if worse > 0.005:
-        text += (
-            f" The fitted parameters made the gap larger, by up to {phrases.percent(worse)}, so"
-            " they do not carry over, and the parts sum to more than 100 %."
-        )
-    if max(shares["model_form"]) > _DOMINANT and not is_covered(rows):
-        fitted = "there" if validation.basis == SAME else "elsewhere"
-        text += (
-            f" Model form is what parameters fitted {fitted} leave: it may lie in the equations, in"
-            " what drives them, or in parameters that suit only what they were fitted to."
-        )
-    return text
+        yield (f"The fitted parameters made the gap up to {phrases.percent(worse)} larger (mean"
+               " square): they do not carry over.")  # fmt: skip
+    if max(row.shares.model_form for row in rows) > _DOMINANT and not is_covered(rows):
+        where = "the recording" if validation.basis == SAME else "the data they were fitted to"
+        yield ("What is left may lie in the equations, in the input, or in parameters that suit"
+               f" only {where}.")  # fmt: skip
 
 
-def _unsplit(rows: Sequence[GapRecord], label: str) -> str:
+def _unsplit(rows: Sequence[GapRecord], label: str) -> Iterator[str]:
     shares = [row.shares.model_form for row in rows]
     if max(shares) == 0:
-        return (
-            f"Noise and numerical error are as large as the gap of the {label}: more than that"
-            " cannot be seen here."
-        )
-    return (
-        f"Of the gap of the {label}, {phrases.span(shares)} of the mean square is neither noise nor"
-        " numerical error. Nothing was fitted, so it may come from the parameters as well as from"
-        " the form of the model."
-    )
+        yield f"Noise and the step alone explain the gap of the {label}."
+        return
+    share = phrases.span(shares)
+    yield f"{share} of the gap of the {label} (mean square) is neither noise nor the step."
+    yield _UNFITTED
 
 
-def _explained(rows: Sequence[GapRecord]) -> str:
-    """Whether what is called model form could as well be what is not known of the parameters."""
+def _explained(rows: Sequence[GapRecord]) -> Iterator[str]:
+    """Whether the rest could as well be what is not known of the parameters."""
     covered = [row.covered for row in rows if row.covered is not None]
     if not covered:
-        return ""
-    start = (
-        f" The uncertainty of the parameters (k = 2) covers {phrases.span(covered)} of the samples"
-    )
-    if is_covered(rows):
-        return f"{start}: it may explain the gap without any fault of the model."
-    return f"{start}; the others differ by more than that."
+        return
+    start = f"The uncertainty of the parameters (2 u) covers {phrases.span(covered)} of the samples"
+    end = "it may explain the gap" if is_covered(rows) else "it does not explain the whole gap"
+    yield f"{start}: {end}."

@@ -10,19 +10,21 @@ from simcompare.reports.validation import phrases
 from simcompare.results.records.validation import SAME, TimingRecord, Validation, ValueRecord
 
 R = TypeVar("R")
-LEVEL = "within the noise level (|E_n| ≤ 1, k = 2)"
+LEVEL = "within the uncertainty (|E_n| ≤ 1)"
 #: parts of an uncertainty and what they come from
-_SOURCES = {"u_num": "the steps", "u_input": "the parameters", "u_data": "the measurement"}
+_SOURCES = {"u_num": "the step", "u_input": "the parameters", "u_data": "the measurement"}
 #: groups of engines and segments that are named one by one; of more, only the worst
 _MAX_NAMED = 4
 #: below this part of an uncertainty its numerical part is not worth a word
 _WORTH = 0.05
 #: a parameter with less than this share of a budget leads by chance
 _LEADING = 0.3
+#: a part above this share is nearly all
+_ALL = 0.99
 
 
 @dataclass(frozen=True)
-class _Judged:
+class Judged:
     """One value, or one interval between events, of one engine."""
 
     source: str
@@ -37,6 +39,15 @@ def judged(values: Sequence[ValueRecord]) -> list[ValueRecord]:
     return [row for row in values if row.e_n is not None]
 
 
+def scores(validation: Validation) -> list[Judged]:
+    """Every single value that is judged."""
+    return [
+        Judged(row.source, row.stream, row.measure, row.e_n, bool(row.within_noise))
+        for row in validation.values
+        if row.e_n is not None
+    ]
+
+
 def sentences(validation: Validation) -> list[str]:
     """When things happened, and how sure single values are."""
     return [*_when(validation), *_how_sure(validation)]
@@ -49,16 +60,13 @@ def _when(validation: Validation) -> Iterator[str]:
     rows = validation.timings
     if not rows:
         return
-    text = ""
     if any(_is_lost(row) for row in rows):
-        text = (
-            "Fewer than half of the events belong together, so either the clocks are not aligned or"
-            " other things happened; the errors of the rest say little. "
-        )
-    text += f"{phrases.first_up(phrases.spaced(rows[0].series))}: {_pairs(validation, rows)}."
+        yield ("Fewer than half of the events have a partner: the clocks are not aligned, or other"
+               " things happened.")  # fmt: skip
+    yield f"{phrases.first_up(phrases.spaced(rows[0].series))}: {_pairs(validation, rows)}."
     if any(row.matched for row in rows) and validation.align.by == "events":
-        text += " The clocks were aligned by these very events, so that only intervals are judged."
-    yield " ".join([text, *_intervals(rows)])
+        yield "The clocks were aligned by these very events, so only intervals are judged."
+    yield from _intervals(rows)
 
 
 def _is_lost(row: TimingRecord) -> bool:
@@ -85,24 +93,22 @@ def _paired(
     row = group[0]
     there = [one for one in rows if one.stream == row.stream]
     names = phrases.whose(phrases.engines_of(group), phrases.engines_of(there))
-    both = row.matched
-    text = (
-        f"in {names}{phrases.where(validation, row)} {both} of {both + row.missed} measured events"
-        f" belong to {both} of {both + row.extra} simulated ones"
-    )
+    text = f"in {names}{phrases.where(validation, row)} {row.matched} of" \
+           f" {phrases.counted(row.matched + row.missed, 'measured event')}"  # fmt: skip
     sizes = [one.rmse_s for one in group if one.rmse_s is not None]
-    return text + (f", {phrases.size_span(sizes, 's')} apart (root mean square)" if sizes else "")
+    text += f", {phrases.size_span(sizes, 's')} apart (root mean square)" if sizes else ""
+    return text + (f", and {row.extra} that were not measured" if row.extra else "")
 
 
 def _intervals(rows: Sequence[TimingRecord]) -> Iterator[str]:
-    scores = [
-        _Judged(row.source, row.stream, str(one.number), one.e_n, abs(one.e_n) <= 1)
+    found = [
+        Judged(row.source, row.stream, str(one.number), one.e_n, abs(one.e_n) <= 1)
         for row in rows
         for one in row.intervals
         if one.e_n is not None
     ]
-    if scores:
-        yield f"{_agreeing(scores, 'interval')}."
+    if found:
+        yield f"{agreeing(found, 'interval')}."
 
 
 # single values
@@ -113,21 +119,19 @@ def _how_sure(validation: Validation) -> Iterator[str]:
         if validation.waveforms:
             yield "No single value of the scenario can be read off this recording."
         return
-    scores = [
-        _Judged(row.source, row.stream, row.measure, row.e_n, bool(row.within_noise))
-        for row in validation.values
-        if row.e_n is not None
-    ]
-    if not scores:
-        yield "No single value can be judged, because a part of its uncertainty is not known."
+    found = scores(validation)
+    if not found:
+        yield "No single value is judged: a part of its uncertainty is not known."
         return
-    text = _agreeing(scores, "single value") + _differing(validation, scores)
-    if not all(score.within_noise for score in scores):
-        text += f"; the furthest is the {_furthest(validation, scores)}"
+    yield f"{agreeing(found, 'value')}."
+    yield from _differing(validation, found)
+    if not all(score.within_noise for score in found):
+        yield f"The furthest is the {furthest(validation, found)}."
     elif validation.basis != SAME:
-        text += "; that shows no fault, and proves no model"
+        yield "That shows no fault; it does not prove the model."
     rows = judged(validation.values)
-    yield " ".join([f"{text}.", _budget(rows), *_steps(validation, rows)])
+    yield _budget(rows)
+    yield from _steps(validation, rows)
 
 
 def _grouped(rows: Sequence[R], key: Callable[[R], Hashable]) -> list[list[R]]:
@@ -137,82 +141,79 @@ def _grouped(rows: Sequence[R], key: Callable[[R], Hashable]) -> list[list[R]]:
     return list(groups.values())
 
 
-def _cells(rows: Sequence[_Judged]) -> list[list[_Judged]]:
+def _cells(rows: Sequence[Judged]) -> list[list[Judged]]:
     """Rows of all engines on one quantity of one segment: one thing that was measured."""
     return _grouped(rows, lambda row: (row.stream, row.measure))
 
 
-def _agreeing(rows: Sequence[_Judged], noun: str) -> str:
-    """How many measured things agree; each counts once, however many engines simulate it."""
+def within(rows: Sequence[Judged]) -> tuple[int, int]:
+    """How many measured things agree in every engine, and of how many."""
     cells = _cells(rows)
-    within = sum(all(row.within_noise for row in cell) for cell in cells)
+    return sum(all(row.within_noise for row in cell) for cell in cells), len(cells)
+
+
+def agreeing(rows: Sequence[Judged], noun: str) -> str:
+    """How many measured things agree; each counts once, however many engines simulate it.
+
+    Args:
+        rows: of all engines.
+        noun: what they are, "value" or "interval".
+    """
+    good, count = within(rows)
     engines = phrases.engines_of(rows)
-    mixed = any(_is_mixed(cell) for cell in cells)
-    alike = f"{' ' if mixed else ', alike '}in all {len(engines)} engines"
-    alike = alike if len(engines) > 1 else ""
-    measures = len({row.measure for row in rows})
-    streams = len({row.stream for row in rows})
-    made = f"{measures} {'quantity' if measures == 1 else 'quantities'}"
-    made = "" if noun == "interval" else f" ({made} on {_on(streams)})"
-    if len(cells) == 1:
-        agrees = "agrees" if within else "does not agree"
-        return f"The one {noun}{made} {agrees} {LEVEL}{alike}"
-    if within == 0:
-        return f"None of {len(cells)} {noun}s{made} agrees {LEVEL}{alike}"
-    if within == len(cells):
-        return f"All {within} {noun}s{made} agree {LEVEL}{alike}"
-    agree = "agrees" if within == 1 else "agree"
-    return f"Of {len(cells)} {noun}s{made} {within} {agree} {LEVEL}{alike}"
+    who = f" in {phrases.whose(engines, engines)}" if len(engines) > 1 else ""
+    if count == 1:
+        name = phrases.spaced(rows[0].measure) if noun == "value" else noun
+        yes = sum(row.within_noise for row in rows)
+        if 0 < yes < len(rows):
+            return f"The {name} agrees {LEVEL} in {yes} of {len(rows)} engines"
+        return f"The {name} {'agrees' if yes else 'does not agree'} {LEVEL}{who}"
+    if good in (0, count):
+        subject = f"None of {count} {noun}s agrees" if good == 0 else f"All {count} {noun}s agree"
+        return f"{subject} {LEVEL}{who}"
+    agree = "agrees" if good == 1 else "agree"
+    return f"{good} of {count} {noun}s {agree} {LEVEL}{who}"
 
 
-def _on(streams: int) -> str:
-    return f"{streams} segment{'' if streams == 1 else 's'}"
-
-
-def _is_mixed(cell: Sequence[_Judged]) -> bool:
-    return len({row.within_noise for row in cell}) > 1
-
-
-def _differing(validation: Validation, rows: Sequence[_Judged]) -> str:
+def _differing(validation: Validation, rows: Sequence[Judged]) -> Iterator[str]:
     """Engines that do not agree where others do."""
     places = []
     for cell in _cells(rows):
-        if _is_mixed(cell):
-            beyond = [row.source for row in cell if not row.within_noise]
+        beyond = [row.source for row in cell if not row.within_noise]
+        if 0 < len(beyond) < len(cell):
             measure = phrases.spaced(cell[0].measure)
             places.append(
                 f"{phrases.listed(beyond)} in {measure}{phrases.where(validation, cell[0])}"
             )
-    if not places:
-        return ""
-    more = f" and {len(places) - _MAX_NAMED} more" if len(places) > _MAX_NAMED else ""
-    return f"; beyond it where others agree: {', '.join(places[:_MAX_NAMED])}{more}"
+    if places:
+        more = f" and {len(places) - _MAX_NAMED} more" if len(places) > _MAX_NAMED else ""
+        yield f"Beyond it, where others agree: {', '.join(places[:_MAX_NAMED])}{more}."
 
 
-def _furthest(validation: Validation, rows: Sequence[_Judged]) -> str:
+def furthest(validation: Validation, rows: Sequence[Judged]) -> str:
+    """The value that is furthest off, of whom, and how far."""
     worst = max(rows, key=lambda row: abs(row.e_n))
-    # one just outside must not look like one just inside
-    digits = 2 if abs(worst.e_n) < 2 else 1
-    e_n = _e_n(worst.e_n, digits)
+    e_n = e_n_words(worst.e_n)
     same = next(cell for cell in _cells(rows) if worst in cell)
-    alike = [row.source for row in same if _e_n(row.e_n, digits) == e_n]
+    alike = [row.source for row in same if e_n_words(row.e_n) == e_n]
     names = phrases.whose(alike, phrases.engines_of(same))
     measure = phrases.spaced(worst.measure)
-    return f"{measure} of {names}{phrases.where(validation, worst)}, E_n = {e_n}"
+    return f"{measure} in {names}{phrases.where(validation, worst)}: E_n = {e_n}"
 
 
-def _e_n(value: float, digits: int) -> str:
-    return f"{value:+.{digits}f}".replace("-", "−")
+def e_n_words(value: float) -> str:
+    """E_n with its sign; one just outside of ±1 does not look like one just inside."""
+    return f"{value:+.{2 if abs(value) < 2 else 1}f}".replace("-", "−")
 
 
 def _budget(rows: Sequence[ValueRecord]) -> str:
     """Where most of the uncertainty comes from, and from which parameter."""
     source, share = dominant(rows)
-    most = "Nearly all" if share > 0.99 else phrases.percent(share)
-    text = f"{most} of the squared uncertainty comes from {_SOURCES[source]}"
+    most = "nearly all" if share > _ALL else phrases.percent(share)
+    text = f"Most of the uncertainty comes from {_SOURCES[source]} ({most} of u²)"
     name, part = leading_parameter(rows)
     if source == "u_input" and part > _LEADING:
-        text += f", of which {phrases.percent(part)} from the {phrases.parameter(name)}"
+        text += f", above all from the {phrases.parameter(name)} ({phrases.percent(part)})"
     return f"{text}."
 
 
@@ -260,8 +261,8 @@ def _steps(validation: Validation, rows: Sequence[ValueRecord]) -> Iterator[str]
     worst = max(rows, key=lambda row: (row.u_num or 0.0) / (row.u_val or 1.0))
     if not worst.u_num or worst.u_num <= _WORTH * worst.u_val:
         return
-    u_num, u_val = (phrases.sized(size, worst.unit) for size in (worst.u_num, worst.u_val))
+    share = phrases.percent(worst.u_num / worst.u_val)
     yield (
-        f"Numerical error weighs most in the {phrases.spaced(worst.measure)} of"
-        f" {worst.source}{phrases.where(validation, worst)}: u = {u_num} of {u_val}."
+        f"The step matters most in the {phrases.spaced(worst.measure)} of"
+        f" {worst.source}{phrases.where(validation, worst)}: {share} of its uncertainty."
     )

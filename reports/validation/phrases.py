@@ -15,6 +15,9 @@ NOTHING = 5e-4
 _NOISE_ALONE = 1.5
 #: outside of these sizes a number is written with a power of ten
 _PLAIN = (1e-3, 1e5)
+#: angles that people say in degrees, and units that they say with "milli" and "micro"
+_ANGLES = ("°", "°/s", "°/s²")
+_PREFIXED = ("m", "s", "m/s", "V", "A", "N", "N·m", "W", "J", "T")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -53,6 +56,8 @@ def engines_of(rows: Iterable[OfEngine]) -> list[str]:
 
 def whose(names: Sequence[str], every: Sequence[str]) -> str:
     """Engines by name, or all of them."""
+    if len(every) == len(names) == 2:
+        return "both engines"
     if len(every) > 1 and len(names) == len(every):
         return f"all {len(every)} engines"
     return listed(list(names))
@@ -92,10 +97,19 @@ def places(recording: str, streams: Sequence[str]) -> str:
     return f"{', '.join(streams)} of {recording}"
 
 
+def ends(low: str, high: str) -> str:
+    """The ends of a range as they are written; one number where both are the same."""
+    return low if low == high else f"{low} to {high}"
+
+
+def counted(count: int, noun: str, plural: str = "") -> str:
+    """A number of things: ``1 impact``, ``2 impacts``."""
+    return f"{count} {noun if count == 1 else plural or noun + 's'}"
+
+
 def span(shares: Sequence[float]) -> str:
     """The least and the greatest share in per cent."""
-    low, high = percent(min(shares)), percent(max(shares))
-    return low if low == high else f"{low} to {high}"
+    return ends(percent(min(shares)), percent(max(shares)))
 
 
 def percent(value: float) -> str:
@@ -103,6 +117,30 @@ def percent(value: float) -> str:
     if 0 < value < NOTHING:
         return "below 0.05 %"
     return f"{100 * value:.2g} %" if value < 0.0995 else f"{100 * value:.0f} %"
+
+
+def people_unit(unit: str, sizes: Iterable[float]) -> tuple[float, str]:
+    """A factor and the unit in which people say such sizes: degrees for rad, mm for small lengths.
+
+    Args:
+        unit: SI unit.
+        sizes: in that unit; the largest is at least 1 in the unit that is returned, if possible.
+    """
+    symbol = units.symbol(unit)
+    turned = symbol.replace("rad", "°")
+    if turned in _ANGLES:
+        return math.degrees(1.0), turned
+    most = max((abs(size) for size in sizes if math.isfinite(size)), default=0.0)
+    if symbol not in _PREFIXED or most >= 1 or most == 0:
+        return 1.0, symbol
+    factor, prefix = (1e3, "m") if most >= 1e-3 else (1e6, "µ")
+    return factor, f"{prefix}{symbol}"
+
+
+def human(value: float, unit: str) -> str:
+    """A size in three digits, in a unit that a person uses."""
+    factor, symbol = people_unit(unit, [value])
+    return sized(factor * value, symbol).replace(" °", "°")
 
 
 def sized(value: float, unit: str) -> str:
@@ -119,9 +157,12 @@ def _digits(value: float) -> str:
 
 
 def size_span(values: Sequence[float], unit: str) -> str:
-    """The least and the greatest of some sizes with their unit."""
-    low, high = sized(min(values), unit), sized(max(values), unit)
-    return low if low == high else f"{low} to {high}"
+    """The least and the greatest of some sizes, in a unit that a person uses."""
+    factor, symbol = people_unit(unit, values)
+    low, high = (
+        sized(factor * end, symbol).replace(" °", "°") for end in (min(values), max(values))
+    )
+    return ends(low, high)
 
 
 def noise_of(validation: Validation, stream: str, probe: str) -> float | None:

@@ -8,13 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from simcompare.model.resampling import interpolated
 from simcompare.model.trajectory import TRUTH, Array, Trajectory
 from simcompare.reports.render.figures import Band, Figure, Panel, Series, Span
 from simcompare.reports.render.styles import Style, style_of
 from simcompare.reports.render.tables import scale_of
 from simcompare.reports.run import runs
 from simcompare.reports.validation import validations
+from simcompare.reports.validation.cases import Case, case_of
 from simcompare.results.records.validation import KNOWN
 from simcompare.results.run import Run
 
@@ -33,26 +33,33 @@ _ROUGH = 0.03
 #: letters of a line beside an axis
 _AXIS_LETTERS = 30
 _MEASURED = Style("#A9A9A9", width=7.0)
+_INPUT = Style("#222222", width=1.4)
 _BAND = Style("#B08900")
 _NOMINAL = Style("#555555", dash="dot", width=2.0)
 EVENT, ZOOMED = "event", "enlarged"
 
 
 def overlay_figures(run: Run, probe: str) -> list[Figure]:
-    """What was measured with the engines over it: a figure for each segment that is drawn."""
-    figures = [_overlay(run, probe, case, name) for case, name in validations.drawn_segments(run)]
-    return [figure for figure in figures if figure is not None]
+    """The recording with the engines over it: a figure for each segment that is drawn."""
+    cases = (case_of(run, probe, *one) for one in validations.drawn_segments(run))
+    return [overlay(case, validations.chosen_words(run)) for case in cases if case is not None]
 
 
-def _overlay(run: Run, probe: str, case: int, name: str) -> Figure | None:
-    measured = validations.stored(run, validations.MEASURED, "", case)
-    if measured is None or probe not in measured.signals:
-        return None
-    layers = list(_layers(run, probe, case))
-    zoom = zoom_window(measured, probe, [row for _, row in _residuals(run, probe, case, measured)])
-    events = _events(run, case)
+def overlay(case: Case, more: str = "") -> Figure:
+    """The recorded input where there is one, the whole segment, and where the gap is largest.
+
+    Args:
+        case: what is drawn.
+        more: what the caption says besides.
+    """
+    layers = list(_layers(case))
+    zoom = zoom_window(case.measured, case.probe, list(case.residuals.values()))
+    events = _events(case)
     spans = (*events, *([Span(*zoom, ZOOMED)] if zoom else []))
-    panels = [Panel("whole segment", TIME, _axis(run, probe), _dotted(layers), spans=spans)]
+    panels = [
+        *_input_panels(case),
+        Panel("output", TIME, _axis(case), _dotted(layers), spans=spans),
+    ]
     if zoom is not None:
         near = [cut for series in layers for cut in _cut(series, *zoom)]
         scale = scale_of([zoom[1] - zoom[0]], 2)
@@ -60,52 +67,54 @@ def _overlay(run: Run, probe: str, case: int, name: str) -> Figure | None:
         panels.append(
             Panel(
                 f"{scale.text(zoom[0])} s to {scale.text(zoom[1])} s, largest gap",
-                TIME, _axis(run, probe), _dotted(near), spans=inside, x_limits=zoom,
+                TIME, _axis(case), _dotted(near), spans=inside, x_limits=zoom,
             )
         )  # fmt: skip
-        panels[0] = replace(panels[0], weight=1.3)
-    words = f"{validations.label(run, probe)}: measured and simulated"
-    title = validations.titled(run, name, words)
-    return Figure(f"overlay-{probe}-{case + 1}", title, _overlay_caption(run, case), tuple(panels))
+    title = case.titled(f"{case.label}: measured and simulated")
+    name = f"overlay-{case.probe}-{case.number + 1}"
+    return Figure(name, title, _overlay_caption(case) + more, tuple(panels))
 
 
-def _axis(run: Run, probe: str) -> str:
+def _input_panels(case: Case) -> list[Panel]:
+    """The recorded input that drives the engines, the first of several."""
+    return [
+        Panel("recorded input", TIME, label,
+              (Series("recorded input", *with_gaps(one.time_s, values), _INPUT),), weight=0.8)
+        for one in case.inputs[:1] for label, values in one.signals.items()
+    ]  # fmt: skip
+
+
+def _axis(case: Case) -> str:
     """A quantity with its unit, broken where it is longer than the axis."""
-    return "\n".join(textwrap.wrap(validations.with_unit(run, probe), _AXIS_LETTERS))
+    words = case.label + runs.unit_words(case.scale[1])
+    return "\n".join(textwrap.wrap(words, _AXIS_LETTERS))
 
 
-def _overlay_caption(run: Run, case: int) -> str:
-    parts = ["Grey: what was measured. Thin lines: the engines, which often hide each other."]
-    if validations.truth(run, validations.BEST, case) is not None:
-        parts.append(
-            f"Shaded: the {TRUTH} with twice the standard uncertainty that it has from its"
-            " parameters."
-        )
-    if validations.is_fitted(run):
-        parts.append(f"Dotted: the {TRUTH} with what was known before any fit.")
-    return " ".join(parts) + _event_words(run, case) + validations.chosen_words(run)
+def _overlay_caption(case: Case) -> str:
+    parts = ["Grey: measured. Thin lines: the engines, which often hide each other."]
+    if case.truth is not None:
+        parts.append(f"Shaded: the {TRUTH} with the uncertainty of its parameters (2 u).")
+    if case.nominal is not None:
+        parts.append(f"Dotted: the {TRUTH} before the fit.")
+    return " ".join([*parts, *filter(None, (case.lacking, _event_words(case)))])
 
 
-def _layers(run: Run, probe: str, case: int) -> Iterator[Series]:
+def _layers(case: Case) -> Iterator[Series]:
     """Everything that is drawn of a segment, the lowest layer first."""
-    truth = validations.truth(run, validations.BEST, case)
-    if truth is not None and probe in truth.signals:
-        u = truth.signals.get(f"u({probe})")
+    factor, probe = case.scale[0], case.probe
+    if case.truth is not None:
+        u = case.truth.signals.get(f"u({probe})")
         yield Series(
-            f"{TRUTH} ± 2u", truth.time_s, truth.signals[probe], _BAND,
-            None if u is None else 2 * u, shaded=u is not None, line=u is None,
+            f"{TRUTH} ± 2u", case.truth.time_s, factor * case.truth.signals[probe], _BAND,
+            None if u is None else 2 * factor * u, shaded=u is not None, line=u is None,
         )  # fmt: skip
-    measured = validations.stored(run, validations.MEASURED, "", case)
-    if measured is not None:
-        times, values = with_gaps(measured.time_s, measured.signals[probe])
-        yield Series(validations.MEASURED, times, values, _measured_style(values))
-    nominal = validations.truth(run, validations.NOMINAL, case)
-    if nominal is not None and probe in nominal.signals and validations.is_fitted(run):
-        yield Series(KNOWN, nominal.time_s, nominal.signals[probe], _NOMINAL)
-    for name in runs.names(run):
-        run_of_engine = validations.stored(run, name, validations.BEST, case)
-        if run_of_engine is not None and probe in run_of_engine.signals:
-            yield Series(name, run_of_engine.time_s, run_of_engine.signals[probe], _thin(name))
+    times, values = with_gaps(case.measured.time_s, factor * case.values)
+    yield Series(validations.MEASURED, times, values, _measured_style(values))
+    if case.nominal is not None:
+        nominal = factor * case.nominal.signals[probe]
+        yield Series(KNOWN, case.nominal.time_s, nominal, _NOMINAL)
+    for name, one in case.engines.items():
+        yield Series(name, one.time_s, factor * one.signals[probe], _thin(name))
 
 
 def _measured_style(values: Array) -> Style:
@@ -179,81 +188,54 @@ def zoom_window(
 
 def residual_figure(run: Run, probe: str) -> Figure | None:
     """Simulated minus measured over time, one panel for each segment that is drawn."""
-    panels = [
-        _residual_panel(run, probe, case, name) for case, name in validations.drawn_segments(run)
-    ]
-    shown = tuple(panel for panel in panels if panel is not None)
-    if not shown:
+    every = (case_of(run, probe, *one) for one in validations.drawn_segments(run))
+    cases = [case for case in every if case is not None and case.engines]
+    if not cases:
         return None
     caption = (
-        "Grey band: noise of a single sample, twice its standard uncertainty. Shaded: the same with"
-        " the uncertainty of the parameters; what stays inside of it is explained by what is not"
-        " known exactly. A pattern that all engines share is not the error of an engine but of the"
-        " model or of the measurement."
+        "Grey band: noise of one sample (2 u). Shaded: the same with the uncertainty of the"
+        " parameters. A pattern that all engines share is no error of an engine: it comes from the"
+        " model or from the measurement."
     )
-    events = "".join(
-        dict.fromkeys(_event_words(run, case) for case, _ in validations.drawn_segments(run))
-    )
+    events = "".join(dict.fromkeys(f" {words}" for case in cases if (words := _event_words(case))))
     return Figure(
         f"residual-{probe}", f"{validations.label(run, probe)}: what is left",
-        caption + events + validations.chosen_words(run), shown,
+        caption + events + validations.chosen_words(run), tuple(map(residual_panel, cases)),
     )  # fmt: skip
 
 
-def _residual_panel(run: Run, probe: str, case: int, name: str) -> Panel | None:
-    measured = validations.stored(run, validations.MEASURED, "", case)
-    if measured is None or probe not in measured.signals:
-        return None
-    rows = _residuals(run, probe, case, measured)
-    if not rows:
-        return None
-    u = float(validations.validation(run).cases[case].probes[probe].u)
-    lines = tuple(Series(e, *with_gaps(measured.time_s, y), _thin(e)) for e, y in rows)
-    largest = max(float(np.nanmax(np.abs(y), initial=0.0)) for _, y in rows)
-    reach = 1.1 * max(largest, 2.5 * u) or 1.0
+def residual_panel(case: Case) -> Panel:
+    """Simulated minus measured of one segment, in a unit that a person uses."""
+    factor, unit = case.small_scale
+    times = case.measured.time_s
+    lines = [Series(e, *with_gaps(times, factor * y), _thin(e)) for e, y in case.residuals.items()]
+    u = factor * case.u
+    reach = 1.1 * max(factor * case.largest, 2.5 * u) or 1.0
     bands = (Band(-2 * u, 2 * u, "noise of a sample ± 2u", 0.0),) if u else ()
-    unit = runs.unit_words(validations.unit(run, probe))
     return Panel(
-        validations.segment_name(run, name), TIME, f"simulated − measured{unit}",
-        (*_explained(run, probe, case, u), *lines), bands, spans=_events(run, case),
-        y_range=(-reach, reach),
+        case.name, TIME, f"simulated − measured{runs.unit_words(unit)}",
+        (*_explained(case, factor), *lines), bands, spans=_events(case), y_range=(-reach, reach),
     )  # fmt: skip
 
 
-def _explained(run: Run, probe: str, case: int, u: float) -> Iterator[Series]:
+def _explained(case: Case, factor: float) -> Iterator[Series]:
     """Twice what noise and parameters together leave open, about zero."""
-    truth = validations.truth(run, validations.BEST, case)
-    u_input = None if truth is None else truth.signals.get(f"u({probe})")
-    if truth is not None and u_input is not None:
-        both = 2 * np.hypot(u_input, u)
+    u_input = None if case.truth is None else case.truth.signals.get(f"u({case.probe})")
+    if case.truth is not None and u_input is not None:
+        both = 2 * factor * np.hypot(u_input, case.u)
         yield Series(
-            "noise and parameters ± 2u", truth.time_s, np.zeros(len(both)), _BAND, both,
+            "noise and parameters ± 2u", case.truth.time_s, np.zeros(len(both)), _BAND, both,
             shaded=True, line=False,
         )  # fmt: skip
 
 
-def _residuals(
-    run: Run, probe: str, case: int, measured: Trajectory
-) -> list[tuple[str, Array]]:  # fmt: skip
-    """Engine and simulated minus measured at the samples of the measurement; NaN where neither."""
-    residuals = []
-    for name in runs.names(run):
-        one = validations.stored(run, name, validations.BEST, case)
-        if one is not None and probe in one.signals:
-            at = interpolated(one.time_s, one.signals[probe], measured.time_s)
-            residuals.append((name, at - measured.signals[probe]))
-    return residuals
+def _events(case: Case) -> tuple[Span, ...]:
+    return tuple(Span(time, time, EVENT) for time in case.events[:_MAX_EVENTS])
 
 
-def _events(run: Run, case: int) -> tuple[Span, ...]:
-    return tuple(
-        Span(time, time, EVENT) for time in validations.event_times(run, case)[:_MAX_EVENTS]
-    )
-
-
-def _event_words(run: Run, case: int) -> str:
-    count = len(validations.event_times(run, case))
+def _event_words(case: Case) -> str:
+    count = len(case.events)
     if not count:
         return ""
     first = f" (the first {_MAX_EVENTS} of {count})" if count > _MAX_EVENTS else ""
-    return f" Dashed upright lines: events of the recording{first}."
+    return f"Dashed upright lines: events of the recording{first}."

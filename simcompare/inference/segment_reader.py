@@ -134,6 +134,7 @@ def _segment_of(
         for name, driven in plan.inputs.items()
         if isinstance(stated := reader.read(driven.channel)[1].u, float)
     }
+    input_units = {name: reader.read(one.channel)[1].unit for name, one in plan.inputs.items()}
     faults = unit_faults(file, plan, reader)
     if faults:
         raise InputError(f"stream {stream}", faults)
@@ -151,8 +152,9 @@ def _segment_of(
     watched = tuple(dict.fromkeys((*plan.compare, *event_probes(file, plan))))
     short = plan.window.duration_s is not None and remaining_s < 0.99 * plan.window.duration_s
     return Segment(
-        stream, start_s, duration_s, values, u, inputs, observed, events, watched, u_inputs, short
-    )
+        stream, start_s, duration_s, values, u, inputs, observed, events, watched, u_inputs, short,
+        input_units,
+    )  # fmt: skip
 
 
 def unit_faults(file: ScenarioFile, plan: Plan, reader: _Reader) -> list[str]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from simcompare import units
 from simcompare.model.recording import Event
 from simcompare.model.signals import Signal, Table
 from simcompare.model.trajectory import Array, Trajectory
@@ -16,6 +17,8 @@ from simcompare.statistics.noise import measured_noise
 
 #: parameter of a scenario that says how long it lasts
 DURATION = "duration_s"
+#: what recorded inputs are stored under
+INPUT = "input"
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,7 @@ class Segment:
         watched: all probes that are looked at, those of the events included.
         u_inputs: standard uncertainty of an input, where its channel has one.
         short: whether the log ends before the window does.
+        input_units: unit of each input as it was logged.
     """
 
     stream: str
@@ -66,6 +70,7 @@ class Segment:
     watched: tuple[str, ...] = ()
     u_inputs: Mapping[str, float] = field(default_factory=dict)
     short: bool = False
+    input_units: Mapping[str, str] = field(default_factory=dict)
 
     def with_input_moved(self, name: str) -> Segment:
         """The same with one input higher by its standard uncertainty, as if its zero were off."""
@@ -89,6 +94,18 @@ def shares(observed: Observed) -> tuple[float, float]:
     total = noise(observed)[0]
     random = min(measured_noise(observed.values).value, total)
     return random, math.sqrt(max(0.0, total**2 - random**2))
+
+
+def inputs_of(segment: Segment) -> dict[str, Trajectory]:
+    """The recorded inputs, each as a trajectory whose signal is called as it is shown."""
+    found = {}
+    for name, table in segment.inputs.items():
+        if isinstance(table, Table):
+            unit = units.symbol(segment.input_units.get(name, "1"))
+            label = name.replace("_", " ") + ("" if unit == "1" else f" ({unit})")
+            signals = {label: np.array(table.value)}
+            found[name] = Trajectory(INPUT, np.array(table.time_s), signals)
+    return found
 
 
 def as_trajectory(segment: Segment) -> Trajectory:

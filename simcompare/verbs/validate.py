@@ -16,7 +16,7 @@ from simcompare.inference.calibration import calibrated
 from simcompare.inference.evaluated import Evaluated, evaluate
 from simcompare.inference.reference_model import model_of
 from simcompare.inference.segment_reader import segments_of
-from simcompare.inference.segments import as_trajectory
+from simcompare.inference.segments import INPUT, as_trajectory, inputs_of
 from simcompare.inference.simulated import BEST, NOMINAL, Engine, check_step, simulate
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS
 from simcompare.model.trajectory import TRUTH, Trajectory
@@ -137,6 +137,8 @@ def _stored(
     for number, one in enumerate(segments):
         if one.segment.observed:
             yield Stored(MEASURED, "", 0, as_trajectory(one.segment), segment=number)
+        for name, driven in inputs_of(one.segment).items():
+            yield Stored(INPUT, "", 0, driven, name, number)
         if one.truth is not None:
             bands = {f"u({probe})": one.u_input(probe) for probe in one.segment.observed}
             signals = {**one.truth.signals, **{k: v for k, v in bands.items() if v is not None}}
