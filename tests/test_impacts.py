@@ -70,9 +70,7 @@ def test_a_flight_that_lasts_twice_as_long_is_a_missed_impact(values, missed):
     assert drop.missed == (missed,)
     assert drop.numbers == tuple(n for n in range(1, 9) if n != missed)
     assert drop.dropped == ()
-    assert drop_words(drop) == [
-        f"impact {missed} not recorded: a flight there lasts too long for one"
-    ]
+    assert drop_words(drop) == [f"impact {missed} was not recorded"]
 
 
 @pytest.mark.parametrize("values", [TRUTH, IN_AIR])
@@ -85,8 +83,8 @@ def test_a_knock_within_a_flight_is_left_out_by_number_and_reason(values, flight
     assert drop.times_s.tolist() == times.tolist()
     (out,) = drop.dropped
     assert (out.number, out.time_s) == (flight + 2, knock)
-    assert f"within the flight from impact {flight + 1} to {flight + 2}" in out.reason
-    assert f"({part:.0%}) into it" in out.reason
+    assert out.reason.startswith("within a flight, ")
+    assert out.reason.endswith(f"after impact {flight + 1} ({part:.0%})")
 
 
 def test_a_clap_before_and_a_knock_after_are_left_out():
@@ -94,8 +92,7 @@ def test_a_clap_before_and_a_knock_after_are_left_out():
     (drop,) = from_times([times[0] - 0.11, *times, times[-1] + 0.5], 1e-4)
     assert drop.times_s.tolist() == times.tolist()
     assert [d.number for d in drop.dropped] == [1, 10]
-    assert "before the series" in drop.dropped[0].reason
-    assert "after the series" in drop.dropped[1].reason
+    assert [d.reason for d in drop.dropped] == ["before the first bounce", "after the last bounce"]
 
 
 def test_a_missed_and_a_spurious_impact_are_told_together():
@@ -142,8 +139,8 @@ def test_drops_after_each_other_are_taken_apart():
     drops = from_times(np.sort([*first, *(second + first[-1] + 3), knock]), 1e-4)
     assert drop_words(drops[0]) == []
     assert drop_words(drops[1]) == [
-        f"impact 9 at {knock:.4f} s was left out: it is within the flight from impact 2"
-        f" to 3, 200.0 ms ({0.2 / (second[2] - second[1]):.0%}) into it"
+        f"impact 9 at {knock:.4f} s was left out: within a flight, 200.0 ms after impact"
+        f" 2 ({0.2 / (second[2] - second[1]):.0%})"
     ]
 
 
@@ -207,7 +204,7 @@ def test_parabolas_are_wrong_where_there_is_drag_and_drag_arcs_are_not():
 
 def test_frames_before_the_release_are_left_out_and_told():
     drop = filmed(seed=1)
-    held = [d for d in drop.dropped if d.reason == "the ball had not been released"]
+    held = [d for d in drop.dropped if d.reason == "not released yet"]
     assert [d.number for d in held] == list(range(1, len(held) + 1))
     assert abs(held[-1].time_s - 0.3) < 0.05
 
@@ -225,7 +222,7 @@ def test_frames_in_which_nothing_was_seen_are_told():
     time, height = filmed_samples(seed=2)
     height[40:42] = np.nan
     drop = arcs.from_heights(time, height, 3e-3)
-    assert [d.number for d in drop.dropped if "nothing was seen" in d.reason] == [41, 42]
+    assert [d.number for d in drop.dropped if d.reason == "nothing seen"] == [41, 42]
 
 
 def test_flights_too_short_for_the_camera_are_left_out_and_told():

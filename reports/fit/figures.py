@@ -13,6 +13,7 @@ from simcompare.reports.fit.fits import CLOSED, RESTITUTION
 from simcompare.reports.render.figures import Figure, Panel, Series, Span, fitted_range, spread
 from simcompare.reports.render.styles import MEASURED_STYLE, Style, style_of
 from simcompare.reports.run import runs
+from simcompare.reports.validation import phrases
 from simcompare.results.records.fit_engines import BouncesEngine
 from simcompare.results.records.fit_forms import Law, Residuals, Unknown
 from simcompare.results.records.fit_parts import EngineParameter
@@ -48,7 +49,7 @@ def _residual_figure(run: Run, kind: str, title: str, unit: str, axis: str) -> F
     rows = [row for row in fits.bounces(run).residuals if row.kind == kind]
     wide = _widening(run) if all(row.judged for row in rows) else 1.0
     sizes = [v for row in rows for v in row.residuals] + [wide * u for row in rows for u in row.u]
-    factor, small = fits.smaller(unit, sizes)
+    factor, small = phrases.people_unit(unit, sizes)
     drawn = set(fits.drawn_drops(run))
     panels = tuple(
         Panel(
@@ -57,17 +58,12 @@ def _residual_figure(run: Run, kind: str, title: str, unit: str, axis: str) -> F
         )
         for row in rows if row.drop in drawn
     )  # fmt: skip
-    caption = f"{title}: measured less simulated with the fitted parameters.{_band_words(rows)}"
+    caption = f"Measured minus simulated, with the fitted parameters.{_band_words(rows)}"
     if wide > 1 and any(row.stated for row in rows):
-        caption += (
-            f" The data scatter {wide:.1f} times as much about the closed form as stated; the wide"
-            " band is what the fit reckons with."
-        )
+        caption += f" The wide band: the data scatter {wide:.1f} times as much as stated."
     if not all(row.judged for row in rows):
         caption += " They are drawn from the arcs of the video; the fit judged its samples."
     caption += fits.drawn_words(run)
-    other = fits.other_form(run)
-    caption += f" {other}" if other else ""
     head = f"{title}, measured minus simulated"
     return Figure(f"left-{kind}", head, caption, panels, share_y=True)
 
@@ -75,7 +71,7 @@ def _residual_figure(run: Run, kind: str, title: str, unit: str, axis: str) -> F
 def _band_words(rows: Sequence[Residuals]) -> str:
     if all(row.stated for row in rows):
         return " Band: twice the stated standard uncertainty."
-    return " Band: twice the standard uncertainty, taken from the scatter, for none is stated."
+    return " Band: twice the standard uncertainty, from the scatter, for none is stated."
 
 
 def _widening(run: Run) -> float:
@@ -118,10 +114,8 @@ def parameter_figure(run: Run) -> Figure | None:
         if closed[name].value is not None
     )  # fmt: skip
     caption = (
-        "Filled: what the engine must be given so that it bounces as measured, with its 95 %"
-        " interval. Hollow: the restitution that the engine then shows in its motion; its bar is"
-        " twice the scatter over the phases of its step. The two are different things: the"
-        " difference is what the engine's contact and step make of the parameter."
+        "Filled: what the engine must be given, with its 95 % interval. Hollow: the restitution"
+        " that it then shows; its bar is twice the scatter over the phases of its step."
     )
     rows = max(len(sources) + 1, 4)
     return Figure("parameters", "Parameters and what they produce", caption, panels, share_y=True,
@@ -206,11 +200,11 @@ def _speed_caption(run: Run) -> str:
     if "flight times" in hows:
         said += (
             " A measured point is the ratio of two neighbouring flight times; drag makes it smaller"
-            " than the restitution, by as much as the dotted line is below the full one."
+            " than the restitution, from the full line down to the dotted one."
         )
     if "heights" in hows:
         said += " A measured point is the root of the ratio of two neighbouring heights."
-    return f"{said} An engine's points are what it showed in its motion."
+    return said
 
 
 def _speeds(law: Law, drop: int, numbers: Sequence[int]) -> Array:

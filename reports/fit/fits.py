@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from simcompare import units
 from simcompare.reports.render import numbers
@@ -15,7 +15,7 @@ from simcompare.results.records.fit_engines import BouncesEngine, EffectiveValue
 from simcompare.results.records.fit_forms import Repeats, Unknown
 from simcompare.results.records.fit_parts import EngineParameter, Value
 from simcompare.results.records.fit_tosses import TossFit
-from simcompare.results.records.fit_waveforms import WaveEngine, WaveformFit
+from simcompare.results.records.fit_waveforms import WaveEngine, WaveformFit, WaveParameter
 from simcompare.results.run import Run
 
 #: a value with its standard uncertainty, and what has an interval besides
@@ -25,7 +25,8 @@ CLOSED = "closed form"
 RESTITUTION = "restitution"
 #: drops that are drawn beside each other; the tables have all
 MAX_DROPS = 3
-_SMALL_UNITS = {"s": ("s", "ms", "µs"), "m": ("m", "mm", "µm")}
+#: an interval whose ends are this much of its half-width further on one side is written out
+_LOPSIDED = 0.1
 
 
 def of_any(run: Run) -> AnyFit:
@@ -75,14 +76,44 @@ def failed(run: Run) -> list[BouncesEngine | WaveEngine]:
     return [row for row in record(run).sources if not row.parameters]
 
 
+def of_95(row: WaveParameter, name: str) -> str:
+    """A parameter of signals with its unit and half of its 95 % interval."""
+    after = "" if unit(name) == "1" else f" {unit(name)}"
+    return f"{numbers.with_u(row.value, (row.high - row.low) / 2)}{after}"
+
+
+def law_of(found: BouncesFit) -> str:
+    """How the restitution depends on the speed: "constant", "power" or "hunt_crossley"."""
+    return next(c.law for c in found.choice.candidates if c.model == found.closed_form.model)
+
+
+def determined_words(run: Run) -> str:
+    """Whether the data determine what was fitted, in a few words."""
+    weak = any(one.weak for one in record(run).identifiability.directions)
+    return "not all unknowns are determined" if weak else "all unknowns are determined"
+
+
+def restitution_words(found: BouncesFit) -> str:
+    """The restitution, at the slowest and the fastest impact where it depends on the speed."""
+    slow, fast = found.closed_form.restitution
+    row = found.closed_form.parameters.get(RESTITUTION)
+    if row is None:
+        return f"The restitution was given: {numbers.plain(fast.value)}."
+    if law_of(found) == "constant":
+        return f"The restitution is {with_95(row)} (95 %)."
+    at = [f"{numbers.with_u(one.value, 2 * one.u)} at {numbers.plain(one.speed_m_s, 2)} m/s"
+          for one in (slow, fast)]  # fmt: skip
+    return f"The restitution depends on the speed: {' and '.join(at)} (± is 2 u)."
+
+
 def other_form(run: Run) -> str:
     """That engines were fitted with another contact than the closed form's, empty if not."""
     found = bounces(run)
     if found.engine_form is None:
         return ""
     return (
-        f"The closed form has: {found.closed_form.text}. Engines have no such contact; they"
-        f" were fitted with: {found.engine_model_text}."
+        f"Engines have no such law ({found.closed_form.text}). They were fitted with:"
+        f" {found.engine_model_text}."
     )
 
 
@@ -132,16 +163,21 @@ def interval_words(row: Ranged | None) -> str:
         return f"above {numbers.plain(low, 4)}"
     if math.isinf(low):
         return f"below {numbers.plain(high, 4)}"
-    return f"{places.text(low)} to {places.text(high)}"
+    return phrases.ends(places.text(low), places.text(high))
 
 
-def smaller(unit: str, sizes: Sequence[float]) -> tuple[float, str]:
-    """A factor and a unit in which the largest of some sizes in s or m is above 1."""
-    most = max((abs(v) for v in sizes if math.isfinite(v)), default=0.0)
-    for factor, name in zip((1.0, 1e3, 1e6), _SMALL_UNITS[unit], strict=True):
-        if most * factor >= 1:
-            return factor, name
-    return 1e6, _SMALL_UNITS[unit][2]
+def with_95(row: Unknown | EngineParameter, name: str = "") -> str:
+    """A value with its unit and what must be added and taken away for 95 %: ``0.774 ± 0.003``."""
+    low, high = interval(row)
+    after = "" if not name or unit(name) == "1" else f" {unit(name)}"
+    if row.value is None:
+        return value_words(row, name)
+    if not math.isfinite(high - low):
+        return f"{interval_words(row)}{after}"
+    half = (high - low) / 2
+    if abs(high + low - 2 * row.value) > _LOPSIDED * half:
+        return f"{numbers.plain(row.value, 4)}{after} ({interval_words(row)})"
+    return f"{numbers.with_u(row.value, half)}{after}"
 
 
 def drop_title(run: Run, number: int) -> str:
@@ -164,13 +200,12 @@ def drawn_words(run: Run) -> str:
 
 def speeds(ends: tuple[float, float]) -> str:
     """Slowest and fastest impact, as people write them."""
-    return f"{numbers.plain(ends[0], 3)} to {numbers.plain(ends[1], 3)}"
+    return phrases.ends(*(numbers.plain(end, 3) for end in ends))
 
 
 def rms_words(rms: Mapping[str, float]) -> str:
     """Root mean squares of residuals, each in a unit of its size."""
     parts = []
     for kind, value in rms.items():
-        factor, small = smaller("s" if kind == "times" else "m", [value])
-        parts.append(f"{kind} {numbers.plain(factor * value, 3)} {small}")
+        parts.append(f"{kind} {phrases.human(value, 's' if kind == 'times' else 'm')}")
     return ", ".join(parts)

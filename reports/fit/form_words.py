@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from simcompare.reports.fit.identifiability_words import called
+from simcompare.reports.validation import phrases
 from simcompare.results.records.fit_forms import Candidate, Choice, Form
 
 #: a prior this many standard uncertainties from what the data say contradicts them
@@ -23,13 +25,11 @@ def _priors(form: Form) -> list[str]:
     words = []
     for name, pull in form.pulls.items():
         if pull is not None and abs(pull) > CONTRADICTION:
-            prior, value = form.priors[name], form.parameters[name].value
+            prior = form.priors[name]
             side = "above" if pull > 0 else "below"
             words.append(
-                f"the prior {prior.value:g} ± {prior.u:g} of {name} contradicts the data, which"
-                f" lie {abs(pull):.1f} standard uncertainties {side} it (the fit took"
-                f" {_inf(value):.5g} as a compromise): correct the prior, or look for what the"
-                " model leaves out"
+                f"the prior {prior.value:g} ± {prior.u:g} of {called(name)} contradicts the data,"
+                f" which lie {abs(pull):.1f} standard uncertainties {side} it: correct the prior"
             )
     return words
 
@@ -40,29 +40,25 @@ def _bounds(form: Form) -> list[str]:
         row = form.parameters[name]
         if name == _SPEED and row.value is None:
             words.append(
-                "no drag is seen: the data fit best without it"
-                + (f", and a terminal speed below {row.low:.3g} m/s is excluded" if row.low else "")
+                "no air drag is seen"
+                + (f": the terminal speed is above {row.low:.3g} m/s" if row.low else "")
             )
         else:
-            words.append(
-                f"{name} ended at {_inf(row.value):g}, the limit of what it can physically be: the"
-                " model does not describe these data"
-            )
+            words.append(f"the {called(name)} ended at its limit, {_inf(row.value):g}: the model"
+                         " does not describe these data")  # fmt: skip
     return words
 
 
 def _scatter(form: Form) -> list[str]:
     if not form.u_known:
-        return ["the uncertainty of the measurements is not stated; it was taken from their"
-                f" scatter about the model ({form.dof} degrees of freedom)"]  # fmt: skip
+        return ["the recording states no uncertainty; it was taken from the scatter about the"
+                " model"]  # fmt: skip
     if form.dof == 0:
-        return ["as many unknowns as measured numbers: nothing is left that could show that the"
-                " model does not fit"]  # fmt: skip
+        return ["there are as many unknowns as measured numbers, so nothing can show a wrong"
+                " model"]  # fmt: skip
     if form.scattered:
-        return [
-            f"the data scatter {math.sqrt(form.s2):.1f} times as much about this model as their"
-            " uncertainties say; intervals were widened by that, but another model may be needed"
-        ]
+        return [f"the data scatter {math.sqrt(form.s2):.1f} times as much as stated; all intervals"
+                " are wider by that"]  # fmt: skip
     return []
 
 
@@ -73,12 +69,10 @@ def _open(form: Form) -> list[str]:
         # no drag at all is an answer, not an open end
         low, high = row.open_low, row.open_high and name != _SPEED
         if low and high:
-            words.append(f"{name} is not identifiable from these data: every value that was tried"
-                         " fits as well; fix it or give a prior")  # fmt: skip
+            words.append(f"the data do not tell the {called(name)}: give it with --fix or --prior")
         elif (low or high) and name not in form.at_bound:
-            side = "below" if low else "above"
-            words.append(f"{name} has no limit {side}: the data fit there as well; a prior would"
-                         " give one")  # fmt: skip
+            side = "lower" if low else "upper"
+            words.append(f"the data give no {side} limit of the {called(name)}: a --prior would")
     return words
 
 
@@ -95,24 +89,22 @@ def choice(found: Choice, best: Form) -> tuple[str, ...]:
     """
     first, *rest = found.candidates
     value = _inf(first.score(found.criterion))
-    words = [
-        f"{first.text} describes the data best ({found.criterion} {value:.1f}, Akaike weight"
-        f" {first.weight:.0%})"
-    ]
+    words = [f"best model: {first.text} ({found.criterion} {value:.1f}, weight {first.weight:.0%})"]
+    if not rest:
+        words = [f"model: {first.text}"]
     rivals = [c for c in rest if _inf(c.delta) < RIVAL and c.weight > 0]
     if rivals:
-        words.append(_ambiguous(found.criterion, first, rivals, drag_is_given=_SPEED in best.fixed))
+        words += _ambiguous(first, rivals, drag_is_given=_SPEED in best.fixed)
     simple = next((c for c in rest if c.model == "constant"), None)
     if simple is not None and _inf(simple.delta) > EXCLUDED:
-        words.append(_left_out(found.criterion, first, simple))
+        words.append(_left_out(first, simple))
     by_bic = min(found.candidates, key=lambda c: c.bic)
     if by_bic.bic < first.bic - 1e-6:
-        words.append(f"the BIC would choose {by_bic.text} instead"
-                     f" ({by_bic.bic:.1f} against {first.bic:.1f})")  # fmt: skip
+        words.append(f"another criterion, the BIC, prefers {by_bic.text}")
     if found.scatter > 2 and best.u_known:
         words.append(
-            f"even the richest model leaves residuals {math.sqrt(found.scatter):.1f} times as large"
-            " as the stated uncertainties: these are too small, or something else is at work"
+            f"even the best model leaves {math.sqrt(found.scatter):.1f} times the stated"
+            " uncertainty: that is too small, or something else is at work"
         )
     return tuple(words)
 
@@ -123,41 +115,31 @@ def _restitution(one: Candidate) -> float | None:
 
 
 def _ambiguous(
-    criterion: str, best: Candidate, rivals: Sequence[Candidate], *, drag_is_given: bool
-) -> str:
+    best: Candidate, rivals: Sequence[Candidate], *, drag_is_given: bool
+) -> list[str]:  # fmt: skip
     """What the data leave undecided, and what would decide it."""
-    names = ", ".join(f"{c.text} (Δ{criterion} {_inf(c.delta):.1f})" for c in rivals)
     among = [best, *rivals]
-    known = [value for c in among if (value := _restitution(c)) is not None]
-    spread = ""
+    who = "this fits" if len(rivals) == 1 else "these fit"
+    words = [f"{who} about as well: {'; '.join(c.text for c in rivals)}"]
+    known = [f"{value:.4f}" for c in among if (value := _restitution(c)) is not None]
     if known:
-        spread = f"; the restitution is {min(known):.4f} to {max(known):.4f} among them"
+        ends = phrases.ends(min(known), max(known))
+        words.append(f"their restitution is {ends}" if min(known) != max(known)
+                     else f"the restitution is the same in all of them, {ends}")  # fmt: skip
     only_drag = any(c.drag and c.law == "constant" for c in among)
     only_law = any(c.law != "constant" and not c.drag for c in among)
     if only_drag and only_law and not drag_is_given:
-        return (
-            "the data cannot tell drag from velocity dependence: give the terminal speed. About as"
-            f" good: {names}{spread}"
-        )
-    if all(_extends(c, best) for c in rivals):
-        return f"nothing in the data asks for more, and they do not exclude it: {names}{spread}"
-    return f"the data cannot tell it from: {names}{spread}"
+        words.append("the data cannot tell air drag from a restitution that depends on speed: give"
+                     " the terminal speed (--prior or --fix)")  # fmt: skip
+    return words
 
 
-def _extends(form: Candidate, simple: Candidate) -> bool:
-    """Whether a form is the simple one with more unknowns."""
-    laws = {"constant": {"constant", "power"}}.get(simple.law, {simple.law})
-    more = (form.drag, form.law == "power"), (simple.drag, simple.law == "power")
-    return form.law in laws and more[0] != more[1] and all(
-        ours >= theirs for ours, theirs in zip(*more, strict=True)
-    )  # fmt: skip
-
-
-def _left_out(criterion: str, best: Candidate, simple: Candidate) -> str:
+def _left_out(best: Candidate, simple: Candidate) -> str:
     """What a constant restitution without drag would have said."""
-    text = f"constant restitution without drag is excluded (Δ{criterion} {_inf(simple.delta):.0f})"
+    text = "a constant restitution without drag does not fit"
     ours, theirs = _restitution(best), _restitution(simple)
     if ours is None or theirs is None:
         return text
-    off = 100 * (theirs / ours - 1)
-    return f"{text}; it would give a restitution of {theirs:.4f}, {off:+.1f} % off"
+    off = 100 * abs(theirs / ours - 1)
+    side = "high" if theirs > ours else "low"
+    return f"{text}; it would give {theirs:.4f}, {off:.1f} % too {side}"

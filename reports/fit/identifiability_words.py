@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Set
 from dataclasses import dataclass
 
 from simcompare import units
+from simcompare.reports.validation import phrases
 from simcompare.results.records.fit_forms import Prior
 from simcompare.statistics.identifiability import BLIND, Direction, Identifiability
 
@@ -43,30 +44,25 @@ def of_bounces(
         filmed: whether a drop was filmed, not only heard.
     """
     what = "video" if filmed else "sound"
-    words = _words(known, _Language(_title, lambda names: _advice(what, names)))
+    words = _words(known, _Language(called, lambda names: _advice(what, names)))
     for name, u in zip(known.names, known.u, strict=True):
         prior = priors.get(name)
         if prior is not None and u is not None and u > 0.9 * prior.u:
-            words.append(f"{_title(name)} is known from its prior alone; the data add nothing")
+            words.append(f"the {called(name)} is known from its prior alone")
     return tuple(words)
 
 
 def of_signals(known: Identifiability) -> tuple[str, ...]:
     """What signals over time can tell about parameters of a scenario."""
-    return tuple(_words(known, _Language(parameter, _signal_advice)))
-
-
-def parameter(name: str) -> str:
-    """A parameter as people call it: ``damping_N_m_s_rad`` is "damping"."""
-    return name.removesuffix(units.suffix_of(name)).replace("_", " ")
+    return tuple(_words(known, _Language(phrases.parameter, _signal_advice)))
 
 
 def _words(known: Identifiability, language: _Language) -> list[str]:
     weak = [d for d in known.directions if d.weak]
-    if weak:
-        words = [_weak(d, known.directions[0].singular_value, language) for d in weak]
-    else:
-        words = [f"all unknowns are determined by the data (condition {known.condition:.0f})"]
+    words = [text for d in weak for text in _weak(d, known.directions[0].singular_value, language)]
+    if not weak:
+        count = len(known.names)
+        words = ["the data determine " + ("all unknowns" if count > 1 else "the unknown")]
     names = known.names
     pairs = [
         (abs(rho), i, j, rho)
@@ -76,52 +72,56 @@ def _words(known: Identifiability, language: _Language) -> list[str]:
     ]
     for _, i, j, rho in sorted(pairs, reverse=True)[:4]:
         a, b = language.title(names[j]), language.title(names[i])
-        words.append(
-            f"{a} and {b} are correlated by {rho:+.3f}: an error of one is"
-            " made up for by the other, so neither should be quoted without it"
-        )
+        words.append(f"{a} and {b} go together (correlation {_near_one(rho)}): quote both")
     return words
 
 
-def _weak(direction: Direction, largest: float, language: _Language) -> str:
+def _near_one(value: float) -> str:
+    # what is below 1 must not be rounded to it
+    digits = next((n for n in (2, 3, 4, 5) if abs(value) < 1 - 0.5 / 10**n), 6)
+    return f"{value:.{digits}f}".replace("-", "−")
+
+
+def _weak(direction: Direction, largest: float, language: _Language) -> list[str]:
     """One combination that the data do not determine, and what would help."""
     kinds = {name.partition("[")[0] for name in direction.moves}
-    moves = ", ".join(
-        f"{language.title(name)} {move:+.2g}{language.unit(name)}"
-        for name, move in direction.moves.items()
-    )
+    names = phrases.listed([language.title(name) for name in direction.moves])
     advice = language.advise(kinds)
     if largest > BLIND * direction.singular_value:
-        names = ", ".join(language.title(name) for name in direction.moves)
-        return f"nothing in the data tells {names} apart: {advice}"
-    return (
-        f"{advice}. Changing {moves} together moves the data by one standard"
-        f" deviation only (condition {largest / direction.singular_value:.0f})"
+        blind = "the data do not tell " + names
+        return [blind + (" apart" if len(direction.moves) > 1 else ""), advice]
+    moves = ", ".join(
+        f"{language.title(name)} {move:+.2g}{language.unit(name)}".replace("-", "−")
+        for name, move in direction.moves.items()
     )
+    return [advice, f"the noise hides this change: {moves}"]
 
 
 def _advice(what: str, kinds: Set[str]) -> str:
     if {"terminal_speed_m_s", "exponent"} <= kinds:
-        return (f"{what} cannot separate drag from velocity dependence: give the terminal speed"
-                " (√(2·m·g/(ρ·c_d·A)) from mass and diameter) as a prior")  # fmt: skip
+        return (
+            f"a {what} cannot separate drag from a restitution that depends on speed: give the"
+            " terminal speed, √(2·m·g/(ρ·c_d·A)) from mass and diameter, with --prior"
+        )
     if "clock_skew" in kinds:
         return "a fast clock looks like a weaker gravity or a lower drop: give the clock's skew"
     if "scale" in kinds:
-        return "a length scale looks like another gravity or drop height: measure a length in it"
+        return "a length scale looks like another gravity or drop height: measure a length"
     names = " and ".join(_TITLES[kind] for kind in sorted(kinds))
-    return f"{what} cannot separate {names}: fix one of them or give a prior"
+    return f"a {what} cannot separate {names}: give one of them with --fix or --prior"
 
 
 def _signal_advice(names: Set[str]) -> str:
-    together = " and ".join(parameter(name) for name in sorted(names))
+    together = " and ".join(phrases.parameter(name) for name in sorted(names))
     if len(names) == 1:
-        return f"the recording hardly changes with {together}: give it (--set)"
+        return f"the recording hardly depends on {together}: give it with --set"
     return (
-        f"the recording cannot separate {together}: give one of them (--set), or compare another"
-        " channel"
+        f"the recording cannot separate {together}: give one of them with --set, or compare"
+        " another channel"
     )
 
 
-def _title(name: str) -> str:
+def called(name: str) -> str:
+    """An unknown of a bounce as people call it, with its drop."""
     head, _, rest = name.partition("[")
     return _TITLES[head] + (f" of drop {rest[:-1]}" if rest else "")

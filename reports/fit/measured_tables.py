@@ -9,6 +9,7 @@ from simcompare.model.settings import ASSISTED
 from simcompare.reports.fit import fits
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Table, printable
+from simcompare.reports.validation import phrases
 from simcompare.results.records.fit_bounces import BouncesFit
 from simcompare.results.records.fit_forms import Form
 from simcompare.results.run import Run
@@ -45,7 +46,7 @@ def _u(values: Sequence[float | None], unit: str) -> str:
         return "–"
     if not known:
         return "not stated"
-    factor, small = fits.smaller(unit, known)
+    factor, small = phrases.people_unit(unit, known)
     ends = [numbers.plain(factor * v, 2) for v in (min(known), max(known))]
     words = ends[0] if ends[0] == ends[1] else " to ".join(ends)
     return f"{words} {small}"

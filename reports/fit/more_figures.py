@@ -79,8 +79,8 @@ def correlation_figure(run: Run) -> Figure | None:
     places = 3 if np.any(np.abs(values - np.eye(len(names))) > 0.99) else 2
     panel = Panel("", "", "", (), x_ticks=narrow, y_ticks=names, matrix=Matrix(values, places))
     caption = (
-        "From the data alone, without priors. Near 1 or −1 an error of one unknown is made up for"
-        " by the other: neither should be quoted without it."
+        "From the data alone, without priors. Near 1 or −1 an error of one unknown is hidden by"
+        " the other."
     )
     return Figure("correlation", "Correlation of the unknowns", caption, (panel,),
                   height=round(max(0.75, len(names) / 6), 2))  # fmt: skip
@@ -93,9 +93,8 @@ def profile_figures(run: Run) -> list[Figure]:
     panels = [_profile_panel(row, closed[row.name]) for row in rows]
     parts = [panels[i : i + _PANELS] for i in range(0, len(panels), _PANELS)]
     caption = (
-        "How much χ² rises when one unknown is held at a value and all others make up for it. The"
-        " 95 % interval ends where it crosses 3.84. Where the profile leaves the dashed parabola, ±"
-        " u alone would mislead."
+        "How much χ² rises when one unknown is held and the others are fitted. The 95 % interval"
+        " ends at 3.84. Where the profile leaves the dashed parabola, ± u alone would mislead."
     )
     return [
         Figure(f"profiles-{number}" if number > 1 else "profiles", "Profile likelihood",
@@ -158,7 +157,7 @@ def holdout_figure(run: Run) -> Figure | None:
     )  # fmt: skip
     caption = (
         "Height and release of a held-out drop are its own; all else is as fitted. |E_n| up to 1:"
-        " the difference cannot be told from the uncertainties."
+        " they agree."
     )
     if any(abs(row.e_n or 0) > _FAR for drop in drops for row in _judged(drop)):
         caption += f" Values beyond {_FAR:g} are drawn at the edge; the table has them."
@@ -205,10 +204,7 @@ def others_figure(run: Run) -> Figure | None:
         "", "restitution", "", (series,), spans=(Span(low, high, "fit of the events, 95 %"),),
         y_ticks=ticks, x_limits=(float(reach.min()) - margin, float(reach.max()) + margin),
     )  # fmt: skip
-    caption = (
-        "The same data, judged otherwise. The choice of the residual alone moves the number. No"
-        " bar: that way gives no uncertainty."
-    )
+    caption = "The same data, fitted in other ways. No bar: that way gives no uncertainty."
     return Figure("others", "Other ways to judge the same data", caption, (panel,),
                   height=round(max(0.7, len(rows) / 6), 2))  # fmt: skip
 

@@ -35,11 +35,9 @@ def engines(run: Run) -> Table:
         Column("Time (s)"),
     )  # fmt: skip
     note = (
-        "u of the parameter: measurement, fit, and the engine's scatter over the phases of its"
-        " step. u of the effective value: that scatter alone."
-    )
-    other = fits.other_form(run)
-    note += f" {other} So is the closed form in this table." if other else ""
+        "Effective: what the engine then shows. Its u is the scatter over the phases of the step;"
+        f" that of the parameter holds the measurement too. {fits.other_form(run)}"
+    ).strip()
     return Table("Restitution of each engine", columns, (Group("", tuple(rows)),), note)
 
 

@@ -14,6 +14,7 @@ from simcompare.reports.fit import fits
 from simcompare.reports.render.figures import Figure, Panel, Series
 from simcompare.reports.render.styles import style_of
 from simcompare.reports.render.tables import Column, Group, Table
+from simcompare.reports.validation import phrases
 from simcompare.results.records.fit_tosses import TossErrors, TossFit, TossMean, TossSource
 from simcompare.results.run import Run
 
@@ -34,81 +35,77 @@ def fitted(found: TossFit) -> list[TossSource]:
 
 
 def sentences(found: TossFit) -> list[str]:
-    """The answer, and what must be known of it."""
+    """The answer, and what must be known of it; one fact a sentence."""
     sources = fitted(found)
     if not sources:
         return [*_scale(found)]
-    return [_needed(found, sources), *_predicted(found, sources), _level(found), *_scale(found),
+    return [*_needed(found, sources), *_predicted(sources), *_level(found), *_scale(found),
             *_open(sources)]  # fmt: skip
 
 
-def _needed(found: TossFit, sources: Sequence[TossSource]) -> str:
-    parts = []
+def _needed(found: TossFit, sources: Sequence[TossSource]) -> list[str]:
+    words = []
     for name in found.unknowns:
         own = [source.parameters[name] for source in sources]
         unit = "" if own[0].unit == "1" else f" {units.symbol(own[0].unit)}"
-        low, high = (end(one.value for one in own) for end in (min, max))
+        title = fits.title(name)
         if len(own) == 1:
-            ends = " to ".join(f"{end:.3g}" for end in own[0].interval95)
-            parts.append(f"{fits.title(name)} {low:.4g}{unit} (95 %: {ends})")
-        else:
-            ends = " to ".join(dict.fromkeys((f"{low:.4g}", f"{high:.4g}")))
-            parts.append(f"{fits.title(name)} {ends}{unit}")
-    who = sources[0].name if len(sources) == 1 else f"{len(sources)} engines"
-    verb = "needs" if len(sources) == 1 else "need"
-    return f"To land the tosses best, {who} {verb} {' and '.join(parts)}."
+            ends = phrases.ends(*(f"{end:.3g}" for end in own[0].interval95))
+            words.append(f"{sources[0].name} lands the tosses best with {title}"
+                         f" {own[0].value:.4g}{unit} (95 %: {ends}).")  # fmt: skip
+            continue
+        low, high = (f"{end(one.value for one in own):.4g}" for end in (min, max))
+        words.append(f"{len(own)} engines land the tosses best with {title}"
+                     f" {phrases.ends(low, high)}{unit}.")  # fmt: skip
+    return words
 
 
-def _predicted(found: TossFit, sources: Sequence[TossSource]) -> list[str]:
+def _predicted(sources: Sequence[TossSource]) -> list[str]:
     held = [(source.name, source.holdout) for source in sources if source.holdout is not None]
     if not held:
-        return ["No toss was held out, so how well the fit predicts is not known."]
+        return ["No toss was kept back, so the fit was not tested."]
     name, best = min(held, key=lambda one: one[1].position.mean)
-    who = "" if len(held) == 1 else f"Nearest comes {name}: "
+    who = f"{name} is off by" if len(held) == 1 else f"{name} comes nearest and is off by"
+    count = phrases.counted(len(best.positions), "toss", "tosses")
     return [
-        f"{who}{'T' if not who else 't'}osses that were not fitted are missed by"
-        f" {_mean(best.position)} % of the width and {_mean(best.rotation)}°, means over"
-        f" {len(best.positions)} tosses with their 95 % intervals."
+        f"In {count} that {'was' if len(best.positions) == 1 else 'were'} not fitted, {who}"
+        f" {_mean(best.position)} % of the cube's width and {_mean(best.rotation)}° (means with"
+        " 95 % intervals)."
     ]
 
 
 def _mean(own: TossMean) -> str:
-    low, high = own.interval95
-    return f"{own.mean:.1f} ({low:.1f} to {high:.1f})"
+    low, high = (f"{end:.1f}" for end in own.interval95)
+    return f"{own.mean:.1f} ({phrases.ends(low, high)})"
 
 
-def _level(found: TossFit) -> str:
+def _level(found: TossFit) -> list[str]:
     step_ms = 1e3 * found.valid.engine_step_s
     if found.contact == TUNED:
-        return (
-            f"The values hold for a plain loop with a step of {step_ms:.4g} ms; what stands for the"
-            " restitution was found with a sphere that falls as fast as the first toss."
-        )
+        return [
+            f"The values hold for a plain loop with a step of {step_ms:.4g} ms.",
+            "The restitution was tuned with a sphere that falls as fast as the first toss.",
+        ]
     helps = "all our helps" if found.assist == ALL else f"our helps {found.assist}"
-    return (
-        f"The values hold with {helps}, at a step of {step_ms:.4g} ms that is divided about"
-        " impacts; a plain loop lands otherwise (--assist none)."
-    )
+    return [
+        f"The values hold with {helps}, at a step of {step_ms:.4g} ms.",
+        "A plain loop lands otherwise: fit it with --assist none.",
+    ]
 
 
 def _scale(found: TossFit) -> list[str]:
     """Whether lengths of the recording are right, as far as it tells itself."""
-    put = (
-        "" if found.scale == 1 else f" All lengths were divided by {found.scale:.6g} (--fix scale)."
-    )
+    put = [f"All lengths were divided by {found.scale:.6g} (--fix scale)."]
+    put = [] if found.scale == 1 else put
     if not found.witnesses:
-        return [put.strip()] if put else []
+        return put
     both = found.witnesses[-1]
-    text = f"{both.scale:.4f} times true ones, u = {both.u:.4f}"
+    text = f"Measured lengths are {both.scale:.4f} times the true ones (u = {both.u:.4f})"
     if abs(both.scale - 1) <= _COVERAGE * both.u:
-        return [f"By the fall and the height of rest, measured lengths are {text}: as they should"
-                f" be.{put}"]  # fmt: skip
+        return [f"{text}: as they should be.", *put]
     if put:
-        return [f"By the fall and the height of rest, lengths were measured {text}.{put}"]
-    return [
-        f"By the fall and the height of rest, measured lengths are {text}; they are taken as they"
-        f" are (--fix scale={both.scale:.4f} puts them right)."
-    ]
+        return [f"{text}.", *put]
+    return [f"{text}.", f"They were taken as they are; --fix scale={both.scale:.4f} corrects them."]
 
 
 def _open(sources: Sequence[TossSource]) -> list[str]:
@@ -119,15 +116,11 @@ def _open(sources: Sequence[TossSource]) -> list[str]:
         wide = [source.name for source in sources
                 if source.parameters[name].open and source.name not in bound]  # fmt: skip
         if bound:
-            said.append(
-                f"The {fits.title(name)} ended at an end of its range ({', '.join(bound)}): it may"
-                " stand for another fault of the model."
-            )
+            said.append(f"In {phrases.listed(bound)} the {fits.title(name)} ended at its limit; it"
+                        " may stand for another fault of the model.")  # fmt: skip
         if wide:
-            said.append(
-                f"The tosses hardly tell the {fits.title(name)} ({', '.join(wide)}): its interval"
-                " reaches the end of what was tried and may be wider."
-            )
+            said.append(f"In {phrases.listed(wide)} the tosses hardly tell the {fits.title(name)};"
+                        " its interval may be wider.")  # fmt: skip
     return said
 
 
@@ -164,7 +157,7 @@ def engines(found: TossFit) -> Table | None:
 
 
 def _ends(ends: tuple[float, float]) -> str:
-    return f"{ends[0]:.3g} to {ends[1]:.3g}"
+    return phrases.ends(*(f"{end:.3g}" for end in ends))
 
 
 def _held(own: TossErrors | None) -> tuple[str, str]:

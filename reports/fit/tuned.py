@@ -23,17 +23,14 @@ def typed(run: Run) -> Table:
     record = fits.bounces(run)
     goal, mean = record.tuned_to, record.tuned_mean
     assert goal is not None
-    rows: list[tuple[str, ...]] = [(CLOSED, "–", numbers.with_u(goal.restitution, goal.u), "–",
-             numbers.plain(mean), "–", "–", "–")]  # fmt: skip
+    rows: list[tuple[str, ...]] = [
+        (CLOSED, "–", numbers.with_u(goal.restitution, goal.u), numbers.plain(mean), "–")
+    ]
     for source in fits.engines(run):
-        first, contact = source.impacts[0], source.contact_of_first_impact
-        effective = source.effective["restitution"]
+        first, effective = source.impacts[0], source.effective["restitution"]
         cells = (
             numbers.with_u(first.restitution, first.u_phase),
-            numbers.plain(first.scatter, 2),
-            numbers.with_u(effective.value, effective.u),
-            _milli(contact.penetration_m), _milli(contact.contact_s),
-            _milli(contact.delay_s),
+            numbers.with_u(effective.value, effective.u), numbers.plain(first.scatter, 2),
         )  # fmt: skip
         for place, row in enumerate(source.numbers):
             typed_number = f"{row.name} = {numbers.with_u(row.value, row.u or None, row.unit)}"
@@ -42,19 +39,27 @@ def typed(run: Run) -> Table:
             rows.append((source.name, "–", *cells))
     columns = (
         Column("Source", text=True, nowrap=True), Column("Type in ± u", text=True),
-        Column("First impact ± u"), Column("Scatter"), Column("Mean of all ± u"),
-        Column("Depth (mm)"), Column("Contact (ms)"), Column("Next late by (ms)"),
+        Column("First impact ± u"), Column("Mean of all ± u"), Column("Scatter"),
     )  # fmt: skip
     step_ms = 1e3 * record.valid.engine_step_s
     note = (
-        f"Holds for a fixed step of {numbers.plain(step_ms)} ms, and for no other. The number's u"
-        " holds that of the measured restitution and the scatter of the drops on which it was"
-        " found; what has none was chosen. Restitutions are means over the phases of the step;"
-        " scatter is their standard deviation there: how far a single impact may be off. Contact"
-        " and delay are those of the first impact; no restitution makes up for them. All settings,"
-        " with all digits: simcompare export --fit … --contact-values."
+        f"For a fixed step of {numbers.plain(step_ms)} ms alone. Scatter: how far a single impact"
+        " may be off. With all digits: simcompare export --fit … --contact-values."
     )
     return Table("What to type into your own loop", columns, (Group("", tuple(rows)),), note)
+
+
+def contacts(run: Run) -> Table | None:
+    """How deep and how long each engine's first contact is."""
+    rows = []
+    for source in fits.engines(run):
+        one = source.contact_of_first_impact
+        sizes = (one.penetration_m, one.contact_s, one.delay_s)
+        rows.append((source.name, *map(_milli, sizes)))
+    columns = (Column("Source", text=True, nowrap=True), Column("Depth (mm)"),
+               Column("Contact (ms)"), Column("Next impact late by (ms)"))  # fmt: skip
+    note = "No restitution makes up for the time that a contact takes."
+    return Table("The first contact", columns, (Group("", tuple(rows)),), note) if rows else None
 
 
 def impacts(run: Run) -> Table | None:
@@ -76,10 +81,7 @@ def impacts(run: Run) -> Table | None:
         Column("Impact"), Column("Speed (m/s)"), Column("Closed form"), Column("Engine ± u"),
         Column("Scatter"), Column("Off by (%)"), Column("Late by ± scatter (ms)"),
     )  # fmt: skip
-    note = (
-        "As far as the engine's flights are long enough to be seen. Late: the middle of the contact"
-        " against the instant of the closed form; later impacts carry the delays of all before."
-    )
+    note = "Late: the middle of the contact against the instant of the closed form."
     return Table("Impact by impact", columns, tuple(groups), note, folded=True)
 
 
@@ -115,9 +117,9 @@ def impacts_figure(run: Run) -> Figure | None:
         Panel("Time", "number of the impact", "late by (ms)", (zero, *late), integer_x=True),
     )
     caption = (
-        "What the numbers do in each engine's plain loop, beside the closed form; bars: standard"
-        " deviation over the phases of the step. The first impact was tuned, the others follow."
-        " Impacts are late by the time of the contacts before them."
+        "Each engine in its plain loop beside the closed form; bars: scatter over the phases of the"
+        " step. The first impact was tuned, the others follow. Impacts are late by the contacts"
+        " before them."
     )
     if len(fits.bounces(run).measured) > 1:
         caption += " The first drop."
@@ -148,8 +150,5 @@ def heights(run: Run) -> Table | None:
         return None
     columns = (Column("Bounce"), Column("Source", text=True), Column("Measured ± u (m)"),
                Column("Predicted ± u (m)"), Column("|E_n|"))  # fmt: skip
-    note = (
-        "Without measured heights they are g·T²/8 of the flights between impacts, of the"
-        " measurement and of the closed form alike; an engine's are those of its plain loop."
-    )
+    note = "Without measured heights they are g·T²/8 of the flights between impacts."
     return Table("Rebound heights of held-out drops", columns, tuple(groups), note, folded=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from simcompare import units
-from simcompare.notation import number, sentence
-from simcompare.reports.fit import identifiability_words
-from simcompare.reports.fit.identifiability_words import parameter
+from simcompare.notation import capital, sentence
+from simcompare.reports.fit import fits, identifiability_words
+from simcompare.reports.validation import phrases
 from simcompare.results.records.fit_waveforms import Chosen, WaveformFit
 
 
@@ -31,15 +31,13 @@ def worded(fit: WaveformFit, unit: str) -> WaveformFit:
 def _chosen(one: Chosen) -> str:
     """What of a recording is fitted and what is held out."""
     if not one.stated:
-        return (
-            f"{one.fitted} does not say which streams are fitted (calibrate:), so all"
-            f" {len(one.fitted_streams)} are, and nothing is held out."
-        )
+        count = phrases.counted(len(one.fitted_streams), "segment")
+        return f"Fitted: all of {one.fitted}, {count}. Nothing was kept back to test the fit."
     streams = ", ".join(one.fitted_streams)
     held = ", ".join(one.held_out_streams) or "nothing"
     if one.held_out != one.fitted:
-        return f"Fitted to {one.fitted} ({streams}); held out: {one.held_out} ({held})."
-    return f"Fitted to {streams} of {one.fitted}; held out: {held}."
+        return f"Fitted: {one.fitted} ({streams}). Kept back to test it: {one.held_out} ({held})."
+    return f"Fitted: {streams} of {one.fitted}. Kept back to test the fit: {held}."
 
 
 def _unit(name: str) -> str:
@@ -50,19 +48,15 @@ def _unit(name: str) -> str:
 def _sentences(fit: WaveformFit) -> list[str]:
     closed, words = fit.closed_form, []
     for name, row in closed.parameters.items():
-        words.append(
-            f"The {parameter(name)} is {number(row.value, row.u)}{_unit(name)}, with 95 % between"
-            f" {row.low:.6g} and {row.high:.6g} ({closed.how})."
-        )
+        words.append(f"{capital(phrases.parameter(name))}: {fits.of_95(row, name)} (95 %).")
         if row.u_known > row.u_data:
             most = max(closed.known, key=lambda own: closed.known[own][name], default="the start")
             words.append(
-                f"Most of the uncertainty of the {parameter(name)} comes from what was known"
-                f" before, above all from {parameter(most)}."
+                f"Most of the uncertainty of the {phrases.parameter(name)} comes from that of the"
+                f" {phrases.parameter(most)}."
             )
     words += [
-        f"The {parameter(name)} ended at a bound of the scenario: the recording asks for more than"
-        " it allows, or for an effect that the scenario does not have."
+        f"The {phrases.parameter(name)} ended at its limit: the model may lack something."
         for name in closed.at_bound
     ]
     words += [sentence(text) for text in fit.identifiability.words]
@@ -78,25 +72,29 @@ def _disagreement(fit: WaveformFit) -> list[str]:
         spread = max(values) - min(values)
         if spread > 2 * (closed.u or 0.0) > 0:
             words.append(
-                f"To show the same, {len(good)} engines must be given values of {parameter(name)}"
-                f" that differ by {spread:.2g}{_unit(name)}: their steps differ."
+                f"The engines need values of {phrases.parameter(name)} that differ by"
+                f" {spread:.2g}{_unit(name)} to move alike: their steps differ."
             )
     return words
 
 
 def _holdout(fit: WaveformFit, unit: str) -> str:
     if not fit.holdout.streams:
-        return "No stream was held out, so nothing was validated."
+        return "No segment was kept back, so the fit was not tested."
     predicted = [own for row in fit.holdout.streams for own in row.engines.values()]
     if not predicted:
-        return "Streams were held out, but no engine could be run for them."
-    judged = [v.e_n for own in predicted for v in own.values if v.e_n is not None]
-    good = sum(abs(value) <= 1 for value in judged)
-    probe = fit.probes[0]
-    sizes = [own.rms[probe] for own in predicted]
-    return (
-        f"{good} of {len(judged)} values that engines predict for streams that were held out agree"
-        " with the measured ones within their uncertainty (|E_n| ≤ 1, k = 2);"
-        f" {probe} is {number(float(f'{min(sizes):.3g}'))} to"
-        f" {number(float(f'{max(sizes):.3g}'))} {unit} off (root mean square)."
+        return "Segments were kept back, but no engine could run them."
+    probe, words = fit.probes[0], []
+    off = phrases.size_span([own.rms[probe] for own in predicted], unit)
+    count = phrases.counted(len(fit.holdout.streams), "segment")
+    verb = "was" if len(fit.holdout.streams) == 1 else "were"
+    words.append(
+        f"In {count} that {verb} not fitted, the engines are off by {off} (root mean square)."
     )
+    judged = [v.e_n for own in predicted for v in own.values if v.e_n is not None]
+    if judged:
+        good = sum(abs(value) <= 1 for value in judged)
+        agree = "agrees" if good == 1 else "agree"
+        words.append(f"There, {good} of {phrases.counted(len(judged), 'value')} {agree} within the"
+                     " uncertainty (|E_n| ≤ 1).")  # fmt: skip
+    return " ".join(words)

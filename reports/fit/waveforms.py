@@ -3,77 +3,82 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
-import numpy as np
-
-from simcompare.model.resampling import interpolated
-from simcompare.model.trajectory import Trajectory
 from simcompare.reports.fit import fits
 from simcompare.reports.render import numbers
-from simcompare.reports.render.figures import Band, Figure, Panel, Series
-from simcompare.reports.render.styles import style_of
+from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.tables import Column, Group, Table
-from simcompare.reports.run import runs
-from simcompare.reports.validation import validations
-from simcompare.reports.validation.waveforms import with_gaps
-from simcompare.results.records.fit_waveforms import FitSegment, JudgedValue
+from simcompare.reports.validation import phrases, validations, waveforms
+from simcompare.reports.validation.cases import Case, inputs_of, lacking_words
+from simcompare.results.records.fit_waveforms import JudgedValue
 from simcompare.results.run import Run
 
 #: how fitted engines are stored, and how many segments are drawn beside each other
 FITTED, MAX_DRAWN = "fitted", 3
 
 
+def measured_figures(run: Run) -> list[Figure]:
+    """The recording with the fitted engines over it: the first segment, and one held out."""
+    found = fits.signals(run)
+    numbers_ = [0, *([len(found.measured)] if found.held_out else [])]
+    cases = [_case(run, found.probes[0], number) for number in numbers_]
+    return [waveforms.overlay(case) for case in cases if case is not None]
+
+
 def residual_figures(run: Run) -> list[Figure]:
     """Simulated minus measured over time: the fitted segments, and those that were held out."""
     found = fits.signals(run)
     count = len(found.measured)
-    cases = [*found.measured, *found.held_out]
-    kinds = (("fitted", range(count)), ("held out", range(count, len(cases))))
+    total = count + len(found.held_out)
+    kinds = (("fitted", range(count)), ("held out", range(count, total)))
     figures = []
     for probe in found.probes:
         for kind, numbers_ in kinds:
-            panels = [_panel(run, probe, i, cases[i]) for i in list(numbers_)[:MAX_DRAWN]]
-            drawn = tuple(panel for panel in panels if panel is not None)
-            if drawn:
-                figures.append(_figure(run, probe, kind, drawn))
+            every = (_case(run, probe, i) for i in list(numbers_)[:MAX_DRAWN])
+            cases = [case for case in every if case is not None and case.engines]
+            if cases:
+                figures.append(_figure(run, probe, kind, cases))
     return figures
 
 
-def _figure(run: Run, probe: str, kind: str, panels: tuple[Panel, ...]) -> Figure:
+def _figure(run: Run, probe: str, kind: str, cases: Sequence[Case]) -> Figure:
     caption = (
-        "Grey band: noise of a single sample, twice its standard uncertainty. A pattern that all"
-        " engines share is not the error of an engine but of the model or of the measurement."
+        "Grey band: noise of one sample (2 u). A pattern that all engines share is no error of an"
+        " engine: it comes from the model or from the measurement."
     )
     title = f"{_label(run, probe)}: what is left of the segments that were {kind}"
+    panels = tuple(map(waveforms.residual_panel, cases))
     return Figure(f"left-{probe}-{kind.replace(' ', '-')}", title, caption, panels)
 
 
-def _panel(run: Run, probe: str, number: int, case: FitSegment) -> Panel | None:
+def _case(run: Run, probe: str, number: int) -> Case | None:
+    """One segment as it is drawn; ``None`` where the quantity was not measured in it."""
     measured = validations.stored(run, "measured", "", number)
     if measured is None or probe not in measured.signals:
         return None
-    lines = []
-    for source in fits.wave_engines(run):
-        shown = validations.stored(run, source.name, FITTED, number)
-        if shown is not None:
-            lines.append(_line(source.name, shown, measured, probe))
-    if not lines:
-        return None
-    u = float(case.probes[probe].u)
-    largest = max(float(np.nanmax(np.abs(line.y), initial=0.0)) for line in lines)
-    reach = 1.1 * max(largest, 2.5 * u) or 1.0
-    unit = runs.unit_words(str(run.record.probes[probe].unit))
-    return Panel(
-        case.stream, "time (s)", f"simulated − measured{unit}", tuple(lines),
-        (Band(-2 * u, 2 * u, "noise of a sample ± 2u", 0.0),) if u else (), y_range=(-reach, reach),
+    found = fits.signals(run)
+    about = [*found.measured, *found.held_out][number]
+    shown = {s.name: validations.stored(run, s.name, FITTED, number)
+             for s in fits.wave_engines(run)}  # fmt: skip
+    own = about.probes[probe]
+    return Case(
+        number, about.stream, probe, _label(run, probe), str(run.record.probes[probe].unit),
+        float(own.u), measured, {name: one for name, one in shown.items() if one is not None},
+        inputs=inputs_of(run, number), lacking=lacking_words(own.missing),
     )  # fmt: skip
 
 
-def _line(engine: str, shown: Trajectory, measured: Trajectory, probe: str) -> Series:
-    left = interpolated(shown.time_s, shown.signals[probe], measured.time_s)
-    thin = replace(style_of(engine), width=1.2)
-    return Series(engine, *with_gaps(measured.time_s, left - measured.signals[probe]), thin)
+def parameters(run: Run) -> Table:
+    """What was fitted, and what each engine needs to move alike."""
+    sources = fits.wave_engines(run)
+    rows = []
+    for name, row in fits.signals(run).closed_form.parameters.items():
+        cells = (fits.of_95(source.parameters[name], name) for source in sources)
+        rows.append((phrases.parameter(name), fits.of_95(row, name), *cells))
+    columns = [Column("Parameter", text=True, nowrap=True), Column("Fitted ± 95 %")]
+    columns += [Column(f"for {source.name}", spare=True) for source in sources]
+    note = "An engine's own value makes it move like the recording; it holds for this step alone."
+    return Table("", tuple(columns), (Group("", tuple(rows)),), note if sources else "")
 
 
 def _label(run: Run, probe: str) -> str:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from simcompare.reports.fit import tosses
+from dataclasses import replace
+
+from simcompare.reports.fit import short, tosses
 from simcompare.reports.render.parts import Part, part_of
 from simcompare.results.run import Run
 
 
 def answer(run: Run) -> Part:
-    """What was found, in words, errors of every toss that was predicted, the table of engines."""
+    """What was found, errors of every toss that was predicted, and the table of engines."""
     found = tosses.found_of(run)
     tables = [tosses.engines(found), tosses.failed(found)]
     sentences = (*found.told, *found.sentences)
-    return part_of("Answer", "answer", [tosses.holdout_figure(found)], tables, answer=sentences)
+    part = part_of("Answer", "answer", [tosses.holdout_figure(found)], tables, answer=sentences)
+    return replace(part, short=short.short(run), key_numbers=short.key_numbers(run))
 
 
 def identifiability(run: Run) -> Part:
@@ -29,4 +32,5 @@ def identifiability(run: Run) -> Part:
         [tosses.cost_figure(found)],
         [tosses.scales(found)],
         [note],
+        finding="",
     )

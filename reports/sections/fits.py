@@ -13,18 +13,20 @@ from simcompare.results.records.run import Record
 #: of parameters fitted to measured bounces
 BOUNCES: tuple[Section, ...] = (
     fit_bounces.answer,
+    fit_bounces.residuals,
+    fit_bounces.holdout,
     fit_bounces.engines,
     tuning,
-    fit_bounces.forms,
     fit_bounces.speed,
+    fit_bounces.forms,
     fit_bounces.identifiability,
-    fit_bounces.holdout,
     fit_bounces.others,
     fit_bounces.measured,
 )
 #: of parameters fitted to signals over time
 WAVES: tuple[Section, ...] = (
     fit_waveforms.answer,
+    fit_waveforms.residuals,
     fit_waveforms.engines,
     fit_waveforms.holdout,
     fit_waveforms.identifiability,

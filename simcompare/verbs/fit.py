@@ -15,12 +15,12 @@ from simcompare.engine import engines
 from simcompare.engine.assist import ALL, NONE
 from simcompare.engine.helps import known
 from simcompare.errors import InputError
-from simcompare.fitting.bounces import bounce_models, holdout, model_selection, records
+from simcompare.fitting.bounces import bounce_models, holdout, model_selection, plot_data, records
 from simcompare.fitting.bounces.arcs import rejoined
 from simcompare.fitting.bounces.assisted_fit import fit_engines
 from simcompare.fitting.bounces.engine_fit import EngineFit
 from simcompare.fitting.bounces.identifiability import identifiability
-from simcompare.fitting.bounces.impacts import Impacts
+from simcompare.fitting.bounces.impacts import HEIGHT, Impacts
 from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.fitting.bounces.reading import drops_of
 from simcompare.fitting.bounces.request import (
@@ -38,7 +38,9 @@ from simcompare.model import plain
 from simcompare.model.fittable import TOSSES, WAVEFORM
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, TUNED
+from simcompare.model.trajectory import TRUTH, Trajectory
 from simcompare.reports.fit import answer, identifiability_words
+from simcompare.reports.render.decimation import decimated
 from simcompare.results import run_record, store
 from simcompare.results.fit_file import FITTED
 from simcompare.results.records.fit import FitRecord
@@ -54,6 +56,9 @@ from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs import fit_tosses, fit_waveforms, levels
 from simcompare.verbs.request import FitRequest
 from simcompare.verbs.result import Result
+
+#: what measured signals are stored under
+MEASURED = "measured"
 
 
 @checked
@@ -171,7 +176,10 @@ def fit(
         "engines_asked": engine, "scenario_asked": scenario, "command": options.command(),
         "recording_asked": tuple(map(str, recordings)),
     }  # fmt: skip
-    return _saved(_gather(file, answer.worded(finite(found_fit)), found, about, scene), out)
+    recorded = _recorded(drops, choice.best)
+    return _saved(
+        _gather(file, answer.worded(finite(found_fit)), found, about, scene, recorded), out
+    )
 
 
 @dataclass(frozen=True)
@@ -263,6 +271,7 @@ def _gather(
     found: Sequence[EngineFit],
     told: Mapping[str, Any],
     scene: Scenario,
+    recorded: Sequence[Stored],
 ) -> Result:
     sources = [
         run_record.of_source(one.engine, FITTED, [one.outcome])
@@ -276,7 +285,22 @@ def _gather(
         for one in found
         for drop, (_, run) in enumerate(one.runs)
     ]
-    return Result(record, tuple(trajectories))
+    return Result(record, (*recorded, *trajectories))
+
+
+def _recorded(drops: Sequence[Impacts], best: Fit) -> list[Stored]:
+    """What was measured over time, as it is drawn, and the closed form beside it."""
+    stored = []
+    for number, drop in enumerate(drops):
+        if drop.signal is not None:
+            time_s, values = decimated(drop.signal.time_s, drop.signal.values)
+            signals = {drop.signal.name: values}
+            measured = Trajectory(MEASURED, time_s, signals)
+            stored.append(Stored(MEASURED, "", 0, measured, segment=number))
+        time_s, height_m = plot_data.heights(best, number)
+        truth = Trajectory(TRUTH, time_s, {HEIGHT: height_m})
+        stored.append(Stored(TRUTH, "", 0, truth, FITTED, number))
+    return stored
 
 
 def _scores(row: BouncesEngine) -> list[Score]:

@@ -14,7 +14,7 @@ from simcompare.fitting.waveforms.engines import EngineWaves, fit_engines
 from simcompare.fitting.waveforms.reference import Fitted, fit_reference
 from simcompare.fitting.waveforms.setup import Setup, prepare
 from simcompare.inference.reference_model import Model, model_of
-from simcompare.inference.segments import as_trajectory
+from simcompare.inference.segments import INPUT, as_trajectory, inputs_of
 from simcompare.inference.simulated import BEST, check_step, of_probes
 from simcompare.model.trajectory import TRUTH
 from simcompare.reports.fit import wave_words
@@ -146,6 +146,8 @@ def _stored(
         scene = model.scenario(case, values, step_s)
         truth = of_probes(scene, model.truth(scene), case.watched)
         stored.append(Stored(MEASURED, "", 0, as_trajectory(case), segment=number))
+        stored += [Stored(INPUT, "", 0, driven, name, number)
+                   for name, driven in inputs_of(case).items()]  # fmt: skip
         stored.append(Stored(TRUTH, "", 0, truth, FITTED, number))
     for one in found:
         for (number, variant), run in sorted(one.runs.items()):

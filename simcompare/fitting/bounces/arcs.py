@@ -7,14 +7,14 @@ is needed.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from simcompare.fitting.bounces import bounce_models
 from simcompare.fitting.bounces.flights import MIN_SAMPLES, kinks, long_enough, noise_of, samples
-from simcompare.fitting.bounces.impacts import TRACK, Impacts, Track
+from simcompare.fitting.bounces.impacts import HEIGHT, TRACK, Impacts, Signal, Track
 from simcompare.model.trajectory import Array
 from simcompare.results.records.fit_bounces import Rejected
 from simcompare.statistics.agreement import MAD_TO_SD
@@ -84,7 +84,8 @@ def from_heights(
             break
     dropped += [Rejected("sample", int(k) + 1, float(time[k]), why[k]) for k in sorted(why)]
     arcs = _fitted(time, height, u, np.where(kept, flight, -1), gravity_m_s2, drag)
-    return _impacts(time, height, u, np.where(kept, flight, -1), arcs, source, dropped, notes)
+    joined = _impacts(time, height, u, np.where(kept, flight, -1), arcs, source, dropped, notes)
+    return replace(joined, signal=Signal(HEIGHT, time, height))
 
 
 def rejoined(impacts: Impacts, terminal_speed_m_s: float, gravity_m_s2: float) -> Impacts:
@@ -157,7 +158,7 @@ def _good(
     early = held.any() and bool(np.any(np.abs(residual[held]) > limit[held]))
     why: dict[int, str] = {}
     if early:
-        why |= {int(k): "the ball had not been released" for k in np.flatnonzero(held)}
+        why |= {int(k): "not released yet" for k in np.flatnonzero(held)}
     off = used & (np.abs(residual) > limit) & ~(held & early)
     why |= {int(k): f"{1e3 * residual[k]:.0f} mm off its flight" for k in np.flatnonzero(off)}
     good = used & ~off & ~(held & early)

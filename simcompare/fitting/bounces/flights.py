@@ -39,7 +39,7 @@ def samples(
     if u_m is not None:
         u[:] = u_m
     whole = np.isfinite(time) & np.isfinite(height)
-    gone = [Rejected("sample", int(k) + 1, float(time[k]), "nothing was seen in it")
+    gone = [Rejected("sample", int(k) + 1, float(time[k]), "nothing seen")
             for k in np.flatnonzero(~whole)]  # fmt: skip
     faults = []
     if np.count_nonzero(whole) < 2 * MIN_SAMPLES:

@@ -11,6 +11,8 @@ from simcompare.model.trajectory import Array
 from simcompare.results.records.fit_bounces import Rejected
 
 SOUND, CLOCKED, TRACK, TABLE = "sound", "stopwatch", "video track", "rebound heights"
+#: names of recorded signals
+LOUDNESS, HEIGHT = "sound", "height_m"
 _NOTHING = np.empty(0)
 
 
@@ -32,6 +34,21 @@ class Track:
 
 
 @dataclass(frozen=True)
+class Signal:
+    """What was recorded of a drop over time, as it is drawn.
+
+    Attributes:
+        name: "sound", or "height_m" above the level of the recording.
+        time_s: on the recording's clock (n,) [s].
+        values: (n,).
+    """
+
+    name: str
+    time_s: Array
+    values: Array
+
+
+@dataclass(frozen=True)
 class Impacts:
     """What one drop of a ball left behind.
 
@@ -49,6 +66,7 @@ class Impacts:
         dropped: what was left out, and why.
         missed: numbers of impacts that were not recorded.
         notes: what else must be known, one sentence each.
+        signal: the recording itself, where it is a sound or a video.
     """
 
     times_s: Array = field(default_factory=_NOTHING.copy)
@@ -64,6 +82,7 @@ class Impacts:
     dropped: tuple[Rejected, ...] = ()
     missed: tuple[int, ...] = ()
     notes: tuple[str, ...] = ()
+    signal: Signal | None = field(default=None, repr=False)
 
     @property
     def count(self) -> int:

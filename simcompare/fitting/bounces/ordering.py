@@ -246,16 +246,17 @@ def _reasons(
         at = int(np.searchsorted(kept, k))
         time = float(times[k])
         if at == 0:
-            reason = "it comes before the series of bounces"
+            reason = "before the first bounce"
         elif at == len(kept):
-            reason = "it comes after the series of bounces and does not continue it"
+            reason = "after the last bounce"
         else:
             before, after = float(times[kept[at - 1]]), float(times[kept[at]])
             part = (time - before) / (after - before)
             a, b = int(numbers[at - 1]), int(numbers[at])
-            where = f"within the flight from impact {a} to {b}"
+            reason = (
+                f"within a flight, {1e3 * (time - before):.1f} ms after impact {a} ({part:.0%})"
+            )
             if b > a + 1:
-                where = f"between impacts {a} and {b}, and not where one of the missing would be"
-            reason = f"it is {where}, {1e3 * (time - before):.1f} ms ({part:.0%}) into it"
+                reason = f"between impacts {a} and {b}, not where a missing one would be"
         found.append(Rejected("impact", first + k + 1, time, reason))
     return tuple(found)

@@ -19,6 +19,8 @@ from simcompare.results.records.fit_forms import Law, ProfileRow, Ratios, Residu
 
 #: samples of a video whose residuals are kept, speeds of the law, and most profiles
 _SAMPLES, _SPEEDS, _PROFILES = 200, 25, 6
+#: samples of the height over time
+_HEIGHTS = 600
 
 
 def residuals(fit: Fit, shown: Sequence[Deviation] | None = None) -> tuple[Residuals, ...]:
@@ -48,6 +50,22 @@ def residuals(fit: Fit, shown: Sequence[Deviation] | None = None) -> tuple[Resid
             at, residual = track.time_s[kept].tolist(), (track.height_m - heights)[kept]
             found.append(_row(fit, number, "track", at, residual, track.u_m[kept]))
     return tuple(found)
+
+
+def heights(fit: Fit, number: int) -> tuple[Array, Array]:
+    """Height of the ball over time as the closed form has it, on the recording's clock and level.
+
+    Args:
+        fit: with which parameters.
+        number: of the drop, first is 0.
+    """
+    values = {**bounce_models.DEFAULTS, **fit.problem.values(fit.x, number)}
+    found = bounce_models.bounces(fit.problem.model, values, fit.problem.drops[number].count)
+    release, last = float(values["release_time_s"]), float(found.apex_s[-1])
+    end = release + (1 + float(values["clock_skew"])) * last
+    times = np.union1d(np.linspace(release, end, _HEIGHTS), found.impact_s)
+    flight = np.searchsorted(found.impact_s, times)
+    return times, bounce_models.height_at(found, values, times, flight)
 
 
 def _row(

@@ -18,7 +18,7 @@ from simcompare.errors import InputError
 from simcompare.fitting.bounces import arcs, ordering
 from simcompare.fitting.bounces.bounce_models import GRAVITY
 from simcompare.fitting.bounces.flights import MIN_SAMPLES
-from simcompare.fitting.bounces.impacts import CLOCKED, SOUND, TABLE, Impacts
+from simcompare.fitting.bounces.impacts import CLOCKED, LOUDNESS, SOUND, TABLE, Impacts, Signal
 from simcompare.hardware.recordings import bounce_table, published
 from simcompare.inference import sources
 from simcompare.model.recording import Recording
@@ -26,6 +26,8 @@ from simcompare.model.trajectory import Array
 
 #: quantities of a table, and their units
 _TABLE = {"restitution": "1", "rebound_height": "m", "impact_time": "s", "impact_speed": "m/s"}
+#: part of the time from first to last impact for which the sound before and after is kept
+_BESIDE = 0.12
 #: names that a height may have, best first
 _HEIGHT_NAMES = ("height", "y", "z", "position_y", "position_z")
 
@@ -89,7 +91,7 @@ def from_recording(
     if len(times):
         kind = SOUND if any(e.name == "impact" for e in recording.events) else CLOCKED
         given = np.full(len(times), u_s) if u_s is not None else u
-        return from_times(times, given, kind=kind, source=source)
+        return _heard(recording, from_times(times, given, kind=kind, source=source))
     name = _height_channel(recording)
     if name is None:
         raise InputError(source, [_what_is_there(recording)])
@@ -100,6 +102,27 @@ def from_recording(
         source=source,
     )  # fmt: skip
     return (found,)
+
+
+def _heard(recording: Recording, drops: tuple[Impacts, ...]) -> tuple[Impacts, ...]:
+    """The same drops, each with the sound about its impacts."""
+    found = next((one for one in recording.provenance.repairs if one.rule == "onsets"), None)
+    stream = None if found is None else recording.streams.get(found.stream)
+    if found is None or stream is None:
+        return drops
+    names = [name for name, one in stream.channels.items() if found.channel in (one.raw, name)]
+    if not names:
+        return drops
+    values = stream.channels[names[0]].values
+    return tuple(replace(drop, signal=_about(drop, stream.time_s, values)) for drop in drops)
+
+
+def _about(drop: Impacts, time_s: Array, values: Array) -> Signal:
+    """The part of a sound in which the impacts of a drop lie, those that were left out too."""
+    instants = [*drop.times_s.tolist(), *(one.time_s for one in drop.dropped)]
+    before = _BESIDE * (max(instants) - min(instants))
+    inside = (time_s >= min(instants) - before) & (time_s <= max(instants) + before)
+    return Signal(LOUDNESS, time_s[inside], np.nan_to_num(values[inside]))
 
 
 def from_times(
