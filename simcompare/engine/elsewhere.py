@@ -98,7 +98,7 @@ BACK = (
         ("simcompare run ball --against bounces.csv",),
     ),
     (
-        "More: docs/recordings.md (tables); CONTRIBUTING.md (a backend of your own, for an engine"
+        "More: docs/run.md (tables); CONTRIBUTING.md (a backend of your own, for an engine"
         " that Python can import).",
         (),
     ),

@@ -1,0 +1,64 @@
+"""Puts what commands print today into the pages that show it.
+
+Usage: ``python tools/refresh_docs.py [PAGE …]``; all pages by default.
+Above a block stands a remark that a reader does not see:
+``<!-- shown: simcompare explain u; from: standard; lines: 3 -->``. The command runs beside the
+examples; what is shown begins with the first line that holds the text, and has so many lines.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+SHOWN = re.compile(
+    r"<!-- shown: (?P<command>[^;]+?)(?:; from: (?P<start>[^;]+?))?(?:; lines: (?P<lines>\d+))? -->"
+    r"\n```\n(?P<block>.*?)```\n",
+    re.DOTALL,
+)
+
+
+def main() -> None:
+    """Refreshes the pages that are named, or all."""
+    pages = [Path(name) for name in sys.argv[1:]] or [ROOT / "README.md", *ROOT.glob("docs/*.md")]
+    for page in pages:
+        text = page.read_text(encoding="utf-8")
+        page.write_text(SHOWN.sub(refreshed, text), encoding="utf-8")
+
+
+def refreshed(shown: re.Match[str]) -> str:
+    """The remark with the block below it as the command fills it today."""
+    remark = shown.group(0).partition("\n")[0]
+    return f"{remark}\n```\n{cut(printed(shown['command']), shown['start'], shown['lines'])}\n```\n"
+
+
+def cut(text: str, start: str | None, lines: str | None) -> str:
+    """So many lines from the first that holds the text on, without spaces at their ends."""
+    every = [line.rstrip() for line in text.strip("\n").splitlines()]
+    first = next((i for i, line in enumerate(every) if start and start in line), 0)
+    return "\n".join(every[first : first + int(lines) if lines else None]).strip("\n")
+
+
+@cache
+def printed(command: str) -> str:
+    """What a command of simcompare prints in a pipe."""
+    words = shlex.split(command)
+    assert words[0] == "simcompare", command
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "examples").symlink_to(ROOT / "examples")
+        done = subprocess.run(
+            [sys.executable, "-m", *words], cwd=folder, capture_output=True, text=True, check=False
+        )
+    if done.returncode not in (0, 1):  # 1: a tolerance is missed
+        raise SystemExit(f"{command}\n{done.stderr}")
+    return done.stdout
+
+
+if __name__ == "__main__":
+    main()
