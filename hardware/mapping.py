@@ -172,7 +172,9 @@ def of_tree(
     try:
         mapping = Mapping.model_validate(tree)
     except ValidationError as error:
-        raise InputError(where, describe({**all_faults, **faults_of(error)}, lines or {})) from None
+        raise InputError(
+            where, describe({**all_faults, **faults_of(error, Mapping)}, lines or {})
+        ) from None
     if all_faults:
         raise InputError(where, describe(all_faults, lines or {}))
     return mapping

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from simcompare.cli import complete, console
+from simcompare.cli import complete, console, writing
 from simcompare.errors import InputError, OutputError
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def export(
     made = twin(scenario, format=format, set=console.pairs(settings), preset=preset, fit=fit)
     written = None
     if out is not None:
-        written = _write(out, f"{made.scenario}{FORMATS[format]}", made.text)
+        written = writing.text_file(out, f"{made.scenario}{FORMATS[format]}", made.text)
     if as_json:
         console.print_json(
             {
@@ -113,7 +113,7 @@ def _script(write: Callable[..., Script], out: Path | None, *, as_json: bool) ->
             [f"the script reads long inputs from a file beside it; say where: -o {made.name}.py"],
         )
     if out is not None:
-        files = [_write(out, f"{made.name}.py", made.text)]
+        files = [writing.text_file(out, f"{made.name}.py", made.text)]
         if made.inputs:
             files.append(_write_inputs(files[0].with_name(f"{made.name}_inputs.npz"), made.inputs))
     if as_json:
@@ -162,16 +162,4 @@ def _print_contact_values(
     if out is None:
         console.print_wanted(text, nl=False)
     else:
-        typer.echo(str(_write(out, f"{scenario}_contact_values.txt", text)))
-
-
-def _write(out: Path, name: str, text: str) -> Path:
-    path = out / name if out.is_dir() else out
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise OutputError(
-            f"--out {path}: cannot be written ({error.strerror or error}); choose another place"
-        ) from None
-    return path
+        typer.echo(str(writing.text_file(out, f"{scenario}_contact_values.txt", text)))

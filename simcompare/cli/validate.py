@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from simcompare.cli import complete, console, ending, opening
+from simcompare.cli import complete, console, ending, opening, writing
+from simcompare.errors import InputError
 
 if TYPE_CHECKING:
     from simcompare.reports.render.tables import Table
@@ -19,7 +20,7 @@ def validate(
         help="Name, folder or file of a scenario.", autocompletion=complete.scenarios
     ),
     recording: str = typer.Option(
-        ...,
+        None,
         "--recording",
         "-r",
         help="A public recording (simcompare data list), an imported one, or a log.",
@@ -40,7 +41,12 @@ def validate(
     streams: str = typer.Option(None, help="Streams that are judged, with commas."),
     step: str = typer.Option(None, help="Time between samples, such as 1ms."),
     strict: bool = typer.Option(False, "--strict", help="Refuse a log with any defect."),
-    out: Path = typer.Option(Path("runs"), "--out", "-o", help="Folder for the run's own folder."),
+    template: bool = typer.Option(
+        False, "--template", help="Write a mapping file for --map, to be filled in, and stop."
+    ),
+    out: Path = typer.Option(
+        None, "--out", "-o", help="Folder for the run's own folder (runs); file of a --template."
+    ),
     report: bool = typer.Option(True, help="Write report.html into the run's folder."),
     opened: bool = opening.OPTION,
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
@@ -50,6 +56,11 @@ def validate(
     from simcompare.model.plain import plain
     from simcompare.verbs import validate as validating
 
+    if template:
+        _template(scenario, recording, mapping, out)
+        return
+    if recording is None:
+        raise InputError("--recording", ["no recording is given; simcompare data list has some"])
     opening.check(opened, report=report)
     with console.progress_bar(scenario) as progress:
         result = validating.validate(
@@ -62,7 +73,7 @@ def validate(
             streams=streams.split(",") if streams else (),
             step=step,
             strict=strict,
-            out=out,
+            out=out or Path("runs"),
             time_limit_s=time_limit,
             progress=progress,
         )
@@ -74,6 +85,18 @@ def validate(
         opened=opened,
         as_json=as_json,
     )
+
+
+def _template(scenario: str, recording: str | None, mapping: Path | None, out: Path | None) -> None:
+    from simcompare.verbs.validation_template import template
+
+    text = template(scenario, recording=recording, mapping=mapping)
+    if out is None:
+        console.print_wanted(text, nl=False)
+        return
+    if out.is_file():
+        raise InputError(f"--out {out}", ["is there already; choose another name"])
+    typer.echo(str(writing.text_file(out, f"{Path(scenario).stem}_map.yaml", text)))
 
 
 def _print(result: Run, page: Path | None) -> None:

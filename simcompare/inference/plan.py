@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from pathlib import Path
+from typing import Literal, Self
 
 from pydantic import (
     BaseModel,
@@ -17,12 +19,19 @@ from pydantic import (
 )
 
 from simcompare.errors import InputError, UnknownName
+from simcompare.hardware.mapping import UNKNOWN
 from simcompare.model.scenario import Scenario
 from simcompare.model.yaml_file import describe, faults_of
 
 
 class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @model_validator(mode="after")
+    def _filled_in(self) -> Self:
+        if getattr(self, "channel", None) == UNKNOWN:
+            raise ValueError("channel is still ?; write a channel, or delete the line")
+        return self
 
 
 class Known(_Part):
@@ -233,12 +242,29 @@ def of_tree(
     try:
         return Plan.model_validate(tree)
     except ValidationError as error:
-        by_place = {f"{place}.{at}".rstrip("."): text for at, text in faults_of(error).items()}
+        by_place = {
+            f"{place}.{at}".rstrip("."): text for at, text in faults_of(error, Plan).items()
+        }
         raise InputError(where, describe(by_place, lines or {})) from None
 
 
-def choose(entries: Entries, scenario: str) -> Plan:
+def template_command(
+    scenario: str, recording: str | None = None, mapping: str | Path | None = None
+) -> str:
+    """The command that writes a mapping file to be filled in."""
+    log = [] if recording is None else ["--recording", recording]
+    own = [] if mapping is None else ["--map", str(mapping)]
+    new = ["--template", "--out", f"{Path(scenario).stem}_map.yaml"]
+    return shlex.join(["simcompare", "validate", scenario, *log, *own, *new])
+
+
+def choose(entries: Entries, scenario: str, command: str = "") -> Plan:
     """The entry for a scenario.
+
+    Args:
+        entries: all that there are.
+        scenario: its name.
+        command: what writes a mapping file for it.
 
     Raises:
         InputError: there is none, or it has faults.
@@ -254,8 +280,9 @@ def choose(entries: Entries, scenario: str) -> Plan:
     raise InputError(
         entries.where,
         [
-            f"is not prepared for the scenario {scenario} (prepared: {known}); say in a mapping"
-            " file (--map) under validate: which probe is which channel"
+            f"is not prepared for the scenario {scenario} (prepared: {known}); a mapping file"
+            " (--map) says under validate: which probe is which channel. This writes one to fill"
+            f" in: {command or template_command(scenario)}"
         ],
     )
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import difflib
 import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
 
 import yaml
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from simcompare.errors import InputError, NoSuchFile
 from simcompare.model.plain import Plain
@@ -106,17 +108,46 @@ def _collect_lines(
             _collect_lines(value, f"{path}.{i}", lines, faults)
 
 
-def faults_of(error: ValidationError) -> dict[str, str]:
-    """Faults that pydantic found, as dotted place -> sentence with the value found."""
+def faults_of(error: ValidationError, model: type[BaseModel] | None = None) -> dict[str, str]:
+    """Faults that pydantic found, as dotted place -> sentence with the value found.
+
+    Args:
+        error: what pydantic raised.
+        model: what was read; keys that it does not have are told with those that it has.
+    """
     faults = {}
     for item in error.errors():
         place = ".".join(_place_of(item["loc"]))
         message = _message(item["type"], item.get("ctx") or {}) or item["msg"]
         message = message.removeprefix("Value error, ")
         value = item.get("input")
+        if model is not None and item["type"] == "extra_forbidden":
+            faults[place] = _unknown_key(model, item["loc"])
+            continue
         shown = "" if isinstance(value, dict | list) else f", found {value!r}"
         faults[place] = f"{message}{shown}"
     return faults
+
+
+def _unknown_key(model: type[BaseModel], loc: tuple[int | str, ...]) -> str:
+    """That a key is not known, and those that are, the nearest first."""
+    known = [field.alias or name for name, field in _model_at(model, loc[:-1]).model_fields.items()]
+    key = str(loc[-1])
+    known.sort(key=lambda name: -difflib.SequenceMatcher(None, key, name).ratio())
+    return f"is not known here; known, the nearest first: {', '.join(known)}"
+
+
+def _model_at(kind: Any, loc: tuple[int | str, ...]) -> type[BaseModel]:  # noqa: ANN401
+    """The model at a place below another: of a field, or of an entry of a mapping or list."""
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        if not loc:
+            return kind
+        names = {field.alias or name: field for name, field in kind.model_fields.items()}
+        return _model_at(names[str(loc[0])].annotation, loc[1:])
+    inner = [one for one in get_args(kind) if one not in (type(None), ..., str)]
+    if get_origin(kind) in (UnionType, Union, Annotated):
+        return _model_at(inner[0], loc)
+    return _model_at(inner[-1], loc[1:])  # the key of a mapping comes first
 
 
 def _place_of(loc: tuple[int | str, ...]) -> list[str]:

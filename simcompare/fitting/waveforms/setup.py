@@ -105,7 +105,8 @@ def prepare(
 
 def _found(file: ScenarioFile, name: str, mapping: str | Path | None) -> tuple[Source, Plan]:
     source = sources.find(name, mapping=mapping)
-    plan = plans.choose(source.plans, file.name)
+    command = plans.template_command(file.name, name, mapping)
+    plan = plans.choose(source.plans, file.name, command)
     faults = plans.faults(plan, file.resolve())
     if plan.align.by != "none":
         faults.append(
