@@ -153,11 +153,10 @@ def test_another_measure_in_a_template_is_filled_in():
     assert "bounces with 0.800 ± 0.001 for 4.0 s in north" in sentence
 
 
-def test_many_values_end_in_a_range():
+def test_many_values_are_a_range():
     values = {f"e{i}": 0.1 * i for i in range(1, 8)}  # e7 is 0.7
     (sentence,) = answer.sentences(answered(level("tuned", **values)))
-    assert sentence.count(" in e") == 6
-    assert "0.100 to 0.200 (± 0.001) in e1 and e2" in sentence
+    assert "the ball bounces with 0.100 to 0.700 (± 0.001) in all 7 engines" in sentence
 
 
 def test_without_an_answer_the_first_judged_measure_leads():
@@ -190,15 +189,18 @@ def test_nothing_measured_says_so():
 def test_what_was_missed_is_named_measure_by_measure_and_the_farthest_with_its_size():
     run = answered(level("assisted", north=0.801, south=0.9))
     assert remarks.remarks(run)[-1] == (
-        "With our helps, missed: settling time by north and south; restitution by south;"
-        " farthest is south, restitution off by 0.1000 ± 0.0010, 12 times the tolerance."
+        "With our helps, too far off: settling time in north and south; restitution in south"
+        " (the farthest: off by 0.1000 ± 0.0010, 12 times the tolerance)."
     )
 
 
 def test_that_all_tolerances_are_met_is_said():
     only = {"restitution": TOLERANCES["restitution"]}
     run = answered(level("assisted", north=0.8, south=0.8, west=0.8), tolerances=only)
-    assert remarks.remarks(run)[-1] == "With our helps, the one tolerance is met in all 3 engines."
+    assert (
+        remarks.remarks(run)[-1]
+        == "With our helps, the one judged value is right in all 3 engines."
+    )
 
 
 def test_what_was_not_measured_is_not_called_met():
@@ -209,8 +211,8 @@ def test_what_was_not_measured_is_not_called_met():
     run = changed(records.changed(run, scores=tuple(met)), "south", value=None,
                   verdict="info", lacking=why)  # fmt: skip
     assert remarks.remarks(run)[-1] == (
-        "With our helps, both tolerances are met in north;"
-        f" in south 1 of 2 tolerances are met, 1 was not measured ({why})."
+        "With our helps, both judged values are right in north;"
+        f" in south 1 of 2 is right, 1 was not measured ({why})."
     )
 
 
@@ -273,9 +275,8 @@ def test_what_is_typed_in_and_what_contacts_cost():
     assert remarks.remarks(run)[2:4] == [
         "Typed in for a restitution of 0.8: 0.8013 in north, spring = (−119338, −50.8746) in"
         " south, 0.7985 in west, 0.81 in east.",
-        "In the drops that were tuned, the first contact sinks up to 12 mm and lasts 8.6 ms in"
-        " south; 4.3 to 4.4 mm and lasts 1 to 2.2 ms in west and east;"
-        " 0.4 mm and lasts 1.9 ms in north.",
+        "A tuned contact sinks in by up to 12 mm and lasts 8.6 ms in south;"
+        " 4.3 to 4.4 mm and 1 to 2.2 ms in west and east; 0.4 mm and 1.9 ms in north.",
     ]
 
 
@@ -294,7 +295,7 @@ def test_counts_in_words(part, whole, text):
 def test_one_engine_in_several_rows_is_not_several_engines():
     assert listing.engines(["a", "b", "c"], ["a", "b", "c"]) == "all 3 engines"
     rows = ["a", "a@2ms", "a:rk4"]
-    assert listing.engines(rows, rows) == "all 3 rows"
+    assert listing.engines(rows, rows) == "all 3 cases"
     assert listing.engines(["a", "c"], ["a", "b", "c"]) == "a and c"
     assert listing.engines(list("acdef"), list("abcdef")) == "5 of 6 engines"
 

@@ -28,8 +28,8 @@ from simcompare.reports.run.level_phrases import merged
 from simcompare.reports.run.templates import filled, template_of
 from simcompare.results.run import Run
 
-#: so many values are told apart, the others as a range
-_MAX_GROUPS = 5
+#: so many values are told apart, more of them as a range
+_MAX_GROUPS = 2
 
 
 def sentences(run: Run) -> list[str]:
@@ -60,10 +60,10 @@ def _level(run: Run, lead: Lead, mode: str) -> str:
         clauses += _nearness(lead, rows)
     unknown = _clauses(run, lead, mode, rows, (MIXED, UNMEASURED))
     if mode in SHOWN_LEVELS:
-        why = _why(run, lead, mode, rows, (OUTSIDE, NOTHING))
+        why = _why(run, lead, mode, rows, (OUTSIDE, NOTHING), cure=True)
         clauses += f": {why}" if why else ""
-        why = _why(run, lead, mode, rows, (UNMEASURED,))
-        unknown += f" ({why})" if why else ""
+        why = _why(run, lead, mode, rows, (UNMEASURED,), cure=False)
+        unknown += f", {why}" if why else ""
     return "; ".join(part for part in (clauses, unknown) if part)
 
 
@@ -88,8 +88,7 @@ def _clause(run: Run, lead: Lead, mode: str, rows: Sequence[Row], kind: str) -> 
         return f"{template_of(lead, kind)} in {names}{_lacking(of_kind)}"
     if kind != OUTSIDE:
         return _values(run, lead, mode, of_kind, every, bare=False)
-    same = template_of(lead, WITHIN) == template_of(lead, OUTSIDE)
-    repeated = same and any(row.kind == WITHIN for row in rows)
+    repeated = any(row.kind == WITHIN for row in rows)
     values = _values(run, lead, mode, of_kind, every, bare=repeated)
     head = "too far off: " if repeated else ""
     return f"{head}{values}, where the {TRUTH} gives {lead.true}"
@@ -103,15 +102,13 @@ def _values(
     groups = groups_of(lead, rows)
     if VALUE not in placeholders(template):
         groups = [Group(tuple(rows))]
+    if len(groups) > _MAX_GROUPS:
+        groups = [Group(tuple(sorted(rows, key=lambda row: row.value or 0.0)))]
     parts: list[str] = []
-    for group in groups[:_MAX_GROUPS]:
+    for group in groups:
         first = not parts and not bare
         value = filled(run, lead, mode, template, group) if first else lead.range_of(group.rows)
         parts.append(f"{value} in {listing.engines(group.names, every)}")
-    others = [row for group in groups[_MAX_GROUPS:] for row in group.rows]
-    if others:
-        others = sorted(others, key=lambda row: row.value or 0.0)
-        parts.append(f"{lead.range_of(others)} in {listing.joined([row.name for row in others])}")
     return ", ".join(parts)
 
 
@@ -146,6 +143,9 @@ def _rounded_up(value: float) -> float:
     return math.ceil(value / place * (1 - 1e-9)) * place
 
 
-def _why(run: Run, lead: Lead, mode: str, rows: Sequence[Row], kinds: Sequence[str]) -> str:
+def _why(
+    run: Run, lead: Lead, mode: str, rows: Sequence[Row], kinds: Sequence[str], *, cure: bool
+) -> str:
     wrong = [row.name for row in rows if row.kind in kinds]
-    return "; ".join(shown.text(wrong) for shown in causes(run, lead, mode, wrong))
+    found = causes(run, lead, mode, wrong)
+    return "; ".join(cause.text(wrong, cure=cure) for cause in found)

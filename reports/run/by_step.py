@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from simcompare.comparison.repeats import step_words
 from simcompare.model.settings import SHOWN_LEVELS
-from simcompare.model.trajectory import TRUTH
+from simcompare.model.trajectory import AT, TRUTH
 from simcompare.notation import capital
 from simcompare.reports.render import numbers
 from simcompare.reports.render.figures import Figure, Panel, Series
@@ -37,6 +38,17 @@ def lines(run: Run, lead: Lead, mode: str) -> list[str]:
     texts = grouped((_values(lead, steps, judged), engine) for engine, steps in by_engine.items())
     ends = [f"{engines(names, list(by_engine))}: {text}" for text, names in texts.items()]
     return [_head(run, lead, mode, judged=judged), *ends]
+
+
+def over_steps(run: Run, lead: Lead, rows: Sequence[Row]) -> str:
+    """The leading measure of all engines at each step, as half a sentence."""
+    parts = []
+    for step in _steps(run):
+        some = [replace(row, scatter=None) for row in rows if row.name.endswith(step.at)]
+        at = step.at.removeprefix(AT).removesuffix("ms")
+        parts.append(f"{lead.range_of(some)} at {at} ms")
+    beside = f" ({TRUTH} {lead.true})" if lead.truth else ""
+    return f"the {lead.words} is {', '.join(parts)}{beside}"
 
 
 def _values(lead: Lead, steps: Sequence[At], judged: bool) -> str:

@@ -62,7 +62,7 @@ def steps_together(names: Sequence[str], every: Sequence[str]) -> list[str]:
 def noun(every: Sequence[str]) -> str:
     """What sources are: one and the same engine may stand among them more than once."""
     bare = {name.partition("@")[0].partition(":")[0] for name in every}
-    return "engines" if len(bare) == len(every) else "rows"
+    return "engines" if len(bare) == len(every) else "cases"
 
 
 def count_of(part: int, total: int, noun: str = "engine") -> str:

@@ -18,8 +18,8 @@ from simcompare.reports.run.tuning_phrases import contacts, typed_in
 from simcompare.results.records.run import SourceRecord
 from simcompare.results.run import Run
 
-#: how all of so many tolerances are called
-_ALL = {1: "the one tolerance is", 2: "both tolerances are"}
+#: how all of so many judged values are called
+_ALL = {1: "the one judged value is", 2: "both judged values are"}
 
 
 def remarks(run: Run) -> list[str]:
@@ -78,18 +78,37 @@ def _missed(run: Run, mode: str) -> str:
     unmeasured = {name: lost for name in every if (lost := _unmeasured(run, name, mode))}
     complete = [name for name in every if name not in unmeasured]
     failed = {m: tuple(n for n in every if _failed(run, n, mode, m)) for m in judged}
-    by_names = grouped((names, runs.measure_words(m)) for m, names in failed.items() if names)
+    by_names = grouped((names, measure) for measure, names in failed.items() if names)
+    far = _farthest(run, mode)
     phrases = [
-        f"{joined(measures)} by {engines(names, every)}"
+        _off(run, measures, names, every, far)
         for names, measures in sorted(by_names.items(), key=lambda item: -len(item[0]))
     ]
     if phrases:
-        phrases = [f"missed: {'; '.join(phrases)}{_farthest(run, mode)}"]
+        phrases = [f"too far off: {'; '.join(phrases)}"]
     elif complete:
-        all_are = _ALL.get(len(judged), f"all {len(judged)} tolerances are")
-        phrases = [f"{all_are} met in {engines(complete, every)}"]
+        all_are = _ALL.get(len(judged), f"all {len(judged)} judged values are")
+        phrases = [f"{all_are} right in {engines(complete, every)}"]
     phrases += [_met(run, name, mode, lost) for name, lost in unmeasured.items()]
     return "; ".join(phrases)
+
+
+def _off(
+    run: Run, measures: Sequence[str], names: Sequence[str], every: Sequence[str], far: Score | None
+) -> str:
+    """Measures that the same engines miss, and the farthest value where it is among them."""
+    words = joined([runs.measure_words(measure) for measure in measures])
+    text = f"{words} in {engines(names, every)}"
+    if far is None or far.measure not in measures or far.source not in names:
+        return text
+    off = numbers.with_u(
+        abs((far.value or 0.0) - (far.truth or 0.0)), far.scatter, far.unit, far.truth, 2
+    )
+    which = [] if len(measures) == 1 else [runs.measure_words(far.measure)]
+    which += [] if len(names) == 1 else [f"in {far.source}"]
+    share = numbers.plain(runs.share_of_tolerance(run, far), 2)
+    told = " ".join(["the farthest:", *which, f"off by {off}, {share} times the tolerance"])
+    return f"{text} ({told})"
 
 
 def _failed(run: Run, name: str, mode: str, measure: str) -> bool:
@@ -110,11 +129,12 @@ def _met(run: Run, name: str, mode: str, unmeasured: Sequence[Score | None]) -> 
     were = "was" if count == 1 else "were"
     reasons = "; ".join(dict.fromkeys(one.lacking for one in unmeasured if one and one.lacking))
     why = f" ({reasons})" if reasons else ""
-    return f"in {name} {met} of {of} tolerances are met, {count} {were} not measured{why}"
+    are = "is" if met == 1 else "are"
+    return f"in {name} {met} of {of} {are} right, {count} {were} not measured{why}"
 
 
-def _farthest(run: Run, mode: str) -> str:
-    """The value that is farthest from the truth, in tolerances; nothing where all are within.
+def _farthest(run: Run, mode: str) -> Score | None:
+    """The value that is farthest from the truth, in tolerances; ``None`` where all are within.
 
     What was missed may be what could not be measured.
     """
@@ -126,15 +146,7 @@ def _farthest(run: Run, mode: str) -> str:
     ]
     shares = [runs.share_of_tolerance(run, score) or 0.0 for score in scores]
     share = max(shares, default=0.0)
-    if share <= 1:
-        return ""
-    score = scores[shares.index(share)]
-    off = abs((score.value or 0.0) - (score.truth or 0.0))
-    far = numbers.with_u(off, score.scatter, score.unit, score.truth, 2)
-    return (
-        f"; farthest is {score.source}, {runs.measure_words(score.measure)} off by {far},"
-        f" {numbers.plain(share, 2)} times the tolerance"
-    )
+    return scores[shares.index(share)] if share > 1 else None
 
 
 def _not_run(run: Run) -> list[str]:

@@ -8,6 +8,7 @@ from itertools import groupby
 
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.reports.run import runs
+from simcompare.reports.run.by_step import over_steps
 from simcompare.reports.run.causes import causes
 from simcompare.reports.run.lead import (
     MIXED,
@@ -23,7 +24,7 @@ from simcompare.reports.run.lead import (
 from simcompare.reports.run.lead_rows import Group, rows_of
 from simcompare.reports.run.level_phrases import head
 from simcompare.reports.run.listing import in_how_many, joined, noun
-from simcompare.reports.run.misses import Miss, misses_of, said
+from simcompare.reports.run.misses import misses_of, said
 from simcompare.reports.run.templates import filled, template_of
 from simcompare.results.run import Run
 
@@ -107,6 +108,9 @@ def _level(run: Run, lead: Lead, mode: str, detail: _Detail, before: _Said) -> s
     """What happens at a level; a half sentence that was said before is not said again."""
     rows = rows_of(run, lead, mode)
     is_shown, main = mode in SHOWN_LEVELS, _main(rows)
+    if runs.steps(run) and not is_shown and {row.kind for row in rows} != {WITHIN}:
+        right = [row.name for row in rows if row.kind == WITHIN]
+        return "; ".join([over_steps(run, lead, rows), *_missed(run, lead, mode, right, detail)])
     parts = [_majority(run, lead, mode, rows, _template(lead, mode, main, detail), before)]
     if detail.shown_others if is_shown else detail.others:
         values = detail.shown if is_shown else detail.judged
@@ -114,11 +118,12 @@ def _level(run: Run, lead: Lead, mode: str, detail: _Detail, before: _Said) -> s
     if is_shown:
         return _with_cause(run, lead, mode, rows, "; ".join(parts), detail)
     right = [row.name for row in rows if row.kind == WITHIN]
+    return "; ".join([*parts, *_missed(run, lead, mode, right, detail)])
+
+
+def _missed(run: Run, lead: Lead, mode: str, right: Sequence[str], detail: _Detail) -> list[str]:
+    """What engines miss whose leading measure is right."""
     misses = misses_of(run, lead, mode, right)
-    return "; ".join([*parts, *_missed(run, misses, detail)])
-
-
-def _missed(run: Run, misses: Sequence[Miss], detail: _Detail) -> list[str]:
     return [said(run, misses, named=detail.named, value=detail.far)] if misses else []
 
 

@@ -64,7 +64,7 @@ def contacts(run: Run) -> str:
     ]  # fmt: skip
     if not known:
         return ""
-    head = "In the drops that were tuned, the first contact sinks up to"
+    head = "A tuned contact sinks in by up to"
     if runs.steps(run):
         return f"{head}, and lasts: {'; '.join(_over_steps(known))}."
     groups: list[list[_Contact]] = []
@@ -75,7 +75,10 @@ def contacts(run: Run) -> str:
         else:
             groups.append([one])
     order = runs.names(run)
-    phrases = [_alike(sorted(group, key=lambda c: order.index(c.source))) for group in groups]
+    alike = [_alike(sorted(group, key=lambda c: order.index(c.source))) for group in groups]
+    (depths, times, where), *others = alike
+    phrases = [f"{depths} and lasts {times} in {where}"]
+    phrases += [f"{deep} and {long} in {engines}" for deep, long, engines in others]
     return f"{head} {'; '.join(phrases)}."
 
 
@@ -92,14 +95,14 @@ def _listed(values: Iterable[float]) -> str:
     return ", ".join(numbers.plain(value, 2) for value in values)
 
 
-def _alike(group: Sequence[_Contact]) -> str:
-    """Contacts that are much the same."""
+def _alike(group: Sequence[_Contact]) -> tuple[str, str, str]:
+    """Contacts that are much the same: how deep, how long, and in which engines."""
     shallow_mm = group[0].shallow_mm
     times = _span([contact.time_ms for contact in group], "ms")
     depths = _span([contact.depth_mm for contact in group], "mm")
     if max(contact.depth_mm for contact in group) <= shallow_mm:
         depths = f"{numbers.plain(shallow_mm, 2)} mm"
-    return f"{depths} and lasts {times} in {joined([contact.source for contact in group])}"
+    return depths, times, joined([contact.source for contact in group])
 
 
 def _span(values: Sequence[float], unit: str) -> str:
