@@ -65,6 +65,13 @@ def test_what_cures_a_cause_is_said_only_where_it_does(set_value, end):
     assert short(run)[0] == f"By default the ball stays on the floor in north: {CAUSE}{end}"
 
 
+def test_what_is_wrong_alike_where_all_is_set_had_another_cause():
+    run = met(answered([*level("default", north=0.7), *level("tuned", north=0.701)]))
+    given = replace(audit_row(DEFAULT), set_value=0.8, read_value=0.8)
+    run = with_sources(run, audit=[(audit_row(DEFAULT),), (given,)])
+    assert CAUSE not in short(run)[0]
+
+
 def test_what_happens_alike_at_two_levels_is_one_sentence():
     run = met(answered([*level("tuned", north=0.8), *level("assisted", north=0.8)], answer=WHOLE))
     assert short(run) == (

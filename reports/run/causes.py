@@ -52,7 +52,11 @@ def causes(run: Run, lead: Lead, mode: str, wrong: Sequence[str]) -> list[Shown]
     """
     found = []
     for cause in lead.answer.causes if lead.answer else ():
-        names = tuple(name for name in wrong if _keeps(run, name, mode, cause))
+        names = tuple(
+            name
+            for name in wrong
+            if _keeps(run, name, mode, cause) and _changes(run, lead, mode, name)
+        )
         if names:
             found.append(Shown(cause.says, names, _is_set(run, names, cause)))
     return found
@@ -61,6 +65,14 @@ def causes(run: Run, lead: Lead, mode: str, wrong: Sequence[str]) -> list[Shown]
 def _is_set(run: Run, names: Sequence[str], cause: Cause) -> bool:
     ran = runs.ran(run, TUNED)
     return all(name in ran and not _keeps(run, name, TUNED, cause) for name in names)
+
+
+def _changes(run: Run, lead: Lead, mode: str, name: str) -> bool:
+    """Whether a value is another one where everything is set; else that was not its cause."""
+    here, there = (runs.score_of(run, name, level, lead.measure) for level in (mode, TUNED))
+    if here is None or there is None or here.value is None or there.value is None:
+        return True
+    return abs(here.value - there.value) > (lead.width or 0.0)
 
 
 def _keeps(run: Run, name: str, mode: str, cause: Cause) -> bool:
