@@ -4,8 +4,12 @@ from dataclasses import replace
 
 import pytest
 
+import simcompare
+from simcompare.comparison.comparison import FAIL
 from simcompare.model.settings import DEFAULT
+from simcompare.reports.run import runs
 from simcompare.reports.run.key_numbers import key_numbers
+from simcompare.reports.run.lead import lead_of
 from simcompare.reports.run.short import MAX_WORDS, short
 from tests import records
 from tests.records import with_sources
@@ -150,3 +154,20 @@ def test_the_value_that_is_farthest_off_is_told_beside_its_truth():
         for s in run.record.scores
     ))  # fmt: skip
     assert "settling time is off in north and south (5.0 s instead of 4 s)" in short(run)[0]
+
+
+@pytest.mark.engines("box2d", "pymunk")
+@pytest.mark.parametrize(
+    "scenario", ["accelerometer_force", "motor_bench", "pendulum_servo", "robot_planar"]
+)
+def test_whatever_fails_is_counted_in_few_words(scenario):
+    run = simcompare.run(scenario, engine="box2d,pymunk", judge="tuned")
+    assert 0 < words(short(run)) <= MAX_WORDS
+    lead, numbers = lead_of(run), {number.label: number for number in key_numbers(run)}
+    for mode in ("tuned", "assisted"):
+        failed = {s.measure for s in run.record.scores if (s.contact, s.verdict) == (mode, FAIL)}
+        others = failed - {lead.measure}
+        number = numbers[runs.mode_words(mode)]
+        assert (number.verdict == "fail") == bool(failed)
+        assert ("other value" in number.note) == bool(others)
+        assert not others or f"{len(others)} other value" in number.note

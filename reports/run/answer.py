@@ -56,14 +56,14 @@ def _level(run: Run, lead: Lead, mode: str) -> str:
     if not rows:
         return ""
     clauses = _clauses(run, lead, mode, rows, (WITHIN, UNJUDGED, OUTSIDE, NOTHING))
-    if all(row.kind == WITHIN for row in rows):
+    if lead.truth and all(row.kind == WITHIN for row in rows):
         clauses += _nearness(lead, rows)
     unknown = _clauses(run, lead, mode, rows, (MIXED, UNMEASURED))
     if mode in SHOWN_LEVELS:
         why = _why(run, lead, mode, rows, (OUTSIDE, NOTHING), cure=True)
         clauses += f": {why}" if why else ""
         why = _why(run, lead, mode, rows, (UNMEASURED,), cure=False)
-        unknown += f", {why}" if why else ""
+        unknown += f": {why}" if why else ""
     return "; ".join(part for part in (clauses, unknown) if part)
 
 
@@ -91,7 +91,7 @@ def _clause(run: Run, lead: Lead, mode: str, rows: Sequence[Row], kind: str) -> 
     repeated = any(row.kind == WITHIN for row in rows)
     values = _values(run, lead, mode, of_kind, every, bare=repeated)
     head = "too far off: " if repeated else ""
-    return f"{head}{values}, where the {TRUTH} gives {lead.true}"
+    return f"{head}{values}, where the {TRUTH} gives {lead.true}" if lead.truth else head + values
 
 
 def _values(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -24,6 +25,9 @@ _NO_ERROR = 1e-3
 _ROUNDING = 1e-9
 #: what rounding leaves of a part of a tolerance
 _EQUAL = 1e-9
+
+
+_ZEROS = re.compile(r"\.\d*[1-9]0{4,}$")
 
 
 @dataclass(frozen=True)
@@ -143,6 +147,8 @@ class Lead:
                 return numbers.with_u(low, u, self.unit, self.truth, 4)
             return " to ".join(dict.fromkeys(numbers.plain(v, 4) for v in (low, high))) + after
         ends = dict.fromkeys(self._digits(value, more) for value in (low, high))
+        if len(ends) == 1:
+            ends = dict.fromkeys(map(_without_zeros, ends))
         scatters = {self._digits(u, more) for _, u in pairs if u and math.isfinite(u)}
         largest = max(scatters, key=float, default="0")
         if float(largest) == 0:
@@ -221,3 +227,8 @@ def _lead(run: Run, measure: str, answer: Answer | None) -> Lead:
 def width_of(run: Run, score: Score) -> float | None:
     """The tolerance of a score, ``None`` where it has no truth."""
     return None if score.truth is None else runs.width(run, score)
+
+
+def _without_zeros(text: str) -> str:
+    """A number that many zeros end says no more than without them."""
+    return text.rstrip("0") if _ZEROS.search(text) else text
