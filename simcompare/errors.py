@@ -7,13 +7,17 @@ with which the command line ends (2: usage or file, 3: an engine is missing or b
 from __future__ import annotations
 
 import difflib
+import itertools
 import os
 import re
 import shlex
 import sys
+import traceback
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+#: folder of our own code
+_HERE = Path(__file__).parent
 #: how names of files end, and no name of ours
 _ENDING = re.compile(r"\.[A-Za-z]\w{0,7}$")
 
@@ -30,6 +34,17 @@ class SimcompareError(Exception):
     def __reduce__(self) -> tuple[object, ...]:
         """As it is, also where its class takes other arguments than the message."""
         return _restored, (type(self), self.args, self.__dict__)
+
+    def _render_traceback_(self) -> list[str]:
+        """What a notebook shows in place of a traceback: the user's own line, and the message."""
+        frames = traceback.extract_tb(self.__traceback__)
+        before = itertools.takewhile(lambda frame: not _is_ours(frame.filename), frames)
+        where = [f"line {frame.lineno}: {frame.line}" for frame in [*before][-1:]]
+        return [*where, f"{type(self).__name__}: {self}"]
+
+
+def _is_ours(file: str) -> bool:
+    return Path(file).is_relative_to(_HERE)
 
 
 def _restored(

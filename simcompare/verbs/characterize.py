@@ -27,6 +27,7 @@ from simcompare.results.run_record import software
 from simcompare.running.jobs import MISSING, Inquiry, Reply
 from simcompare.running.runner import TIME_LIMIT_S, Progress, check_time_limit, run_jobs
 from simcompare.verbs.characterized import Characterized
+from simcompare.verbs.notebook_line import with_line
 
 #: experiment -> the question that is asked at a contact level and a step
 EXPERIMENTS: Mapping[str, Callable[[str, float], Experiment[Any]]] = {
@@ -41,6 +42,7 @@ FILE = "characterization.json"
 
 
 @checked
+@with_line
 def characterize(
     experiments: str | Sequence[str] = "all",
     *,

@@ -54,6 +54,7 @@ from simcompare.running.runner import TIME_LIMIT_S, Progress
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs import fit_tosses, fit_waveforms, levels
+from simcompare.verbs.notebook_line import with_line
 from simcompare.verbs.request import FitRequest
 from simcompare.verbs.result import Result
 
@@ -62,6 +63,7 @@ MEASURED = "measured"
 
 
 @checked
+@with_line
 def fit(
     scenario: str | Path = "ball",
     *,

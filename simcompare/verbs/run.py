@@ -30,6 +30,7 @@ from simcompare.running.runner import TIME_LIMIT_S, Interrupted, Progress, run_j
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs import levels
+from simcompare.verbs.notebook_line import with_line
 from simcompare.verbs.request import RunRequest
 from simcompare.verbs.result import Result
 
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 
 
 @checked
+@with_line
 def run(
     scenario: str | Path = "ball",
     *,

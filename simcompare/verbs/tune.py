@@ -23,6 +23,7 @@ from simcompare.tuning.request import Request
 from simcompare.tuning.statement import Statement
 from simcompare.tuning.typed_numbers import check_numbers
 from simcompare.verbs import tune_arguments
+from simcompare.verbs.notebook_line import with_line
 from simcompare.verbs.tuning import TuneResult, Tuning
 
 #: impact speeds and step where none are given
@@ -34,6 +35,7 @@ LEVELS = (COEFFICIENTS, TUNED)
 
 
 @checked
+@with_line
 def tune(
     scenario: str | Path | None = None,
     *,

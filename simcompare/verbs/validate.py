@@ -29,6 +29,7 @@ from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.validation import records
 from simcompare.validation.records import Compared
+from simcompare.verbs.notebook_line import with_line
 from simcompare.verbs.request import ValidateRequest
 from simcompare.verbs.result import Result
 
@@ -37,6 +38,7 @@ MEASURED = "measured"
 
 
 @checked
+@with_line
 def validate(
     scenario: str | Path,
     *,
