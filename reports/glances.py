@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from simcompare import glossary
 from simcompare.errors import UnknownName
 from simcompare.reports import builder
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.glance import Glance
 from simcompare.reports.render.parts import Part
 from simcompare.reports.render.tables import Table
-from simcompare.reports.run import lead_table, runs
+from simcompare.reports.run import lead_table, runs, settings
 from simcompare.reports.run.not_run import not_run
 from simcompare.reports.sections import of_run
 from simcompare.results.run import Run
@@ -19,13 +20,16 @@ _MORE = "More: .table(), .plot(), .scores, .samples(engine, level), .report()"
 def glance_of(run: Run) -> Glance:
     """The answer, the table of what leads, what did not run, and the first figure."""
     record, part = run.record, _answer(run)
+    found = _table(run, part)
     notes = [f"{row.name} ({row.modes}) did not run: {row.reason}" for row in not_run(run)]
     notes += ["Interrupted: what had finished is kept."] if record.interrupted else []
     return Glance(
-        title=f"{record.title} ({record.scenario}), {record.kind}",
+        title=f"{record.title} – {record.kind}",
         question=record.question,
+        settings=settings.settings(run),
         sentences=part.short or part.answer[:1],
-        table=_table(run, part),
+        legend=_legend(run, found),
+        table=found,
         notes=tuple(notes),
         figure=next(iter(part.every_figure), None),
         more=_MORE if run.folder is None else f"{_MORE}. Stored in {run.folder}",
@@ -74,6 +78,13 @@ def _table(run: Run, part: Part) -> Table | None:
     if run.record.kind == "run":
         return lead_table.lead_table(run)
     return next(iter(part.every_table), None)
+
+
+def _legend(run: Run, shown: Table | None) -> tuple[str, ...]:
+    """What the words of the table mean."""
+    if shown is None or run.record.kind != "run":
+        return ()
+    return glossary.legend(lead_table.legend_words([shown]))
 
 
 def _figures(run: Run) -> dict[str, Figure]:

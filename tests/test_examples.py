@@ -1,6 +1,8 @@
 """The examples run as their first lines say."""
 
+import ast
 import functools
+import json
 import subprocess
 import sys
 import tempfile
@@ -32,6 +34,28 @@ def test_an_example_runs(path):
     done = run(path)
     assert done.returncode == 0, done.stderr
     assert "python examples/" + path.name in path.read_text(encoding="utf-8")
+
+
+def cells(path):
+    """The code of a notebook, cell by cell."""
+    notebook = json.loads(path.read_text(encoding="utf-8"))
+    codes = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    assert not any(cell["outputs"] for cell in codes)
+    return ["".join(cell["source"]) for cell in codes]
+
+
+@pytest.mark.engines("mujoco", "dart", "pymunk")
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.ipynb")), ids=lambda path: path.stem)
+def test_a_notebook_runs_and_every_cell_shows_something(path, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    space = {}
+    for code in cells(path):
+        *before, last = ast.parse(code).body
+        exec(compile(ast.Module(before, []), str(path), "exec"), space)
+        assert isinstance(last, ast.Expr), code
+        shown = eval(compile(ast.Expression(last.value), str(path), "eval"), space)
+        assert shown is not None, code
+    assert (tmp_path / "ball.html").is_file()
 
 
 def test_the_controller_drives_every_engine_along_the_line():

@@ -25,7 +25,7 @@ def run(tmp_path_factory):
 def test_a_run_is_a_few_lines_of_text(run):
     lines = repr(run).splitlines()
     assert len(lines) <= 8
-    assert lines[0] == "Bouncing ball (ball), run"
+    assert lines[0] == "Bouncing ball – run"
     assert str(run.folder) in lines[-1]
 
 

@@ -30,6 +30,7 @@ class Glance:
     Attributes:
         title: what it is.
         question: that it answers.
+        settings: how it was made.
         sentences: the answer.
         legend: what the words of the table mean, a line each.
         table: the numbers.
@@ -40,6 +41,7 @@ class Glance:
 
     title: str
     question: str = ""
+    settings: str = ""
     sentences: tuple[str, ...] = ()
     legend: tuple[str, ...] = ()
     table: Table | None = None
@@ -55,7 +57,14 @@ def html(glance: Glance) -> str:
 
 def text(glance: Glance) -> str:
     """Its words on a few lines, for a terminal."""
-    lines = [glance.title, glance.question, *glance.sentences, *glance.notes, glance.more]
+    lines = [
+        glance.title,
+        glance.question,
+        glance.settings,
+        *glance.sentences,
+        *glance.notes,
+        glance.more,
+    ]
     return "\n  ".join(printable(line) for line in lines if line)
 
 

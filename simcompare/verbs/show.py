@@ -81,14 +81,14 @@ class ScenarioFacts(Shown):
 
     def _glance(self) -> Glance:
         able = [name for name, lacking in self.engines.items() if not lacking]
-        notes = [f"preset={name!r}: {preset.text}" for name, preset in self.presets.items()]
+        notes = [f"Presets: {', '.join(self.presets)}"] if self.presets else []
         notes.append(f"Engines that can run it: {', '.join(able) or 'none'}")
         return Glance(
             title=f"{self.title} ({self.name})",
             question=self.question,
             table=self._table(),
             notes=tuple(notes),
-            more=f"More: simcompare.run({self.name!r}), set={{…}} changes a parameter",
+            more=f"More: simcompare.run({self.name!r}, preset=…, set={{…}}), .presets, .signals",
         )
 
     def _table(self) -> Table:
