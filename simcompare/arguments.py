@@ -10,7 +10,7 @@ from numbers import Integral, Real
 from pathlib import Path, PurePath
 from typing import Any, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
 
-from simcompare.errors import InputError
+from simcompare.errors import InputError, UnknownName
 
 Asked = ParamSpec("Asked")
 Given = TypeVar("Given")
@@ -30,8 +30,7 @@ def checked(function: Callable[Asked, Given]) -> Callable[Asked, Given]:
 
     @functools.wraps(function)
     def called(*args: Asked.args, **kwargs: Asked.kwargs) -> Given:
-        given = inspect.signature(function).bind(*args, **kwargs).arguments
-        hints = get_type_hints(function)
+        hints, given = get_type_hints(function), _bound(function, args, kwargs)
         faults = [
             f"{name}={value!r}: expected {words(hints[name])}"
             for name, value in given.items()
@@ -42,6 +41,23 @@ def checked(function: Callable[Asked, Given]) -> Callable[Asked, Given]:
         return function(*args, **kwargs)
 
     return called
+
+
+def _bound(
+    function: Callable[..., Any], args: Sequence[object], kwargs: Mapping[str, object]
+) -> Mapping[str, object]:
+    """Each argument by its name.
+
+    Raises:
+        InputError: one that there is not, or one that is missing.
+    """
+    signature = inspect.signature(function)
+    known = signature.parameters
+    faults = [str(UnknownName("argument", name, known)) for name in kwargs if name not in known]
+    try:
+        return signature.bind(*args, **kwargs).arguments
+    except TypeError as error:
+        raise InputError(function.__name__, faults or [str(error)]) from None
 
 
 def fits(value: object, hint: Any) -> bool:  # noqa: ANN401

@@ -68,6 +68,20 @@ def test_all_faults_are_told_at_once():
     assert checked(bounce).__doc__ == "Bounces."
 
 
+@pytest.mark.parametrize(
+    ("given", "fault"),
+    [
+        ({"engines": "pymunk"}, "run: no argument is called 'engines'; did you mean engine"),
+        ({"recordings": ["a"], "fix": {}}, "fit: no argument is called 'fix'; did you mean fixed"),
+        ({}, "fit: missing a required argument: 'recordings'"),
+    ],
+)
+def test_arguments_that_there_are_not_and_that_are_missing(given, fault):
+    with pytest.raises(InputError) as caught:
+        getattr(simcompare, fault.partition(":")[0])("ball", **given)
+    assert str(caught.value).startswith(fault)
+
+
 @pytest.mark.parametrize("verb", ["run", "fit", "validate", "tune", "characterize", "control"])
 def test_verbs_refuse_arguments_of_another_type(verb):
     with pytest.raises(InputError, match=f"^{verb}: .*engine=3"):

@@ -2,6 +2,7 @@
 
 import builtins
 import csv
+import inspect
 import re
 from dataclasses import replace
 
@@ -157,8 +158,15 @@ def test_a_stored_run_is_read_from_text_a_path_or_its_file(run):
 def test_the_package_shows_what_people_use_and_no_more():
     shown = [name for name in dir(simcompare) if not name.startswith("__")]
     assert shown == sorted(simcompare._PUBLIC)
-    for name in shown:
-        assert getattr(simcompare, name).__doc__
+
+
+@pytest.mark.parametrize("name", sorted(simcompare._PUBLIC))
+def test_what_people_use_says_what_it_is_and_functions_give_an_example(name):
+    found = getattr(simcompare, name)
+    assert found.__doc__
+    if inspect.isfunction(found):
+        _, example = found.__doc__.split("::\n\n", 1)
+        assert example.count("simcompare.") >= 1
 
 
 def test_importing_everything_hides_no_name_of_python():
@@ -226,3 +234,11 @@ def test_a_controlled_trajectory_shows_its_probes():
     with pytest.raises(UnknownName, match="did you mean angle_rad"):
         found.plot("angel_rad")
     assert len(repr(found)) < 300
+
+
+def test_stored_runs_are_a_table(run):
+    found = simcompare.runs(run.folder.parent)
+    assert [*found.table().index] == [run.folder.name]
+    assert found.table().loc[run.folder.name, "engines"] == "pymunk"
+    assert repr(found[0]) == f"{run.folder}: pass"
+    assert len(found._repr_html_().encode()) < MOST_BYTES

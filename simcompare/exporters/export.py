@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from simcompare.arguments import checked
 from simcompare.errors import InputError
 from simcompare.exporters.scripts.write import script
 from simcompare.exporters.twins import FORMATS, SCRIPT, twin
 from simcompare.model.scenario import Scenario
 
 
+@checked
 def export(
     scenario: str | Scenario,
     *,
@@ -23,8 +25,11 @@ def export(
 ) -> str:
     """The text of a scenario in another simulator's format, or as a script of one engine.
 
-    ``export("ball", format="script", engine="mujoco", contact="tuned")`` is a program that needs
-    only that engine and numpy, the same as ``simcompare export`` writes.
+    ::
+
+        simcompare.export("robot", format="urdf")
+        # a program that needs only that engine and numpy
+        simcompare.export("ball", format="script", engine="mujoco", contact="tuned")
 
     Args:
         scenario: name, folder or file, or a scenario that has been built already.

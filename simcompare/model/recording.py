@@ -183,7 +183,7 @@ class Stream:
                 raise ValueError(f"{name}: {len(channel.values)} values, {len(self.time_s)} times")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Recording:
     """A log from a real device, in SI.
 
@@ -196,6 +196,13 @@ class Recording:
     streams: Mapping[str, Stream]
     provenance: Provenance
     events: tuple[Event, ...] = ()
+
+    def __repr__(self) -> str:
+        streams = (
+            f"{name}: {len(one.time_s)} samples of {', '.join(one.channels)}"
+            for name, one in self.streams.items()
+        )
+        return "\n  ".join(["Recording", *streams])
 
     def find(self, name: str) -> tuple[str, str]:
         """Stream and full name of a channel that is called with or without unit, or stream.

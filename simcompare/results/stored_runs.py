@@ -27,7 +27,7 @@ _STAMP = re.compile(r"(\d{4})(\d\d)(\d\d)-(\d\d)(\d\d)(\d\d)")
 _KEYS = {"format", "scenario", "sources", "software"}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class StoredRun:
     """A run, a fit or a validation in a folder of its own.
 
@@ -48,6 +48,9 @@ class StoredRun:
     files: tuple[Path, ...]
     others: tuple[str, ...]
     size_bytes: int
+
+    def __repr__(self) -> str:
+        return f"{self.folder}: {self.fault or self.verdict}"
 
     @property
     def verdict(self) -> str:

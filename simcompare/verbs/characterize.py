@@ -55,6 +55,12 @@ def characterize(
 ) -> Characterized:
     """Shows how engines behave in small experiments with a known answer.
 
+    ::
+
+        found = simcompare.characterize("bounce,friction", engine="mujoco,ode")
+        found.table("friction")
+        found.plot()
+
     Bounces of a sphere, friction of a block, a hinge with damper and spring, and the forces that an
     engine tells, over speeds, loads and steps. What was found once is kept in the user's cache.
 

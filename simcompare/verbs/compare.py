@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from simcompare.arguments import checked
 from simcompare.errors import InputError
 from simcompare.reports.compare import page, rows, tables, words
 from simcompare.reports.compare.compared import Compared, compared
@@ -121,6 +122,7 @@ class Comparison:
         return glance.html(self._glance())
 
 
+@checked
 def compare(runs: Source | Sequence[Source], measure: str | None = None) -> Comparison:
     """Puts runs beside each other and finds what differs between them.
 

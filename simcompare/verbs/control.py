@@ -28,6 +28,12 @@ def control(
 ) -> Controlled:
     """Runs a scenario on one engine with a controller in the loop.
 
+    ::
+
+        def push(time_s, readings):
+            return {"left_drive": 0.01, "right_drive": 0.01}
+        simcompare.control("robot", push, engine="mujoco").plot()
+
     Args:
         scenario: name, folder or file.
         controller: called as ``controller(time_s, readings)`` before each recorded step.

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from itertools import groupby
 
 from simcompare import glossary
+from simcompare.arguments import checked
 from simcompare.engine import engines
 from simcompare.errors import InputError, UnknownName
 from simcompare.glossary import Term
@@ -88,8 +89,15 @@ class Explanation:
                 yield from (f"<p>{html.escape(f'{w}: {t}')}</p>" for w, t in self._more(term))
 
 
+@checked
 def explain(word: str | None = None, *, language: str | None = None) -> Explanation:
     """What a word of a table, a legend or a report means.
+
+    ::
+
+        simcompare.explain("tuned")
+        simcompare.explain("E_n", language="de")
+        simcompare.explain()  # all words
 
     Args:
         word: such as ``"E_n"`` or ``"tuned"``; all words, a line each, where it is left out.

@@ -86,6 +86,12 @@ def fit(
 ) -> Result:
     """Fits a scenario to a measurement: to impacts and heights, signals over time, or tosses.
 
+    ::
+
+        fit = simcompare.fit("pendulum", recordings=["pendulum_free_swing"], engine="mujoco")
+        fit.table()  # parameters with their uncertainty
+        fit.plot()  # measured and simulated
+
     Args:
         scenario: name, folder or file of a scenario that says under ``fit:`` how it is fitted.
         recordings: logs, stored recordings, public data sets or bounce tables that are fitted.

@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from simcompare.arguments import checked
 from simcompare.hardware import importing
 from simcompare.hardware import mapping as mappings
 from simcompare.model import recording_store
 from simcompare.model.recording import Clock, Event, Provenance, Recording
 
 
+@checked
 def import_log(
     log: str | Path,
     *,
@@ -22,6 +24,12 @@ def import_log(
     out: str | Path | None = None,
 ) -> Recording:
     """Reads a log of a real device.
+
+    ::
+
+        recording = simcompare.import_log("drop.csv", out="recordings/drop")
+        recording.streams  # what was measured
+        simcompare.fit("ball", recordings=["recordings/drop"])
 
     Args:
         log: file or folder.

@@ -58,6 +58,12 @@ def run(
 ) -> Result:
     """Simulates a scenario on engines and compares the results.
 
+    ::
+
+        run = simcompare.run("ball", engine="mujoco,pymunk", set={"drop_height": "30cm"})
+        run.table("settling_time")
+        run.plot("height_m").savefig("ball.pdf")
+
     Args:
         scenario: name, folder or file.
         engine: ``"all"``, names with commas or a list of names; "mujoco:rk4" is a variant.

@@ -8,16 +8,48 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from simcompare import units
+from simcompare.arguments import checked
 from simcompare.errors import InputError
+from simcompare.reports.render.glance import Glance
+from simcompare.reports.render.shown import Shown
+from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.results import stored_runs
 from simcompare.results.stored_runs import StoredRun
 
+_HEADS = ("run", "kind", "asked for", "engines", "verdict")
 #: so many runs are listed where one was wanted
 _LISTED = 10
 
 
-def runs(folder: str | Path = "runs") -> list[StoredRun]:
+class StoredRuns(Shown, list[StoredRun]):
+    """Stored runs, the newest first; ``table()`` has a row for each."""
+
+    def _glance(self) -> Glance:
+        columns = [Column(head, text=True) for head in _HEADS]
+        rows = tuple(map(_row, self))
+        return Glance(
+            title=f"{len(self)} stored run{'s' * (len(self) != 1)}",
+            table=Table("", (*columns, Column("MB")), (Group("", rows),)),
+            more="More: .table(), simcompare.load_run(FOLDER), simcompare.compare([FOLDER, …])",
+        )
+
+
+def _row(run: StoredRun) -> tuple[str, ...]:
+    kind = "–" if run.record is None else run.record.kind
+    asked, engines = ", ".join(run.asked) or "–", ", ".join(run.engines) or "none"
+    told = run.fault or asked
+    return run.folder.name, kind, told, engines, run.verdict, f"{run.size_bytes / 1e6:.1f}"
+
+
+@checked
+def runs(folder: str | Path = "runs") -> StoredRuns:
     """The stored runs, fits and validations in a folder, the newest first.
+
+    ::
+
+        simcompare.runs()
+        simcompare.load_run(simcompare.runs()[0].folder)  # the newest
+        simcompare.compare("runs")
 
     Args:
         folder: in which their own folders lie.
@@ -25,7 +57,7 @@ def runs(folder: str | Path = "runs") -> list[StoredRun]:
     Raises:
         InputError: there is no such folder.
     """
-    return stored_runs.of(Path(folder))
+    return StoredRuns(stored_runs.of(Path(folder)))
 
 
 def newest(folder: str | Path = "runs") -> Path:

@@ -57,6 +57,12 @@ def tune(
 ) -> Tuning:
     """Finds what to type into engines for a restitution, or the restitution of what is typed in.
 
+    ::
+
+        found = simcompare.tune(restitution=0.8, speed="0.5..4", step="2ms")
+        found.plot()  # restitution over the speed of the impact
+        print(found[0].snippet)  # lines to copy
+
     Args:
         scenario: name, folder or file: its restitutions, bodies, gravity and speeds of impact.
         engine: ``"all"``, names with commas or a list of names.

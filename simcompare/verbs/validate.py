@@ -56,6 +56,12 @@ def validate(
 ) -> Result:
     """Holds simulations against a recording.
 
+    ::
+
+        found = simcompare.validate("pendulum", recording="pendulum_free_swing", engine="mujoco")
+        found.table()  # how far the simulation is from the recording
+        found.report(open=True)
+
     Args:
         scenario: name, folder or file.
         recording: a public data set, the folder of an imported recording, or a log.
