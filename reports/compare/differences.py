@@ -127,11 +127,15 @@ def _numbered(texts: Sequence[str]) -> tuple[str, ...]:
 
 
 def _parameters(records: Sequence[Record]) -> list[Difference]:
-    """Values of the scenario, but those that follow from the preset alone."""
-    names = dict.fromkeys(name for record in records for name in record.parameters)
+    """Values of parameters that all runs have, but those that follow from the preset alone."""
+    shared = [
+        name
+        for name in records[0].parameters
+        if all(name in record.parameters for record in records)
+    ]
     found = []
-    for name in names:
-        values = tuple(_number(record.parameters.get(name)) for record in records)
+    for name in shared:
+        values = tuple(float(record.parameters[name]) for record in records)
         if not _follows(records, name, values):
             suffix = units.suffix_of(name)
             unit = units.symbol(units.unit_of(name)) if suffix else ""
@@ -198,7 +202,3 @@ def _versions(records: Sequence[Record]) -> tuple[str | None, ...]:
     return tuple(
         ", ".join(f"{name} {one[name]}" for name in apart if name in one) or None for one in every
     )
-
-
-def _number(value: float | None) -> float | None:
-    return None if value is None else float(value)

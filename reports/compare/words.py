@@ -18,12 +18,17 @@ from simcompare.reports.run.listing import grouped, joined
 #: what may stand in a cell, and the word that explains it
 _SIGNS = {"✓": PASS, "✗": FAIL, "(": "brackets", "–": "–"}
 
+#: so many runs are listed one by one, and letters of their titles
+_FEW, _SHORT = 4, 60
+
 
 def title(compared: Compared) -> str:
     """What is compared, in one line."""
     scenario = " and ".join(dict.fromkeys(run.record.title for run in compared.runs))
-    over = joined([one.label for one in compared.told]) or "nothing that is known"
-    return f"{scenario}: {len(compared.runs)} runs that differ in {over}"
+    count = len(compared.runs)
+    if not compared.told:
+        return f"{scenario}: {count} runs with the same settings"
+    return f"{scenario}: {count} runs that differ in {joined([o.label for o in compared.told])}"
 
 
 def short(compared: Compared, measure: str) -> tuple[str, ...]:
@@ -92,23 +97,38 @@ def _about_scenarios(compared: Compared) -> Iterator[str]:
 
 def _also(compared: Compared) -> Iterator[str]:
     for one in compared.untold:
-        values = "; ".join(one.number(i) for i in range(len(compared.runs)))
-        yield f"Also different: {one.label} ({values})."
+        every = [one.number(i) for i in range(len(compared.runs))]
+        values = every if len(every) <= _FEW else dict.fromkeys(every)
+        yield f"Also different: {one.label} ({'; '.join(values)})."
 
 
 def _not_run(compared: Compared) -> Iterator[str]:
     """Every reason once, with the engines, levels and runs that it is of."""
     pairs = [
-        (source.reason or source.status, (f"{source.name} {source.contact}", title))
+        ((source.reason or source.status).removeprefix(f"{source.name}: "), (source, title))
         for run, title in zip(compared.runs, compared.titles, strict=True)
         for source in run.record.sources
         if not source.ran
     ]
     for reason, places in grouped(pairs).items():
-        names = joined([*dict.fromkeys(name for name, _ in places)])
-        where = list(dict.fromkeys(title for _, title in places))
-        runs_of = "in any run" if len(where) == len(compared.runs) else f"({'; '.join(where)})"
-        yield f"{names} did not run {runs_of}: {reason}"
+        levels = grouped((source.name, source.contact) for source, _ in places)
+        names = [_at(compared, name, list(dict.fromkeys(at))) for name, at in levels.items()]
+        where = _where(compared, list(dict.fromkeys(title for _, title in places)))
+        yield f"{joined(names)} did not run {where}: {reason}"
+
+
+def _at(compared: Compared, name: str, levels: list[str]) -> str:
+    """An engine with its levels, where these are not all that there are."""
+    every = [level for one, level in compared.sources if one == name]
+    return name if len(levels) == len(every) else f"{name} {'/'.join(levels)}"
+
+
+def _where(compared: Compared, titles: list[str]) -> str:
+    """In which runs."""
+    if len(titles) == len(compared.runs):
+        return "in any run"
+    text = "; ".join(titles)
+    return f"({text})" if len(text) <= _SHORT else f"in {len(titles)} of {len(compared.runs)} runs"
 
 
 def legend(compared: Compared, shown: Iterable[Table]) -> tuple[str, ...]:
