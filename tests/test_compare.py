@@ -161,7 +161,7 @@ def test_few_runs_stand_beside_each_other_level_by_level_above_the_truth(sweep):
     assert cells[0] == "pymunk"
     assert all(cell.endswith("✓") for cell in cells[1:])
     assert table.groups[3].rows == (
-        ("value", "0.80000", "0.80000", "0.80000"),
+        ("value", "0.8000", "0.8000", "0.8000"),
         ("tolerance", "± 0.0016", "± 0.0016", "± 0.0016"),
     )
 
@@ -180,7 +180,7 @@ def test_twenty_runs_of_eight_engines_are_legible_on_80_columns(sweep):
     heads = [column.head for table in shown for column in table.columns[1:]]
     assert sorted(heads) == sorted(f"pymunk{i}" for i in range(8) for _ in found.levels)
     assert {len(table.groups[0].rows) for table in shown} == {20}
-    assert all("truth 0.80000 ± 0.0016" in table.title for table in shown)
+    assert all("truth 0.8000 ± 0.0016" in table.title for table in shown)
 
 
 def test_a_run_without_an_engine_says_so(sweep):
