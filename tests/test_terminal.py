@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import json
+import shlex
 import webbrowser
 from pathlib import Path
 
 import pytest
+from typer.main import get_command
+
+from simcompare.cli import app, register
+from simcompare.cli.examples import EXAMPLES
+
+ROOT = Path(__file__).parents[1]
 
 
 @pytest.fixture
@@ -60,10 +67,6 @@ def test_a_report_that_is_not_written_is_not_opened(call, fall, opened):
 
 
 def verbs():
-    from typer.main import get_command
-
-    from simcompare.cli import app, register
-
     register()
     root = get_command(app)
     return {**root.commands, **root.commands["data"].commands}
@@ -117,3 +120,58 @@ def test_debug_shows_where_an_engine_failed(call, fall, add_engine):
     assert short == ""
     assert "raises_engine.py" in long
     assert "RuntimeError: the solver gave up" in long
+
+
+# --- help -------------------------------------------------------------------------------------
+
+
+def test_the_list_of_verbs_fits_80_columns_whole(call):
+    _, out, _ = call("--help")
+    rows = out[out.index("Commands:") :].splitlines()
+    assert not [row for row in rows if row.endswith("...")]
+    assert max(map(len, rows)) <= 80
+
+
+@pytest.mark.parametrize("verb", EXAMPLES)
+def test_examples_are_shown_and_can_be_parsed(call, verb):
+    _, out, _ = call(verb, "--help")
+    shown = out[out.index("Examples:") :].splitlines()[1:]
+    assert [line.strip() for line in shown] == [*EXAMPLES[verb]]
+    for line in EXAMPLES[verb]:
+        program, name, *words = shlex.split(line)
+        found = verbs()["fetch" if name == "data" else name]
+        assert program == "simcompare"
+        found.make_context(name, words[1:] if name == "data" else words)
+        for word in words:
+            assert not word.startswith("examples/") or Path(ROOT, word).is_file()
+
+
+def test_every_verb_has_examples():
+    register()
+    assert set(EXAMPLES) == set(get_command(app).commands) - {"data"}
+
+
+# --- words that stand where they cannot -------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("run ball mujoco", "'mujoco' must stand behind an option; write: simcompare run ball"
+         " --engine mujoco"),
+        ("run ball mujoco:rk4,ode mass=1g --seeds 2", "'mujoco:rk4,ode' and 'mass=1g' must stand"
+         " behind an option; write: simcompare run ball --seeds 2 --engine mujoco:rk4,ode"
+         " --set mass=1g"),
+        ("run ball tuned", "write: simcompare run ball --contact tuned"),
+        ("run ball heavy ode", "run: nothing is known of 'heavy' and 'ode' here; all options:"
+         " simcompare run --help"),
+        ("show ball ode", "show: nothing is known of 'ode' here"),
+        ("ball --engine ode", "ball: is a scenario; write: simcompare run ball --engine ode"),
+        ("ode", "ode: is an engine; write, such as: simcompare run ball --engine ode"),
+        ("-v charcterize", "no command is called 'charcterize'; did you mean characterize?"),
+    ],
+)  # fmt: skip
+def test_a_word_too_many_says_where_it_belongs(call, words, said):
+    code, out, err = call(*words.split())
+    assert (code, out) == (2, "")
+    assert said in err

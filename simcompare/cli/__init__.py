@@ -10,13 +10,13 @@ import io
 import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import typer
 
-from simcompare.cli import manner
+from simcompare.cli import examples, manner, misplaced
 from simcompare.errors import SimcompareError
 
 
@@ -27,6 +27,12 @@ class _Verbs(manner.Group):
         manner.reset()
         with _readers_may_leave():
             return super().make_context(*words, **extra)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:  # noqa: ANN401
+        name, *rest = args
+        if self.get_command(ctx, name) is None and not ctx.resilient_parsing:
+            raise misplaced.unknown(name, rest, self.list_commands(ctx))
+        return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:  # noqa: ANN401
         try:
@@ -79,6 +85,10 @@ def _interrupt(*_: object) -> None:
     raise KeyboardInterrupt
 
 
+def _verb(name: str, function: Callable[..., None], **settings: Any) -> None:  # noqa: ANN401
+    app.command(name, cls=misplaced.Verb, epilog=examples.epilog(name), **settings)(function)
+
+
 @functools.cache
 def register() -> None:
     """Names the verbs; a verb more is a line more."""
@@ -100,22 +110,22 @@ def register() -> None:
         validate,
     )
 
-    app.command("run")(run.run)
-    app.command("list")(list_.list_)
-    app.command("show")(show.show)
-    app.command("doctor")(doctor.doctor)
-    app.command("explain")(explain.explain)
-    app.command("report")(report.report)
-    app.command("compare")(compare.compare)
-    app.command("runs")(runs.runs)
-    app.command("characterize")(characterize.characterize)
-    app.command("export")(export.export)
-    app.command("import")(import_.import_)
-    app.command("fit")(fit.fit)
+    _verb("run", run.run)
+    _verb("list", list_.list_)
+    _verb("show", show.show)
+    _verb("doctor", doctor.doctor)
+    _verb("explain", explain.explain)
+    _verb("report", report.report)
+    _verb("compare", compare.compare)
+    _verb("runs", runs.runs)
+    _verb("characterize", characterize.characterize)
+    _verb("export", export.export)
+    _verb("import", import_.import_)
+    _verb("fit", fit.fit)
     # an engine's own numbers are options too, by the names that it has for them
     foreign = {"allow_extra_args": True, "ignore_unknown_options": True}
-    app.command("tune", context_settings=foreign)(tune.tune)
-    app.command("validate")(validate.validate)
+    _verb("tune", tune.tune, context_settings=foreign)
+    _verb("validate", validate.validate)
     app.add_typer(data.data, name="data")
 
 

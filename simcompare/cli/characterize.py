@@ -41,7 +41,7 @@ def characterize(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
     time_limit: float = typer.Option(120.0, help="Longest time for one experiment, in seconds."),
 ) -> None:
-    """Show how engines bounce, stick, swing and tell forces, over speeds and steps."""
+    """Measure how engines bounce, stick, swing and tell forces."""
     from simcompare.model.plain import plain
     from simcompare.reports.render import matplotlib_
     from simcompare.verbs import characterize as verb

@@ -30,7 +30,7 @@ def compare(
     opened: bool = opening.OPTION,
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
-    """Put stored runs beside each other: one table and one figure of what differs."""
+    """Put stored runs beside each other in a table and a figure."""
     from simcompare.verbs import compare as verb
 
     opening.check(opened, report=report)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def doctor(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
-    """Engines found, versions, features, known limits, a self-test, and what is missing."""
+    """Test every engine, and say what is missing."""
     from simcompare.engine import elsewhere
     from simcompare.engine.helps import known
     from simcompare.model.plain import plain

@@ -20,7 +20,7 @@ def explain(
     ),
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
-    """What a word of the output means, with an example; also in German."""
+    """Explain a word of the output, in English or German."""
     from simcompare.verbs.explain import explain as verb
 
     found = verb(" ".join(word) if word else None, language=language)

@@ -53,7 +53,7 @@ def export(
     ),
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
-    """Write a scenario as a digital twin for another simulator, or as a script of one engine."""
+    """Write a scenario for another simulator, or as a script."""
     from simcompare.exporters.scripts.write import script
     from simcompare.exporters.twins import FORMATS, SCRIPT, twin
 

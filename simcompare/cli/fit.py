@@ -66,7 +66,7 @@ def fit(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
     time_limit: float = typer.Option(120.0, help="Longest time for one simulation, in seconds."),
 ) -> None:
-    """Fit contact parameters to measured bounces, on every engine, with uncertainty."""
+    """Find the parameters with which engines move as measured."""
     from simcompare import units
     from simcompare.cli import fit_tables
     from simcompare.model.plain import plain

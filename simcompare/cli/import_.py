@@ -44,7 +44,7 @@ def import_(
     ),
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
-    """Read a log of a real device; everything noticed or repaired is recorded."""
+    """Read a log of a device; what was repaired is recorded."""
     from simcompare.hardware import importing
     from simcompare.model.plain import plain
     from simcompare.verbs.import_log import facts, import_log

@@ -10,7 +10,7 @@ from simcompare.cli import complete, console
 def list_(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
-    """Scenarios, engines and published measurements, a line each."""
+    """Name all scenarios, engines and published measurements."""
     from simcompare.engine import elsewhere, engines
     from simcompare.scenarios import catalogue
 

@@ -28,7 +28,7 @@ def report(
     ),
     opened: bool = opening.OPTION,
 ) -> None:
-    """Write the report of a stored run, or of several one below the other."""
+    """Write the report of one stored run, or of several."""
     from simcompare.verbs import report as verb
     from simcompare.verbs import runs as stored
 

@@ -23,19 +23,18 @@ def run(
     ),
     engine: str = typer.Option(
         "all",
-        help="'all' or names with commas; ENGINE:VARIANT is a variant (see simcompare list).",
+        help="Names with commas; ENGINE:VARIANT for a variant (simcompare list -v).",
         autocompletion=complete.engines,
     ),
     contact: str = typer.Option(
         "default,tuned,assisted",
-        help="'default': the engine as it comes; 'coefficients': with the scenario's restitution"
-        " and friction; 'tuned': all that the scenario states typed in, in a plain loop;"
-        " 'assisted': the same with our helps.",
+        help="Of default, coefficients, tuned and assisted, some with commas (simcompare explain"
+        " tuned); or the fit.json of a fit.",
         autocompletion=complete.contact_levels,
     ),
-    assist: str = typer.Option("all", help="Helps of 'assisted': all, none, or names with commas."),
+    assist: str = typer.Option("all", help="Our helps: all, none, or names with commas."),
     judge: str = typer.Option(
-        "assisted", help="'tuned': a tolerance that is missed by 'tuned' fails the run as well."
+        "assisted", help="With tuned, tolerances that tuned misses count for the exit code."
     ),
     settings: list[str] = typer.Option(
         [], "--set", metavar="P=V", help="Change a parameter, such as drop_height=30cm."
@@ -43,10 +42,9 @@ def run(
     preset: str = typer.Option(None, help="Named set of parameters, applied before --set."),
     step: str = typer.Option(
         None,
-        help="The engine's step, such as 1ms; samples may be coarser. With commas, each step is a"
-        " source of its own.",
+        help="Time step of the engines, such as 1ms; several with commas.",
     ),
-    seeds: int = typer.Option(None, help="Number of dithered repeats (the scenario's own: 9)."),
+    seeds: int = typer.Option(None, help="Number of repeats, each with a slightly other start."),
     against: str = typer.Option(
         None,
         help="Measured bounces: a CSV file or a published table.",
@@ -55,13 +53,11 @@ def run(
     out: Path = typer.Option(Path("runs"), "--out", "-o", help="Folder for the run's own folder."),
     report: bool = typer.Option(True, help="Write report.html into the run's folder."),
     opened: bool = opening.OPTION,
-    details: bool = typer.Option(
-        False, "--details", help="Print a table of every measure, not only of the leading one."
-    ),
+    details: bool = typer.Option(False, "--details", help="Print a table of every measure."),
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
     time_limit: float = typer.Option(120.0, help="Longest time for one simulation, in seconds."),
 ) -> None:
-    """Simulate a scenario on engines, compare, store, and write a report."""
+    """Simulate a scenario in many engines and compare them."""
     from simcompare.verbs import run as experiment
 
     opening.check(opened, report=report)

@@ -18,7 +18,7 @@ def show(
     ),
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
-    """One scenario: question, parameters and bounds, presets, world, truth, tolerances, needs."""
+    """Show what a scenario asks, its parameters and tolerances."""
     from simcompare.model.plain import plain
     from simcompare.verbs.show import show as verb
 

@@ -47,7 +47,7 @@ def tune(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
     time_limit: float = typer.Option(120.0, help="Longest time for one engine, in seconds."),
 ) -> None:
-    """What to type into engines for a restitution, or what comes of what was typed in."""
+    """Find the numbers that give engines a restitution."""
     from simcompare.cli import tune_tables
     from simcompare.model.plain import plain
     from simcompare.running.jobs import exit_code_of

@@ -52,7 +52,7 @@ def validate(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
     time_limit: float = typer.Option(120.0, help="Longest time for one simulation, in seconds."),
 ) -> None:
-    """Hold simulations against a recording of a real device, with uncertainty."""
+    """Hold simulations against a recording of a real device."""
     from simcompare.model.plain import plain
     from simcompare.verbs import validate as validating
 

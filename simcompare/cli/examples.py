@@ -1,0 +1,50 @@
+"""Commands to try for each verb, shown below its options; those with runs/ need a stored run."""
+
+EXAMPLES = {
+    "run": (
+        "simcompare run ball",
+        "simcompare run ball --engine mujoco,pymunk --set drop_height=30cm",
+        "simcompare run ball --step 0.5ms,2ms --details --open",
+    ),
+    "list": ("simcompare list", "simcompare list -v"),
+    "show": ("simcompare show ball", "simcompare show robot -v"),
+    "doctor": ("simcompare doctor", "simcompare doctor -v"),
+    "explain": ("simcompare explain", "simcompare explain tuned"),
+    "report": (
+        "simcompare report runs/*-ball --open",
+        "simcompare report runs/*-ball --format pdf",
+    ),
+    "compare": ("simcompare compare runs/*-ball",),
+    "runs": ("simcompare runs", "simcompare runs --clean --older-than 30d"),
+    "characterize": (
+        "simcompare characterize bounce --engine mujoco,ode",
+        "simcompare characterize --step 2ms --details",
+    ),
+    "export": (
+        "simcompare export robot --format urdf -o robot.urdf",
+        "simcompare export ball --format script --engine mujoco -o ball.py",
+    ),
+    "import": (
+        "simcompare import my_log.csv",
+        "simcompare import my_log.csv --template",
+    ),
+    "fit": (
+        "simcompare fit ball --recording examples/ball.wav",
+        "simcompare fit ball --recording examples/ball.wav --step 1ms --open",
+    ),
+    "tune": (
+        "simcompare tune --restitution 0.8",
+        "simcompare tune --restitution 0.8 --engine mujoco --step 2ms --snippet",
+        "simcompare tune --engine mujoco --solref=-119338,-50.87",
+    ),
+    "validate": (
+        "simcompare data fetch pendulum_free_swing",
+        "simcompare validate pendulum --recording pendulum_free_swing",
+    ),
+}
+
+
+def epilog(verb: str) -> str:
+    """What stands below the options of a verb."""
+    # the parser keeps lines apart behind this sign
+    return "\n".join(["\b", "Examples:", *(f"  {line}" for line in EXAMPLES.get(verb, ()))])

@@ -1,0 +1,86 @@
+"""Words that stand where the command line cannot take them, and what was meant."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from typer.core import TyperCommand
+
+from simcompare.cli import complete
+from simcompare.errors import InputError, SimcompareError, UnknownName
+from simcompare.scenarios import catalogue
+
+
+class Verb(TyperCommand):
+    """A verb that says which option a word too many belongs to."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:  # noqa: ANN401
+        """Reads the words behind the verb."""
+        given, takes_more, ctx.allow_extra_args = [*args], ctx.allow_extra_args, True
+        super().parse_args(ctx, args)
+        if ctx.args and not takes_more and not ctx.resilient_parsing:
+            options = [name for param in self.params for name in param.opts]
+            raise too_many(str(self.name), given, ctx.args, options)
+        return list(ctx.args)
+
+
+def too_many(
+    verb: str, given: Sequence[str], extra: Sequence[str], options: Sequence[str]
+) -> SimcompareError:
+    """The error of a verb that was given words that it has no place for.
+
+    Args:
+        verb: its name.
+        given: all words behind it.
+        extra: those for which there is no place.
+        options: that the verb has.
+    """
+    left = [*given]
+    for word in extra:
+        left.remove(word)
+    words = [part for word in extra for part in _option_of(word, options)]
+    named = " and ".join(map(repr, extra))
+    if "" in words:
+        known = f"all options: simcompare {verb} --help"
+        return InputError(verb, [f"nothing is known of {named} here; {known}"])
+    command = shlex.join(["simcompare", verb, *left, *words])
+    return InputError(verb, [f"{named} must stand behind an option; write: {command}"])
+
+
+def _option_of(word: str, options: Sequence[str]) -> tuple[str, str]:
+    """An option with a word that stands alone; an empty one where none fits."""
+    for name, fits in (
+        ("--set", "=" in word), ("--engine", _is_engines(word)),
+        ("--contact", set(word.split(",")) <= {*complete.contact_levels("")}),
+        ("--recording", Path(word).is_file()),
+    ):  # fmt: skip
+        if name in options and fits:
+            return name, word
+    return "", word
+
+
+def _is_engines(word: str) -> bool:
+    from simcompare.engine import engines
+
+    names = [one.partition(engines.VARIANT)[0] for one in word.split(",")]
+    return set(names) <= {*engines.names(), "all"}
+
+
+def unknown(name: str, rest: Sequence[str], verbs: Iterable[str]) -> SimcompareError:
+    """The error of a first word that is no verb.
+
+    Args:
+        name: this word.
+        rest: all behind it.
+        verbs: that there are.
+    """
+    if name in catalogue.names():
+        command = shlex.join(["simcompare", "run", name, *rest])
+        return InputError(name, [f"is a scenario; write: {command}"])
+    if _is_engines(name):
+        command = shlex.join(["simcompare", "run", "ball", "--engine", name, *rest])
+        return InputError(name, [f"is an engine; write, such as: {command}"])
+    return UnknownName("command", name, verbs)
