@@ -1,5 +1,6 @@
 """Figures: thinning, energy from positions, and the two renderers."""
 
+import base64
 import json
 import math
 
@@ -240,6 +241,15 @@ def test_logarithmic_range_is_given_in_powers_of_ten():
 def test_coordinates_keep_seven_digits():
     found = plotly_.as_dict(figure(panel(line([1 / 3, -1e-9 / 3, 0.0, 12345678.9]))))
     assert found["data"][0]["y"] == [0.3333333, -3.333333e-10, 0.0, 12345680.0]
+
+
+def test_long_lines_are_embedded_as_binary_numbers_with_their_gaps():
+    y = np.linspace(0.0, 1.0, 300)
+    y[7] = math.nan
+    (trace,) = json.loads(plotly_.embedded(figure(panel(line(y)))))["data"]
+    assert trace["y"]["dtype"] == "f4"
+    read = np.frombuffer(base64.b64decode(trace["y"]["bdata"]), dtype="<f4")
+    assert read == pytest.approx(y, abs=1e-7, nan_ok=True)
 
 
 def test_long_lines_are_thinned():

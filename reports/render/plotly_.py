@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import functools
 import importlib.util
 import json
@@ -34,6 +35,8 @@ _TICKS = 14
 #: whole numbers; plotly's own are small digits without their power beside large powers of ten
 _LOG_TICKS = "~g"
 _GRID = "#E3E3E3"
+#: more coordinates than these are written as binary numbers
+_LONG = 100
 
 
 @functools.cache
@@ -54,8 +57,21 @@ def script() -> str:
 
 def embedded(figure: Figure) -> str:
     """A figure as JSON that can stand inside of a script element."""
-    text = json.dumps(as_dict(figure), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    found = as_dict(figure)
+    found["data"] = list(map(_packed, found["data"]))
+    text = json.dumps(found, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+
+
+def _packed(trace: Json) -> Json:
+    """A trace with its long coordinates as binary numbers, which are half as long as digits."""
+    long = {key: trace[key] for key in ("x", "y") if len(trace.get(key, ())) > _LONG}
+    return {**trace, **{key: _binary(values) for key, values in long.items()}}
+
+
+def _binary(values: list[float | None]) -> Json:
+    single = np.array(values, dtype="<f4")  # None becomes NaN, which is a gap
+    return {"dtype": "f4", "bdata": base64.b64encode(single.tobytes()).decode("ascii")}
 
 
 def as_dict(figure: Figure) -> Json:

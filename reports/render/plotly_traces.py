@@ -25,6 +25,8 @@ FONT_PX = 16
 INK = "#222222"
 #: digits that are kept of a coordinate; a screen shows fewer
 _DIGITS = 7
+#: points of a line; no screen shows more of them side by side
+_POINTS = 2400
 _BAND_FILL, _BAND_LINE = "rgba(0, 0, 0, 0.09)", "#555555"
 
 
@@ -68,7 +70,7 @@ def span_of(span: Span, axis: str, listed: bool) -> Json:
 
 def trace_of(series: Series, axis: str, listed: bool, error: str) -> Json:
     """A line or points; ``error`` names the direction of their bars."""
-    x, y = (series.x, series.y) if series.points else decimated(series.x, series.y)
+    x, y = (series.x, series.y) if series.points else decimated(series.x, series.y, _POINTS)
     style = series.style
     modes = [name for name, on in (("lines", series.line), ("markers", series.points)) if on]
     trace: Json = {
@@ -97,8 +99,8 @@ def trace_of(series: Series, axis: str, listed: bool, error: str) -> Json:
 def shade_of(series: Series, axis: str, *, listed: bool) -> Json:
     """The band of a line's uncertainty: there along the upper edge, back along the lower one."""
     assert series.u is not None
-    x, low = decimated(series.x, series.y - series.u)
-    x_high, high = decimated(series.x, series.y + series.u)
+    x, low = decimated(series.x, series.y - series.u, _POINTS)
+    x_high, high = decimated(series.x, series.y + series.u, _POINTS)
     return {
         "type": "scatter", "mode": "lines", "name": text_of(series.label), "showlegend": listed,
         "legendgroup": series.label, "hoverinfo": "skip", "fill": "toself",

@@ -15,6 +15,8 @@ from simcompare.results.run import Run
 
 #: so many signals are seen at once, the others on request
 _OPEN = 2
+#: more energy than this part of that at the start is worth a name
+_GAIN = 1.001
 
 
 def curves(run: Run) -> Part | None:
@@ -47,7 +49,8 @@ def energy(run: Run) -> Part | None:
         if np.isfinite(one.y).any()
     )
     share, source, level = highest
-    finding = f"at most {numbers.percent(share)} of that at the start, in {source} {level}"
+    where = f", in {source} {level}" if share > _GAIN else " anywhere"
+    finding = f"at most {numbers.percent(share)} of that at the start{where}"
     return _folded("Energy", "energy", (figure,), finding)
 
 
