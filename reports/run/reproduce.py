@@ -84,11 +84,11 @@ def _values(run: Run, scenario: Scenario | None, steps_s: Sequence[float]) -> li
     return words
 
 
-def scenario_of(run: Run) -> Scenario | None:
-    """The scenario as its file has it, ``None`` where that file is gone or has changed."""
+def scenario_of(run: Run, *, unchanged: bool = True) -> Scenario | None:
+    """The scenario as its file has it, ``None`` where that file is gone or must be unchanged."""
     try:
         file = catalogue.load(str(run.record.scenario_asked))
-        if sha256_of(file) != run.record.scenario_sha256:
+        if unchanged and sha256_of(file) != run.record.scenario_sha256:
             return None
         return file.resolve(preset=run.record.preset)
     except (SimcompareError, OSError):

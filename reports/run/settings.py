@@ -46,8 +46,8 @@ def _parameters(run: Run) -> str:
 
 
 def _changed(run: Run) -> Iterator[str]:
-    """Parameters that are not those of the scenario and its preset; all where it is not known."""
-    scenario = scenario_of(run)
+    """Parameters that are not those of the scenario and its preset; all where it is gone."""
+    scenario = scenario_of(run, unchanged=False)
     for name, value in run.record.parameters.items():
         if scenario is None or scenario.parameters.get(name) != value:
             unit = units.symbol(units.unit_of(name))
@@ -62,7 +62,7 @@ def _sources(run: Run) -> str:
 
 def _steps(run: Run) -> str:
     """Steps of the engines."""
-    scenario, record = scenario_of(run), run.record
+    scenario, record = scenario_of(run, unchanged=False), run.record
     parts = 1 if scenario is None else scenario.world.substeps
     steps_s = [step.engine_step_s for step in runs.steps(run)] or [record.step_s / parts]
     return f"step {joined([f'{numbers.plain(1e3 * step_s)} ms' for step_s in steps_s])}"

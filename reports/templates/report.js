@@ -69,7 +69,9 @@
     if (box.dataset.size === size || !wide) return;
     box.dataset.size = size;
     const { data, layout } = JSON.parse(box.querySelector("script").textContent);
-    const height = place(layout, PLOT * Number(box.dataset.height) * (wide < NARROW || paper ? 0.75 : 1), wide);
+    // rows of names need their height; curves need less of it where there is little room
+    const part = paper || (wide < NARROW && !layout.yaxis.ticktext) ? 0.75 : 1;
+    const height = place(layout, PLOT * Number(box.dataset.height) * part, wide);
     [...data, ...layout.shapes].forEach((one) => { if (one.showlegend) one.name = folded(one.name, wide - 130); });
     const heads = layout.margin.t;
     const sized = (legend) => {
