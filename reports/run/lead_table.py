@@ -30,12 +30,15 @@ _EQUAL = 1e-9
 _VERDICTS = {PASS: " pass", FAIL: " fail"}
 
 
-def lead_table(run: Run, measure: str | None = None) -> Table | None:
+def lead_table(
+    run: Run, measure: str | None = None, marks: Mapping[str, str] = _VERDICTS
+) -> Table | None:
     """Sources as rows, levels as columns, the truth below; ``None`` where nothing was asked for.
 
     Args:
         run: the run.
         measure: what is shown; the leading measure where ``None``.
+        marks: what stands behind a value that was judged.
     """
     lead = lead_of(run) if measure is None else lead_as(run, measure)
     modes = runs.modes(run)
@@ -43,7 +46,9 @@ def lead_table(run: Run, measure: str | None = None) -> Table | None:
         return None
     # a judged value is followed by its verdict
     columns = [Column(mode, text=mode not in SHOWN_LEVELS, nowrap=True) for mode in modes]
-    rows = [(name, *(cell(run, lead, name, mode) for mode in modes)) for name in runs.names(run)]
+    rows = [
+        (name, *(cell(run, lead, name, mode, marks) for mode in modes)) for name in runs.names(run)
+    ]
     if lead is not None:
         rows += [(name, *(true for _ in modes)) for name, true in _truths(run, lead).items()]
     note = "" if lead is None else _zero(run, lead, rows)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from simcompare import glossary
 from simcompare.comparison.comparison import FAIL, PASS
 from simcompare.model.settings import DEFAULT, SHOWN_LEVELS, TUNED
+from simcompare.notation import capital
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Part
-from simcompare.reports.render.tables import Column, Group, Table, of_engines
+from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.reports.run import (
     answer,
     by_step,
@@ -19,8 +21,8 @@ from simcompare.reports.run import (
 from simcompare.reports.run.key_numbers import key_numbers
 from simcompare.reports.run.lead import Lead, lead_of
 from simcompare.reports.run.lead_figure import lead_figure
+from simcompare.reports.run.lead_table import lead_table, legend_words
 from simcompare.reports.run.short import short
-from simcompare.results.records.run import SourceRecord
 from simcompare.results.run import Run
 
 #: never told by colour alone
@@ -34,7 +36,7 @@ def headline(run: Run) -> Part:
     missing = Part(tables=not_run.tables(run), brief=False)  # told in "How it was made" as well
     return Part("Answer", "answer", short=short(run), key_numbers=key_numbers(run),
                 answer=tuple(answer.sentences(run)), figures=tuple(figures),
-                remarks=tuple(remarks.remarks(run)), tables=(_scoreboard(run, lead),),
+                remarks=tuple(remarks.remarks(run)), tables=tuple(filter(None, [_table(run)])),
                 parts=(missing,))  # fmt: skip
 
 
@@ -61,31 +63,37 @@ def _second_figure(run: Run) -> Figure | None:
     return motion_figures.motion_figure(run, *probes[0], modes)
 
 
-def _scoreboard(run: Run, lead: Lead | None) -> Table:
-    """Every engine in one row: the leading measure at each level, and what was met."""
-    over = runs.label(lead.measure, lead.unit) if lead else ""
-    columns = [Column(runs.mode_words(mode), over=over) for mode in runs.modes(run)]
-    columns += [Column("Tolerances met", text=True), Column("Version", text=True)]
-    return of_engines(columns, [Group("", tuple(_row(run, n, lead) for n in runs.names(run)))])
+def _table(run: Run) -> Table | None:
+    """The leading measure of every engine at each level, how much was met, and the words of it."""
+    table = lead_table(run, marks=_MARKS)
+    if table is None:
+        return None
+    cells = "".join(cell for group in table.groups for row in group.rows for cell in row)
+    signs = [
+        f"{mark.strip()}: {glossary.term(word).short}"
+        for word, mark in _MARKS.items()
+        if mark in cells
+    ]
+    notes = [table.note.removesuffix("."), *glossary.legend(legend_words([table])), *signs]
+    return _with_met(run, table)._replace(
+        title=capital(table.title), note=f"{'. '.join(filter(None, notes))}."
+    )
 
 
-def _row(run: Run, name: str, lead: Lead | None) -> tuple[str, ...]:
-    modes = runs.modes(run)
-    sources = [runs.source_of(run, name, mode) for mode in modes]
-    values = [_value(run, source, lead) for source in sources]
-    met = [_met(run, name, source.contact) for source in sources if source and source.ran]
-    version = next((source.version for source in sources if source and source.version), None)
-    return name, *values, " ".join(filter(None, met)) or "· not judged", version or ""
+def _with_met(run: Run, table: Table) -> Table:
+    """The same with how many tolerances each engine met, where anything is judged."""
+    (group,) = table.groups
+    met = {name: _met_by(run, name) for name in runs.names(run)}
+    if not any(met.values()):
+        return table
+    rows = tuple((*row, met.get(row[0], "")) for row in group.rows)
+    columns = (*table.columns, Column("tolerances met", text=True))
+    return table._replace(columns=columns, groups=(Group("", rows),))
 
 
-def _value(run: Run, source: SourceRecord | None, lead: Lead | None) -> str:
-    if source is None:
-        return "was not asked for"
-    if not source.ran:
-        return source.status
-    score = runs.score_of(run, source.name, source.contact, lead.measure) if lead else None
-    mark = _MARKS.get(score.verdict, "") if score else ""
-    return f"{runs.value_words(run, score)}{mark}"
+def _met_by(run: Run, name: str) -> str:
+    sources = (runs.source_of(run, name, mode) for mode in runs.modes(run))
+    return " ".join(_met(run, name, one.contact) for one in sources if one and one.ran).strip()
 
 
 def _met(run: Run, name: str, mode: str) -> str:
