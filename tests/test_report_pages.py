@@ -1,8 +1,10 @@
 """The face of a report: what is seen first, and what is folded."""
 
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 
 from simcompare.reports import builder
@@ -142,3 +144,38 @@ def test_the_helps_name_what_they_change_most():
         "tuned 0 of 14 within the tolerance, assisted 7 of 14 within the tolerance"
     )
     assert findings["given"] == "21 values, 7 of them the engine's own"
+
+
+# what drives a scene
+
+
+def driven(**signals):
+    """A run in which actuators did this."""
+    run = make_run([("north", "tuned", 0.8)])
+    trajectory = replace(run.trajectories[0].trajectory, signals=signals)
+    return replace(run, trajectories=tuple(replace(one, trajectory=trajectory)
+                                           for one in run.trajectories))  # fmt: skip
+
+
+def test_what_drives_a_scene_is_drawn_once_for_what_does_the_same():
+    rising, still = np.linspace(0.0, 1.0, 101), np.full(101, 6.0)
+    run = driven(
+        **{"left.torque_N_m": rising, "right.torque_N_m": rising, "motor.voltage_V": still,
+           "motor.torque_N_m": rising, "cell.force_N": np.zeros((101, 3))}
+    )  # fmt: skip
+    part = builder.blocks_of([run])[0].part("drive")
+    torque, voltage = part.figures[0].panels
+    assert [series.label for series in torque.series] == ["Left and right"]
+    assert [series.label for series in voltage.series] == ["Motor"]
+    assert part.finding == "torque of the left and right; voltage of the motor: 6 V, constant"
+    assert not part.folded
+
+
+def test_a_constant_drive_is_told_and_folded():
+    part = builder.blocks_of([driven(**{"push.force_N": np.full(101, 0.5)})])[0].part("drive")
+    assert part.folded
+    assert part.finding == "force of the push: 0.5 N, constant"
+
+
+def test_nothing_drives_what_falls():
+    assert "drive" not in {part.name for part in builder.blocks_of([make_run()])[0].parts}

@@ -68,6 +68,11 @@ def _shade(colour: str, grey: int, part: float) -> str:
     return "#" + "".join(f"{round((1 - part) * one + part * grey):02X}" for one in channels)
 
 
+def numbered_style(number: int) -> Style:
+    """The look of one of several lines that are no sources."""
+    return Style(_COLOURS[number % len(_COLOURS)], _DASHES[number % len(_DASHES)])
+
+
 def with_pattern(style: Style, number: int) -> Style:
     """A style with one of 42 pairs of dash and marker."""
     turn, place = divmod(number % PATTERNS, len(_MARKERS))

@@ -21,6 +21,7 @@ _LAST: tuple[Section, ...] = (given, limits, setup)
 SECTIONS: tuple[Section, ...] = (
     headline,
     measurement,
+    pictures.drive,
     assistance,
     pictures.curves,
     events,

@@ -9,7 +9,7 @@ import numpy as np
 from simcompare.reports.render import numbers
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Part
-from simcompare.reports.run import curve_figures, motion_figures, runs
+from simcompare.reports.run import curve_figures, drive_figure, motion_figures, runs
 from simcompare.reports.run.contrast_figure import contrast_figure
 from simcompare.results.run import Run
 
@@ -35,6 +35,16 @@ def curves(run: Run) -> Part | None:
         figures += curve_figures.deviations_figures(run, axis)
     words = "; ".join(figure.title for figure in figures)
     return _folded("Further curves", "curves", tuple(figures), words) if figures else None
+
+
+def drive(run: Run) -> Part | None:
+    """What drove the scene; open where it varies, ``None`` where nothing did."""
+    figure = drive_figure.drive_figure(run)
+    if figure is None:
+        return None
+    every = drive_figure.drives(run)
+    part = _folded("What drove it", "drive", (figure,), "; ".join(one.words for one in every))
+    return replace(part, folded=all(one.is_constant for one in every))
 
 
 def energy(run: Run) -> Part | None:
