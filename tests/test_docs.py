@@ -13,7 +13,13 @@ from simcompare.scenarios import catalogue
 from tests.present import need
 
 ROOT = Path(__file__).parent.parent
-PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *ROOT.glob("docs/*.md")])
+OF_SCENARIOS = sorted(ROOT.glob("scenarios/*/README.md"))
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "CONTRIBUTING.md",
+    *sorted(ROOT.glob("docs/*.md")),
+    *OF_SCENARIOS,
+]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 #: an engine's own names for its numbers are options of tune, too
 FOREIGN = {"--solref"}
@@ -43,6 +49,12 @@ def call(monkeypatch, capsys, *words):
     with pytest.raises(SystemExit) as ended:
         main()
     return ended.value.code, capsys.readouterr().out
+
+
+@pytest.fixture(scope="module")
+def helps():
+    """What each verb tells of itself, asked once."""
+    return {}
 
 
 def test_the_readme_is_short():
@@ -89,6 +101,12 @@ def test_every_scenario_is_in_the_readme_with_its_page():
     assert sorted(name for name, _ in linked) == sorted(catalogue.names())
 
 
+@pytest.mark.parametrize("page", OF_SCENARIOS, ids=named)
+def test_the_page_of_a_scenario_says_how_it_is_run(page):
+    asked = list(commands(page.read_text(encoding="utf-8")))
+    assert ["run", page.parent.name] in asked
+
+
 def test_the_words_of_the_readme_are_those_of_the_glossary():
     table = README.partition("## Eight words")[2].partition("\n\n")[0]
     words = dict(re.findall(r"^\| (\w.*?) \| (.*) \|$", table, re.MULTILINE)[1:])
@@ -97,10 +115,12 @@ def test_the_words_of_the_readme_are_those_of_the_glossary():
 
 
 @pytest.mark.parametrize("page", PAGES, ids=named)
-def test_commands_have_the_verbs_options_and_scenarios_that_exist(page, monkeypatch, capsys):
+def test_commands_have_the_verbs_options_and_scenarios_that_exist(page, monkeypatch, capsys, helps):
     for words in commands(page.read_text(encoding="utf-8")):
-        verb = words[:2] if words[0] == "data" else words[:1]
-        _, told = call(monkeypatch, capsys, *verb, "--help")
+        verb = tuple(words[:2] if words[0] == "data" else words[:1])
+        if verb not in helps:
+            helps[verb] = call(monkeypatch, capsys, *verb, "--help")[1]
+        told = helps[verb]
         options = {word.partition("=")[0] for word in words if re.match(r"--?[a-z]", word)}
         assert options - FOREIGN <= set(re.findall(r"(?<!\S)--?[a-z][a-z-]*", told)), words
         if words[0] in ("run", "show", "fit", "validate", "export"):
