@@ -12,6 +12,7 @@ import numpy as np
 
 from simcompare.engine.library import installed_version
 from simcompare.errors import InputError
+from simcompare.hardware import joints
 from simcompare.hardware.conditioning import derived_channels
 from simcompare.hardware.conditioning.condition import condition
 from simcompare.hardware.logs import importers
@@ -48,6 +49,7 @@ def read(
     with _told_with_path(path), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         name = kind or mapping.format or importers.recognise(path)
         raw = importers.read(path, name, mapping)
+        joints.settle(raw, mapping, path.name)
         size, digest = _measure(path)
         provenance = Provenance(
             path.name, digest, size, name, installed_version("simcompare") or "",

@@ -15,11 +15,21 @@ from collections.abc import Mapping as MappingOf
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    PositiveFloat,
+    ValidationError,
+    field_validator,
+    model_validator,
+)
 
 from simcompare.errors import InputError
 from simcompare.model.yaml_file import describe, faults_of, read_yaml
 
+#: kinds of joints: what turns, and what slides
+REVOLUTE, PRISMATIC = "revolute", "prismatic"
 #: what stands in a template where the user must write
 UNKNOWN = "?"
 
@@ -116,6 +126,8 @@ class Mapping(_Part):
         about: what is known of the device, for the record.
         up: axis of the accelerometer that points up while the device is at rest ("+z").
         wheel_diameter_m: of the wheel whose speed and turning rate are both in the log [m].
+        joints: whether joints, whose unit that decides, turn ("revolute") or slide ("prismatic");
+            one word for all of them, or name -> kind.
         derive: channels that follow from others: name of a new stream -> function and its needs.
         validate: how a scenario is held against the recording.
     """
@@ -129,8 +141,21 @@ class Mapping(_Part):
     about: MappingOf[str, str] = Field(default_factory=dict)
     up: Literal["+x", "-x", "+y", "-y", "+z", "-z"] | None = None
     wheel_diameter_m: PositiveFloat | None = None
+    joints: str | MappingOf[str, str] | None = None
     derive: MappingOf[str, Any] = Field(default_factory=dict)
     validate_: Any = Field(None, alias="validate")
+
+    @field_validator("joints", mode="before")
+    @classmethod
+    def _kinds_of_joints(cls, given: object) -> object:
+        kinds = [*given.values()] if isinstance(given, dict) else [given]
+        wrong = [kind for kind in kinds if kind not in (REVOLUTE, PRISMATIC)]
+        if wrong and given is not None:
+            raise ValueError(
+                f"expected {REVOLUTE} or {PRISMATIC} for all joints, or name: {REVOLUTE} for each;"
+                f" found {', '.join(map(str, wrong))}"
+            )
+        return {str(k): v for k, v in given.items()} if isinstance(given, dict) else given
 
     def of_column(self, stream: str, column: str) -> list[tuple[str, ChannelMap]]:
         """Channels that are made of a column of a stream, with their names."""

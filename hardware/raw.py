@@ -56,6 +56,8 @@ class RawColumn:
         sensor: what measured it, where the log says.
         limits: smallest and largest value that the sensor can give, in ``unit``.
         u: standard uncertainty in ``unit``, where the log says: one number or one per sample.
+        joint: the joint of which it is, where only its kind decides the unit.
+        quantity: position, velocity or effort of that joint.
         added_u: what conditioning adds to that of single samples (n,), by the root of the sum of
             squares, wherever it comes from; ``None`` where it adds nothing.
     """
@@ -68,6 +70,8 @@ class RawColumn:
     sensor: str = ""
     limits: tuple[float, float] | None = None
     u: float | Array | None = None
+    joint: str = ""
+    quantity: str = ""
     added_u: Array | None = None
 
 
@@ -118,6 +122,7 @@ class RawLog:
         events: instants that the importer found (onsets in audio).
         repairs: what the importer itself noticed or did (a byte order mark, a decimal comma).
         ignored: columns or topics that were left out, with the reason: name -> why.
+        joints: joint -> kind, where the log describes its robot.
         about: what the log says of itself (device, start time, …).
     """
 
@@ -125,6 +130,7 @@ class RawLog:
     events: list[Event] = field(default_factory=list)
     repairs: list[Repair] = field(default_factory=list)
     ignored: dict[str, str] = field(default_factory=dict)
+    joints: dict[str, str] = field(default_factory=dict)
     about: dict[str, str] = field(default_factory=dict)
 
 

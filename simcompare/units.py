@@ -35,6 +35,7 @@ UNITS_BY_SUFFIX = {
     "_Hz": "Hz",
     "_V": "V",
     "_A": "A",
+    "_A_s": "A*s",
     "_Ohm": "ohm",
     "_H": "H",
     "_K": "K",

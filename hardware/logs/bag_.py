@@ -9,6 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from simcompare.errors import InputError
+from simcompare.hardware import joints
 from simcompare.hardware.logs.bags import folder, mcap, reader, ros1, sqlite
 from simcompare.hardware.logs.bags.container import Connection, State
 from simcompare.hardware.logs.bags.stream import finish
@@ -56,6 +57,7 @@ def read(path: Path, mapping: Mapping) -> RawLog:
             origin = time_ns // _BILLION * _BILLION if time_ns > EPOCH_NS else 0
         known = direct.get(id(connection))
         if known is None:
+            state.joints |= _described(connection, data)
             key = (connection.topic, connection.kind, connection.encoding, connection.schema)
             distribution = state.about.get("ros_distro", "")
             topic = topics.setdefault(key, Topic(connection, distribution, origin))
@@ -65,8 +67,19 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     return _log(path, state, topics)
 
 
+def _described(connection: Connection, data: bytes) -> dict[str, str]:
+    """Kinds of joints, where a message is the description of the robot."""
+    if not connection.topic.endswith("robot_description") or not connection.kind.endswith(
+        "/String"
+    ):
+        return {}
+    # a text stands behind its length; CDR has four bytes before it
+    start = 8 if connection.encoding == "cdr" else 4
+    return joints.described(data[start:].decode("utf-8", "replace"))
+
+
 def _log(path: Path, state: State, topics: dict[Key, Topic]) -> RawLog:
-    log = RawLog([], repairs=_damaged(state), about=dict(state.about))
+    log = RawLog([], repairs=_damaged(state), joints=state.joints, about=dict(state.about))
     for topic, name in _named(topics):
         finish(topic, name, _missing(state, topic), log)
     silent = {c.topic for c in state.connections} - {key[0] for key in topics}

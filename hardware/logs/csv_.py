@@ -11,6 +11,7 @@ import numpy as np
 
 from simcompare import units
 from simcompare.errors import InputError
+from simcompare.hardware import joints
 from simcompare.hardware.logs.text import cell as _cell
 from simcompare.hardware.logs.text import dates as _dates
 from simcompare.hardware.logs.text import rostopic, sniff
@@ -78,6 +79,7 @@ def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
     )  # fmt: skip
     if rostopic.is_echo(names):
         rostopic.finish(log)
+    joints.mark(log.streams[0].columns)
     _say_candidate(log, mapping)
     return log
 

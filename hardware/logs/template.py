@@ -28,9 +28,14 @@ def of_log(raw: RawLog, name: str, kind: str) -> str:
         for column in stream.columns:
             if column.name != stream.time:
                 columns.setdefault(column.name, column)
-    lines.append("channels:")
+    joints = dict.fromkeys(c.joint for c in columns.values() if c.joint and not c.unit)
+    if joints:
+        each = ", ".join(f"{_quoted(name)}: {_quoted(UNKNOWN)}" for name in joints)
+        lines.append(f"joints: {{{each}}}   # revolute (it turns) or prismatic (it slides)")
     taken: set[str] = set()
-    for column in columns.values():
+    others = [c for c in columns.values() if c.unit or not c.joint]
+    lines += ["channels:"] if others else []
+    for column in others:
         lines.append(f"  {_line(column, taken)}")
     return "\n".join(lines) + "\n"
 

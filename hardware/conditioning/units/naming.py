@@ -10,6 +10,7 @@ import numpy as np
 
 from simcompare import units
 from simcompare.errors import InputError
+from simcompare.hardware import joints
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.mapping import ChannelMap, Mapping
 from simcompare.hardware.raw import IMPORT, RawColumn, RawStream
@@ -145,15 +146,19 @@ def unit_faults(work: Work) -> list[str]:
 
 def without_unit(works: Sequence[Work]) -> list[str]:
     """One fault for all columns whose unit is not known anywhere."""
-    names = list(dict.fromkeys(name for work in works for name in work.unitless))
+    open_ = {c.name: c for w in works for c in w.data if c.name in w.unitless and c.joint}
+    asked = [joints.question([*open_.values()])] if open_ else []
+    unitless = dict.fromkeys(name for work in works for name in work.unitless)
+    names = [name for name in unitless if name not in open_]
     if not names:
-        return []
+        return asked
     shown = ", ".join(repr(name) for name in names[:8]) + (" …" if len(names) > 8 else "")
     have = "column has" if len(names) == 1 else "columns have"
     return [
+        *asked,
         f"{len(names)} {have} no unit, neither in the name nor in the file: {shown};"
         f" {IMPORT} --template > map.yaml writes a mapping file with a line for each:"
-        " put the units in and give it with --map"
+        " put the units in and give it with --map",
     ]
 
 

@@ -50,6 +50,7 @@ class State:
         truncated: what is missing at the end, empty where the bag is whole.
         damaged: what had to be passed over before the end.
         expected: topic -> number of messages that the bag says it holds.
+        joints: joint -> kind, where the bag holds a description of the robot.
         about: what the bag says of itself.
     """
 
@@ -57,6 +58,7 @@ class State:
     truncated: str = ""
     damaged: list[str] = field(default_factory=list)
     expected: dict[str, int] = field(default_factory=dict)
+    joints: dict[str, str] = field(default_factory=dict)
     about: dict[str, str] = field(default_factory=dict)
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from simcompare.hardware.logs.bags.layout import Number
 from simcompare.hardware.logs.bags.topic import EPOCH_NS, Table, Topic
+from simcompare.hardware.logs.bags.types import JOINT_STATE
 from simcompare.hardware.logs.binary.arrays import iso_ns
 from simcompare.hardware.raw import MAX_ROWS, RawColumn, RawLog, RawStream
 from simcompare.model.recording import INFO, WARNING, Clock, Repair, ranges
@@ -76,7 +77,10 @@ class _Stream:
                 values = self.values[number.name]
                 if number.infinite:
                     self._out_of_range(number, values)
-                self.columns[number.name] = RawColumn(number.name, values, number.unit, frame)
+                column = RawColumn(number.name, values, number.unit, frame)
+                if self.topic.connection.kind == JOINT_STATE and not number.unit:
+                    column.joint, _, column.quantity = number.name.rpartition(".")
+                self.columns[number.name] = column
         self._covariances()
         self._limits()
         counter = self._counter()

@@ -14,6 +14,8 @@ Types = Mapping[str, list[tuple[str, Any]]]
 BASE, NAME, ARRAY, SEQUENCE = 1, 2, 3, 4
 
 _G, _S = "geometry_msgs/msg/", "sensor_msgs/msg/"
+#: its units depend on what its joints are
+JOINT_STATE = f"{_S}JointState"
 
 #: type -> field -> unit of all that is in it; "*" is every field
 UNITS: Mapping[str, Mapping[str, str]] = {
@@ -39,7 +41,12 @@ UNITS: Mapping[str, Mapping[str, str]] = {
     f"{_S}BatteryState": {"voltage": "V", "current": "A", "temperature": "degC",
                           "percentage": "1", "power_supply_status": "1",
                           "power_supply_health": "1", "power_supply_technology": "1",
-                          "present": "1", "cell_voltage": "V", "cell_temperature": "degC"},
+                          "present": "1", "cell_voltage": "V", "cell_temperature": "degC",
+                          "charge": "A*h", "capacity": "A*h", "design_capacity": "A*h"},
+    f"{_S}NavSatFix": {"latitude": "deg", "longitude": "deg", "altitude": "m",
+                       "position_covariance": "m^2", "position_covariance_type": "1"},
+    f"{_S}NavSatStatus": {"*": "1"},
+    f"{_S}Joy": {"*": "1"},
     "std_msgs/msg/Header": {"seq": "1"},
     "std_msgs/msg/Bool": {"data": "1"},
 }  # fmt: skip

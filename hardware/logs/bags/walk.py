@@ -13,6 +13,7 @@ from simcompare.hardware.logs.bags.types import (
     BASE,
     COVARIANCES,
     IN_CHILD_FRAME,
+    JOINT_STATE,
     LENGTHS,
     NAME,
     OUT_OF_RANGE,
@@ -43,7 +44,7 @@ def layout_of(types: Types, kind: str, data: bytes, encoding: str) -> Layout:
     walk.end()
     if kind == "sensor_msgs/msg/PointCloud2":
         _cloud(walk)
-    elif kind == "sensor_msgs/msg/JointState":
+    elif kind == JOINT_STATE:
         _joints(walk)
     walk.layout.seal(data)
     return walk.layout

@@ -22,6 +22,15 @@ _UNITS = (
     (r"field\.fluid_pressure", "Pa"),
     (r"header\.seq|radiation_type|status", "1"),
     (r"%time|header\.stamp", "ns"),
+    (r"force\.[xyz]", "N"),
+    (r"torque\.[xyz]", "N*m"),
+    (r"field\.temperature", "degC"),
+    (r"field\.(voltage|cell_voltage\d+)", "V"),
+    (r"field\.current", "A"),
+    (r"field\.(charge|capacity|design_capacity)", "A*h"),
+    (r"field\.(percentage|present|relative_humidity|power_supply_\w+)", "1"),
+    (r"field\.(latitude|longitude)", "deg"),
+    (r"field\.altitude", "m"),
     (r"field_of_view", "rad"),
 )
 _COVARIANCE = re.compile(r"(.*?)_?covariance(\d+)")
