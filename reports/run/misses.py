@@ -53,17 +53,18 @@ def said(run: Run, misses: Sequence[Miss], *, named: bool = True, value: bool = 
         named: whether it is told what is off and where; else the misses are counted.
         value: whether the farthest value is told as well.
     """
-    count = f"{len(misses)} other value{' is' if len(misses) == 1 else 's are'} off"
+    several = len(misses) > 1
+    count = f"{len(misses)} other value{'s' if several else ''}"
     if not named:
-        return f"but {count}"
+        return f"{count} off"
     far = max(misses, key=lambda miss: max(_share(run, score) for score in miss.scores))
     names = list(dict.fromkeys(name for miss in misses for name in miss.names))
     who = joined(names) if len(names) <= _NAMED else f"{len(names)} engines"
     words = f"the {runs.measure_words(far.measure)}"
     told = _farthest(run, far) if value else ""
-    if len(misses) == 1:
+    if not several:
         return f"but {words} is off in {who}{told}"
-    return f"but {count} in {who}" + (f", most of all {words}{told}" if value else "")
+    return f"but {count} are off in {who}" + (f", most of all {words}{told}" if value else "")
 
 
 def _farthest(run: Run, miss: Miss) -> str:
