@@ -54,7 +54,7 @@ def test_the_answer_and_one_table_fit_80_columns_and_details_show_the_other_meas
     add_engine(long)
     _, out, _ = run_fall("--engine", long)
     assert max(map(len, out[: out.index("Stored in")].splitlines())) <= 80
-    assert out.startswith("Assisted: ")
+    assert out.startswith("Assisted, ")
     _, more, _ = run_fall("--engine", long, "--details")
     heads = [line for line in more.splitlines() if line.startswith("engine ")]
     assert len(heads) > 1
@@ -66,7 +66,7 @@ def test_1_when_a_tolerance_fails(run_fall, add_engine):
     add_engine("toy")
     code, out, _ = run_fall("--engine", "toy,drowns", "-v")
     assert code == 1
-    assert "missed: penetration by drowns" in out
+    assert "too far off: penetration in drowns" in out
     assert "Versions: toy 1.0, drowns 1.0." in out
     code, out, _ = run_fall("--engine", "drowns", "--json")
     assert code == 1
@@ -218,7 +218,7 @@ def test_run_prints_one_object_with_the_names_of_the_contract(call):
     assert record["against"]["matches"][0]["measured"] == pytest.approx(1.41)
     written = json.loads((Path(record["run"]) / "run.json").read_text(encoding="utf-8"))
     assert written == {k: v for k, v in record.items() if k not in ("exit_code", "headline")}
-    assert record["headline"][-1].startswith("With our helps, the ball bounces with 0.5")
+    assert record["headline"][-1].startswith("Assisted, the ball bounces with 0.5")
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,7 @@ def test_all_engines_that_pass_are_one_clause_with_the_largest_deviation():
     run = answered(level("assisted", north=0.8001, south=0.7998, west=0.8042))
     # scores.tolerance is 0.008, so three decimals are told; 0.0042 is rounded up
     assert answer.sentences(run) == [
-        "With our helps, the ball bounces with 0.800 to 0.804 (± 0.001) in all 3 engines,"
+        "Assisted, the ball bounces with 0.800 to 0.804 (± 0.001) in all 3 engines,"
         " within 0.005 of the closed form of 0.8."
     ]
 
@@ -135,12 +135,12 @@ def test_a_value_that_is_not_finite_is_none(value):
 def test_the_same_at_two_levels_is_said_once():
     run = answered([*level("tuned", north=0.8), *level("assisted", north=0.8)])
     (sentence,) = answer.sentences(run)
-    assert sentence.startswith("Tuned and with our helps, the ball bounces with 0.800 ± 0.001 in")
+    assert sentence.startswith("Tuned and assisted, the ball bounces with 0.800 ± 0.001 in")
 
 
 def test_without_helps_the_level_says_so():
     run = answered(level("assisted", north=0.8), assist="none")
-    assert answer.sentences(run)[0].startswith("With none of our helps,")
+    assert answer.sentences(run)[0].startswith("Assisted by nothing,")
 
 
 def test_another_measure_in_a_template_is_filled_in():
@@ -172,7 +172,7 @@ def test_without_an_answer_the_first_judged_measure_leads():
 
 def test_without_a_truth_nothing_is_called_right_or_wrong():
     assert answer.sentences(answered(level("assisted", north=0.7), truth=None)) == [
-        "With our helps, the ball bounces with 0.7000 ± 0.0010 in north.",
+        "Assisted, the ball bounces with 0.7000 ± 0.0010 in north.",
         "There is no truth to hold the restitution against.",
     ]
 
@@ -189,7 +189,7 @@ def test_nothing_measured_says_so():
 def test_what_was_missed_is_named_measure_by_measure_and_the_farthest_with_its_size():
     run = answered(level("assisted", north=0.801, south=0.9))
     assert remarks.remarks(run)[-1] == (
-        "With our helps, too far off: settling time in north and south; restitution in south"
+        "Assisted, too far off: settling time in north and south; restitution in south"
         " (the farthest: off by 0.1000 ± 0.0010, 12 times the tolerance)."
     )
 
@@ -197,10 +197,7 @@ def test_what_was_missed_is_named_measure_by_measure_and_the_farthest_with_its_s
 def test_that_all_tolerances_are_met_is_said():
     only = {"restitution": TOLERANCES["restitution"]}
     run = answered(level("assisted", north=0.8, south=0.8, west=0.8), tolerances=only)
-    assert (
-        remarks.remarks(run)[-1]
-        == "With our helps, the one judged value is right in all 3 engines."
-    )
+    assert remarks.remarks(run)[-1] == "Assisted, the one judged value is right in all 3 engines."
 
 
 def test_what_was_not_measured_is_not_called_met():
@@ -211,7 +208,7 @@ def test_what_was_not_measured_is_not_called_met():
     run = changed(records.changed(run, scores=tuple(met)), "south", value=None,
                   verdict="info", lacking=why)  # fmt: skip
     assert remarks.remarks(run)[-1] == (
-        "With our helps, both judged values are right in north;"
+        "Assisted, both judged values are right in north;"
         f" in south 1 of 2 is right, 1 was not measured ({why})."
     )
 

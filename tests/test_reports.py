@@ -472,7 +472,7 @@ def test_motion_shows_truth_below_the_engines_at_every_level_on_one_axis():
     assert figure.share_y
     assert [panel.title for panel in figure.panels] == [
         "by default, as it comes",
-        "with our helps",
+        "assisted, with our helps",
     ]
     assert [series.label for series in figure.panels[1].series] == [f"truth ({TRUTH})", "north"]
 

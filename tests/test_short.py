@@ -56,7 +56,7 @@ def test_each_level_is_a_sentence():
     assert short(run) == (
         "By default the ball stays on the floor in all 3 engines: no restitution is set.",
         "Tuned, the ball bounces with 0.810 to 0.820 instead of 0.8 in north and south.",
-        "With our helps, 0.800 to 0.801 in all 3.",
+        "Assisted, 0.800 to 0.801 in all 3.",
     )
 
 
@@ -79,7 +79,7 @@ def test_what_is_wrong_alike_where_all_is_set_had_another_cause():
 def test_what_happens_alike_at_two_levels_is_one_sentence():
     run = met(answered([*level("tuned", north=0.8), *level("assisted", north=0.8)], answer=WHOLE))
     assert short(run) == (
-        "Tuned and with our helps, the ball bounces with 0.800 and rests after 4.0 s in north.",
+        "Tuned and assisted, the ball bounces with 0.800 and rests after 4.0 s in north.",
     )
 
 

@@ -38,7 +38,7 @@ def head(modes: Sequence[str], run: Run) -> str:
 def how(run: Run, mode: str) -> str:
     """A level as the begin of a sentence."""
     if mode == ASSISTED and run.record.assist == "none":
-        return "With none of our helps,"
+        return "Assisted by nothing,"
     if mode == TUNED:
         return "Tuned,"
     return _HOW.get(mode, f"At the level {mode},")
@@ -46,7 +46,7 @@ def how(run: Run, mode: str) -> str:
 
 _HOW = {
     DEFAULT: "By default",
-    COEFFICIENTS: "With the coefficients alone,",
-    ASSISTED: "With our helps,",
+    COEFFICIENTS: "With coefficients alone,",
+    ASSISTED: "Assisted,",
     "fitted": "With the fitted parameters,",
 }

@@ -20,7 +20,7 @@ _MODES = {
     DEFAULT: ("by default, as it comes", "by default"),
     COEFFICIENTS: ("coefficients typed in", "with coefficients"),
     TUNED: ("tuned, in a plain loop", "tuned"),
-    ASSISTED: ("with our helps", "assisted"),
+    ASSISTED: ("assisted, with our helps", "assisted"),
     "fitted": ("fitted to a measurement", "fitted"),
 }
 
