@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from simcompare import glossary
 from simcompare.errors import UnknownName
 from simcompare.reports import builder
@@ -10,6 +12,7 @@ from simcompare.reports.render.glance import Glance
 from simcompare.reports.render.parts import Part
 from simcompare.reports.render.tables import Table
 from simcompare.reports.run import lead_table, runs, settings
+from simcompare.reports.run.listing import grouped, joined
 from simcompare.reports.run.not_run import not_run
 from simcompare.reports.sections import of_run
 from simcompare.results.run import Run
@@ -21,8 +24,6 @@ def glance_of(run: Run) -> Glance:
     """The answer, the table of what leads, what did not run, and the first figure."""
     record, part = run.record, _answer(run)
     found = _table(run, part)
-    notes = [f"{row.name} ({row.modes}) did not run: {row.reason}" for row in not_run(run)]
-    notes += ["Interrupted: what had finished is kept."] if record.interrupted else []
     return Glance(
         title=f"{record.title} – {record.kind}",
         question=record.question,
@@ -30,10 +31,21 @@ def glance_of(run: Run) -> Glance:
         sentences=part.short or part.answer[:1],
         legend=_legend(run, found),
         table=found,
-        notes=tuple(notes),
+        notes=tuple(_notes(run)),
         figure=next(iter(part.every_figure), None),
         more=_MORE if run.folder is None else f"{_MORE}. Stored in {run.folder}",
     )
+
+
+def _notes(run: Run) -> Iterator[str]:
+    """What did not run, at which levels if not at all of them, and why."""
+    every = [runs.mode_words(mode) for mode in runs.modes(run)]
+    rows = [(row.name, row.modes, row.reason) for row in not_run(run)]
+    for (modes, reason), names in grouped(((m, why), name) for name, m, why in rows).items():
+        where = "" if modes == ", ".join(every) else f" ({modes})"
+        yield f"{joined(list(names))}{where} did not run: {reason}"
+    if run.record.interrupted:
+        yield "Interrupted: what had finished is kept."
 
 
 def table(run: Run, measure: str | None = None) -> Table:

@@ -14,6 +14,8 @@ def frame(table: Table) -> pd.DataFrame:
     """The cells as they are read, with the first column, below its group, as names of the rows."""
     import pandas as pd
 
+    if not table.columns:
+        return pd.DataFrame()
     first, *rest = table.columns
     rows = [(group.title, *map(printable, row)) for group in table.groups for row in group.rows]
     grouped = any(group.title for group in table.groups)
