@@ -82,24 +82,15 @@ def test_a_link_to_a_run_is_no_run(tmp_path, record):
 
 
 def test_without_a_folder_and_without_runs(tmp_path, call):
-    assert call("runs")[::2] == (2, "simcompare: runs: there is no such folder\n")
+    assert call("runs")[::2] == (
+        2,
+        "simcompare: runs: there is no such file or folder; expected a folder of stored runs\n",
+    )
     (tmp_path / "runs").mkdir()
     assert call("runs")[1] == "runs holds no runs. Make one: simcompare run ball\n"
 
 
-# --- a report of a folder -----------------------------------------------------------------------
-
-
-def test_a_folder_of_runs_in_place_of_a_run_lists_them_with_what_to_type(tmp_path, record, call):
-    for day in range(10, 22):
-        store(tmp_path / "my runs" / f"202606{day}-120000-ball", record)
-    code, _, err = call("report", "my runs")
-    first, *rows, more, newest = err.splitlines()
-    assert code == 2
-    assert first == "simcompare: my runs: is no run, but holds 12 runs, the newest first:"
-    assert [row.strip() for row in rows] == [f"202606{d}-120000-ball" for d in range(21, 11, -1)]
-    assert more.strip() == "and 2 more: simcompare runs 'my runs'"
-    assert newest == "for the newest: simcompare report 'my runs/20260621-120000-ball'"
+# --- the report of the newest ---------------------------------------------------------------------
 
 
 def test_without_a_name_the_newest_run_is_reported(tmp_path, record, call):

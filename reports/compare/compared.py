@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -14,8 +15,11 @@ from simcompare.reports.compare.differences import (
 )
 from simcompare.reports.run import runs as of_run
 from simcompare.reports.run.lead import Lead, lead_as, lead_of
+from simcompare.reports.run.listing import grouped, joined
 from simcompare.results.run import Run
 
+#: runs of which there is something to compare
+_LEAST = 2
 #: values of a parameter from which on a curve is drawn over it
 _CURVE = 3
 
@@ -30,6 +34,7 @@ class Compared:
         told: those of the differences that titles name.
         titles: of the runs; each names what differs.
         measures: what all of them measured, the leading one first.
+        left_out: which others could not be compared, and why; a sentence each.
     """
 
     runs: tuple[Run, ...]
@@ -37,6 +42,7 @@ class Compared:
     told: tuple[Difference, ...]
     titles: tuple[str, ...]
     measures: tuple[str, ...]
+    left_out: tuple[str, ...] = ()
 
     @property
     def swept(self) -> Difference | None:
@@ -86,22 +92,42 @@ class Compared:
             raise UnknownName("measure of all these runs", measure, self.measures)
 
 
-def compared(given: Sequence[Run]) -> Compared:
+def compared(given: Sequence[Run], left_out: Sequence[str] = ()) -> Compared:
     """Runs beside each other, in the order of the number in which they differ if it is one.
+
+    Args:
+        given: at least two that measured something; others are left out.
+        left_out: what was left out before, and why.
 
     Raises:
         InputError: fewer than two, other things than runs, or runs that measured nothing alike.
     """
-    if len(given) < 2:
-        raise InputError("compare", ["one run has nothing to be compared with; name at least two"])
-    kinds = dict.fromkeys(run.record.kind for run in given)
-    if [*kinds] != ["run"]:
-        raise InputError("compare", [f"expected runs, and found {_counted(given)}"])
-    measures = _shared(given)
-    ordered, found = _ordered(given)
-    told = in_titles(found, len(ordered))
+    _check_kinds(given)
+    useful = [run for run in given if of_run.measures(run)]
+    empty = [f"{_name(run)}: no engine ran." for run in given if run not in useful]
+    told = (*left_out, *empty)
+    if len(useful) < _LEAST:
+        raise InputError("compare", [_too_few(useful), *told])
+    measures = _shared(useful)
+    ordered, found = _ordered(useful)
+    in_title = in_titles(found, len(ordered))
     names = [_name(run, number) for number, run in enumerate(ordered, start=1)]
-    return Compared(ordered, found, told, titles(told, names), measures)
+    return Compared(ordered, found, in_title, titles(in_title, names), measures, told)
+
+
+def _check_kinds(given: Sequence[Run]) -> None:
+    kinds = grouped((run.record.kind, run) for run in given)
+    if set(kinds) - {"run"}:
+        found = " and ".join(f"{len(some)} of kind {kind}" for kind, some in kinds.items())
+        raise InputError(
+            "compare", [f"only runs can be compared, not fits and validations; found {found}"]
+        )
+
+
+def _too_few(useful: Sequence[Run]) -> str:
+    if useful:
+        return f"{_name(useful[0])} has nothing to be compared with; name at least two runs"
+    return "there is no run to compare; name at least two"
 
 
 def _ordered(given: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[Difference, ...]]:
@@ -115,13 +141,8 @@ def _ordered(given: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[Difference, .
     return ordered, differences([run.record for run in ordered])
 
 
-def _counted(given: Sequence[Run]) -> str:
-    kinds = [run.record.kind for run in given]
-    return " and ".join(f"{kinds.count(kind)} of kind {kind}" for kind in dict.fromkeys(kinds))
-
-
-def _name(run: Run, number: int) -> str:
-    return f"run {number}" if run.folder is None else run.folder.name
+def _name(run: Run, number: int | str = "") -> str:
+    return f"run {number}".strip() if run.folder is None else run.folder.name
 
 
 def _shared(given: Sequence[Run]) -> tuple[str, ...]:
@@ -132,7 +153,19 @@ def _shared(given: Sequence[Run]) -> tuple[str, ...]:
         name for name in dict.fromkeys(first) if all(name in of_run.measures(r) for r in given)
     ]
     if not shared:
-        scenarios = dict.fromkeys(run.record.scenario for run in given)
-        what = f"runs of {', '.join(scenarios)}" if len(scenarios) > 1 else "these runs"
-        raise InputError("compare", [f"{what} have no measured value in common"])
+        raise InputError("compare", [_nothing_shared(given)])
     return tuple(shared)
+
+
+def _nothing_shared(given: Sequence[Run]) -> str:
+    """What to do where the runs are of scenarios that measure different things."""
+    scenarios = grouped((run.record.scenario, run) for run in given)
+    if len(scenarios) == 1:
+        return "these runs have no measured value in common"
+    counts = joined([f"{name} ({len(some)})" for name, some in scenarios.items()])
+    fault = f"runs of different scenarios have nothing in common: {counts}"
+    most = max(scenarios.values(), key=len)
+    if len(most) < _LEAST or any(run.folder is None for run in most):
+        return fault
+    places = " ".join(shlex.quote(str(run.folder)) for run in most[:_LEAST])
+    return f"{fault}; compare those of one scenario, such as: simcompare compare {places}"

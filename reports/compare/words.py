@@ -81,7 +81,8 @@ def _met(measure: str, level: str, counts: Mapping[str, tuple[int, int]]) -> str
 
 def notes(compared: Compared) -> tuple[str, ...]:
     """What the reader must know beside the numbers."""
-    return tuple([*_about_scenarios(compared), *_also(compared), *_not_run(compared)])
+    left_out = (f"Left out: {text}" for text in compared.left_out)
+    return (*left_out, *_about_scenarios(compared), *_also(compared), *_not_run(compared))
 
 
 def _about_scenarios(compared: Compared) -> Iterator[str]:

@@ -33,7 +33,6 @@ def report(
     from simcompare.verbs import runs as stored
 
     places = [*runs] if runs else [stored.newest("runs")]
-    stored.check_single(places, "report")
     written = verb.report(places, format=format, out=out)
     typer.echo(str(written))
     if opened:

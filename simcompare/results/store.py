@@ -106,6 +106,21 @@ def load(place: str | Path) -> Run:
     Raises:
         InputError: there is none, or its files are damaged; names the file.
     """
+    run = load_record(place)
+    assert run.folder is not None
+    trajectories = _read_trajectories(run.folder / TRAJECTORIES, run.record)
+    return replace(run, trajectories=tuple(trajectories))
+
+
+def load_record(place: str | Path) -> Run:
+    """Reads a stored run without its trajectories.
+
+    Args:
+        place: its folder, or run.json in it.
+
+    Raises:
+        InputError: there is none, or run.json is damaged; names the file.
+    """
     named = Path(place)
     place = named.parent if named.name == RECORD else named
     path = place / RECORD
@@ -113,8 +128,7 @@ def load(place: str | Path) -> Run:
         raise _no_run(place)
     from simcompare.results.records import stored  # fits and validations are read nowhere else
 
-    record = stored.read(path)
-    return Run(record, tuple(_read_trajectories(place / TRAJECTORIES, record)), place)
+    return Run(stored.read(path), (), place)
 
 
 def _no_run(place: Path) -> InputError:

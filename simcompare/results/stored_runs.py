@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from simcompare.comparison.comparison import FAIL, PASS
-from simcompare.errors import InputError, OutputError
+from simcompare.errors import InputError, NoSuchFile, OutputError
 from simcompare.results.fit_file import FILE as FIT
 from simcompare.results.records import stored
 from simcompare.results.records.run import Record
@@ -93,7 +93,7 @@ def of(folder: Path) -> list[StoredRun]:
         InputError: there is no such folder.
     """
     if not folder.is_dir():
-        raise InputError(str(folder), ["there is no such folder"])
+        raise NoSuchFile(folder, "a folder of stored runs")
     found = [_read(place) for place in sorted(folder.iterdir()) if is_run(place)]
     return sorted(found, key=lambda run: (run.created, run.folder.name), reverse=True)
 

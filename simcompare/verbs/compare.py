@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from simcompare.arguments import checked
-from simcompare.errors import InputError
 from simcompare.reports.compare import page, rows, tables, words
 from simcompare.reports.compare.compared import Compared, compared
 from simcompare.reports.compare.figure import figure
@@ -142,29 +141,32 @@ def compare(runs: Source | Sequence[Source], measure: str | None = None) -> Comp
         UnknownName: not all runs measured it; names what they did.
     """
     listed = [runs] if isinstance(runs, Run | str | Path) else [*runs]
-    found = compared(list(_read(listed)))
+    read = [one for source in listed for one in _read(source)]
+    given = {_key(run): run for run in read if isinstance(run, Run)}
+    found = compared(list(given.values()), [text for text in read if isinstance(text, str)])
     if measure is not None:
         found.check(measure)
     return Comparison(found, measure or found.measures[0])
 
 
-def _read(listed: Sequence[Source]) -> Iterator[Run]:
-    """Each run once, in the order in which they are given."""
-    known = set()
-    for one in listed:
-        for place in [one] if isinstance(one, Run) else _places(Path(one)):
-            run = place if isinstance(place, Run) else store.load(place)
-            key = id(run) if run.folder is None else run.folder.resolve()
-            if key not in known:
-                known.add(key)
-                yield run
+def _key(run: Run) -> Path | int:
+    """What tells whether a run is given twice."""
+    return id(run) if run.folder is None else run.folder.resolve()
 
 
-def _places(path: Path) -> list[Path]:
-    """A run, or the runs in a folder, the oldest first."""
-    if stored_runs.is_run(path) or path.name == store.RECORD:
-        return [path]
-    inside = stored_runs.places(path)
-    if path.is_dir() and not inside:
-        raise InputError(str(path), ["holds no stored run; expected a folder such as runs"])
-    return inside or [path]
+def _read(source: Source) -> Iterator[Run | str]:
+    """A run, or all that a folder holds; what is no run there is told in a sentence."""
+    if isinstance(source, Run):
+        yield source
+        return
+    place = Path(source)
+    inside = [] if stored_runs.is_run(place) or not place.is_dir() else stored_runs.of(place)
+    if not inside:
+        yield store.load_record(place)
+    for one in reversed(inside):
+        if one.record is None:
+            yield f"{one.folder.name} is damaged: {one.fault}."
+        elif one.record.kind != "run":
+            yield f"{one.folder.name} is a {one.record.kind}."
+        else:
+            yield Run(one.record, (), one.folder)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
-from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -17,8 +15,6 @@ from simcompare.results import stored_runs
 from simcompare.results.stored_runs import StoredRun
 
 _HEADS = ("run", "kind", "asked for", "engines", "verdict")
-#: so many runs are listed where one was wanted
-_LISTED = 10
 
 
 class StoredRuns(Shown, list[StoredRun]):
@@ -71,39 +67,6 @@ def newest(folder: str | Path = "runs") -> Path:
     if not whole:
         raise InputError(str(place), ["holds no run; make one, such as: simcompare run ball"])
     return whole[0].folder
-
-
-def check_single(places: Sequence[Path], verb: str) -> None:
-    """Refuses a folder that holds runs in place of a run; lists them with what to type.
-
-    Args:
-        places: that should be runs.
-        verb: that asks for one.
-
-    Raises:
-        InputError: one of them is such a folder.
-    """
-    for place in places:
-        inside = [] if stored_runs.is_run(place) else stored_runs.places(place)
-        if inside:
-            raise InputError(str(place), [_listed(inside[::-1], verb)])
-
-
-def _listed(inside: Sequence[Path], verb: str) -> str:
-    """Runs from the newest on, and the command for that."""
-    count = "one run" if len(inside) == 1 else f"{len(inside)} runs"
-    lines = [f"is no run, but holds {count}, the newest first:"]
-    lines += [f"  {place.name}" for place in inside[:_LISTED]]
-    if len(inside) > _LISTED:
-        lines.append(
-            f"  and {len(inside) - _LISTED} more: simcompare runs {_quoted(inside[0].parent)}"
-        )
-    lines.append(f"for the newest: simcompare {verb} {_quoted(inside[0])}")
-    return "\n".join(lines)
-
-
-def _quoted(place: Path) -> str:
-    return shlex.quote(str(place))
 
 
 def to_clean(
