@@ -225,7 +225,21 @@ def test_what_did_not_run_is_told_once_with_its_reason(sweep):
     )
     found = compared([sweep[0], changed(sweep[1], sources=sources)])
     (note,) = words.notes(found)
+    assert found.sources == compared([sweep[0], sweep[2]]).sources
     assert note == "pymunk did not run (drop_height = 0.3 m): it is not installed"
+
+
+def test_a_run_beyond_the_range_of_the_truth_is_not_judged_and_says_why(sweep):
+    scores = tuple(
+        replace(one, truth=None, tolerance=None, verdict="info") for one in sweep[1].record.scores
+    )
+    reason = "The ball is too fast."
+    found = compared([sweep[0], changed(sweep[1], scores=scores, beyond=(reason,))])
+    assert words.notes(found) == (f"Not judged (drop_height = 0.3 m): {reason}",)
+    (table,) = tables.tables(found, "restitution")
+    assert [row[1] for row in table.groups[-1].rows] == ["none", "none"]
+    _, assisted = words.short(found, "restitution")
+    assert assisted.endswith(": pymunk in the only run that is judged.")
 
 
 def test_the_answer_counts_runs_within_the_tolerance_level_by_level(sweep):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import shutil
 from datetime import UTC, datetime
 from pathlib import Path
@@ -53,7 +54,7 @@ def test_runs_are_listed_newest_first_one_line_each(sweep, call):
     assert [row.split()[0] for row in rows] == names
     assert "drop_height=2m" in rows[0]
     assert max(map(len, out.splitlines())) <= 80
-    assert end.startswith("3 runs in ")
+    assert re.search(r"runs holds 3 runs, \d+\.\d MB$", end)
 
 
 def test_json_holds_what_the_lines_shorten(sweep, call):
@@ -148,7 +149,7 @@ def test_clean_lists_and_asks_first(tmp_path, record, call, monkeypatch):
         monkeypatch.setattr("typer.confirm", lambda *_, answer=answer, **__: answer == "y")
         code, out, _ = call("runs", "--clean", "--keep", 0)
         assert code == 0
-        assert "To delete: 1 of 1 runs in runs, 0.1 MB" in out
+        assert "To delete in runs: 1 run, 0.1 MB, of 1 run, 0.1 MB" in out
         assert folder.exists() == is_left
 
 

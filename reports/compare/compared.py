@@ -58,8 +58,8 @@ class Compared:
 
     @property
     def sources(self) -> list[tuple[str, str]]:
-        """Engine and level, level by level, in the order of the runs."""
-        pairs = [(s.name, s.contact) for run in self.runs for s in run.record.sources]
+        """Engine and level, level by level, in the order of the runs; of those that ran once."""
+        pairs = [(s.name, s.contact) for run in self.runs for s in run.record.sources if s.ran]
         levels = list(dict.fromkeys(level for _, level in pairs))
         return sorted(dict.fromkeys(pairs), key=lambda pair: levels.index(pair[1]))
 

@@ -12,8 +12,8 @@ from simcompare.reports.render.text_tables import lines
 from simcompare.reports.run import lead_table, runs
 from simcompare.reports.run.lead import Lead
 
-#: behind a value that was judged, and where a run has no such engine or level
-MARKS, NOT_RUN = {PASS: " ✓", FAIL: " ✗"}, "not run"
+#: behind a value that was judged, where a run has no such engine or level, and no truth
+MARKS, NOT_RUN, NO_TRUTH = {PASS: " ✓", FAIL: " ✗"}, "not run", "none"
 #: runs that still stand beside each other
 _BESIDE = 6
 _ENDLESS = 10_000
@@ -113,7 +113,9 @@ def _below(
         keys = [one.number(i) for one in told] or [title]
         cells = [_cell(compared, leads, i, name, level) for name, level in sources]
         rows.append((*keys, *(() if same else (truths[i],)), *cells))
-    title = _title(compared, leads) + (f"; truth {truths[0]}" if same and truths[0] else "")
+    title = _title(compared, leads) + (
+        f"; truth {truths[0]}" if same and leads[0].truth is not None else ""
+    )
     return Table(title, tuple(columns), (Group("", tuple(rows)),))
 
 
@@ -137,18 +139,16 @@ def _truth_rows(leads: Sequence[Lead]) -> Iterator[tuple[str, ...]]:
     if any(lead.truth is not None for lead in leads):
         yield ("value", *(_truth(lead) for lead in leads))
     if any(lead.width is not None for lead in leads):
-        yield ("tolerance", *(f"± {lead.accepted}" if lead.widths else "–" for lead in leads))
+        yield ("tolerance", *(f"± {lead.accepted}" if lead.widths else NO_TRUTH for lead in leads))
 
 
 def _accepted(lead: Lead) -> str:
-    """The truth with its tolerance, empty where there is none."""
-    if lead.truth is None:
-        return ""
+    """The truth with its tolerance."""
     return f"{_truth(lead)} ± {lead.accepted}" if lead.widths else _truth(lead)
 
 
 def _truth(lead: Lead) -> str:
-    return lead_table.number(lead, lead.truth, None)
+    return NO_TRUTH if lead.truth is None else lead_table.number(lead, lead.truth, None)
 
 
 def _title(compared: Compared, leads: Sequence[Lead]) -> str:

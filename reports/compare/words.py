@@ -13,11 +13,13 @@ from simcompare.reports.compare.compared import Compared
 from simcompare.reports.render.parts import KeyNumber
 from simcompare.reports.render.tables import Table
 from simcompare.reports.run import runs
-from simcompare.reports.run.listing import grouped, joined
+from simcompare.reports.run.listing import engines, grouped, joined
 
 #: what may stand in a cell, and the word that explains it
 _SIGNS = {"✓": PASS, "✗": FAIL, "(": "brackets", "–": "–"}
 
+#: in how many runs a tolerance is met, and in how many it is judged
+Count = tuple[int, int]
 #: so many runs are listed one by one, and letters of their titles
 _FEW, _SHORT = 4, 60
 
@@ -34,7 +36,7 @@ def title(compared: Compared) -> str:
 def short(compared: Compared, measure: str) -> tuple[str, ...]:
     """In how many runs each engine meets the tolerance of a measure, level by level."""
     found = ((level, _counts(compared, measure, level)) for level in _judged_levels(compared))
-    return tuple(_met(measure, level, counts) for level, counts in found if counts)
+    return tuple(_met(compared, measure, level, counts) for level, counts in found if counts)
 
 
 def key_numbers(compared: Compared, measure: str) -> tuple[KeyNumber, ...]:
@@ -60,7 +62,7 @@ def _judged_levels(compared: Compared) -> list[str]:
     return [level for level in compared.levels if level not in SHOWN_LEVELS]
 
 
-def _counts(compared: Compared, measure: str, level: str) -> dict[str, tuple[int, int]]:
+def _counts(compared: Compared, measure: str, level: str) -> dict[str, Count]:
     """Engine -> in how many runs it is within its tolerance, and of how many that are judged."""
     counts = {}
     for name in compared.engines:
@@ -72,17 +74,28 @@ def _counts(compared: Compared, measure: str, level: str) -> dict[str, tuple[int
     return counts
 
 
-def _met(measure: str, level: str, counts: Mapping[str, tuple[int, int]]) -> str:
-    pairs = ((f"{met} of {judged}", name) for name, (met, judged) in counts.items())
-    told = [f"{joined(names)} in {of} runs" for of, names in grouped(pairs).items()]
+def _met(compared: Compared, measure: str, level: str, counts: Mapping[str, Count]) -> str:
+    total = len(compared.runs)
+    pairs = ((_of(*count, total), name) for name, count in counts.items())
+    every = list(counts)
+    told = [f"{engines(names, every)} in {of}" for of, names in grouped(pairs).items()]
     words = runs.measure_words(measure)
     return f"{capital(runs.mode_words(level))}, {words} within its tolerance: {'; '.join(told)}."
+
+
+def _of(met: int, judged: int, total: int) -> str:
+    if judged == total:
+        return f"{met} of {total} runs"
+    if judged == 1:
+        return "the only run that is judged" if met else "no run that is judged"
+    return f"{met} of {judged} runs that are judged"
 
 
 def notes(compared: Compared) -> tuple[str, ...]:
     """What the reader must know beside the numbers."""
     left_out = (f"Left out: {text}" for text in compared.left_out)
-    return (*left_out, *_about_scenarios(compared), *_also(compared), *_not_run(compared))
+    return (*left_out, *_about_scenarios(compared), *_also(compared), *_beyond(compared),
+            *_not_run(compared))  # fmt: skip
 
 
 def _about_scenarios(compared: Compared) -> Iterator[str]:
@@ -103,6 +116,14 @@ def _also(compared: Compared) -> Iterator[str]:
         yield f"Also different: {one.label} ({'; '.join(values)})."
 
 
+def _beyond(compared: Compared) -> Iterator[str]:
+    """Why there is no truth in some runs."""
+    pairs = zip(compared.runs, compared.titles, strict=True)
+    known = ((" ".join(runs.beyond(run)), title) for run, title in pairs if runs.beyond(run))
+    for reason, titles in grouped(known).items():
+        yield f"Not judged {_where(compared, titles, 'in every run')}: {reason}"
+
+
 def _not_run(compared: Compared) -> Iterator[str]:
     """Every reason once, with the engines, levels and runs that it is of."""
     pairs = [
@@ -114,20 +135,21 @@ def _not_run(compared: Compared) -> Iterator[str]:
     for reason, places in grouped(pairs).items():
         levels = grouped((source.name, source.contact) for source, _ in places)
         names = [_at(compared, name, list(dict.fromkeys(at))) for name, at in levels.items()]
-        where = _where(compared, list(dict.fromkeys(title for _, title in places)))
-        yield f"{joined(names)} did not run {where}: {reason}"
+        titles = list(dict.fromkeys(title for _, title in places))
+        yield f"{joined(names)} did not run {_where(compared, titles, 'in any run')}: {reason}"
 
 
 def _at(compared: Compared, name: str, levels: list[str]) -> str:
     """An engine with its levels, where these are not all that there are."""
-    every = [level for one, level in compared.sources if one == name]
-    return name if len(levels) == len(every) else f"{name} {'/'.join(levels)}"
+    records = [source for run in compared.runs for source in run.record.sources]
+    every = {source.contact for source in records if source.name == name}
+    return name if every <= set(levels) else f"{name} {'/'.join(levels)}"
 
 
-def _where(compared: Compared, titles: list[str]) -> str:
+def _where(compared: Compared, titles: list[str], everywhere: str) -> str:
     """In which runs."""
     if len(titles) == len(compared.runs):
-        return "in any run"
+        return everywhere
     text = "; ".join(titles)
     return f"({text})" if len(text) <= _SHORT else f"in {len(titles)} of {len(compared.runs)} runs"
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from simcompare.cli import console, opening
+from simcompare.cli import console, manner, opening
 
 if TYPE_CHECKING:
     from simcompare.model.plain import Plain
@@ -36,7 +36,7 @@ def compare(
     opening.check(opened, report=report)
     found = verb.compare(runs, None if measure == ALL else measure)
     if not as_json:
-        _show(found, every=measure == ALL)
+        _show(found, every=measure == ALL or manner.is_verbose())
     table = found.to_csv(csv) if csv is not None else None
     page = found.report(out) if report else None
     if as_json:

@@ -66,8 +66,7 @@ def _show(folder: Path, found: list[StoredRun]) -> None:
         typer.echo(f"{folder} holds no runs. Make one: simcompare run ball")
         return
     _show_rows(found)
-    size = _size(sum(run.size_bytes for run in found))
-    typer.echo(f"{len(found)} {'run' if len(found) == 1 else 'runs'} in {folder}, {size}")
+    typer.echo(f"{folder} holds {_count(found)}")
 
 
 def _show_rows(found: list[StoredRun]) -> None:
@@ -122,7 +121,7 @@ def _clean(
     if not as_json:
         _announce(folder, found, going)
     if going and not yes:
-        _ask()
+        _ask(f"Delete {_count(going)}? They cannot be brought back.")
     stored_runs.delete(going)
     if as_json:
         console.print_json({"deleted": [_plain(run) for run in going]})
@@ -136,19 +135,21 @@ def _announce(folder: Path, found: list[StoredRun], going: list[StoredRun]) -> N
 
     if going:
         _show_rows(going)
-        size = _size(sum(run.size_bytes for run in going))
-        typer.echo(f"To delete: {len(going)} of {len(found)} runs in {folder}, {size}")
-    else:
-        typer.echo(f"None of the {len(found)} runs in {folder} is to be deleted.")
+    typer.echo(f"To delete in {folder}: {_count(going)}, of {_count(found)}")
     for run in found:
         if not can_go(run):
             typer.echo(f"Kept: {run.folder} holds files that are not ours: {', '.join(run.others)}")
 
 
-def _ask() -> None:
+def _count(runs: list[StoredRun]) -> str:
+    size = _size(sum(run.size_bytes for run in runs))
+    return f"{len(runs)} {'run' if len(runs) == 1 else 'runs'}, {size}"
+
+
+def _ask(question: str) -> None:
     """Ends the command where the user says no, or nobody can be asked."""
     try:
-        agreed = typer.confirm("Delete them? They cannot be brought back.", err=True)
+        agreed = typer.confirm(question, err=True)
     except typer.Abort:
         raise InputError("--clean", ["nobody answered, nothing was deleted; add --yes"]) from None
     if not agreed:
