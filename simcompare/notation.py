@@ -66,7 +66,7 @@ def number(value: float | None, u: float | None = None, places: int | None = Non
     if places is not None and places < last:
         last = places
     if last > _ROUNDING_PLACES:
-        return minus(f"{value:.9g}")
+        return _signed(f"{value:.9g}")
     digits = round(u * 10.0**last)
     if u * 10.0**last < 1:
         return _alone(value, places)
@@ -87,10 +87,13 @@ def is_zero(value: float, places: int | None) -> bool:
 def _alone(value: float, places: int | None) -> str:
     """A value without a standard deviation."""
     if places is None:
-        return minus(f"{value:.{_DIGITS}g}") if value else "0"
-    if is_zero(value, places):
-        return "0"
-    return fixed(value, places)
+        return _signed(f"{value:.{_DIGITS}g}") if value else "0"
+    return "0" if is_zero(value, places) else fixed(value, places)
+
+
+def _signed(text: str) -> str:
+    """A number that may have an exponent with the longer sign before it."""
+    return minus(text[:1]) + text[1:]
 
 
 def minus(text: str) -> str:

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
 import shlex
+import struct
+import subprocess
+import sys
 import webbrowser
 from pathlib import Path
 
@@ -175,3 +179,51 @@ def test_a_word_too_many_says_where_it_belongs(call, words, said):
     code, out, err = call(*words.split())
     assert (code, out) == (2, "")
     assert said in err
+
+
+# --- widths -----------------------------------------------------------------------------------
+
+
+def in_terminal(columns, folder, *words):
+    """What a command prints in a terminal of so many columns."""
+    pty = pytest.importorskip("pty")
+    import fcntl
+    import termios
+
+    mine, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 40, columns, 0, 0))
+    env = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
+    process = subprocess.Popen(
+        [sys.executable, "-m", "simcompare", *words],
+        stdin=subprocess.DEVNULL, stdout=theirs, stderr=theirs, cwd=folder,
+        env={**env, "TERM": "dumb"},
+    )  # fmt: skip
+    os.close(theirs)
+    parts = []
+    while True:
+        try:
+            part = os.read(mine, 65536)
+        except OSError:  # the other side is closed
+            break
+        if not part:
+            break
+        parts.append(part)
+    os.close(mine)
+    assert process.wait() == 0
+    return b"".join(parts).decode()
+
+
+@pytest.mark.parametrize(("columns", "most"), [(60, 60), (80, 80), (200, 200)])
+def test_a_terminal_is_filled_and_never_overrun(columns, most, tmp_path):
+    shown = in_terminal(columns, tmp_path, "show", "ball")
+    assert max(map(len, shown.splitlines())) <= most
+    assert {"drop_height_m", "0.01…20", "release.", "settling_time"} <= set(shown.split())
+
+
+def test_in_a_pipe_a_table_has_a_line_for_each_row(command):
+    env = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
+    out = command("show", "ball", env=env).stdout
+    (row,) = [line for line in out.splitlines() if line.startswith("drop_height_m")]
+    assert row.endswith("above the floor at release.")
+    narrow = command("show", "ball", env={**env, "COLUMNS": "70"}).stdout
+    assert max(map(len, narrow.splitlines())) <= 70

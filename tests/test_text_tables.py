@@ -89,6 +89,13 @@ def test_a_cell_of_several_lines_keeps_them():
     assert list(lines(rows.table, 80))[2:] == ["ode     bounce", "0.16    0.8"]
 
 
+def test_a_value_and_its_uncertainty_stay_on_one_line():
+    rows = Rows("engine", *(f"quantity{i}" for i in range(4)))
+    rows.add_row("mujoco", *["(1.50 ± 0.43)·10⁻⁴"] * 4)
+    shown = "\n".join(lines(rows.table, 60))
+    assert shown.count("(1.50 ± 0.43)·10⁻⁴") == 4
+
+
 def test_sentences_are_wrapped_before_columns_are_parted():
     table = Table("", (Column("name", text=True), Column("what it is", text=True)),
                   (Group("", (("restitution", "how much of its speed " * 6),)),))  # fmt: skip

@@ -154,10 +154,10 @@ def test_completion_offers_variants_once_their_engine_is_typed():
 
 
 def test_the_commands_name_variants_where_they_name_engines(call):
-    _, out, _ = call("list")
+    _, out, _ = call("list", "-v")
     assert "mujoco:rk4" in out
-    _, out, _ = call("show", "ball")
-    assert "mujoco: can run it; variants: rk4, " in out
+    _, out, _ = call("show", "ball", "-v")
+    assert "Variants of mujoco: rk4, " in out
 
 
 def test_the_examination_tells_what_each_variant_is():

@@ -23,6 +23,8 @@ from simcompare.results.records.characterization import Characterization, Trial
 
 #: parts below this are rounding
 _ROUNDING = 5e-6
+#: decimals of a restitution that matter to anybody
+_PLACES = 5
 
 _HEADS = {
     "bounce": ("Restitution ± s", "Bounces down to (m/s)", "Hops on at (m/s)",
@@ -105,7 +107,7 @@ def _bounce(found: BounceBehaviour) -> Sequence[str]:
     if dies is not None and dies >= found.over_speed[-1].speed_m_s:
         slowest = "never"
     return (
-        numbers.with_u(row.mean, row.scatter, digits=4),
+        numbers.with_u(row.mean, row.scatter, digits=4, places=_PLACES),
         slowest,
         numbers.plain(found.hops_at_m_s, 1),
         _steps(found.too_large),

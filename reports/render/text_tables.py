@@ -10,8 +10,11 @@ from simcompare.reports.render.tables import Column, Group, Table, printable
 
 #: letters of a column of words that still reads well, of the narrowest one, and between columns
 _GOOD_WORDS, _MIN_WORDS, _GUTTER = 30, 13, 2
-#: where a cell may go on in the next line: at spaces, and in names such as ode:quickstep@1ms
-_SEAMS = re.compile(r"(\s+|(?<=[:@])(?=\w))")
+#: lines of a head where there is room
+_HEAD_LINES = 2
+#: where a cell may go on in the next line: at spaces, but not beside ±, and in names such as
+#: ode:quickstep@1ms
+_SEAMS = re.compile(r"((?<!±)\s+(?!±)|(?<=[:@])(?=\w))")
 
 
 def lines(table: Table, width: int) -> Iterator[str]:
@@ -81,11 +84,14 @@ def _squeezed(table: Table, width: int, *, hard: bool) -> list[int]:
         width: letters on a line.
         hard: whether at last words are broken, where nothing else helps.
     """
-    widths, words = _widths(table, str.splitlines), _widths(table, _SEAMS.split)
+    least, words = _widths(table, str.splitlines), _widths(table, _SEAMS.split)
+    heads = [_head_width(printable(column.full_head)) for column in table.columns]
+    widths = list(map(max, least, heads))
     every = list(enumerate(table.columns))
     prose = [i for i, column in every if column.text and not column.nowrap]
     ranges = [i for i, column in every if not column.text]
     names = [i for i, column in every if column.text and column.nowrap]
+    _squeeze(widths, range(len(widths)), least, width)
     _squeeze(widths, prose, [max(n, _GOOD_WORDS) for n in words], width)
     _squeeze(widths, prose, [max(n, _MIN_WORDS) for n in words], width)
     _squeeze(widths, ranges, words, width)
@@ -113,6 +119,13 @@ def _widths(table: Table, parted: Callable[[str], list[str]]) -> list[int]:
         longest = max(map(len, [*parts, *printable(column.full_head).split()]), default=1)
         widths.append(longest + (_indent(table) if i == 0 else 0))
     return widths
+
+
+def _head_width(head: str) -> int:
+    """Letters with which a head needs two lines at most."""
+    least = max(map(len, head.split()), default=1)
+    fits = (n for n in range(least, len(head)) if len(textwrap.wrap(head, n)) <= _HEAD_LINES)
+    return next(fits, max(least, len(head)))
 
 
 def _laid_out(table: Table, cells: Sequence[str], widths: Sequence[int]) -> Iterator[str]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from simcompare.cli import complete, console, ending, opening
+from simcompare.cli import complete, console, ending, manner, opening
 from simcompare.errors import UnknownName
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ def _show(result: Characterization, last_file: Path | None, *, details: bool) ->
     sentences = [one.text for one in result.sentences if one.leads]
     console.print_wrapped(map(numbers.tied, sentences))
     for name in result.experiments:
-        if details:
+        if details or manner.is_verbose():
             _show_table(result, name)
         console.print_wrapped(characterized_tables.reasons(result, name))
     ending.show_places(result.folder, last_file)

@@ -101,9 +101,11 @@ def print_wrapped(sentences: Iterable[str]) -> None:
         text = fault + cure
         for plain, unbroken in _UNBROKEN.items():
             text = text.replace(plain, unbroken)
+        further = " " * (len(text) - len(text.lstrip(" ")) + 2)
         for line in textwrap.wrap(
-            text, width(), subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
-        ):
+            text, width(), subsequent_indent=further, break_long_words=False,
+            break_on_hyphens=False,
+        ):  # fmt: skip
             typer.echo(line.replace(_TIED, " "))
         if command:  # on a line of its own, however long: it is there to be copied
             typer.echo(f"  {command}")

@@ -35,15 +35,16 @@ def list_(
         folder = registry.place(name)
         here = f"in {folder}" if folder else f"not here: simcompare data fetch {name}"
         scenarios = ", ".join(str(entry.get("scenario")) for entry in found.validation)
-        typer.echo(f"{name}: {found.title}")
-        typer.echo(f"  {found.text}")
-        typer.echo(f"  {found.citation}")
-        typer.echo(
-            f"  {found.licence}, {size:.2g} MB from github.com/{found.source.repository}"
-            f" at {found.source.commit[:12]}; {here}"
-        )
+        lines = [f"{name}: {found.title}"]
+        if manner.is_verbose():
+            lines += [f"  {found.text}", f"  {found.citation}"]
+        source = f"github.com/{found.source.repository} at {found.source.commit[:12]}"
+        lines.append(f"  {found.licence}, {size:.2g} MB from {source}; {here}")
         if scenarios:
-            typer.echo(f"  scenario: {scenarios} (simcompare validate SCENARIO --recording {name})")
+            command = f"simcompare validate SCENARIO --recording {name}"
+            lines.append(f"  scenario: {scenarios} ({command})")
+        console.print_wrapped(lines)
+    console.print_wrapped(["simcompare data list -v tells what each is, and whose it is."])
 
 
 @data.command("fetch")

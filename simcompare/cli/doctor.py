@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from simcompare.cli import console
+from simcompare.cli import console, manner
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from simcompare.engine.elsewhere import Elsewhere
+    from simcompare.running.doctor import Diagnosis
 
 
 def doctor(
@@ -19,12 +20,12 @@ def doctor(
 ) -> None:
     """Test every engine, and say what is missing."""
     from simcompare.engine import elsewhere
-    from simcompare.engine.helps import known
     from simcompare.model.plain import plain
     from simcompare.running import doctor as examination
     from simcompare.running.jobs import FAILED
 
-    diagnoses = examination.doctor()
+    with console.progress_bar("doctor") as progress:
+        diagnoses = examination.doctor(progress)
     not_here = elsewhere.others([diagnosis.engine for diagnosis in diagnoses])
     if as_json:
         console.print_json(
@@ -37,24 +38,54 @@ def doctor(
                 "engines_elsewhere": [engine.to_dict() for engine in not_here],
             }
         )  # fmt: skip
-    else:
+    elif manner.is_verbose():
         for diagnosis in diagnoses:
-            facts = diagnosis.facts
-            named = f"{diagnosis.engine} {facts.version}" if facts.version else diagnosis.engine
-            typer.echo(f"{named}: {diagnosis.message}")
-            if facts.features:
-                typer.echo(f"  can do: {', '.join(facts.features)}")
-            for limit in facts.known_limits:
-                typer.echo(f"  limit: {limit.text} [{limit.reference}]")
-            if facts.mapping:
-                typer.echo(f"  mapping: {facts.mapping}")
-            if facts.helps:
-                typer.echo(f"  helps: {known(facts.helps)}")
-            for one in facts.variants:
-                name = f"{diagnosis.engine}:{one.name}"
-                typer.echo(f"  variant {name}: {one.text} [{one.reference}]")
+            _show_all(diagnosis)
         _show_elsewhere(not_here)
+    else:
+        _show(diagnoses, not_here)
     raise typer.Exit(3 if any(diagnosis.status == FAILED for diagnosis in diagnoses) else 0)
+
+
+def _show(diagnoses: Sequence[Diagnosis], not_here: Sequence[Elsewhere]) -> None:
+    """One line for each engine, then what is wrong with some, and where to read more."""
+    from simcompare.running.jobs import OK
+
+    table = console.Rows("engine", "version", "state", "known limits", "variants")
+    for one in diagnoses:
+        counts = [str(len(found)) for found in (one.facts.known_limits, one.facts.variants)]
+        state = "works" if one.status == OK else one.status
+        table.add_row(one.engine, one.facts.version or "–", state, *counts)
+    console.show_table(table)
+    typer.echo()
+    console.print_wrapped(f"{one.engine}: {one.message}" for one in diagnoses if one.status != OK)
+    working = sum(one.status == OK for one in diagnoses)
+    console.print_wrapped(
+        [
+            f"{working} of {len(diagnoses)} engines work: each let a ball fall for 0.2 s.",
+            f"Not to be run here: {', '.join(engine.name for engine in not_here)}.",
+            "simcompare doctor -v tells what each engine can do, its known limits and variants,"
+            " and how scenes get to the others.",
+        ]
+    )
+
+
+def _show_all(diagnosis: Diagnosis) -> None:
+    """What an engine can do and what is known of it."""
+    from simcompare.engine.helps import known
+
+    facts = diagnosis.facts
+    named = f"{diagnosis.engine} {facts.version}" if facts.version else diagnosis.engine
+    lines = [f"{named}: {diagnosis.message}"]
+    lines += [f"can do: {', '.join(facts.features)}"] if facts.features else []
+    lines += [f"limit: {limit.text} [{limit.reference}]" for limit in facts.known_limits]
+    lines += [f"mapping: {facts.mapping}"] if facts.mapping else []
+    lines += [f"helps: {known(facts.helps)}"] if facts.helps else []
+    lines += [
+        f"variant {diagnosis.engine}:{one.name}: {one.text} [{one.reference}]"
+        for one in facts.variants
+    ]
+    console.print_wrapped(lines)
 
 
 def _show_elsewhere(engines: Sequence[Elsewhere]) -> None:
@@ -62,14 +93,14 @@ def _show_elsewhere(engines: Sequence[Elsewhere]) -> None:
     from simcompare.engine import elsewhere
 
     typer.echo("\nEngines that cannot run here")
-    typer.echo(elsewhere.UNTRIED)
+    console.print_wrapped([elsewhere.UNTRIED])
     for engine in engines:
         typer.echo(f"{engine.name} ({engine.title})")
-        typer.echo(f"  why: {engine.why} [{engine.why_reference}]")
+        console.print_wrapped([f"  why: {engine.why} [{engine.why_reference}]"])
         for line in engine.lines():
             typer.echo(f"  {line}")
     typer.echo("For all of these:")
     for sentence, commands in elsewhere.BACK:
-        typer.echo(f"  {sentence}")
+        console.print_wrapped([f"  {sentence}"])
         for command in commands:
             typer.echo(f"    {command}")

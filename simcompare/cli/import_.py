@@ -81,10 +81,10 @@ def _print(recording: Recording) -> None:
             start = ["", "", ""]
     console.show_table(table)
     if recording.events:
-        typer.echo(f"{len(recording.events)} events: " + _times(recording))
+        console.print_wrapped([f"{len(recording.events)} events: {_times(recording)}"])
     for row in about.conversions:
         if not row.channel:
-            typer.echo(f"left out: {row.raw}: {row.reason}")
+            console.print_wrapped([f"left out: {row.raw}: {row.reason}"])
     _print_repairs(about)
 
 
@@ -100,4 +100,5 @@ def _print_repairs(about: Provenance) -> None:
         rows = ", ".join(f"{a}" if a == b else f"{a}-{b}" for a, b in repair.rows[:_SHOWN])
         more = " …" if len(repair.rows) > _SHOWN else ""
         place = f" [rows {rows}{more}]" if rows else ""
-        typer.echo(f"{repair.severity}: {where + ': ' if where else ''}{repair.text}{place}")
+        text = f"{repair.severity}: {where + ': ' if where else ''}{repair.text}{place}"
+        console.print_wrapped([text])

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import typer
 
-from simcompare.cli import complete, console
+from simcompare.cli import complete, console, manner
 
 
 def list_(
@@ -28,17 +30,31 @@ def list_(
             }
         )
         return
-    typer.echo("Scenarios (simcompare show NAME):")
-    width = max((len(name) for name, _ in scenarios), default=0)
+    _show(scenarios, names, not_here, measurements)
+
+
+def _show(
+    scenarios: Sequence[tuple[str, str]],
+    names: Sequence[str],
+    not_here: Sequence[str],
+    measurements: Sequence[str],
+) -> None:
+    from simcompare.engine import engines
+
+    typer.echo("Scenarios (simcompare show NAME tells more)")
+    table = console.Rows("name", "question" if manner.is_verbose() else "title")
     for name, text in scenarios:
-        typer.echo(f"  {name:<{width}} {text}")
-    typer.echo("Engines (simcompare doctor):")
-    typer.echo(f"  {', '.join(names)}")
-    for name in names:
-        if variants := engines.quick_variants(name):
-            typer.echo(f"  variants: {', '.join(f'{name}:{one}' for one in variants)}")
-    typer.echo("Engines that cannot run here (why, and what to do: simcompare doctor):")
-    typer.echo(f"  {', '.join(not_here)}")
-    typer.echo("Published measurements (simcompare run SCENARIO --against NAME):")
-    for name in measurements:
-        typer.echo(f"  {name}")
+        table.add_row(name, text if manner.is_verbose() else text.partition(":")[0])
+    console.show_table(table)
+    typer.echo()
+    lines = [
+        f"Engines: {', '.join(names)} (simcompare doctor tests them)",
+        f"Not to be run here: {', '.join(not_here)} (simcompare doctor -v tells why)",
+        f"Measurements for --against: {', '.join(measurements)}",
+    ]
+    if manner.is_verbose():
+        variants = [f"{name}:{one}" for name in names for one in engines.quick_variants(name)]
+        lines.append(f"Variants for --engine: {', '.join(variants)}")
+    else:
+        lines.append("simcompare list -v tells the questions, and variants of engines.")
+    console.print_wrapped(lines)

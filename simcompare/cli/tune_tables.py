@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import typer
 
 from simcompare import notation
-from simcompare.cli import console
+from simcompare.cli import console, manner
 from simcompare.engine.calibration.drops import slowest_m_s
 from simcompare.engine.calibration.springs import SCATTER
 from simcompare.model.settings import TUNED
@@ -25,6 +25,7 @@ _LEGEND = (
     "holds at: speeds, and steps at these speeds, with which the mean is near enough, the scatter"
     " small and the ball not half sunk; ≤, ≥: no end was found so far.",
 )
+_MORE = "--snippet prints the lines to copy, --engine NAME all speeds, -v all remarks."
 _LATE = ("late by: how much later the next impact comes than after a bounce that takes no time.",)
 
 
@@ -55,14 +56,19 @@ def show_snippets(rows: Sequence[TuneResult]) -> None:
 def _show_request(rows: Sequence[TuneResult]) -> None:
     console.print_wrapped([_headline(rows)])
     _show_table(rows)
-    console.print_wrapped(sentence for row in rows for sentence in _remarks(row))
+    told = [row for row in rows if len(rows) == 1 or manner.is_verbose() or _has_fault(row)]
+    console.print_wrapped(sentence for row in told for sentence in _remarks(row))
     notes = dict.fromkeys(note for row in rows for note in row.notes)
     console.print_wrapped(map(notation.sentence, notes))
     console.print_wrapped(_LEGEND)
     if len(rows) == 1:
         _show_alone(rows[0])
     else:
-        typer.echo("--snippet prints the lines to copy, --engine NAME all speeds.")
+        console.print_wrapped([_MORE])
+
+
+def _has_fault(row: TuneResult) -> bool:
+    return row.statement is None or bool(row.statement.fault)
 
 
 def _show_alone(row: TuneResult) -> None:

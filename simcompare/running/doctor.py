@@ -8,7 +8,7 @@ from simcompare.engine import engines
 from simcompare.model.scenes import scene
 from simcompare.model.settings import Settings
 from simcompare.running.jobs import FAILED, OK, Facts, Job, Outcome
-from simcompare.running.runner import run_jobs
+from simcompare.running.runner import Progress, run_jobs
 
 #: a sphere in free fall, without any contact
 _BALL = {
@@ -37,11 +37,16 @@ class Diagnosis:
     facts: Facts
 
 
-def doctor() -> list[Diagnosis]:
-    """Examines every known engine; each is imported and stepped in a process of its own."""
+def doctor(progress: Progress | None = None) -> list[Diagnosis]:
+    """Examines every known engine; each is imported and stepped in a process of its own.
+
+    Args:
+        progress: called as ``progress(engine, done, total)``.
+    """
     fall = scene("free_fall", {"ball": _BALL}, 0.2, 0.001)
     jobs = [Job(name, fall, Settings()) for name in engines.names()]
-    return [_diagnose(outcome) for outcome in run_jobs(jobs, time_limit_s=SELF_TEST_LIMIT_S)]
+    outcomes = run_jobs(jobs, time_limit_s=SELF_TEST_LIMIT_S, progress=progress)
+    return [_diagnose(outcome) for outcome in outcomes]
 
 
 def _diagnose(outcome: Outcome) -> Diagnosis:

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from simcompare import units
+from simcompare import measures, units
 from simcompare.arguments import checked
 from simcompare.engine import engines
 from simcompare.engine.features import Feature, needs
 from simcompare.errors import SimcompareError
-from simcompare.model.scenario import Joint, Sensor, Tolerance, World
+from simcompare.model.scenario import Joint, Scenario, Sensor, Tolerance, World
 from simcompare.reports.render import numbers
 from simcompare.reports.render.glance import Glance
 from simcompare.reports.render.shown import Shown
@@ -55,6 +55,7 @@ class ScenarioFacts(Shown):
         variants: engine -> its variants.
         truth: where the truth comes from.
         tolerances: measured value -> tolerance.
+        units: measured value -> unit, of those with a tolerance.
     """
 
     name: str
@@ -74,6 +75,7 @@ class ScenarioFacts(Shown):
     variants: Mapping[str, list[str]]
     truth: str
     tolerances: Mapping[str, Tolerance]
+    units: Mapping[str, str]
 
     def __repr__(self) -> str:
         rows = (f"  {name} = {_number(p.value)} {_unit(p)}" for name, p in self.parameters.items())
@@ -150,7 +152,18 @@ def show(scenario: str | Path) -> ScenarioFacts:
         if catalogue.reference_of(file.path)
         else "none: engines are compared with each other only",
         tolerances=scene.tolerances,
+        units=_measured_units(scene),
     )
+
+
+def _measured_units(scene: Scenario) -> dict[str, str]:
+    """Unit of everything with a tolerance."""
+    of_all = {
+        measure.name_of(name): units.symbol(unit)
+        for measure in scene.measures
+        for name, unit in measures.units_of(measure, scene).items()
+    }
+    return {name: of_all[name] for name in scene.tolerances if name in of_all}
 
 
 def _number(value: float) -> str:

@@ -220,8 +220,8 @@ def _table(
         value, score = done[key].get(one.own, "np.nan"), one.score
         row = (
             f"{one.name} [{score.unit}]",
-            notation.number(score.truth),
-            notation.number(score.value, score.scatter),
+            _number(score.truth),
+            _number(score.value, score.scatter),
         )
         rows.append((one.name, value, row))
     wide, narrow = (max((len(row[i]) for *_, row in rows), default=0) for i in (0, 1))
@@ -239,3 +239,8 @@ def _table(
         else:
             lines.append(line)
     return [*measuring.prints, *lines]
+
+
+def _number(value: float | None, u: float | None = None) -> str:
+    """A number as the script itself prints its own."""
+    return notation.number(value, u).replace("−", "-")
