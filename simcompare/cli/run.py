@@ -98,14 +98,18 @@ def _plain(result: Run) -> Plain:
 def _show(result: Run, page: Path | None, *, details: bool) -> None:
     """The answer, the leading measure level by level, and what its words mean."""
     from simcompare import glossary
-    from simcompare.reports.run import lead_table, short
+    from simcompare.reports.run import lead_table, runs, short
 
     console.print_wrapped(short.short(result))
     tables = lead_table.lead_tables(result, every=details or manner.is_verbose())
     for table in tables:
         typer.echo("\n".join(["", *lead_table.text(table, console.table_width())]))
+    against = runs.run_record(result).against
+    if against is not None:
+        _show_against(against)
     typer.echo()
-    console.print_wrapped(glossary.legend(lead_table.legend_words(tables)))
+    words = lead_table.legend_words(tables)
+    console.print_wrapped(glossary.legend([*words, "E_n"] if against else words))
     _show_not_run(result)
     _show_limits(result)
     if manner.is_verbose():
@@ -143,29 +147,20 @@ def _show_all(result: Run) -> None:
 
 
 def _show_limits(result: Run) -> None:
-    """What was held against, and what lies outside of a fit's range."""
+    """What the reader must know of the levels, and what lies outside of a fit's range."""
     from simcompare.reports.run import runs
 
     record = runs.run_record(result)
     if record.assist == "none":
         typer.echo("--assist none: assisted has none of our helps, so it is the same as tuned.")
-    if record.against is not None:
-        _show_against(record.against)
     console.print_wrapped(f"Caution: {caution}" for caution in record.cautions)
-
-
-def _measured(match: Match) -> str:
-    if match.low is not None:
-        return f"{match.low:.5g} to {match.high:.5g}"
-    return notation.number(match.measured, match.u_measured)
 
 
 def _show_against(against: Measurement) -> None:
     head = against.head
-    typer.echo(f"Against {head.get('title', against.file)}")
-    typer.echo(f"  {head.get('citation', 'no citation given')}")
-    if against.caution:
-        typer.echo(f"  {against.caution}")
+    typer.echo(f"\nAgainst {head.get('title', against.file)}")
+    said = (head.get("citation", "no citation given"), against.caution)
+    console.print_wrapped(f"  {text}" for text in said if text)
     table = console.Rows("engine", "contact", "quantity", "simulated", "measured", "E_n", "inside")
     for match in against.matches:
         inside = {True: "yes", False: "no", None: "no uncertainty is known"}[match.inside]
@@ -173,9 +168,21 @@ def _show_against(against: Measurement) -> None:
             match.source,
             match.contact,
             f"{match.quantity} {match.bounce} [{match.unit}]",
-            notation.number(match.value, match.scatter),
+            notation.number(match.value, match.scatter, _places(match)),
             _measured(match),
-            "–" if match.e_n is None else f"{match.e_n:+.2f}".replace("-0.00", "+0.00"),
+            "–" if match.e_n is None else notation.fixed(match.e_n, 2),
             inside,
         )
     console.show_table(table)
+
+
+def _places(match: Match) -> int | None:
+    """Decimals that the measurement is worth."""
+    band = (match.high or 0.0) - (match.low or 0.0)
+    return notation.places(match.u_measured or band / 10)
+
+
+def _measured(match: Match) -> str:
+    if match.low is not None:
+        return f"{match.low:.5g} to {match.high:.5g}"
+    return notation.number(match.measured, match.u_measured)
