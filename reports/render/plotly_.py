@@ -27,7 +27,7 @@ from simcompare.reports.render.plotly_traces import (
 )
 
 #: space between panels, as part of the width
-_GAP, _SHARED_GAP = 0.12, 0.03
+_GAP, _SHARED_GAP = 0.12, 0.05
 #: height of the legend above the panels, as part of a plot of usual height
 _LEGEND_UP = 0.13
 #: numbers along the x axes of all panels together

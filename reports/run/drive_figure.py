@@ -12,7 +12,7 @@ from simcompare.model.trajectory import Array, Trajectory
 from simcompare.notation import capital
 from simcompare.reports.render import numbers
 from simcompare.reports.render.figures import MAX_PANELS, Figure, Panel, Series
-from simcompare.reports.render.styles import numbered_style
+from simcompare.reports.render.styles import Style, numbered_style
 from simcompare.reports.run import runs
 from simcompare.reports.run.listing import grouped, joined
 from simcompare.reports.run.motion_figures import TIME
@@ -23,7 +23,7 @@ _VOLTAGE = "voltage_V"
 _EFFORTS = ("torque_N_m", "force_N")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Drive:
     """What actuators do that all do the same.
 
@@ -78,15 +78,15 @@ def drive_figure(run: Run) -> Figure | None:
     if not every or source is None:
         return None
     by_quantity = grouped((drive.quantity, drive) for drive in every)
-    panels = [_panel(source.time_s, drawn) for drawn in by_quantity.values()]
+    styles = {drive: numbered_style(i) for i, drive in enumerate(every)}
+    panels = [_panel(source.time_s, drawn, styles) for drawn in by_quantity.values()]
     caption = f"Recorded in {source.source}, {runs.mode_words(source.contact)}."
     return Figure("drive", "What drove it", caption, tuple(panels[:MAX_PANELS]))
 
 
-def _panel(time_s: Array, drawn: list[Drive]) -> Panel:
+def _panel(time_s: Array, drawn: list[Drive], styles: Mapping[Drive, Style]) -> Panel:
     series = [
-        Series(capital(joined(drive.names)), time_s, drive.values, numbered_style(i))
-        for i, drive in enumerate(drawn)
+        Series(capital(joined(drive.names)), time_s, drive.values, styles[drive]) for drive in drawn
     ]
     first = drawn[0]
     return Panel(first.what, TIME, f"{first.what}{runs.unit_words(first.unit)}", tuple(series))

@@ -33,7 +33,8 @@ def curves(run: Run) -> Part | None:
     ]
     for axis in axes:
         figures += curve_figures.deviations_figures(run, axis)
-    words = "; ".join(figure.title for figure in figures)
+    more = f"; and {len(figures) - _OPEN} more" if len(figures) > _OPEN else ""
+    words = "; ".join(figure.title for figure in figures[:_OPEN]) + more
     return _folded("Further curves", "curves", tuple(figures), words) if figures else None
 
 

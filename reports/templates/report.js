@@ -27,7 +27,7 @@
     } else if (axis.type === "log") {
       if (width < 300) Object.assign(axis, { dtick: 1 });
     } else {
-      axis.nticks = Math.max(3, Math.min(axis.nticks, Math.floor(width / 60)));
+      axis.nticks = Math.max(3, Math.min(axis.nticks, Math.floor(width / 70)));
       while (axis.dtick && axis.range[1] / axis.dtick > width / 32) axis.dtick *= 2;
     }
     return high + LINE * lines(axis.title.text);
@@ -37,7 +37,10 @@
     const axes = Object.keys(layout).filter((key) => /^xaxis\d*$/.test(key));
     const stacked = axes.length > 1 && wide < NARROW;
     if (wide < NARROW) Object.assign(layout.margin, { l: 44, r: 10 });
-    const inner = wide - layout.margin.l - layout.margin.r - 30;
+    // names beside the axes take what they need
+    const names = axes.flatMap((key) => layout[`yaxis${key.slice(5)}`].ticktext || []).flatMap((text) => text.split("<br>"));
+    const left = Math.max(layout.margin.l, 20 + LETTER * Math.max(0, ...names.map((name) => name.length)));
+    const inner = wide - left - layout.margin.r - 30;
     const below = [], heads = axes.map((key, i) => {
       const [low, high] = stacked ? [0, 1] : layout[key].domain;
       const width = (high - low) * inner;
