@@ -16,9 +16,10 @@ from simcompare.reports.render import matplotlib_, numbers, output, plotly_
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Block
 from simcompare.reports.render.styles import style_of
+from simcompare.reports.render.tables import printable
 from simcompare.reports.run import settings
 from simcompare.reports.sections import of_run
-from simcompare.results.records.run import RunRecord
+from simcompare.results.records.run import Record, RunRecord
 from simcompare.results.run import Run
 
 _TEMPLATES = Path(__file__).parent / "templates"
@@ -111,7 +112,7 @@ def _block(anchor: str, run: Run) -> Block:
     return Block(
         anchor,
         record.scenario,
-        f"{record.title} – {record.kind}",
+        _title(record),
         record.question,
         origin=", ".join(filter(None, (record.preset, against, record.created))),
         version=record.software.simcompare,
@@ -119,6 +120,18 @@ def _block(anchor: str, run: Run) -> Block:
         settings=settings.settings(run),
         made_with=settings.made_with(run),
     )
+
+
+def _title(record: Record) -> str:
+    """What kind of report it is, of what; of fits and validations with the recording."""
+    asked = getattr(record, "recording_asked", ())
+    names = [printable(Path(name).name) for name in ((asked,) if isinstance(asked, str) else asked)]
+    more = f" and {len(names) - 1} more" if len(names) > 1 else ""
+    if not names or not names[0]:
+        return f"{record.title} – {record.kind}"
+    if record.kind == "fit":
+        return f"Fit of {record.title} to {names[0]}{more}"
+    return f"{record.title} against {names[0]}{more} – {record.kind}"
 
 
 @functools.cache

@@ -5,6 +5,7 @@ import math
 import re
 import warnings
 from dataclasses import replace
+from html import unescape
 
 import numpy as np
 import pytest
@@ -122,7 +123,8 @@ def series(panel, label):
 
 
 def without_scripts(html):
-    return re.sub(r"<script.*?</script>", "", html, flags=re.DOTALL).replace("\u00a0", " ")
+    own = re.sub(r"<script.*?</script>", "", html, flags=re.DOTALL).replace("\u00a0", " ")
+    return unescape(own)
 
 
 # structure
@@ -158,7 +160,7 @@ def test_every_figure_has_a_title_and_a_caption_and_is_drawn_by_both(any_run):
 
 def test_markdown_has_every_table(any_run, tmp_path):
     text = builder.write_markdown([any_run], tmp_path / "r.md").read_text(encoding="utf-8")
-    assert text.startswith("# Bouncing ball")
+    assert text.startswith("# Fit of Bouncing ball to ")
     for head in ("Restitution of each engine", "Closed forms", "Combinations of unknowns", "Drops"):
         assert f"### {head}" in text
 

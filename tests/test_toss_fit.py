@@ -9,7 +9,7 @@ import pytest
 from pydantic import TypeAdapter
 
 import simcompare
-from simcompare.cli import toss_tables
+from simcompare.cli import console
 from simcompare.engine import engines
 from simcompare.errors import InputError, SimcompareError
 from simcompare.fitting.tosses import engines as toss_engines
@@ -21,10 +21,10 @@ from simcompare.model.fittable import Grid
 from simcompare.model.plain import plain
 from simcompare.model.settings import TUNED, Settings
 from simcompare.reports import builder
+from simcompare.reports.fit import tosses
 from simcompare.reports.fit.tosses import sentences
 from simcompare.results import contact_values, fit_file, store
 from simcompare.results.records.fit_tosses import TossFit
-from simcompare.results.run import Run
 from simcompare.running.jobs import FAILED, UNSUPPORTED, Job
 from simcompare.running.runner import run_jobs
 from simcompare.scenarios import catalogue
@@ -364,15 +364,16 @@ WITNESS = {"name": "both", "scale": 0.98, "u": 0.004, "text": ""}
 @pytest.mark.parametrize(
     ("changes", "text"),
     [
-        ({}, "dart needs friction 0.2 (95 %: 0.18 to 0.22)"),
-        ({}, "missed by 12.0 (11.0 to 13.0) % of the width"),
+        ({}, "dart lands the tosses best with friction 0.2 (95 %: 0.18 to 0.22)."),
+        ({"parameter": {"interval95": [0.2, 0.2]}}, "friction 0.2 (95 %: 0.2)."),
+        ({}, "In 2 tosses that were not fitted, dart is off by 12.0 (11.0 to 13.0) % of the cube"),
         ({}, "hold with all our helps, at a step of 0.5 ms"),
         ({"contact": TUNED, "assist": "none"}, "hold for a plain loop with a step of 0.5 ms"),
-        ({"witnesses": [WITNESS]}, "--fix scale=0.9800 puts them right"),
+        ({"witnesses": [WITNESS]}, "--fix scale=0.9800 corrects them"),
         ({"witnesses": [WITNESS], "scale": 0.98}, "All lengths were divided by 0.98"),
         ({"witnesses": [{**WITNESS, "u": 0.02}]}, "as they should be"),
-        ({"parameter": {"at_bound": True, "open": True}}, "ended at an end of its range (dart)"),
-        ({"parameter": {"open": True}}, "hardly tell the friction (dart)"),
+        ({"parameter": {"at_bound": True, "open": True}}, "In dart the friction ended at its"),
+        ({"parameter": {"open": True}}, "In dart the tosses hardly tell the friction"),
     ],
 )
 def test_the_answer_says_what_must_be_known(changes, text):
@@ -380,9 +381,8 @@ def test_the_answer_says_what_must_be_known(changes, text):
 
 
 def test_the_terminal_shows_every_engine(capsys):
-    found = record()
-    toss_tables.show(Run(None, ()), found, None)
+    console.show_table(tosses.engines(record()))
     out = capsys.readouterr().out
     assert "dart 1" in out
-    assert "12.00 (11.00" in out
+    assert "12.0 (11.0 to 13.0)" in out
     assert TUNED not in out

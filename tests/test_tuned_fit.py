@@ -9,6 +9,7 @@ import pytest
 import simcompare
 from simcompare.engine.calibration.drops import even_phases
 from simcompare.errors import InputError
+from simcompare.reports.fit import summary_tables
 from simcompare.results import fit_file
 from simcompare.results.contact_values import contact_values
 from tests.bare_drops import COEFFICIENT_ENGINES, MujocoDrops
@@ -40,7 +41,9 @@ def test_a_fit_is_for_a_plain_loop_unless_help_is_asked_for(found):
         assert source.status == "ok"
         assert source.contact == "tuned"
         assert source.step_s == STEP_S
-    assert record.sentences[0].startswith("Type these into a loop with a step of 1 ms: ")
+    table = summary_tables.given(found)
+    assert table.columns[1].head == "Type in (step 1 ms)"
+    assert {row[0] for row in table.groups[0].rows} == set(sources(found))
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -311,9 +311,10 @@ def test_the_command_prints_parameters_and_what_was_held_out(swings, tmp_path, c
     words = ["fit", "pendulum", "-r", recording, "--map", str(plan), "--engine", "mujoco"]
     code, out, err = call(*words, "-o", tmp_path / "runs")
     assert code == 0, err
-    assert "length_m" in out
-    assert "held out: d" in out
-    assert "E_n mujoco" in out
+    assert "length (m)" in out
+    assert "Kept back to test the fit: d." in out
+    assert "In 1 segment that was not fitted, the engines are off by" in out
+    assert "Segment" not in out
     (written,) = (tmp_path / "runs").glob("*/fit.json")
     assert json.loads(written.read_text())["by"] == "waveform"
     page = written.with_name("report.html").read_text(encoding="utf-8")

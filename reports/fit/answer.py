@@ -89,10 +89,13 @@ def _shown(fit: BouncesFit) -> list[str]:
     shown = {s.name: s.effective["restitution"].value for s in fit.sources if s.effective}
     words = []
     if len(shown) > 1:
+        names = list(shown)
         ends = [end(shown, key=lambda name: shown[name]) for end in (min, max)]
         low, high = (f"{shown[name]:.4f} ({name})" for name in ends)
         same = f"{shown[ends[0]]:.4f}" == f"{shown[ends[1]]:.4f}"
-        values = f"{shown[ends[0]]:.4f} in all {len(shown)} engines" if same else f"{low} to {high}"
+        values = (
+            f"{shown[ends[0]]:.4f} in {phrases.whose(names, names)}" if same else f"{low} to {high}"
+        )
         words.append(f"Over all impacts, the engines' mean restitution is {values}.")
     if fit.is_tuned and shown and fits.law_of(fit) != "constant":
         worst = max((row.deviation for s in fit.sources for row in s.impacts), key=abs)

@@ -76,9 +76,9 @@ def failed(run: Run) -> list[BouncesEngine | WaveEngine]:
     return [row for row in record(run).sources if not row.parameters]
 
 
-def of_95(row: WaveParameter, name: str) -> str:
+def of_95(row: WaveParameter, name: str = "") -> str:
     """A parameter of signals with its unit and half of its 95 % interval."""
-    after = "" if unit(name) == "1" else f" {unit(name)}"
+    after = "" if not name or unit(name) == "1" else f" {unit(name)}"
     return f"{numbers.with_u(row.value, (row.high - row.low) / 2)}{after}"
 
 

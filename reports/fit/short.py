@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from simcompare.notation import capital
 from simcompare.reports.fit import fits
@@ -19,7 +20,6 @@ from simcompare.results.run import Run
 
 #: parameters that are told at the top; the table has all
 _PARAMETERS = 2
-_IN_95 = "± is 95 %"
 
 
 def short(run: Run) -> tuple[str, ...]:
@@ -28,6 +28,12 @@ def short(run: Run) -> tuple[str, ...]:
     if isinstance(found, BouncesFit):
         return _of_bounces(found)
     return _of_signals(found) if isinstance(found, WaveformFit) else _of_tosses(found)
+
+
+def others(run: Run, sentences: Sequence[str]) -> list[str]:
+    """The sentences that the short answer does not hold already."""
+    said = short(run)
+    return [sentence for sentence in sentences if sentence not in said]
 
 
 def key_numbers(run: Run) -> tuple[KeyNumber, ...]:
@@ -43,6 +49,23 @@ def key_numbers(run: Run) -> tuple[KeyNumber, ...]:
 def able(sources: Sequence[EngineRow]) -> list[str]:
     """Names of the engines that were fitted."""
     return [source.name for source in sources if source.status == "ok"]
+
+
+def key_number(label: str, words: str, unit: str) -> KeyNumber:
+    """A number with its interval below it.
+
+    Args:
+        label: what it is.
+        words: such as ``0.774 ± 0.003``, ``(1.5 ± 0.4)·10⁻⁴`` or ``0.77 (0.76 to 0.80)``.
+        unit: of it, "1" for none.
+    """
+    after = "" if unit == "1" else f" {unit}"
+    inner, _, power = words[1:].partition(")") if words.startswith("(") else (words, "", "")
+    value, found, half = inner.partition(" ± ")
+    if found:
+        return KeyNumber(label, f"{value}{power}{after}", f"± {half}{power} (95 %)")
+    value, found, ends = inner.partition(" (")
+    return KeyNumber(label, f"{value}{after}", f"{ends.rstrip(')')} (95 %)" if found else "95 %")
 
 
 def engines_words(sources: Sequence[EngineRow]) -> str:
@@ -79,7 +102,7 @@ def _numbers_of_bounces(found: BouncesFit) -> tuple[KeyNumber, ...]:
     closed = found.closed_form.parameters
     shown = [(RESTITUTION, closed.get(RESTITUTION))]
     shown += [(name, row) for name, row in closed.items() if name.startswith("drop_height_m")][:1]
-    known = [KeyNumber(fits.title(name), fits.with_95(row, name), _IN_95)
+    known = [key_number(fits.title(name), fits.with_95(row), fits.unit(name))
              for name, row in shown if row is not None]  # fmt: skip
     return (*known, _used(found), _fitted(found.sources))
 
@@ -123,11 +146,10 @@ def _of_signals(found: WaveformFit) -> tuple[str, ...]:
 def _numbers_of_signals(run: Run, found: WaveformFit) -> tuple[KeyNumber, ...]:
     closed = list(found.closed_form.parameters.items())
     more = len(closed) - _PARAMETERS
-    rows = [KeyNumber(phrases.parameter(name), fits.of_95(row, name), _IN_95)
+    rows = [key_number(phrases.parameter(name), fits.of_95(row), fits.unit(name))
             for name, row in closed[:_PARAMETERS]]  # fmt: skip
-    if more > 0 and rows:
-        last = rows[-1]
-        rows[-1] = KeyNumber(last.label, last.value, f"{_IN_95}; {more} more below")
+    if more > 0:
+        rows[-1] = replace(rows[-1], note=f"{rows[-1].note}, {more} more below")
     probe = found.probes[0]
     unit = runs.probes(run)[probe].unit
     off = phrases.human(found.closed_form.rms, unit)

@@ -32,7 +32,7 @@ def answer(run: Run) -> Part:
     part = part_of(
         "Answer", "answer", [first, measured_figures.simulated_figure(run)],
         [table(run), measured_tables.left_out(run), fitted_tables.failed(run)],
-        answer=fits.bounces(run).sentences,
+        answer=short.others(run, fits.bounces(run).sentences),
     )  # fmt: skip
     folded = Part("The other drops", figures=drops, folded=True)
     return replace(part, short=short.short(run), key_numbers=short.key_numbers(run),

@@ -13,7 +13,7 @@ def answer(run: Run) -> Part:
     """What was found, errors of every toss that was predicted, and the table of engines."""
     found = tosses.found_of(run)
     tables = [tosses.engines(found), tosses.failed(found)]
-    sentences = (*found.told, *found.sentences)
+    sentences = short.others(run, (*found.told, *found.sentences))
     part = part_of("Answer", "answer", [tosses.holdout_figure(found)], tables, answer=sentences)
     return replace(part, short=short.short(run), key_numbers=short.key_numbers(run))
 

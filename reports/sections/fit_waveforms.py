@@ -16,7 +16,7 @@ def answer(run: Run) -> Part:
     part = part_of(
         "Answer", "answer", waveforms.measured_figures(run),
         [waveforms.parameters(run), fitted_tables.failed(run)],
-        answer=(*record.chosen_words, *record.sentences),
+        answer=short.others(run, (*record.chosen_words, *record.sentences)),
     )  # fmt: skip
     return replace(part, short=short.short(run), key_numbers=short.key_numbers(run))
 

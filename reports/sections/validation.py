@@ -33,13 +33,14 @@ def answer(run: Run) -> Part:
         for probe in validations.judged_probes(run)
         for figure in waveforms.overlay_figures(run, probe)
     ]
-    sentences = [*validation.sentences]
+    said = short.short(validation)
+    sentences = [sentence for sentence in validation.sentences if sentence not in said]
     if missing := sorted({row.name for row in not_run(run)}):
         sentences.append(f"Did not run: {', '.join(missing)}; the reasons are below.")
     tables = [real_tables.waveforms(run)] if validation.waveforms else []
     figures = figures or [figure for figure in [events.figure(run)] if figure is not None]
     part = part_of("Answer", "answer", figures[:_OPEN], tables, answer=sentences)
-    return replace(part, short=short.short(validation), key_numbers=short.key_numbers(validation),
+    return replace(part, short=said, key_numbers=short.key_numbers(validation),
                    parts=_others(figures[_OPEN:]))  # fmt: skip
 
 

@@ -50,6 +50,16 @@ def sentences(validation: Validation) -> list[str]:
     ]
 
 
+def remarks(validation: Validation) -> list[str]:
+    """What must be known besides of the recording, and what to do next.
+
+    Args:
+        validation: the record of the validation.
+    """
+    return [*_clocks(validation), *_cut(validation), *_log(validation),
+            *answer_basis.advice(validation)]  # fmt: skip
+
+
 def _clocks(validation: Validation) -> Iterator[str]:
     """Whether the clocks could be aligned in more than one way."""
     pairs = zip(validation.cases, validation.alignments, strict=False)

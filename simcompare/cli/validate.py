@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from simcompare.cli import complete, console, ending, opening, writing
+from simcompare.cli import complete, console, ending, manner, opening, writing
 from simcompare.errors import InputError
 
 if TYPE_CHECKING:
@@ -100,31 +100,44 @@ def _template(scenario: str, recording: str | None, mapping: Path | None, out: P
 
 
 def _print(result: Run, page: Path | None) -> None:
+    from simcompare import glossary
+    from simcompare.reports.validation import answer, short, summary_table, validations
+
+    validation = validations.validation(result)
+    console.print_wrapped(map(_printable, short.short(validation)))
+    _show(summary_table.summary(validation))
+    typer.echo()
+    console.print_wrapped(glossary.legend(summary_table.words(validation)))
+    for source in result.record.sources:
+        if source.status != "ok":
+            console.print_wrapped([_printable(f"{source.name}, {source.contact}: {source.reason}")])
+    told = validation.sentences if manner.is_verbose() else answer.remarks(validation)
+    said = short.short(validation)
+    console.print_wrapped(_printable(text) for text in told if text not in said)
+    if manner.is_verbose():
+        _show_all(result)
+    ending.show_end(result, page)
+
+
+def _show_all(result: Run) -> None:
+    """The tables that only few want, and where the recording comes from."""
     from simcompare.reports.validation import events, parameter_tables, tables, validations
 
     validation = validations.validation(result)
-    for key in ("title", "citation"):
-        if validation.about.get(key):
-            _say(validation.about[key])
     _show(parameter_tables.parameters(result, chosen=True))
     if validation.waveforms:
         _show(tables.waveforms(result))
     _show(events.summary(result))
     _show(tables.values(result))
-    for source in result.record.sources:
-        if source.status != "ok":
-            _say(f"{source.name}, {source.contact}: {source.reason}")
-    typer.echo("")
-    for sentence in validation.sentences:
-        _say(sentence)
-    ending.show_end(result, page)
+    about = [validation.about[key] for key in ("title", "citation") if validation.about.get(key)]
+    console.print_wrapped(map(_printable, about))
 
 
-def _say(text: str) -> None:
+def _printable(text: str) -> str:
     """Text that may hold names from files, which must not steer the terminal."""
     from simcompare.reports.render.tables import printable
 
-    typer.echo(printable(text))
+    return printable(text)
 
 
 def _show(table: Table | None) -> None:
