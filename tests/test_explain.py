@@ -71,6 +71,8 @@ def test_names_of_other_things_lead_there():
         simcompare.explain("ball")
     with pytest.raises(InputError, match="is an engine; simcompare doctor"):
         simcompare.explain("mujoco")
+    with pytest.raises(InputError, match="is measured by barometer; simcompare show barometer"):
+        simcompare.explain("pressure error")
     with pytest.raises(UnknownName, match="did you mean tuned"):
         simcompare.explain("tunned")
 

@@ -108,7 +108,7 @@ def explain(word: str | None = None, *, language: str | None = None) -> Explanat
 
     Raises:
         UnknownName: no such word, but some are spelt alike.
-        InputError: no word is spelt alike, or it names a scenario or an engine.
+        InputError: no word is spelt alike, or it names a scenario, an engine or a measure.
     """
     chosen = language or language_of(os.environ)
     if word is None:
@@ -127,11 +127,15 @@ def language_of(environment: Mapping[str, str]) -> str:
 
 
 def _refuse_names(word: str) -> None:
-    """Names of scenarios and engines are told elsewhere."""
+    """Names of scenarios, engines and what single scenarios measure are told elsewhere."""
     if word in catalogue.names():
         raise InputError("explain", [f"{word!r} is a scenario; simcompare show {word}"])
     if word in engines.names():
         raise InputError("explain", [f"{word!r} is an engine; simcompare doctor"])
+    measure = word.replace(" ", "_").replace("-", "_").lower()
+    for name in catalogue.names():
+        if measure in catalogue.load(name).resolve().tolerances:
+            raise InputError("explain", [f"{word!r} is measured by {name}; simcompare show {name}"])
 
 
 def _titled(term: Term) -> str:
