@@ -53,9 +53,9 @@ def test_what_is_the_same_at_every_step_is_told_once_and_what_is_shown_is_not_ju
     assert answer.sentences(run) == [
         "By default restitution (mean over all events of a repeat) at steps of 1 and 2 ms, where"
         " the closed form gives 0.8:",
-        "north: 0.000 ± 0.001 at every step",
+        "north: 0 ± 0.001 at every step",
         "south: 0.100 to 0.200, 0.500 ± 0.001",
-        "west: 0.000 ± 0.001, –",
+        "west: 0 ± 0.001, –",
     ]
 
 

@@ -121,7 +121,7 @@ def test_values_of_some_repeats_are_told_as_such():
     run = changed(run, "west", low=0.0, high=0.018)
     assert answer.sentences(run) == [
         "By default the ball stays on the floor in north: no restitution is set; the restitution"
-        " differs from repeat to repeat, 0.010 to 0.170 in south (measured in 2 of 3), 0.000 to"
+        " differs from repeat to repeat, 0.010 to 0.170 in south (measured in 2 of 3), 0 to"
         " 0.018 in west."
     ]
 

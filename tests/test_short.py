@@ -99,7 +99,7 @@ def test_other_measures_that_fail_are_said_where_the_leading_one_passes():
 def test_repeats_that_differ_are_told_by_their_ends():
     run = changed(answered(level("default", a=0.0, b=0.0, c=0.0)), "c", value=None, low=0.0,
                   high=0.17)  # fmt: skip
-    assert "now and then in c (0.000 to 0.170)" in short(run)[0]
+    assert "varying in c (0 to 0.170)" in short(run)[0]
 
 
 def test_what_most_engines_lack_is_said():

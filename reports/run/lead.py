@@ -23,6 +23,8 @@ _MORE = 2
 _NO_ERROR = 1e-3
 #: part of the largest value below which another is no more than rounding
 _ROUNDING = 1e-9
+#: part of the tolerance below which nobody looks
+_FAR_BELOW = 1e-6
 #: what rounding leaves of a part of a tolerance
 _EQUAL = 1e-9
 
@@ -90,6 +92,11 @@ class Lead:
         """No value at all, with its unit."""
         return f"0{self.after}"
 
+    def clean(self, value: float) -> float:
+        """A value, 0 where it is no more than rounding beside others or far below the tolerance."""
+        least = max(_ROUNDING * self.size, _FAR_BELOW * (self.width or 0.0))
+        return 0.0 if abs(value) < least else value
+
     def off(self, value: float, width: float | None = None) -> float:
         """How far a value is from the truth, in tolerances."""
         accepted = width or self.width
@@ -140,7 +147,7 @@ class Lead:
     def _range(self, pairs: Sequence[tuple[float, float | None]], more: int) -> str:
         """Values with their scatters, from the lowest to the highest; the same digits once."""
         after = self.after
-        pairs = [(0.0 if abs(v) < _ROUNDING * self.size else v, u) for v, u in pairs]
+        pairs = [(self.clean(value), u) for value, u in pairs]
         (low, u), (high, _) = min(pairs, key=lambda p: p[0]), max(pairs, key=lambda p: p[0])
         if self.places(high) is None:
             if low == high:
@@ -160,7 +167,8 @@ class Lead:
         return f"{' to '.join(ends)}{after} (± {largest}{after}{at_most})"
 
     def _digits(self, value: float, more: int) -> str:
-        return notation.fixed(value, (self.places(value) or 0) + more)
+        text = notation.fixed(value, (self.places(value) or 0) + more)
+        return text if text.strip("0.") else "0"
 
     def places(self, value: float) -> int | None:
         """Decimals that the tolerance leaves, ``None`` where a power of ten reads better."""

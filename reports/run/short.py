@@ -190,5 +190,5 @@ def _other(lead: Lead, kind: str, rows: Sequence[Row], who: str, *, values: bool
         return f"not measurable in {who}"
     ends = [end for row in rows for end in row.ends or () if kind == MIXED]
     told = lead.range_of(rows) if kind == OUTSIDE else lead.span(ends)
-    text = "off" if kind == OUTSIDE else "now and then"
+    text = "off" if kind == OUTSIDE else "varying"
     return f"{text} in {who} ({told})" if values else f"{text} in {who}"
