@@ -218,11 +218,10 @@ def lead_as(run: Run, measure: str) -> Lead:
 
 
 def _lead(run: Run, measure: str, answer: Answer | None) -> Lead:
-    every = [s for s in run.record.scores if s.measure == measure]
-    scores = [s for s in every if s.index is None]
+    scores = [score for score in run.record.whole.values() if score.measure == measure]
     known = next((score for score in scores if score.truth is not None), scores[0])
     widths = sorted({w for score in scores if (w := width_of(run, score)) is not None})
-    least, of_events = min(widths, default=None), len(scores) < len(every)
+    least, of_events = min(widths, default=None), measure in run.record.in_events
     size = max((abs(value) for s in scores for value in (s.value, s.truth) if value), default=0.0)
     decimals = notation.places(
         least, (value for s in scores for value in (s.value, s.truth, s.low, s.high))

@@ -129,17 +129,12 @@ def observed(trajectory: Trajectory | None, probe: Probe) -> Array | None:
 
 def score_of(run: Run, source: str, contact: str, measure: str) -> Score | None:
     """The score of a whole run of one source."""
-    for score in run.record.scores:
-        if (score.source, score.contact, score.measure, score.index) == (
-            source, contact, measure, None,
-        ):  # fmt: skip
-            return score
-    return None
+    return run.record.whole.get((source, contact, measure))
 
 
 def measures(run: Run) -> list[str]:
     """Everything that was measured once a run: what has a tolerance first."""
-    return toleranced_first(run, (s.measure for s in run.record.scores if s.index is None))
+    return toleranced_first(run, (score.measure for score in run.record.whole.values()))
 
 
 def toleranced_first(run: Run, measures: Iterable[str]) -> list[str]:
@@ -167,11 +162,8 @@ def tolerances(run: Run, source: str) -> Mapping[str, Tolerance]:
 
 def judged(run: Run) -> list[str]:
     """What has a truth and a tolerance, in the order in which the scenario measures it."""
-    with_truth = {
-        score.measure
-        for score in run.record.scores
-        if score.index is None and score.truth is not None
-    }
+    scores = run.record.whole.values()
+    with_truth = {score.measure for score in scores if score.truth is not None}
     tolerances = run.record.tolerances
     return [name for name in measures(run) if name in with_truth and name in tolerances]
 

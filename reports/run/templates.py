@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from simcompare.model.answer import VALUE, placeholders
+from simcompare.reports.run import runs
 from simcompare.reports.run.lead import NOTHING, OUTSIDE, UNJUDGED, UNMEASURED, Lead, lead_as
 from simcompare.reports.run.lead_rows import Group, rows_of
 from simcompare.results.run import Run
@@ -25,7 +26,7 @@ def template_of(lead: Lead, kind: str) -> str:
 def filled(run: Run, lead: Lead, mode: str, template: str, group: Group) -> str:
     """A template with the values of some engines that agree."""
     values = {VALUE: lead.range_of(group.rows)}
-    measured = {score.measure for score in run.record.scores if score.index is None}
+    measured = set(runs.measures(run))
     for name in placeholders(template):
         if name != VALUE:
             values[name] = _other(run, name, mode, group) if name in measured else "–"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
@@ -221,6 +222,17 @@ class Record:
     judge: tuple[str, ...] | None = None
     command: tuple[str, ...] | None = None
     interrupted: bool = False
+
+    @cached_property
+    def whole(self) -> Mapping[tuple[str, str, str], Score]:
+        """Scores of whole runs: (source, contact level, measure) -> score."""
+        found = (score for score in self.scores if score.index is None)
+        return {(score.source, score.contact, score.measure): score for score in found}
+
+    @cached_property
+    def in_events(self) -> frozenset[str]:
+        """What is measured at each event, or at several instants."""
+        return frozenset(score.measure for score in self.scores if score.index is not None)
 
 
 @dataclass(frozen=True, kw_only=True)
