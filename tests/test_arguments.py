@@ -107,6 +107,13 @@ def test_a_scenario_is_a_path_too():
     assert simcompare.show(place).name == "ball"
 
 
+def test_one_recording_needs_no_list():
+    table = Path(__file__).parent.parent / "examples" / "my_ball.csv"
+    fit = simcompare.fit("ball", recordings=table, engine="pymunk")
+    assert fit.record.recording_asked == (str(table),)
+    assert fit.record.command[-2:] == ("--recording", str(table))
+
+
 def test_numbers_of_numpy_are_numbers():
     run = simcompare.run(
         "ball", engine="pymunk", contact="default", seeds=np.int64(1), step=np.float64(0.001),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 from simcompare.arguments import checked
 from simcompare.errors import InputError
@@ -13,7 +14,7 @@ from simcompare.model.scenario import Scenario
 
 @checked
 def export(
-    scenario: str | Scenario,
+    scenario: str | Path | Scenario,
     *,
     format: str = "urdf",
     set: Mapping[str, str | float] | None = None,
@@ -47,6 +48,7 @@ def export(
             also a script that reads long inputs from a file beside it
             (:func:`simcompare.exporters.scripts.write.script` gives both).
     """
+    scenario = str(scenario) if isinstance(scenario, Path) else scenario
     if format != SCRIPT:
         options = {"engine": engine, "step": step, "contact": contact}
         given = [name for name, value in options.items() if value is not None]

@@ -67,11 +67,11 @@ MEASURED = "measured"
 def fit(
     scenario: str | Path = "ball",
     *,
-    recordings: Sequence[str | Path],
-    hold_out: Sequence[str | Path] = (),
+    recordings: str | Path | Sequence[str | Path],
+    hold_out: str | Path | Sequence[str | Path] = (),
     engine: str | Sequence[str] = "all",
     model: str = "auto",
-    unknowns: Sequence[str] = (),
+    unknowns: str | Sequence[str] = (),
     fixed: Mapping[str, str | float] | None = None,
     priors: Mapping[str, tuple[float, float]] | None = None,
     u_time_s: float | None = None,
@@ -94,7 +94,8 @@ def fit(
 
     Args:
         scenario: name, folder or file of a scenario that says under ``fit:`` how it is fitted.
-        recordings: logs, stored recordings, public data sets or bounce tables that are fitted.
+        recordings: log, stored recording, public data set or bounce table that is fitted; a list
+            of several.
         hold_out: the same, which are not fitted but predicted.
         engine: ``"all"``, names with commas or a list of names.
         model: closed form, or "auto": the one with the least AICc.
@@ -121,6 +122,8 @@ def fit(
         InputError: every fault of the request or of a recording.
     """
     scenario, engine = str(scenario), engines.listed(engine)
+    recordings, hold_out = _listed(recordings), _listed(hold_out)
+    unknowns = levels.names(unknowns)
     options = FitRequest(
         scenario=scenario, recordings=tuple(recordings), hold_out=tuple(hold_out), engine=engine,
         model=model, unknowns=tuple(unknowns), fixed=fixed, priors=priors, u_time_s=u_time_s,
@@ -188,6 +191,10 @@ def fit(
     return _saved(
         _gather(file, answer.worded(finite(found_fit)), found, about, scene, recorded), out
     )
+
+
+def _listed(recordings: str | Path | Sequence[str | Path]) -> Sequence[str | Path]:
+    return [recordings] if isinstance(recordings, str | Path) else recordings
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
@@ -58,7 +59,8 @@ def report(
     loaded = [one if isinstance(one, Run) else store.load(Path(one)) for one in listed]
     written = _written(loaded, format, _place(loaded[0], format) if out is None else Path(out))
     if open:
-        webbrowser.open(written.resolve().as_uri())
+        with contextlib.suppress(webbrowser.Error):  # where there is none the file is told
+            webbrowser.open(written.resolve().as_uri())
     return written
 
 

@@ -29,6 +29,7 @@ from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.validation import records
 from simcompare.validation.records import Compared
+from simcompare.verbs import levels
 from simcompare.verbs.notebook_line import with_line
 from simcompare.verbs.request import ValidateRequest
 from simcompare.verbs.result import Result
@@ -47,7 +48,7 @@ def validate(
     contact: str = ASSISTED,
     mapping: str | Path | None = None,
     set: Mapping[str, str | float] | None = None,
-    streams: Sequence[str] = (),
+    streams: str | Sequence[str] = (),
     step: str | float | None = None,
     strict: bool = False,
     out: str | Path | None = None,
@@ -83,7 +84,7 @@ def validate(
         SimcompareError: faults of the arguments, of a file or of the plan.
     """
     scenario, engine = str(scenario), engines.listed(engine)
-    recording = str(recording)
+    recording, streams = str(recording), levels.names(streams)
     if contact not in CONTACT_LEVELS:
         raise UnknownName("contact level", contact, CONTACT_LEVELS)
     chosen = engines.select(engine)
