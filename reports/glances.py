@@ -15,6 +15,8 @@ from simcompare.reports.run import lead_table, runs, settings
 from simcompare.reports.run.listing import grouped, joined
 from simcompare.reports.run.not_run import not_run
 from simcompare.reports.sections import of_run
+from simcompare.reports.sections.measurement import measurement
+from simcompare.results.records.run import RunRecord
 from simcompare.results.run import Run
 
 _MORE = "More: .table(), .plot(), .scores, .samples(engine, level), .report()"
@@ -38,7 +40,11 @@ def glance_of(run: Run) -> Glance:
 
 
 def _notes(run: Run) -> Iterator[str]:
-    """What did not run, at which levels if not at all of them, and why."""
+    """How it stands against a measurement, and what did not run, where and why."""
+    if isinstance(run.record, RunRecord):
+        against = measurement(run)
+        yield from () if against is None else (*against.answer, *against.notices)
+        yield from (f"Caution: {caution}" for caution in run.record.cautions)
     every = [runs.mode_words(mode) for mode in runs.modes(run)]
     rows = [(row.name, row.modes, row.reason) for row in not_run(run)]
     for (modes, reason), names in grouped(((m, why), name) for name, m, why in rows).items():

@@ -57,6 +57,17 @@ def test_what_did_not_run_says_why(run):
     assert "did not run: pymunk is not installed" in missing._repr_html_()
 
 
+def test_what_a_run_was_held_against_and_its_cautions_are_told():
+    run = simcompare.run(
+        "ball", preset="table_tennis", against="jena_2021_table_tennis", engine="pymunk", seeds=1
+    )
+    run = records.changed(run, cautions=("the fit is of another ball",))
+    assert "measurement" in repr(run)
+    assert "takes its value from this same table" in run._repr_html_()
+    assert "Caution: the fit is of another ball" in repr(run)
+    assert isinstance(run.plot("measured-restitution"), Figure)
+
+
 def test_the_table_has_a_row_for_each_engine_and_a_column_for_each_level(run):
     table = run.table()
     assert [*table.index] == ["pymunk", "closed form"]
