@@ -13,10 +13,12 @@ import pytest
 
 import simcompare
 from simcompare.errors import InputError, UnknownName
+from simcompare.model.plain import plain
 from simcompare.reports.compare import tables, words
 from simcompare.reports.compare.compared import compared
 from simcompare.reports.compare.figure import figure
 from simcompare.reports.render.text_tables import lines
+from tests import validations
 from tests.records import changed
 
 TITLE = "Restitution, mean over all events of a repeat and 3 repeats"
@@ -126,8 +128,13 @@ def test_a_changed_file_of_the_scenario_is_told(sweep):
 def test_one_run_and_other_kinds_are_refused(sweep):
     with pytest.raises(InputError, match="name at least two"):
         compared(sweep[:1])
-    with pytest.raises(InputError, match="found 1 of kind run and 1 of kind fit"):
+    with pytest.raises(InputError) as stop:
         compared([sweep[0], changed(sweep[1], kind="fit")])
+    fit = sweep[1].folder
+    assert str(stop.value) == (
+        f"compare: {fit.name} is a fit; expected runs;"
+        f" for one page of all: simcompare report {fit} -o comparison.html"
+    )
 
 
 def test_runs_without_a_measure_in_common_are_refused(sweep):
@@ -154,12 +161,20 @@ def test_runs_in_which_no_engine_ran_are_left_out_and_named(sweep):
 def test_what_is_no_run_in_a_folder_is_left_out_and_named(sweep, tmp_path):
     for run in sweep:
         shutil.copytree(run.folder, tmp_path / run.folder.name)
-    fit = tmp_path / "a-fit" / "run.json"
-    fit.parent.mkdir()
-    fit.write_text("{", encoding="utf-8")
+    damaged = tmp_path / "broken" / "run.json"
+    damaged.parent.mkdir()
+    damaged.write_text("{", encoding="utf-8")
+    run = json.loads((sweep[0].folder / "run.json").read_text(encoding="utf-8"))
+    more = {"kind": "validation", "validation": plain(validations.record())}
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        text = json.dumps({**run, **more, "recording_asked": "swings"})
+        (tmp_path / name / "run.json").write_text(text, encoding="utf-8")
     found = simcompare.compare(tmp_path).compared
     assert len(found.runs) == 3
-    assert words.notes(found)[0].startswith("Left out: a-fit is damaged: cannot be read")
+    damage, others = words.notes(found)
+    assert damage.startswith("Left out: broken is damaged: cannot be read")
+    assert others == f"Left out: 2 validations in {tmp_path}."
 
 
 def test_of_different_scenarios_only_what_both_measure_is_compared(sweep):

@@ -116,12 +116,15 @@ def compared(given: Sequence[Run], left_out: Sequence[str] = ()) -> Compared:
 
 
 def _check_kinds(given: Sequence[Run]) -> None:
-    kinds = grouped((run.record.kind, run) for run in given)
-    if set(kinds) - {"run"}:
-        found = " and ".join(f"{len(some)} of kind {kind}" for kind, some in kinds.items())
-        raise InputError(
-            "compare", [f"only runs can be compared, not fits and validations; found {found}"]
-        )
+    """Fits and validations have other numbers than scores, and some are of a recording alone."""
+    others = [run for run in given if run.record.kind != "run"]
+    if not others:
+        return
+    faults = [f"{_name(run)} is a {run.record.kind}; expected runs" for run in others]
+    if all(run.folder is not None for run in others):
+        places = " ".join(shlex.quote(str(run.folder)) for run in others)
+        faults[-1] += f"; for one page of all: simcompare report {places} -o comparison.html"
+    raise InputError("compare", faults)
 
 
 def _too_few(useful: Sequence[Run]) -> str:

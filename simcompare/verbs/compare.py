@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,8 +12,9 @@ from simcompare.arguments import checked
 from simcompare.reports.compare import page, rows, tables, words
 from simcompare.reports.compare.compared import Compared, compared
 from simcompare.reports.compare.figure import figure
-from simcompare.reports.render import frames, glance, matplotlib_, output
+from simcompare.reports.render import frames, matplotlib_, output
 from simcompare.reports.render.glance import Glance
+from simcompare.reports.render.shown import Shown
 from simcompare.results import store, stored_runs
 from simcompare.results.run import Run
 
@@ -27,7 +29,7 @@ _MORE = "More: .table(measure), .plot(measure), .scores, .to_csv(path), .report(
 
 
 @dataclass(frozen=True, repr=False)
-class Comparison:
+class Comparison(Shown):
     """Runs beside each other.
 
     A notebook shows one table and one figure of what differs. Besides::
@@ -114,12 +116,6 @@ class Comparison:
             more=_MORE,
         )
 
-    def __repr__(self) -> str:
-        return glance.text(self._glance())
-
-    def _repr_html_(self) -> str:
-        return glance.html(self._glance())
-
 
 @checked
 def compare(runs: Source | Sequence[Source], measure: str | None = None) -> Comparison:
@@ -166,7 +162,8 @@ def _read(source: Source) -> Iterator[Run | str]:
     for one in reversed(inside):
         if one.record is None:
             yield f"{one.folder.name} is damaged: {one.fault}."
-        elif one.record.kind != "run":
-            yield f"{one.folder.name} is a {one.record.kind}."
-        else:
+        elif one.record.kind == "run":
             yield Run(one.record, (), one.folder)
+    kinds = Counter(one.record.kind for one in inside if one.record and one.record.kind != "run")
+    for kind, count in kinds.items():
+        yield f"{count} {kind}{'s' * (count > 1)} in {place}."
