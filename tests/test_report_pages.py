@@ -106,6 +106,16 @@ def test_the_verdict_of_a_number_is_a_sign_and_not_a_colour_alone():
     assert html.count("✗") == 1
 
 
+def test_markdown_begins_with_the_same_and_leaves_out_what_few_want(tmp_path):
+    text = builder.write_markdown([make_run()], tmp_path / "r.md").read_text(encoding="utf-8")
+    answer = builder.blocks_of([make_run()])[0].parts[0]
+    places = [
+        text.index(word) for word in ("# A toy", answer.short[0], "- assisted: **", "| engine")
+    ]
+    assert places == sorted(places)
+    assert "## What each engine was given" not in text
+
+
 # how it was made
 
 

@@ -73,7 +73,7 @@
     box.dataset.size = size;
     const { data, layout } = JSON.parse(box.querySelector("script").textContent);
     // rows of names need their height; curves need less of it where there is little room
-    const part = paper || (wide < NARROW && !layout.yaxis.ticktext) ? 0.75 : 1;
+    const part = paper ? 0.65 : wide < NARROW && !layout.yaxis.ticktext ? 0.75 : 1;
     const height = place(layout, PLOT * Number(box.dataset.height) * part, wide);
     [...data, ...layout.shapes].forEach((one) => { if (one.showlegend) one.name = folded(one.name, wide - 130); });
     const heads = layout.margin.t;
@@ -111,7 +111,7 @@
   // size of the letters of a table on paper [px]; one that is too wide for the page is made smaller
   const PRINTED = 10.7, tables = [...document.querySelectorAll(".wide table")];
   window.addEventListener("beforeprint", () => {
-    details.forEach((one) => { one.dataset.was = one.open; one.open = true; });
+    details.forEach((one) => { one.dataset.was = one.open; one.open = one.open || one.className !== "settings"; });
     boxes.forEach((box) => draw(box, true));
     tables.forEach((table) => {
       const wide = table.scrollWidth * PRINTED / parseFloat(getComputedStyle(table).fontSize);
