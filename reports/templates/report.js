@@ -86,7 +86,7 @@
     const legend = box.querySelector(".legend .bg");
     const fits = sized(legend ? Math.ceil(legend.getBBox().height) + 6 : 0);
     Plotly.relayout(box, fits);
-    box.style.height = `${fits.height}px`;
+    Object.assign(box.style, { height: `${fits.height}px`, minHeight: 0 });
   };
   const boxes = [...document.querySelectorAll(".plot")], details = [...document.querySelectorAll("details")];
   const shown = () => boxes.filter((box) => !box.closest("details:not([open])"));
