@@ -227,7 +227,7 @@ def test_frames_in_which_nothing_was_seen_are_told():
 
 def test_flights_too_short_for_the_camera_are_left_out_and_told():
     drop = filmed({**TRUTH, "restitution": 0.6}, seconds=4.0)
-    assert any("too short for the samples" in note for note in drop.notes)
+    assert any(one.reason == "flight too short" for one in drop.dropped)
     assert 2 <= len(drop.times_s) <= 5
 
 

@@ -380,7 +380,8 @@ def test_the_answer_says_what_must_be_known(changes, text):
     assert text in " ".join(sentences(record(**changes)))
 
 
-def test_the_terminal_shows_every_engine(capsys):
+def test_the_terminal_shows_every_engine(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "200")
     console.show_table(tosses.engines(record()))
     out = capsys.readouterr().out
     assert "dart 1" in out

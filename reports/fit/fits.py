@@ -12,7 +12,7 @@ from simcompare.reports.validation import phrases, validations
 from simcompare.results.records.fit import AnyFit, FitRecord
 from simcompare.results.records.fit_bounces import BouncesFit
 from simcompare.results.records.fit_engines import BouncesEngine, EffectiveValue
-from simcompare.results.records.fit_forms import Repeats, Unknown
+from simcompare.results.records.fit_forms import REFERENCE_M_S, Repeats, Unknown
 from simcompare.results.records.fit_parts import EngineParameter, Value
 from simcompare.results.records.fit_tosses import TossFit
 from simcompare.results.records.fit_waveforms import WaveEngine, WaveformFit, WaveParameter
@@ -93,6 +93,14 @@ def determined_words(run: Run) -> str:
     return "not all unknowns are determined" if weak else "all unknowns are determined"
 
 
+def titles(found: BouncesFit) -> dict[str, str]:
+    """Every unknown as people say it; a restitution with its speed where it depends on that."""
+    names = {name: title(name) for name in found.closed_form.parameters}
+    if law_of(found) != "constant" and RESTITUTION in names:
+        names[RESTITUTION] = f"{RESTITUTION} at {REFERENCE_M_S:g} m/s"
+    return names
+
+
 def restitution_words(found: BouncesFit) -> str:
     """The restitution, at the slowest and the fastest impact where it depends on the speed."""
     slow, fast = found.closed_form.restitution
@@ -103,7 +111,7 @@ def restitution_words(found: BouncesFit) -> str:
         return f"The restitution is {with_95(row)} (95 %)."
     at = [f"{numbers.with_u(one.value, 2 * one.u)} at {numbers.plain(one.speed_m_s, 2)} m/s"
           for one in (slow, fast)]  # fmt: skip
-    return f"The restitution depends on the speed: {' and '.join(at)} (± is 2 u)."
+    return f"The restitution depends on the speed: {' and '.join(at)} (± 2 u)."
 
 
 def other_form(run: Run) -> str:

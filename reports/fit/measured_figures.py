@@ -187,10 +187,9 @@ def simulated_figure(run: Run) -> Figure | None:
     panels = [Panel("whole drop", TIME, "height (m)", (*lines, *points))]
     if len(drop.times_s) > 3:
         panels.append(_last_flights(drop, (*lines, *points)))
-    caption = (
-        f"The engines' motion with the fitted numbers, beside {fits.drop_title(run, 1)}."
-        " Right: the last flights, where all errors have added up."
-    )
+    caption = f"The engines' motion with the fitted numbers, beside {fits.drop_title(run, 1)}."
+    if len(panels) > 1:
+        caption += " Right: the last flights, where all errors have added up."
     return Figure("simulated", "Simulated and measured", caption, tuple(panels))
 
 

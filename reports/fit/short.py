@@ -102,7 +102,7 @@ def _numbers_of_bounces(found: BouncesFit) -> tuple[KeyNumber, ...]:
     closed = found.closed_form.parameters
     shown = [(RESTITUTION, closed.get(RESTITUTION))]
     shown += [(name, row) for name, row in closed.items() if name.startswith("drop_height_m")][:1]
-    known = [key_number(fits.title(name), fits.with_95(row), fits.unit(name))
+    known = [key_number(fits.titles(found)[name], fits.with_95(row), fits.unit(name))
              for name, row in shown if row is not None]  # fmt: skip
     return (*known, _used(found), _fitted(found.sources))
 
@@ -153,7 +153,7 @@ def _numbers_of_signals(run: Run, found: WaveformFit) -> tuple[KeyNumber, ...]:
     probe = found.probes[0]
     unit = runs.probes(run)[probe].unit
     off = phrases.human(found.closed_form.rms, unit)
-    rows.append(KeyNumber("fit and recording differ by", off, "root mean square"))
+    rows.append(KeyNumber("fit and recording differ by", off, "RMS"))
     return (*rows, _fitted(found.sources))
 
 

@@ -32,7 +32,7 @@ def found(run: Run) -> Table | None:
 def _of_bounces(record: BouncesFit) -> list[tuple[str, ...]]:
     form = record.closed_form
     rows: list[tuple[str, ...]] = [
-        (fits.title(name), fits.with_95(row, name),
+        (fits.titles(record)[name], fits.with_95(row, name),
          "fitted, with a prior" if name in form.priors else "fitted")
         for name, row in form.parameters.items()
     ]  # fmt: skip

@@ -9,17 +9,21 @@ import numpy as np
 from simcompare import units
 from simcompare.engine.assist import ALL
 from simcompare.model.settings import TUNED
+from simcompare.model.trajectory import Array
 from simcompare.notation import number
 from simcompare.reports.fit import fits
 from simcompare.reports.render.figures import Figure, Panel, Series
-from simcompare.reports.render.styles import style_of
+from simcompare.reports.render.styles import Style, style_of
 from simcompare.reports.render.tables import Column, Group, Table
-from simcompare.reports.validation import phrases
+from simcompare.reports.validation import phrases, validations
 from simcompare.results.records.fit_tosses import TossErrors, TossFit, TossMean, TossSource
 from simcompare.results.run import Run
 
 #: standard uncertainties by which the scale must differ from 1 to be called wrong
 _COVERAGE = 2
+#: signal that is drawn of a toss, and how what was seen is drawn
+_PLACE = ".position_m"
+_SEEN = Style("#000000", width=1.0)
 
 
 def found_of(run: Run) -> TossFit:
@@ -179,6 +183,40 @@ def scales(found: TossFit) -> Table | None:
     columns = (Column("By", text=True), Column("Measured over true length"), Column("u"),
                Column("Where it comes from", text=True))  # fmt: skip
     return Table("Length scale of the recording", columns, (Group("", rows),)) if rows else None
+
+
+def measured_figure(run: Run) -> Figure | None:
+    """The first fitted toss as it was seen, with the engines over it."""
+    rows = [(one.source, one.trajectory) for one in run.trajectories]
+    if not rows or rows[0][0] != validations.MEASURED or len(rows) == 1:
+        return None
+    body = next(name for name in rows[0][1].signals if name.endswith(_PLACE))
+    shown = (("height of the centre", "height (mm)", _height),
+             ("way over the table", "way (mm)", _way))  # fmt: skip
+    panels = tuple(
+        Panel(title, "time (s)", label, tuple(
+            _curve(name, one.time_s, 1e3 * value(one.signals[body])) for name, one in rows
+        ))
+        for title, label, value in shown
+    )  # fmt: skip
+    toss = found_of(run).fitted[0]
+    caption = f"{toss}, one of the tosses that were fitted. Black: measured. Lines: the engines."
+    return Figure("measured", f"A measured toss: {toss}", caption, panels)
+
+
+def _height(position_m: Array) -> Array:
+    return position_m[:, 2]
+
+
+def _way(position_m: Array) -> Array:
+    moved = position_m - position_m[0]
+    return np.asarray(np.hypot(moved[:, 0], moved[:, 1]))
+
+
+def _curve(name: str, time_s: Array, values: Array) -> Series:
+    if name == validations.MEASURED:
+        return Series(name, time_s, values, _SEEN, points=True, line=False)
+    return Series(name, time_s, values, style_of(name))
 
 
 def holdout_figure(found: TossFit) -> Figure | None:

@@ -14,7 +14,8 @@ def answer(run: Run) -> Part:
     found = tosses.found_of(run)
     tables = [tosses.engines(found), tosses.failed(found)]
     sentences = short.others(run, (*found.told, *found.sentences))
-    part = part_of("Answer", "answer", [tosses.holdout_figure(found)], tables, answer=sentences)
+    figures = [tosses.measured_figure(run), tosses.holdout_figure(found)]
+    part = part_of("Answer", "answer", figures, tables, answer=sentences)
     return replace(part, short=short.short(run), key_numbers=short.key_numbers(run))
 
 

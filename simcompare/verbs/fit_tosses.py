@@ -16,6 +16,8 @@ from simcompare.fitting.tosses.engines import How, fit_engines
 from simcompare.fitting.tosses.replay import STEP_S, Replay
 from simcompare.fitting.tosses.roles import roles_of
 from simcompare.fitting.tosses.setup import prepare
+from simcompare.fitting.tosses.tosses import Toss
+from simcompare.model.trajectory import Trajectory
 from simcompare.reports.fit import tosses as words
 from simcompare.results import run_record
 from simcompare.results.fit_file import FITTED
@@ -28,6 +30,8 @@ from simcompare.verbs import levels
 from simcompare.verbs.request import FitRequest
 from simcompare.verbs.result import Result
 
+#: what the measured toss is stored under
+MEASURED = "measured"
 #: what ``--fix`` calls measured lengths over true ones
 SCALE = "scale"
 
@@ -91,7 +95,15 @@ def fit_tosses(
         recording_asked=tuple(map(str, request.recordings)), command=request.command(),
     )  # fmt: skip
     runs = [(one.engine, one.outcome.trajectory) for one in found]
-    return Result(record, tuple(Stored(name, FITTED, 0, run) for name, run in runs if run))
+    stored = [Stored(name, FITTED, 0, run) for name, run in runs if run]
+    return Result(record, (_measured(setup.fitted[0], roles.body), *stored))
+
+
+def _measured(toss: Toss, body: str) -> Stored:
+    """The first toss that was fitted, as it was seen."""
+    signals = {f"{body}.position_m": toss.position_m,
+               f"{body}.orientation_wxyz": toss.orientation_wxyz}  # fmt: skip
+    return Stored(MEASURED, "", 0, Trajectory(MEASURED, toss.time_s, signals))
 
 
 def given_of(file: ScenarioFile, request: FitRequest) -> Given:

@@ -72,7 +72,7 @@ def from_heights(
     noise = noise_of(height) if not np.isfinite(u).all() else float(np.median(u))
     cuts = kinks(time, height, noise, gravity_m_s2, source)
     flight = np.searchsorted(cuts, np.arange(len(time)), side="right")
-    flight, notes = long_enough(time, flight, source)
+    flight = long_enough(time, flight, source)
     kept = (flight >= 0) & ~_in_hand(time, height, flight == 0, noise, gravity_m_s2)
     drag = 1 / terminal_speed_m_s**2
     for _ in range(10):
@@ -82,9 +82,10 @@ def from_heights(
         flight = np.where(flight >= 0, np.searchsorted(_joins(arcs), time), -1)
         if np.array_equal(before[0], kept) and np.array_equal(before[1], flight):
             break
+    why |= {int(k): "flight too short" for k in np.flatnonzero(flight < 0)}
     dropped += [Rejected("sample", int(k) + 1, float(time[k]), why[k]) for k in sorted(why)]
     arcs = _fitted(time, height, u, np.where(kept, flight, -1), gravity_m_s2, drag)
-    joined = _impacts(time, height, u, np.where(kept, flight, -1), arcs, source, dropped, notes)
+    joined = _impacts(time, height, u, np.where(kept, flight, -1), arcs, source, dropped)
     return replace(joined, signal=Signal(HEIGHT, time, height))
 
 
@@ -96,7 +97,7 @@ def rejoined(impacts: Impacts, terminal_speed_m_s: float, gravity_m_s2: float) -
     arcs = _fitted(track.time_s, track.height_m, track.u_m, track.flight, gravity_m_s2, drag)
     return _impacts(
         track.time_s, track.height_m, track.u_m, track.flight, arcs, impacts.source,
-        list(impacts.dropped), impacts.notes,
+        list(impacts.dropped),
     )  # fmt: skip
 
 
@@ -188,7 +189,7 @@ def _joins(arcs: _Arcs) -> Array:
 
 def _impacts(
     time: Array, height: Array, u: Array, flight: NDArray[np.int64], arcs: _Arcs, source: str,
-    dropped: list[Rejected], notes: tuple[str, ...],
+    dropped: list[Rejected],
 ) -> Impacts:  # fmt: skip
     """Joins, their covariance, and apexes above the level at which the arcs meet."""
     used = flight >= 0
@@ -218,5 +219,5 @@ def _impacts(
         heights_m=arcs.apex_m - level,
         u_heights_m=np.sqrt(variance * arcs.unit_covariance[:, 1, 1]),
         height_numbers=tuple(range(flights)), track=track, covariance_s2=covariance,
-        dropped=tuple(dropped), notes=notes,
+        dropped=tuple(dropped),
     )  # fmt: skip

@@ -113,9 +113,7 @@ def _slopes(time: Array, values: Array, width: int) -> Array:
     return np.asarray(np.sum(t * y, axis=1) / np.sum(t * t, axis=1))
 
 
-def long_enough(
-    time: Array, flight: NDArray[np.intp], source: str
-) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+def long_enough(time: Array, flight: NDArray[np.intp], source: str) -> NDArray[np.int64]:
     """Flights up to the first one with too few samples; those after it are marked -1."""
     counts = np.bincount(flight)
     first = 0
@@ -135,10 +133,5 @@ def long_enough(
              " three for a restitution without a known drop height: film faster or drop from"
              " higher"],
         )  # fmt: skip
-    notes: tuple[str, ...] = ()
-    if last < len(counts):
-        at = float(time[np.flatnonzero(flight == last)[0]])
-        notes = (f"from {at:.3f} s on the flights are too short for the samples and were left"
-                 " out",)  # fmt: skip
     inside = (flight >= first) & (flight < last)
-    return np.where(inside, flight - first, -1), notes
+    return np.where(inside, flight - first, -1)

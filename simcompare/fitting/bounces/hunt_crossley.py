@@ -14,9 +14,10 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from simcompare.model.trajectory import Array
+from simcompare.results.records.fit_forms import REFERENCE_M_S
 
 #: speed at which the restitution of a law that depends on speed is stated [m/s]
-REFERENCE_SPEED = 4.0
+REFERENCE_SPEED = REFERENCE_M_S
 #: largest χ·v of the table of Hunt and Crossley's restitution
 _FASTEST = 12.0
 #: of √(2(x - ln(1 + x)))/x squared, near 0

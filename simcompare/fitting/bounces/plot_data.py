@@ -63,6 +63,8 @@ def heights(fit: Fit, number: int) -> tuple[Array, Array]:
     found = bounce_models.bounces(fit.problem.model, values, fit.problem.drops[number].count)
     release, last = float(values["release_time_s"]), float(found.apex_s[-1])
     end = release + (1 + float(values["clock_skew"])) * last
+    track = fit.problem.drops[number].track
+    end = end if track is None else max(end, float(track.time_s[-1]))
     times = np.union1d(np.linspace(release, end, _HEIGHTS), found.impact_s)
     flight = np.searchsorted(found.impact_s, times)
     return times, bounce_models.height_at(found, values, times, flight)

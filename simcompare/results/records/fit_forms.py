@@ -15,6 +15,9 @@ from simcompare.results.records.fit_parts import (
     Value,
 )
 
+#: speed of the impact to which a restitution belongs that depends on the speed [m/s]
+REFERENCE_M_S = 4.0
+
 
 @dataclass(frozen=True)
 class Prior:
