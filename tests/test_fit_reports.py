@@ -13,7 +13,14 @@ import pytest
 from simcompare.model.plain import of_plain, plain
 from simcompare.reports import builder
 from simcompare.reports.fit import figures as fitted_figures
-from simcompare.reports.fit import fits, measured_tables, more_figures, tables
+from simcompare.reports.fit import (
+    fits,
+    measured_figures,
+    measured_tables,
+    more_figures,
+    short,
+    tables,
+)
 from simcompare.reports.fit import tuned as fitted_tuned
 from simcompare.reports.render import matplotlib_, numbers, plotly_
 from simcompare.reports.render.figures import Figure, Matrix, Panel
@@ -161,6 +168,7 @@ def test_every_figure_has_a_title_and_a_caption_and_is_drawn_by_both(any_run):
 def test_markdown_has_every_table(any_run, tmp_path):
     text = builder.write_markdown([any_run], tmp_path / "r.md").read_text(encoding="utf-8")
     assert text.startswith("# Fit of Bouncing ball to ")
+    assert short.short(any_run)[0] in text
     for head in ("Restitution of each engine", "Closed forms", "Combinations of unknowns", "Drops"):
         assert f"### {head}" in text
 
@@ -193,6 +201,63 @@ def test_hostile_names_stay_text(heard, tmp_path):
     text = builder.write_markdown([evil], tmp_path / "r.md").read_text(encoding="utf-8")
     assert "\x1b" not in text
     assert "<script>" not in text.replace("\\<script\\>", "")
+
+
+# what was measured
+
+
+def test_the_report_begins_with_the_sound_and_its_impacts(heard):
+    first = next(iter(figures(heard).values()))
+    assert first.title == "What was measured: drop 1: first.wav"
+    (panel,) = first.panels
+    drop = heard.record.fit.measured[0]
+    assert series(panel, "impact").x == pytest.approx(drop.times_s)
+    assert [note.text for note in panel.notes] == [str(n) for n in drop.numbers]
+    loudness = series(panel, "sound")
+    assert np.abs(loudness.y).max() == pytest.approx(0.6, rel=0.2)
+    assert loudness.x[0] < drop.times_s[0] < drop.times_s[-1] < loudness.x[-1]
+
+
+def test_what_was_left_out_is_marked_with_its_reason_on_the_picture(heard):
+    first, *rest = heard.record.fit.measured
+    reasons = ("within a flight, 9.0 ms after impact 1 (3%)", "after the last bounce")
+    clicks = tuple(Rejected("impact", i + 6, 1.25 + i, text) for i, text in enumerate(reasons))
+    drop = replace(first, missed=(4,), dropped=clicks)
+    figure = measured_figures.measured_figures(changed(heard, measured=(drop, *rest)))[0]
+    (panel,) = figure.panels
+    assert series(panel, "left out: within a flight").x == [1.25]
+    assert series(panel, "left out: after the last bounce").x == [2.25]
+    assert series(panel, "not recorded").x == pytest.approx(first.times_s[3], abs=1e-3)
+    assert figure.caption == (
+        "The sound, and the impacts in it. 2 impacts were left out (orange). Impact 4 was not"
+        " recorded (blue)."
+    )
+
+
+def test_a_track_is_drawn_with_its_arcs(filmed):
+    first = next(iter(figures(filmed).values()))
+    (panel,) = first.panels
+    arcs, points = series(panel, "closed form"), series(panel, "measured")
+    assert np.interp(points.x, arcs.x, arcs.y) == pytest.approx(points.y, abs=0.02)
+
+
+def test_the_engines_move_over_what_was_measured(heard):
+    figure = measured_figures.simulated_figure(heard)
+    whole, last = figure.panels
+    for name in ENGINES.split(","):
+        line = series(whole, name)
+        lowest = [line.y[np.abs(line.x - time) < 0.004].min()
+                  for time in heard.record.fit.measured[0].times_s[:5]]  # fmt: skip
+        assert lowest == pytest.approx([0.0] * 5, abs=0.02)
+    assert last.x_range[0] > whole.series[0].x[0]
+
+
+def test_a_fit_that_was_stored_without_the_recording_still_has_a_figure(heard):
+    bare = replace(heard, trajectories=())
+    first = next(iter(figures(bare).values()))
+    assert series(first.panels[0], "measured impact").x == pytest.approx(
+        heard.record.fit.measured[0].times_s
+    )
 
 
 # plain loops

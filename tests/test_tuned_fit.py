@@ -104,7 +104,7 @@ def test_a_held_out_drop_is_judged_by_restitution_and_heights(found):
     assert spring.heights[0].predicted == pytest.approx(0.7 * E**2, rel=0.02)
     # lateness stands beside, without a score
     assert spring.late_s[0] > 2e-3
-    assert "not judged" in found.record.fit.holdout.text
+    assert "Rebound heights predicted within the uncertainty" in found.record.fit.holdout.text
 
 
 def test_a_ball_of_another_kind_is_told_apart(found, tmp_path):
@@ -200,7 +200,7 @@ def test_an_engine_that_cannot_is_a_row_with_its_longest_step(tmp_path, call):
         "-o", tmp_path / "runs",
     )  # fmt: skip
     assert code == 2
-    assert "the longest step below it that has one is" in out
+    assert "the longest step below it that has one is" in " ".join(out.split())
     assert "Traceback" not in err
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 from simcompare import units
 from simcompare.notation import capital, sentence
@@ -30,14 +31,15 @@ def worded(fit: WaveformFit, unit: str) -> WaveformFit:
 
 def _chosen(one: Chosen) -> str:
     """What of a recording is fitted and what is held out."""
+    name, other = Path(one.fitted).name, Path(one.held_out).name
     if not one.stated:
         count = phrases.counted(len(one.fitted_streams), "segment")
-        return f"Fitted: all of {one.fitted}, {count}. Nothing was kept back to test the fit."
+        return f"Fitted: all of {name}, {count}. Nothing was kept back to test the fit."
     streams = ", ".join(one.fitted_streams)
     held = ", ".join(one.held_out_streams) or "nothing"
     if one.held_out != one.fitted:
-        return f"Fitted: {one.fitted} ({streams}). Kept back to test it: {one.held_out} ({held})."
-    return f"Fitted: {streams} of {one.fitted}. Kept back to test the fit: {held}."
+        return f"Fitted: {name} ({streams}). Kept back to test it: {other} ({held})."
+    return f"Fitted: {streams} of {name}. Kept back to test the fit: {held}."
 
 
 def _unit(name: str) -> str:

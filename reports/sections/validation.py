@@ -14,6 +14,7 @@ from simcompare.reports.validation import (
     parameter_tables,
     phrases,
     short,
+    summary_table,
     validations,
     waveforms,
 )
@@ -37,7 +38,7 @@ def answer(run: Run) -> Part:
     sentences = [sentence for sentence in validation.sentences if sentence not in said]
     if missing := sorted({row.name for row in not_run(run)}):
         sentences.append(f"Did not run: {', '.join(missing)}; the reasons are below.")
-    tables = [real_tables.waveforms(run)] if validation.waveforms else []
+    tables = [summary_table.summary(validation)]
     figures = figures or [figure for figure in [events.figure(run)] if figure is not None]
     part = part_of("Answer", "answer", figures[:_OPEN], tables, answer=sentences)
     return replace(part, short=said, key_numbers=short.key_numbers(validation),
@@ -61,7 +62,8 @@ def gap(run: Run) -> Part | None:
 def residuals(run: Run) -> Part | None:
     """What is left over time: a figure for each judged probe."""
     figures = [waveforms.residual_figure(run, p) for p in validations.judged_probes(run)]
-    return part_of("What is left", "residuals", figures) if any(figures) else None
+    table = real_tables.waveforms(run)._replace(title="Every segment", folded=True)
+    return part_of("What is left", "residuals", figures, [table]) if any(figures) else None
 
 
 def timings(run: Run) -> Part | None:

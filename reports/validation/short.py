@@ -37,7 +37,7 @@ def _gap(validation: Validation) -> list[str]:
     rows = answer_gap.judged_rows(validation, probe)
     size = phrases.size_span([row.rmse for row in rows], rows[0].unit)
     label = phrases.label(validation, probe)
-    return [f"The simulated {label} is off by {size} (root mean square)."]
+    return [f"The simulated {label} is off by {size} (RMS)."]
 
 
 def _values(validation: Validation) -> list[str]:
@@ -61,11 +61,11 @@ def _gap_numbers(validation: Validation) -> list[KeyNumber]:
     engines = phrases.counted(len(phrases.engines_of(rows)), "engine")
     size = phrases.size_span([row.rmse for row in rows], rows[0].unit)
     label = phrases.first_up(phrases.label(validation, probe))
-    found = [KeyNumber(f"{label}: off by", size, f"root mean square, {engines}")]
+    found = [KeyNumber(f"{label}: off by", size, f"RMS, {engines}")]
     before = answer_gap.before_the_fit(validation, rows)
     if before:
         size = phrases.size_span([row.rmse for row in before], rows[0].unit)
-        found.append(KeyNumber("before the fit", size, "root mean square"))
+        found.append(KeyNumber("before the fit", size, "RMS"))
     return found
 
 
@@ -78,7 +78,7 @@ def _event_numbers(validation: Validation) -> list[KeyNumber]:
     apart = [row.rmse_s for row in rows if row.rmse_s is not None]
     found = [KeyNumber("events with a partner", count, f"in {worst.source}")]
     if apart:
-        found.append(KeyNumber("apart", phrases.size_span(apart, "s"), "root mean square"))
+        found.append(KeyNumber("apart", phrases.size_span(apart, "s"), "RMS"))
     return found
 
 

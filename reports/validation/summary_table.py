@@ -40,7 +40,7 @@ def summary(validation: Validation) -> Table | None:
         )
         cells = tuple(row[: len(columns)] for row in cells)
         groups.append(Group(phrases.first_up(phrases.label(validation, probe)), cells))
-    return Table("", tuple(columns), tuple(groups))
+    return Table("", tuple(columns), tuple(groups), engines=len(probes) <= _MANY)
 
 
 def _gap(validation: Validation, rows: Sequence[WaveformRecord]) -> list[str]:

@@ -11,7 +11,6 @@ import numpy as np
 from simcompare.model.trajectory import TRUTH, Array, Trajectory
 from simcompare.reports.render.figures import Band, Figure, Panel, Series, Span
 from simcompare.reports.render.styles import Style, style_of
-from simcompare.reports.render.tables import scale_of
 from simcompare.reports.run import runs
 from simcompare.reports.validation import validations
 from simcompare.reports.validation.cases import Case, case_of
@@ -58,18 +57,14 @@ def overlay(case: Case, more: str = "") -> Figure:
     spans = (*events, *([Span(*zoom, ZOOMED)] if zoom else []))
     panels = [
         *_input_panels(case),
-        Panel("output", TIME, _axis(case), _dotted(layers), spans=spans),
+        Panel("whole segment", TIME, _axis(case), _dotted(layers), spans=spans, weight=1.3),
     ]
     if zoom is not None:
         near = [cut for series in layers for cut in _cut(series, *zoom)]
-        scale = scale_of([zoom[1] - zoom[0]], 2)
         inside = tuple(one for one in events if zoom[0] <= one.low <= zoom[1])
         panels.append(
-            Panel(
-                f"{scale.text(zoom[0])} s to {scale.text(zoom[1])} s, largest gap",
-                TIME, _axis(case), _dotted(near), spans=inside, x_limits=zoom,
-            )
-        )  # fmt: skip
+            Panel("largest gap", TIME, _axis(case), _dotted(near), spans=inside, x_limits=zoom)
+        )
     title = case.titled(f"{case.label}: measured and simulated")
     name = f"overlay-{case.probe}-{case.number + 1}"
     return Figure(name, title, _overlay_caption(case) + more, tuple(panels))

@@ -1,0 +1,206 @@
+"""Words of fits and validations: one thing, several things, and ranges with equal ends."""
+
+from dataclasses import replace
+
+import pytest
+
+from simcompare.reports.fit import answer, fits, form_words, identifiability_words, short
+from simcompare.reports.fit.measured_figures import reason_of
+from simcompare.reports.validation import phrases
+from simcompare.results.records.fit_bounces import Drop, Rejected
+from simcompare.results.records.fit_forms import AtSpeed, Candidate, Choice, Form, Unknown
+from simcompare.results.records.fit_parts import Value
+from simcompare.statistics.identifiability import Direction, Identifiability
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "words"), [("0.61", "0.61", "0.61"), ("0.60", "0.61", "0.60 to 0.61")]
+)
+def test_a_range_with_equal_ends_is_one_number(low, high, words):
+    assert phrases.ends(low, high) == words
+
+
+def test_one_thing_and_several():
+    assert phrases.counted(1, "impact") == "1 impact"
+    assert phrases.counted(0, "impact") == "0 impacts"
+    assert phrases.counted(2, "toss", "tosses") == "2 tosses"
+
+
+@pytest.mark.parametrize(
+    ("names", "every", "words"),
+    [
+        (["north"], ["north"], "north"),
+        (["north", "south"], ["north", "south"], "both engines"),
+        (["a", "b", "c"], ["a", "b", "c"], "all 3 engines"),
+        (["a", "b"], ["a", "b", "c"], "a and b"),
+    ],
+)
+def test_engines_are_named_or_told_as_all(names, every, words):
+    assert phrases.whose(names, every) == words
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "words"),
+    [
+        (0.02, "rad", "1.15°"), (0.5, "rad/s", "28.6°/s"), (0.0034, "m", "3.4 mm"),
+        (2e-6, "s", "2 µs"), (0.25, "s", "250 ms"), (3.0, "m", "3 m"), (0.0, "m", "0 m"),
+        (0.02, "N*m", "20 mN·m"), (0.3, "1", "0.3"),
+    ],
+)  # fmt: skip
+def test_sizes_are_told_in_units_of_people(value, unit, words):
+    assert phrases.human(value, unit) == words
+
+
+def unknown(value, low, high, **more):
+    return Unknown(value=value, u=0.01, low=low, high=high, interval="normal", **more)
+
+
+@pytest.mark.parametrize(
+    ("row", "words"),
+    [
+        (unknown(0.774, 0.771, 0.777), "0.7740 ± 0.0030"),
+        (unknown(0.774, 0.76, 0.81), "0.774 (0.760 to 0.810)"),
+        (unknown(9.0, 7.0, None), "above 7"),
+        (unknown(None, 7.0, None), "not finite"),
+    ],
+)
+def test_a_value_has_its_95_percent(row, words):
+    assert fits.with_95(row) == words
+
+
+@pytest.mark.parametrize(
+    ("words", "value", "note"),
+    [
+        ("0.7740 ± 0.0030", "0.7740 m", "± 0.0030 (95 %)"),
+        ("(1.50 ± 0.43)·10⁻⁴", "1.50·10⁻⁴ m", "± 0.43·10⁻⁴ (95 %)"),
+        ("0.774 (0.760 to 0.810)", "0.774 m", "0.760 to 0.810 (95 %)"),
+        ("above 7", "above 7 m", "95 %"),
+    ],
+)
+def test_a_number_at_the_top_has_its_interval_below_it(words, value, note):
+    found = short.key_number("height", words, "m")
+    assert (found.value, found.note) == (value, note)
+
+
+def candidate(text, delta, e=0.61, **more):
+    known = {"law": "constant", "drag": False, "unknowns": 3.0, "chi2": 1.0, "aicc": None,
+             "bic": 6.0 + delta}  # fmt: skip
+    return Candidate(model=text, text=text, aic=6.0 + delta, delta=delta, weight=0.5,
+                     parameters={"restitution": Value(e, 0.01)}, **(known | more))  # fmt: skip
+
+
+def form(**more):
+    known = {
+        "model": "constant", "text": "constant", "parameters": {}, "covariance": (),
+        "correlation": (), "fixed": {}, "priors": {}, "pulls": {}, "chi2": 1.0, "dof": 3,
+        "s2": 1.0, "count": 7, "effective_unknowns": 3.0, "rms": {}, "at_bound": (),
+        "restitution": (AtSpeed(0.2, 0.61, 0.01), AtSpeed(3.0, 0.61, 0.01)),
+    }  # fmt: skip
+    return Form(**(known | more))
+
+
+def choice(*candidates):
+    return Choice(chosen="a", criterion="AIC", scatter=1.0, refused={}, candidates=candidates)
+
+
+def test_a_rival_with_the_same_restitution_is_told_with_one_number():
+    best, rival = candidate("plain", 0.0), candidate("falling", 2.0, law="power")
+    assert form_words.choice(choice(best, rival), form()) == (
+        "best model: plain (AIC 6.0, weight 50%)",
+        "this fits about as well: falling",
+        "the restitution is the same in all of them, 0.6100",
+    )
+    others = (candidate("falling", 2.0, 0.6, law="power"), candidate("third", 3.0, law="power"))
+    assert form_words.choice(choice(best, *others), form())[1:] == (
+        "these fit about as well: falling; third",
+        "their restitution is 0.6000 to 0.6100",
+    )
+
+
+def test_a_model_that_does_not_fit_is_told_with_its_error():
+    simple = replace(candidate("constant", 53.0, 0.6), model="constant")
+    told = form_words.choice(choice(candidate("drag", 0.0, drag=True), simple), form())
+    assert told[-1] == (
+        "a constant restitution without drag does not fit; it would give 0.6000, 1.6 % too low"
+    )
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"u_known": False}, "the recording states no uncertainty"),
+        ({"dof": 0}, "as many unknowns as measured numbers"),
+        ({"scattered": True, "s2": 4.0}, "the data scatter 2.0 times as much as stated"),
+        ({"parameters": {"exponent": unknown(0.1, None, None, open_low=True, open_high=True)}},
+         "the data do not tell the velocity exponent"),
+        ({"parameters": {"exponent": unknown(0.1, None, 0.2, open_low=True)}},
+         "the data give no lower limit of the velocity exponent"),
+    ],
+)  # fmt: skip
+def test_what_a_reader_must_know_of_a_form(more, words):
+    assert any(words in text for text in form_words.warnings(form(**more)))
+
+
+def drop(dropped=(), missed=()):
+    return Drop("sound", "a.wav", (1, 2), (0.1, 0.2), (None, None), (), (), (), 0, dropped, missed,
+                ())  # fmt: skip
+
+
+def test_what_was_left_out_of_a_drop():
+    one = Rejected("sample", 3, 0.1, "not released yet")
+    assert answer.dropped(drop((one,))) == ["sample 3 at 0.1000 s was left out: not released yet"]
+    two = (one, replace(one, number=4, time_s=0.2))
+    assert answer.dropped(drop(two)) == [
+        "2 samples from 0.1000 to 0.2000 s were left out: not released yet"
+    ]
+    assert answer.dropped(drop(missed=(4,))) == ["impact 4 was not recorded"]
+    assert answer.dropped(drop(missed=(4, 6))) == ["impacts 4 and 6 were not recorded"]
+
+
+def test_reasons_that_differ_in_their_numbers_alone_have_one_mark():
+    assert reason_of("12 mm off its flight") == reason_of("−7 mm off its flight")
+    assert reason_of("within a flight, 9.0 ms after impact 1 (3%)") == "within a flight"
+
+
+def known(correlation, weak=0.0):
+    """What drops tell of restitution and drop height; ``weak``: singular value of the second."""
+    moves = {"restitution": 0.01, "drop_height_m": -0.2}
+    rows = (Direction(1.0, {}, False), Direction(weak or 0.5, moves, bool(weak)))
+    return Identifiability(
+        names=("restitution", "drop_height_m"), singular_values=(1.0, weak or 0.5),
+        condition=1 / (weak or 0.5), u_data=(0.1, 0.1), u=(0.1, 0.1),
+        correlation=((1.0, correlation), (correlation, 1.0)), directions=rows,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("found", "words"),
+    [
+        (known(0.3), ("the data determine all unknowns",)),
+        (
+            known(-0.958),
+            (
+                "the data determine all unknowns",
+                "restitution and drop height go together (correlation −0.96): quote both",
+            ),
+        ),
+        (
+            known(0.3, 1e-3),
+            (
+                "a sound cannot separate drop height and restitution: give one of them with --fix"
+                " or --prior",
+                "the noise hides this change: restitution +0.01, drop height −0.2 m",
+            ),
+        ),
+        (
+            known(0.3, 1e-9),
+            (
+                "the data do not tell restitution and drop height apart",
+                "a sound cannot separate drop height and restitution: give one of them with --fix"
+                " or --prior",
+            ),
+        ),
+    ],
+)
+def test_what_the_data_tell(found, words):
+    assert identifiability_words.of_bounces(found, {}, filmed=False) == words
