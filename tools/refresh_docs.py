@@ -2,8 +2,9 @@
 
 Usage: ``python tools/refresh_docs.py [PAGE …]``; all pages by default.
 Above a block stands a remark that a reader does not see:
-``<!-- shown: simcompare explain u; from: standard; lines: 3 -->``. The command runs beside the
-examples; what is shown begins with the first line that holds the text, and has so many lines.
+``<!-- shown: simcompare run ball; from: restitution; until: Stored; lines: 9 -->``. The command runs
+beside the examples. What is shown begins with the first line that holds one text, ends before the
+next one that holds the other, and has so many lines at most; each of the three may be left out.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 SHOWN = re.compile(
-    r"<!-- shown: (?P<command>[^;]+?)(?:; from: (?P<start>[^;]+?))?(?:; lines: (?P<lines>\d+))? -->"
-    r"\n```\n(?P<block>.*?)```\n",
+    r"<!-- shown: (?P<command>[^;]+?)(?:; from: (?P<start>[^;]+?))?(?:; until: (?P<end>[^;]+?))?"
+    r"(?:; lines: (?P<lines>\d+))? -->\n```\n(?P<block>.*?)```\n",
     re.DOTALL,
 )
 
@@ -35,14 +36,21 @@ def main() -> None:
 def refreshed(shown: re.Match[str]) -> str:
     """The remark with the block below it as the command fills it today."""
     remark = shown.group(0).partition("\n")[0]
-    return f"{remark}\n```\n{cut(printed(shown['command']), shown['start'], shown['lines'])}\n```\n"
+    block = cut(printed(shown["command"]), shown["start"], shown["end"])
+    lines = block[: int(shown["lines"])] if shown["lines"] else block
+    return "\n".join([remark, "```", *lines, "```", ""])
 
 
-def cut(text: str, start: str | None, lines: str | None) -> str:
-    """So many lines from the first that holds the text on, without spaces at their ends."""
+def cut(text: str, start: str | None, end: str | None) -> list[str]:
+    """Lines from the one that holds a text to before the one that holds the other."""
     every = [line.rstrip() for line in text.strip("\n").splitlines()]
     first = next((i for i, line in enumerate(every) if start and start in line), 0)
-    return "\n".join(every[first : first + int(lines) if lines else None]).strip("\n")
+    after = every[first + 1 :]
+    count = next((i for i, line in enumerate(after) if end and end in line), len(after))
+    block = every[first : first + 1 + count]
+    while block and not block[-1]:
+        block.pop()
+    return block
 
 
 @cache
