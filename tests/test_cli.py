@@ -419,6 +419,20 @@ def test_a_reader_that_goes_away_is_no_error(words, tmp_path):
     assert done.returncode in (0, 141)
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
+@pytest.mark.parametrize("words", [["list"], ["show", "ball"], ["--help"], ["export", "ball"]])
+def test_a_full_disk_behind_the_output_is_one_sentence(words, tmp_path):
+    with Path("/dev/full").open("wb") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "simcompare", *words],
+            stdout=full, stderr=subprocess.PIPE, text=True, cwd=tmp_path, check=False,
+        )  # fmt: skip
+    assert done.returncode == 2
+    said = "simcompare: the output cannot be written (No space left on device); free some space\n"
+    assert done.stderr.endswith(said)
+    assert "Traceback" not in done.stderr
+
+
 def test_a_locale_without_unicode_is_no_error(command):
     plain = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"}
     done = command("show", "ball", env={**os.environ, **plain})

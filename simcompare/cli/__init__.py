@@ -5,6 +5,7 @@ Nothing heavy is imported here: ``--help``, ``list`` and completion must answer 
 
 from __future__ import annotations
 
+import errno
 import functools
 import io
 import os
@@ -17,7 +18,10 @@ from typing import Any
 import typer
 
 from simcompare.cli import examples, manner, misplaced
-from simcompare.errors import SimcompareError
+from simcompare.errors import OutputError, SimcompareError
+
+#: errors of the system that mean that a disk takes no more
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 class _Verbs(manner.Group):
@@ -50,12 +54,27 @@ class _Verbs(manner.Group):
 
 @contextmanager
 def _readers_may_leave() -> Iterator[None]:
-    """The reader of a pipe may go away, as in ``simcompare list | head -1``; that is no failure."""
+    """The reader of a pipe may go away, as in ``simcompare list | head -1``; that is no failure.
+
+    A disk that is full, to which the output goes, is one.
+    """
     try:
         yield
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _forget_stdout()
         raise typer.Exit(0) from None
+    except OSError as error:
+        if error.errno not in _FULL:
+            raise
+        _forget_stdout()
+        text = f"the output cannot be written ({error.strerror}); free some space"
+        typer.echo(f"simcompare: {text}", err=True)
+        raise typer.Exit(OutputError.exit_code) from None
+
+
+def _forget_stdout() -> None:
+    """What is not printed yet goes nowhere, or Python would complain when it ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 app = typer.Typer(
