@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -25,6 +26,8 @@ HEAD_KEYS = ("parameters", "presets", "fit")
 EXTENDS = "extends"
 #: what expressions call the time between samples
 STEP = "step_s"
+#: how far the length of a measured orientation may be off
+_NEAR_1 = 0.01
 SCHEMA_PATH = Path(__file__).with_name("scenario.schema.json")
 
 
@@ -121,14 +124,23 @@ class ScenarioFile:
                 raise UnknownName(f"preset of {self.name}", preset, self.presets)
             parameters.update(self.presets[preset].set)
         parameters.update(values or {})
-        faults = out_of_bounds(parameters, self.parameters)
+        faults = list(out_of_bounds(parameters, self.parameters).values())
+        faults += self._no_rotation(parameters)
         if faults:
-            raise InputError(f"{self.name}, parameters", list(faults.values()))
+            raise InputError(f"{self.name}, parameters", faults)
         scenario = self._build(parameters, step_s)
         for name in inputs or {}:
             if name not in scenario.inputs:
                 raise UnknownName(f"input of {self.name}", name, scenario.inputs)
         return scenario.model_copy(update={"inputs": {**scenario.inputs, **(inputs or {})}})
+
+    def _no_rotation(self, values: Mapping[str, float]) -> list[str]:
+        """That the parameters of an orientation are no rotation, which no scene would show."""
+        names = (self.fit and self.fit.start_orientation) or ()
+        length = math.hypot(*(values[name] for name in names)) if names else 1.0
+        if abs(length - 1) <= _NEAR_1:
+            return []
+        return [f"{', '.join(names)} have length {length:.4g}; a rotation has length 1"]
 
     def vary(self, scenario: Scenario, name: str, value: float) -> Scenario:
         """The same scenario with one parameter changed, also a little beyond its bounds.

@@ -83,7 +83,7 @@ def fit(
             model=model,
             unknowns=[name.strip() for name in unknowns.split(",")] if unknowns else (),
             fixed=console.pairs(fixed, "--fix"),
-            priors=_priors(priors),
+            priors=_priors(scenario, priors),
             u_time_s=None if u_time is None else units.to_si(u_time, "s", "--u-time"),
             set=console.pairs(settings),
             preset=preset,
@@ -104,11 +104,16 @@ def fit(
     )
 
 
-def _priors(texts: list[str]) -> dict[str, tuple[float, float]]:
-    """Reads ``drop_height=1m:2mm``."""
+def _priors(scenario: str, texts: list[str]) -> dict[str, tuple[float, float]]:
+    """Reads ``drop_height=1m:2mm``; what is fitted otherwise than by bounces takes none at all."""
     from simcompare import units
     from simcompare.fitting.bounces.bounce_models import DEFAULTS
+    from simcompare.model.fittable import BOUNCES
+    from simcompare.scenarios import catalogue
 
+    by = catalogue.load(scenario).fit if texts else None
+    if by is not None and by.by != BOUNCES:
+        return dict.fromkeys(texts, (0.0, 0.0))  # the fit refuses them, whatever they say
     priors = {}
     for given, text in console.pairs(texts, "--prior").items():
         value, colon, u = str(text).partition(":")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +20,30 @@ class Verb(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:  # noqa: ANN401
         """Reads the words behind the verb."""
+        _refuse_empty(args, {name for p in self.params if not _is_flag(p) for name in p.opts})
         given, takes_more, ctx.allow_extra_args = [*args], ctx.allow_extra_args, True
         super().parse_args(ctx, args)
         if ctx.args and not takes_more and not ctx.resilient_parsing:
             options = [name for param in self.params for name in param.opts]
             raise too_many(str(self.name), given, ctx.args, options)
         return list(ctx.args)
+
+
+def _is_flag(param: Any) -> bool:  # noqa: ANN401
+    return bool(getattr(param, "is_flag", False))
+
+
+def _refuse_empty(words: Sequence[str], options: Collection[str]) -> None:
+    """Refuses options with an empty text, which a path would take for the current folder.
+
+    Raises:
+        InputError: all of them.
+    """
+    behind = [option for option, text in pairwise(words) if option in options and not text]
+    within = [word[:-1] for word in words if word.endswith("=") and word[:-1] in options]
+    if behind or within:
+        what = "is empty; give a value, or leave it out"
+        raise InputError(", ".join(dict.fromkeys([*behind, *within])), [what])
 
 
 def too_many(

@@ -216,19 +216,46 @@ def _read_trajectories(path: Path, record: Record) -> list[Stored]:
         raise InputError(str(path), [f"is not of a run: it has no column {', '.join(lacking)}"])
     if not set(_NEW) <= set(columns):
         columns |= _new_columns(columns, record)
+    _check_samples(path, columns)
     keys = list(zip(*(columns[name].tolist() for name in _INDEX), strict=True))
     signals = [name for name in columns if name not in _INDEX]
     starts = [i for i, key in enumerate(keys) if i == 0 or key != keys[i - 1]]
+    if len(starts) > len(set(keys)):
+        raise InputError(str(path), ["is damaged: the samples of a source do not stand together"])
     versions = {(source.name, source.contact): source.version or "" for source in record.sources}
     entries = []
     for start, end in zip(starts, [*starts[1:], len(keys)], strict=True):
         source, contact, repeat, parameters, segment = keys[start]
         contact = OLD_LEVELS.get(contact, contact)
         block = {name: columns[name][start:end] for name in signals}
-        trajectory = _from_columns(source, contact, block)
+        try:
+            trajectory = _from_columns(source, contact, block)
+        except ValueError as error:
+            raise InputError(str(path), [f"is damaged at {source}, {contact}: {error}"]) from None
         trajectory = replace(trajectory, version=versions.get((source, contact), ""))
         entries.append(Stored(source, contact, repeat, trajectory, parameters, segment))
     return entries
+
+
+def _check_samples(path: Path, columns: parquet.Columns) -> None:
+    """Refuses a table without rows, or with something else than numbers where they belong.
+
+    Raises:
+        InputError: which columns, all of them.
+    """
+    numbers = {name for name in columns if name not in _INDEX} | {"repeat", "segment"}
+    lengths = {len(values) for values in columns.values()}
+    faults = [
+        f"is damaged: its column {name} holds no numbers"
+        for name, values in columns.items()
+        if name in numbers and values.dtype.kind not in "fiu"
+    ]
+    if lengths != {len(columns["time_s"])} or not len(columns["time_s"]):
+        faults.append("is damaged: it holds no samples")
+    elif not faults and not np.isfinite(columns["time_s"]).all():
+        faults.append("is damaged: a time is missing")
+    if faults:
+        raise InputError(str(path), faults)
 
 
 def _new_columns(columns: parquet.Columns, record: Record) -> parquet.Columns:

@@ -98,7 +98,7 @@ def given_of(
     if preset is not None and preset not in file.presets:
         raise UnknownName(f"preset of {file.name}", preset, file.presets)
     chosen = {} if preset is None else dict(file.presets[preset].set)
-    return {**chosen, **file.read_settings({**fixed, **settings})}
+    return {**chosen, **file.read_settings(fixed, "--fix"), **file.read_settings(settings)}
 
 
 def _gather(

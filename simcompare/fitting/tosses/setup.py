@@ -126,7 +126,8 @@ def _grids(
         raise InputError("--set", faults)
     names = [name for name in dict.fromkeys(wanted) if name not in given]
     if not names:
-        raise InputError("--set", ["sets all parameters that are sought; nothing is left to fit"])
+        fault = f"nothing is left to fit: {', '.join(dict.fromkeys(wanted))} are given"
+        raise InputError(roles.file.name, [f"{fault} with --set, --fix or --preset; leave one out"])
     return {name: fit.grids[name] for name in names}
 
 

@@ -135,9 +135,10 @@ def _unknowns(
     calibration = plan.calibrate
     if not names:
         names = list(calibration.parameters if calibration is not None else fittable)
-    names = [name for name in dict.fromkeys(names) if name not in given]
+    wanted, names = names, [name for name in dict.fromkeys(names) if name not in given]
     if not names:
-        raise InputError("--set", ["sets all parameters that are sought; nothing is left to fit"])
+        fault = f"nothing is left to fit: {', '.join(dict.fromkeys(wanted))} are given"
+        raise InputError(file.name, [f"{fault} with --set, --fix or --preset; leave one out"])
     bounds = file.parameters
     fixed = [n for n in names if not bounds[n].max > bounds[n].min]
     if fixed:
