@@ -137,6 +137,30 @@ def test_an_option_with_nothing_behind_it_is_told(call, words, tmp_path, monkeyp
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
+        (("run", "ball", "--seeds", "nine"), "--seeds: 'nine' is no number here; expected a whole"),
+        (
+            ("run", "ball", "--seeds=1.5"),
+            "--seeds: '1.5' is no number here; expected a whole number",
+        ),
+        (
+            ("run", "ball", "--time-limit", "0,5"),
+            "--time-limit: '0,5' is no number here; write 0.5",
+        ),
+        (
+            ("fit", "ball", "-r", "x", "--time-limit", "5s"),
+            "'5s' is no number here; expected a num",
+        ),
+    ],
+)
+def test_an_option_that_takes_a_number_says_what_it_found(call, words, sentence):
+    code, out, err = call(*words)
+    assert (code, out) == (2, "")
+    assert sentence in err
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
         (("fit", "pendulum", "-r", "pendulum_free_swing", "--prior", "length=1m:1mm"),
          "--prior: pendulum is fitted by waveform, which this is not for"),
         (("fit", "cube_toss", "-r", "cube_toss", "--prior", "friction=0.2:0.1"),

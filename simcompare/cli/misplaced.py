@@ -8,8 +8,10 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import typer
 from typer.core import TyperCommand
 
+from simcompare import units
 from simcompare.cli import complete
 from simcompare.errors import InputError, SimcompareError, UnknownName
 from simcompare.scenarios import catalogue
@@ -22,7 +24,10 @@ class Verb(TyperCommand):
         """Reads the words behind the verb."""
         _refuse_empty(args, {name for p in self.params if not _is_flag(p) for name in p.opts})
         given, takes_more, ctx.allow_extra_args = [*args], ctx.allow_extra_args, True
-        super().parse_args(ctx, args)
+        try:
+            super().parse_args(ctx, args)
+        except typer.BadParameter as error:
+            raise _no_number(error, given) or error from None
         if ctx.args and not takes_more and not ctx.resilient_parsing:
             options = [name for param in self.params for name in param.opts]
             raise too_many(str(self.name), given, ctx.args, options)
@@ -44,6 +49,20 @@ def _refuse_empty(words: Sequence[str], options: Collection[str]) -> None:
     if behind or within:
         what = "is empty; give a value, or leave it out"
         raise InputError(", ".join(dict.fromkeys([*behind, *within])), [what])
+
+
+def _no_number(error: typer.BadParameter, words: Sequence[str]) -> InputError | None:
+    """What stands behind an option that takes a number and was given none."""
+    names = [*getattr(error.param, "opts", ())]
+    split = [(name, text) for name, equals, text in (w.partition("=") for w in words) if equals]
+    found = [text for option, text in [*pairwise(words), *split] if option in names]
+    if not found or not ("integer" in error.message or "number" in error.message):
+        return None
+    whole = "integer" in error.message
+    pointed = None if whole else units.with_point(found[-1])
+    wanted = "a whole number, such as 9" if whole else "a number, such as 60"
+    cure = f"write {pointed}" if pointed else f"expected {wanted}"
+    return InputError(names[0], [f"{found[-1]!r} is no number here; {cure}"])
 
 
 def too_many(

@@ -139,7 +139,12 @@ def _no_run(place: Path) -> InputError:
     fault = f"is not a stored run: it holds no {RECORD}"
     if inside:
         listed = "".join(f"\n  {path}" for path in inside[: -1 - _LISTED : -1])
-        fault = f"holds {len(inside)} stored runs; name one of them, such as the newest:{listed}"
+        what = (
+            "a stored run; name it"
+            if len(inside) == 1
+            else (f"{len(inside)} stored runs; name one of them, such as the newest")
+        )
+        fault = f"holds {what}:{listed}"
     return InputError(str(place), [fault])
 
 
