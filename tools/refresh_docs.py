@@ -3,8 +3,9 @@
 Usage: ``python tools/refresh_docs.py [PAGE …]``; all pages by default.
 Above a block stands a remark that a reader does not see:
 ``<!-- shown: simcompare run ball; from: restitution; until: Stored; lines: 9 -->``.
-The command runs beside the examples. What is shown begins with the first line that holds one text, ends before the
-next one that holds the other, and has so many lines at most; each of the three may be left out.
+The command runs beside the examples. What is shown begins with the first line that holds one
+text, ends before the next one that holds the other, and has so many lines at most; each of the
+three may be left out.
 """
 
 from __future__ import annotations
