@@ -17,10 +17,7 @@ from tests.test_headline import ANSWER, answered, changed, level
 from tests.test_reports import audit_row, make_run
 
 CAUSE = "no restitution is set"
-WHOLE = {
-    **ANSWER,
-    "within": "the ball bounces with {value} and rests after {settling_time}",
-}
+WHOLE = {**ANSWER, "within": "the ball bounces with {value} for {settling_time}"}
 
 
 def words(sentences):
@@ -78,9 +75,15 @@ def test_what_is_wrong_alike_where_all_is_set_had_another_cause():
 
 def test_what_happens_alike_at_two_levels_is_one_sentence():
     run = met(answered([*level("tuned", north=0.8), *level("assisted", north=0.8)], answer=WHOLE))
-    assert short(run) == (
-        "Tuned and assisted, the ball bounces with 0.800 and rests after 4.0 s in north.",
-    )
+    assert short(run) == ("Tuned and assisted, the ball bounces with 0.800 for 4.0 s in north.",)
+
+
+def test_a_half_sentence_is_said_once():
+    rows = [*level("tuned", a=0.8, b=0.801, c=0.9), *level("assisted", a=0.8, b=0.8, c=0.8)]
+    template = {**ANSWER, "within": "the ball bounces ({value})"}
+    first, second = short(met(answered(rows, answer=template)))
+    assert "the ball bounces (0.800 to 0.801)" in first
+    assert second == "Assisted, 0.800 in all 3."
 
 
 def test_engines_that_are_off_are_named_with_what_they_have():

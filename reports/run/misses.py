@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from simcompare.comparison.comparison import FAIL, Score
 from simcompare.reports.run import runs
-from simcompare.reports.run.lead import Lead, lead_as
+from simcompare.reports.run.lead import OUTSIDE, Lead, Row, lead_as
 from simcompare.reports.run.listing import joined
 from simcompare.results.run import Run
 
@@ -70,10 +70,11 @@ def said(run: Run, misses: Sequence[Miss], *, named: bool = True, value: bool = 
 def _farthest(run: Run, miss: Miss) -> str:
     """The farthest value in brackets, nothing where none could be measured."""
     lead = lead_as(run, miss.measure)
-    value = max(miss.scores, key=lambda score: _share(run, score)).value
-    if value is None:
+    far = max(miss.scores, key=lambda score: _share(run, score))
+    if far.value is None:
         return ""
-    return f" ({lead.text(value)}{f' instead of {lead.true}' if lead.truth else ''})"
+    value = lead.range_of([Row(far.source, far.value, None, OUTSIDE, far.tolerance)])
+    return f" ({value}{f' instead of {lead.true}' if lead.truth else ''})"
 
 
 def _share(run: Run, score: Score) -> float:

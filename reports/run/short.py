@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import groupby
 
+from simcompare.model.answer import VALUE
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.reports.run import runs
 from simcompare.reports.run.by_step import over_steps
@@ -162,13 +163,20 @@ def _majority(
     where = in_how_many([row.name for row in most], [row.name for row in rows])
     if kind == MIXED:
         return f"the {lead.words} differs from repeat to repeat {where}"
-    if template == before[0]:
-        value = lead.range_of(most)
-    else:
-        value = filled(run, lead, mode, template, Group(tuple(most)))
+    new = _beyond_what_was_said(template, before[0])
+    value = filled(run, lead, mode, new, Group(tuple(most)))
     is_new = (template, kind) != before
     instead = f" instead of {lead.true}" if kind == OUTSIDE and lead.truth and is_new else ""
     return f"{value}{instead} {where}"
+
+
+def _beyond_what_was_said(template: str, before: str) -> str:
+    """A half sentence from its value on, or the value alone, where the rest was just said."""
+    value = f"{{{VALUE}}}"
+    if template == before:
+        return value
+    is_longer = before.endswith(value) and template.startswith(before)
+    return template.removeprefix(before.removesuffix(value)) if is_longer else template
 
 
 def _others(lead: Lead, rows: Sequence[Row], main: str, *, values: bool) -> Iterator[str]:
