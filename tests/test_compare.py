@@ -14,9 +14,9 @@ import pytest
 import simcompare
 from simcompare.errors import InputError, UnknownName
 from simcompare.model.plain import plain
-from simcompare.reports.compare import tables, words
+from simcompare.reports.compare import page, tables, words
 from simcompare.reports.compare.compared import compared
-from simcompare.reports.compare.figure import figure
+from simcompare.reports.compare.figure import deviations, figure
 from simcompare.reports.render.text_tables import lines
 from tests import validations
 from tests.records import changed
@@ -244,6 +244,18 @@ def test_what_did_not_run_is_told_once_with_its_reason(sweep):
     assert note == "pymunk did not run (drop_height = 0.3 m): it is not installed"
 
 
+def test_reasons_that_differ_from_run_to_run_are_told_by_the_first(sweep):
+    def lost(run, reason):
+        tuned = [replace(one, status="failed", reason=reason) if one.contact == "tuned" else one
+                 for one in run.record.sources]  # fmt: skip
+        return changed(run, sources=tuple(tuned))
+
+    found = compared([lost(sweep[1], "pymunk: 3 is much"), lost(sweep[0], "4 is more"), sweep[2]])
+    (note,) = words.notes(found)
+    where = "(drop_height = 0.3 m; drop_height = 1 m); drop_height = 0.3 m"
+    assert note == f"pymunk tuned did not run {where}: 3 is much"
+
+
 def test_a_run_beyond_the_range_of_the_truth_is_not_judged_and_says_why(sweep):
     scores = tuple(
         replace(one, truth=None, tolerance=None, verdict="info") for one in sweep[1].record.scores
@@ -288,6 +300,23 @@ def test_a_sweep_is_drawn_over_its_parameter_with_truth_and_tolerance(sweep):
     ordered = (sweep[1], sweep[0], sweep[2])
     values = [score_of(run, "assisted", "restitution").value for run in ordered]
     np.testing.assert_array_equal(engine.y, values)
+
+
+def test_where_the_truth_hides_deviations_these_are_drawn_as_well(sweep):
+    found = compared(sweep)
+    assert deviations(found, "restitution") is None, "its truth is the same everywhere"
+    drawn = deviations(found, "settling_time")
+    assert [panel.title for panel in drawn.panels] == [
+        panel.title for panel in figure(found, "settling_time").panels[1:]
+    ]
+    truth, engine = drawn.panels[1].series
+    assert set(truth.y) == {0.0}
+    scores = [score_of(run, "assisted", "settling_time") for run in found.runs]
+    np.testing.assert_allclose(engine.y, [score.value - score.truth for score in scores])
+    assert [one.name for one in page.block_of(found, "settling_time").parts[0].figures] == [
+        "compare-settling_time", "compare-settling_time-off"
+    ]  # fmt: skip
+    assert deviations(compared(sweep[:2]), "settling_time") is None, "two runs are no sweep"
 
 
 def test_other_runs_are_drawn_in_rows_each_with_its_own_truth(sweep):

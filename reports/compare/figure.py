@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from simcompare.comparison.comparison import Score
+from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import Array
 from simcompare.notation import capital
 from simcompare.reports.compare.compared import Compared
@@ -26,6 +27,8 @@ _LETTERS, _SPREAD = 24, 0.8
 _ROW, _FRAME, _MIN_HEIGHT, _MAX_HEIGHT = 0.045, 0.34, 0.8, 4.0
 #: what stands on both sides of it stays on one line
 _TIED = "\u00a0"
+#: tolerances over which the truth changes so much that nobody sees how far engines are from it
+_HIDDEN = 20.0
 #: part of the width of a panel that is left free at its ends
 _MARGIN = 0.06
 
@@ -50,6 +53,24 @@ def figure(compared: Compared, measure: str) -> Figure:
     return Figure(f"compare-{measure}", title, caption, panels, share_y=True, height=height)
 
 
+def deviations(compared: Compared, measure: str) -> Figure | None:
+    """The same less the truth, level by level that is judged.
+
+    ``None`` where the runs are no sweep, or where the truth changes so little that the figure
+    itself shows how far engines are from it.
+    """
+    leads, swept = compared.leads(measure), compared.swept
+    truths = [lead.truth for lead in leads if lead.truth is not None]
+    widths = [lead.width for lead in leads if lead.width]
+    if swept is None or not widths or max(truths) - min(truths) < _HIDDEN * max(widths):
+        return None
+    levels = [level for level in compared.levels if level not in SHOWN_LEVELS]
+    panels = tuple(_over(compared, leads, swept, level, off=True) for level in levels)
+    title = f"{capital(leads[0].words)} less its truth over {swept.label}"
+    caption = f"An engine that is right runs along zero{_caption(compared, leads)}"
+    return Figure(f"compare-{measure}-off", title, caption, panels) if panels else None
+
+
 def _caption(compared: Compared, leads: list[Lead]) -> str:
     parts = ["one panel for each contact level"]
     if any(run.record.repeats > 1 for run in compared.runs):
@@ -62,20 +83,26 @@ def _caption(compared: Compared, leads: list[Lead]) -> str:
 # --- over a number ------------------------------------------------------------------------------
 
 
-def _over(compared: Compared, leads: list[Lead], swept: Difference, level: str) -> Panel:
+def _over(
+    compared: Compared, leads: list[Lead], swept: Difference, level: str, *, off: bool = False
+) -> Panel:
+    """A measure at a level, or how far it is ``off`` the truth."""
     x = np.array([float(value or 0.0) * swept.factor for value in swept.values])
-    lines = [_line(compared, leads[0], x, name, level) for name in compared.engines]
+    truth = np.array([np.nan if lead.truth is None else lead.truth for lead in leads])
+    base = truth if off else np.zeros(len(x))
+    lines = [_line(compared, leads[0], x, base, (name, level)) for name in compared.engines]
     series = tuple(line for line in lines if np.isfinite(line.y).any())
     log = bool(x.min() > 0 and x.max() > _WIDE * x.min())
-    label = runs.label(leads[0].measure, leads[0].unit)
-    return Panel(
-        runs.mode_title(level), swept.head, label, (*_truth_curve(leads, x), *series), log_x=log
+    label = runs.label(
+        f"deviation of {leads[0].measure}" if off else leads[0].measure, leads[0].unit
     )
+    shown = (*_truth_curve(leads, x, truth - base), *series)
+    return Panel(runs.mode_title(level), swept.head, label, shown, log_x=log)
 
 
-def _line(compared: Compared, lead: Lead, x: Array, name: str, level: str) -> Series:
-    scores = [runs.score_of(run, name, level, lead.measure) for run in compared.runs]
-    y, u = _values(scores), _scatters(scores)
+def _line(compared: Compared, lead: Lead, x: Array, base: Array, source: tuple[str, str]) -> Series:
+    scores = [runs.score_of(run, *source, lead.measure) for run in compared.runs]
+    y, u, name = _values(scores) - base, _scatters(scores), source[0]
     return Series(name, x, y, style_of(name), u if u.any() else None, points=True)
 
 
@@ -88,17 +115,14 @@ def _scatters(scores: list[Score | None]) -> Array:
     return np.array([0.0 if score is None else score.scatter or 0.0 for score in scores])
 
 
-def _truth_curve(leads: list[Lead], x: Array) -> tuple[Series, ...]:
+def _truth_curve(leads: list[Lead], x: Array, y: Array) -> tuple[Series, ...]:
     """The truth and the tolerance about it."""
-    known = [(at, lead) for at, lead in zip(x, leads, strict=True) if lead.truth is not None]
-    if not known:
+    known = np.isfinite(y)
+    if not known.any():
         return ()
-    at, y, u = (
-        np.array(column, dtype=float)
-        for column in zip(*((at, one.truth, one.width or 0.0) for at, one in known), strict=True)
-    )
+    u = np.array([lead.width or 0.0 for lead in leads])[known]
     label = "truth ± tolerance" if u.any() else "truth"
-    return (Series(label, at, y, _TRUTH_STYLE, u, shaded=True),)
+    return (Series(label, x[known], y[known], _TRUTH_STYLE, u, shaded=True),)
 
 
 # --- run by run ---------------------------------------------------------------------------------

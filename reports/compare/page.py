@@ -8,8 +8,9 @@ from simcompare.notation import capital
 from simcompare.reports import builder
 from simcompare.reports.compare import tables, words
 from simcompare.reports.compare.compared import Compared
-from simcompare.reports.compare.figure import figure
+from simcompare.reports.compare.figure import deviations, figure
 from simcompare.reports.render import output
+from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Block, Part
 from simcompare.reports.run import runs
 
@@ -45,14 +46,17 @@ def block_of(compared: Compared, measure: str) -> Block:
 def _answer(compared: Compared, measure: str) -> Part:
     shown = tables.tables(compared, measure)
     legend = ". ".join(words.legend(compared, shown))
+    noted = (*shown[:-1], shown[-1]._replace(note=f"{legend}."))
+    leads = len(noted) == 1  # several stand below all figures
     return Part(
         "Answer",
         "answer",
         short=words.short(compared, measure),
         key_numbers=words.key_numbers(compared, measure),
-        figures=(figure(compared, measure),),
+        figures=_figures(compared, measure),
         notes=words.notes(compared),
-        tables=(*shown[:-1], shown[-1]._replace(note=f"{legend}.")),
+        tables=noted if leads else (),
+        parts=() if leads else (Part(tables=noted),),
     )
 
 
@@ -61,7 +65,7 @@ def _others(compared: Compared, measure: str) -> Part:
     parts = (
         Part(
             capital(runs.measure_words(name)),
-            figures=(figure(compared, name),),
+            figures=_figures(compared, name),
             tables=tuple(tables.tables(compared, name)),
             folded=True,
             finding=words.finding(compared, name),
@@ -70,6 +74,12 @@ def _others(compared: Compared, measure: str) -> Part:
         if name != measure
     )
     return Part("Other measures", "measures", parts=tuple(parts))
+
+
+def _figures(compared: Compared, measure: str) -> tuple[Figure, ...]:
+    """The measure, and how far it is from its truth where that is not seen there."""
+    off = deviations(compared, measure)
+    return (figure(compared, measure), *([] if off is None else [off]))
 
 
 def _runs(compared: Compared) -> Part:

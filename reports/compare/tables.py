@@ -89,8 +89,7 @@ def _runs_below(compared: Compared, measure: str, level: str, width: int | None)
         count = len(sources)
         while count > 1 and not _fits(_below(compared, leads, sources[:count]), width):
             count -= 1
-        made = _below(compared, leads, sources[:count])
-        yield made._replace(title=f"{capital(runs.mode_words(level))}: {made.title}")
+        yield _below(compared, leads, sources[:count])
         sources = sources[count:]
 
 
@@ -113,7 +112,8 @@ def _below(
         keys = [one.number(i) for one in told] or [title]
         cells = [_cell(compared, leads, i, name, level) for name, level in sources]
         rows.append((*keys, *(() if same else (truths[i],)), *cells))
-    title = _title(compared, leads) + (
+    level = "" if over else runs.mode_words(sources[0][1])
+    title = _title(compared, leads, level) + (
         f"; truth {truths[0]}" if same and leads[0].truth is not None else ""
     )
     return Table(title, tuple(columns), (Group("", tuple(rows)),))
@@ -151,12 +151,12 @@ def _truth(lead: Lead) -> str:
     return NO_TRUTH if lead.truth is None else lead_table.number(lead, lead.truth, None)
 
 
-def _title(compared: Compared, leads: Sequence[Lead]) -> str:
-    lead = leads[0]
+def _title(compared: Compared, leads: Sequence[Lead], level: str = "") -> str:
+    lead, at = leads[0], f", {level}" if level else ""
     unit = "" if lead.unit in ("", "1") else f" in {lead.unit}"
     means = ["all events of a repeat"] if lead.of_events else []
     repeats = dict.fromkeys(str(run.record.repeats) for run in compared.runs)
     if any(run.record.repeats > 1 for run in compared.runs):
         means.append(f"{' or '.join(repeats)} repeats")
     mean = f", mean over {' and '.join(means)}" if means else ""
-    return f"{capital(lead.words)}{unit}{mean}"
+    return f"{capital(lead.words)}{unit}{at}{mean}"

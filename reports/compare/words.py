@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from simcompare import glossary
@@ -14,6 +14,7 @@ from simcompare.reports.render.parts import KeyNumber
 from simcompare.reports.render.tables import Table
 from simcompare.reports.run import runs
 from simcompare.reports.run.listing import engines, grouped, joined
+from simcompare.results.records.run import SourceRecord
 
 #: what may stand in a cell, and the word that explains it
 _SIGNS = {"✓": PASS, "✗": FAIL, "(": "brackets", "–": "–"}
@@ -132,11 +133,21 @@ def _not_run(compared: Compared) -> Iterator[str]:
         for source in run.record.sources
         if not source.ran
     ]
-    for reason, places in grouped(pairs).items():
-        levels = grouped((source.name, source.contact) for source, _ in places)
-        names = [_at(compared, name, list(dict.fromkeys(at))) for name, at in levels.items()]
-        titles = list(dict.fromkeys(title for _, title in places))
-        yield f"{joined(names)} did not run {_where(compared, titles, 'in any run')}: {reason}"
+    by_names = grouped(
+        (_named(compared, [source for source, _ in places]), (reason, places))
+        for reason, places in grouped(pairs).items()
+    )
+    for names, reasons in by_names.items():
+        titles = list(dict.fromkeys(title for _, places in reasons for _, title in places))
+        where = _where(compared, titles, "in any run")
+        first = "" if len(reasons) == 1 else f"; {titles[0]}"
+        yield f"{names} did not run {where}{first}: {reasons[0][0]}"
+
+
+def _named(compared: Compared, sources: Sequence[SourceRecord]) -> str:
+    """Engines with their levels."""
+    levels = grouped((source.name, source.contact) for source in sources)
+    return joined([_at(compared, name, list(dict.fromkeys(at))) for name, at in levels.items()])
 
 
 def _at(compared: Compared, name: str, levels: list[str]) -> str:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from simcompare.arguments import checked
 from simcompare.reports.compare import page, rows, tables, words
 from simcompare.reports.compare.compared import Compared, compared
-from simcompare.reports.compare.figure import figure
+from simcompare.reports.compare.figure import deviations, figure
 from simcompare.reports.render import frames, matplotlib_, output
 from simcompare.reports.render.glance import Glance
 from simcompare.reports.render.shown import Shown
@@ -67,16 +67,20 @@ class Comparison(Shown):
         """
         return frames.frame(tables.runs_beside(self.compared, self._chosen(measure)))
 
-    def plot(self, measure: str | None = None) -> Figure:
+    def plot(self, measure: str | None = None, *, deviation: bool = False) -> Figure:
         """The measure over the one number in which runs differ, else run by run.
 
         Args:
             measure: such as "restitution"; what leads where ``None``.
+            deviation: whether it is drawn less its truth, where that changes by much more than
+                its tolerance.
 
         Raises:
             UnknownName: not all runs measured it; names what they did.
         """
-        return matplotlib_.canvas(figure(self.compared, self._chosen(measure)))
+        chosen = self._chosen(measure)
+        off = deviations(self.compared, chosen) if deviation else None
+        return matplotlib_.canvas(off or figure(self.compared, chosen))
 
     def to_csv(self, path: str | Path) -> Path:
         """Writes :attr:`scores` as a CSV file and returns its place.
