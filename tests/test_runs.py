@@ -49,7 +49,7 @@ def test_runs_are_listed_newest_first_one_line_each(sweep, call):
     code, out, _ = call("runs", sweep[0].folder.parent)
     head, *rows, end = out.splitlines()
     assert code == 0
-    assert head.split() == ["run", "kind", "asked", "for", "engines", "verdict", "size"]
+    assert head.split() == ["run", "kind", "asked", "for", "engines", "verdict", "MB"]
     names = sorted((run.folder.name for run in sweep), reverse=True)
     assert [row.split()[0] for row in rows] == names
     assert "drop_height=2m" in rows[0]
@@ -63,6 +63,19 @@ def test_json_holds_what_the_lines_shorten(sweep, call):
     assert first["asked"] == ["drop_height=2m", "seeds 3"]
     assert first["scenario"], first["engines"] == ("ball", ["pymunk"])
     assert first["size_bytes"] == sum(p.stat().st_size for p in sweep[2].folder.iterdir())
+
+
+def test_a_recording_is_named_without_its_folders_and_long_names_stay_whole(tmp_path, record, call):
+    name = "20260629-120000-accelerometer_chirp"
+    folder = store(tmp_path / "runs" / name, record)
+    command = ["simcompare", "fit", "ball", "--recording", "/far/away/cork.wav", "--model", "auto"]
+    sources = [{**json.loads(record)["sources"][0], "name": f"engine{i}"} for i in range(7)]
+    text = {**json.loads(record), "command": command, "sources": sources}
+    (folder / "run.json").write_text(json.dumps(text), encoding="utf-8")
+    row = call("runs")[1].splitlines()[1]
+    assert row.startswith(f"{name}  run   ball: cork")
+    assert "7 engines" in row
+    assert len(row) <= 80
 
 
 def test_a_damaged_run_says_why(tmp_path, call):

@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from simcompare.model.plain import Plain
     from simcompare.results.stored_runs import StoredRun
 
-#: letters of a list of engines, and between columns
-_ENGINES, _GUTTER = 14, 2
-#: letters of what was asked for that are left at least
-_MIN_ASKED = 8
+#: letters of a list of engines, of their number alone, and between columns
+_ENGINES, _COUNTED, _GUTTER = 14, 7, 2
+#: letters of what was asked for that read well, and that are left at least
+_GOOD_ASKED, _MIN_ASKED = 20, 8
 
 
 def runs(
@@ -73,31 +73,43 @@ def _show_rows(found: list[StoredRun]) -> None:
     """One line a run; what is too long ends with … and stands whole in --json."""
     from simcompare.reports.render.tables import printable
 
-    heads = ("run", "kind", "asked for", "engines", "verdict", "size")
-    rows = [heads, *(tuple(map(printable, _cells(run))) for run in found)]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for column, least in ((2, _MIN_ASKED), (0, _MIN_ASKED)):
+    heads = ("run", "kind", "asked for", "engines", "verdict", "MB")
+    for letters in (_ENGINES, _COUNTED):
+        rows = [heads, *(tuple(map(printable, _cells(run, letters))) for run in found)]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         over = sum(widths) + _GUTTER * (len(heads) - 1) - console.width()
-        widths[column] = max(widths[column] - max(over, 0), min(widths[column], least))
+        if over <= max(widths[2] - _GOOD_ASKED, 0):
+            break
+    for column in (2, 0):
+        less = min(max(over, 0), max(widths[column] - _MIN_ASKED, 0))
+        widths[column], over = widths[column] - less, over - less
     for cells in rows:
         *words, size = map(_shortened, cells, widths)
         texts = [text.ljust(width) for text, width in zip(words, widths[:-1], strict=True)]
         typer.echo((" " * _GUTTER).join([*texts, size.rjust(widths[-1])]))
 
 
-def _cells(run: StoredRun) -> tuple[str, ...]:
-    name, size = run.folder.name, _size(run.size_bytes)
+def _cells(run: StoredRun, letters: int) -> tuple[str, ...]:
+    """A line of the list; more engines than so many letters hold are counted."""
+    name, size = run.folder.name, f"{run.size_bytes / 1e6:.1f}"
     if run.record is None:
         return (name, "–", run.fault, "–", run.verdict, size)
-    asked = ", ".join(run.asked) or "–"
+    asked = ", ".join(map(_brief, run.asked)) or "–"
     if run.record.command is None:  # those of version 0.1 do not say
         asked = "not known"
     if run.record.scenario not in name:  # the folder was given another name
         asked = f"{run.record.scenario}: {asked}"
     engines = ", ".join(run.engines) or "none"
-    if len(engines) > _ENGINES:
+    if len(engines) > letters:
         engines = f"{len(run.engines)} engines"
     return (name, run.record.kind, asked, engines, run.verdict, size)
+
+
+def _brief(asked: str) -> str:
+    """Without the folders of a file, and without the word before a recording."""
+    name, space, value = asked.partition(" ")
+    value = Path(value).name if "/" in value else value
+    return value if name == "recording" else f"{name}{space}{value}"
 
 
 def _shortened(text: str, width: int) -> str:
