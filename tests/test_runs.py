@@ -57,6 +57,13 @@ def test_runs_are_listed_newest_first_one_line_each(sweep, call):
     assert re.search(r"runs holds 3 runs, \d+\.\d MB$", end)
 
 
+@pytest.mark.parametrize(("columns", "is_cut"), [(50, True), (100, False)])
+def test_what_is_cut_off_is_told(sweep, call, monkeypatch, columns, is_cut):
+    monkeypatch.setenv("COLUMNS", str(columns))
+    _, out, _ = call("runs", sweep[0].folder.parent)
+    assert ("…: cut off" in out) == ("--json" in out) == is_cut
+
+
 def test_json_holds_what_the_lines_shorten(sweep, call):
     _, out, _ = call("runs", sweep[0].folder.parent, "--json")
     first = json.loads(out)["runs"][0]

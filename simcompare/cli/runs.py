@@ -70,7 +70,7 @@ def _show(folder: Path, found: list[StoredRun]) -> None:
 
 
 def _show_rows(found: list[StoredRun]) -> None:
-    """One line a run; what is too long ends with … and stands whole in --json."""
+    """One line a run; what is too long ends with …, and a last line says where it stands whole."""
     from simcompare.reports.render.tables import printable
 
     heads = ("run", "kind", "asked for", "engines", "verdict", "MB")
@@ -87,6 +87,8 @@ def _show_rows(found: list[StoredRun]) -> None:
         *words, size = map(_shortened, cells, widths)
         texts = [text.ljust(width) for text, width in zip(words, widths[:-1], strict=True)]
         typer.echo((" " * _GUTTER).join([*texts, size.rjust(widths[-1])]))
+    if any(len(cell) > width for cells in rows for cell, width in zip(cells, widths, strict=True)):
+        console.print_wrapped(["…: cut off; a wider window shows more, --json all."])
 
 
 def _cells(run: StoredRun, letters: int) -> tuple[str, ...]:
