@@ -37,6 +37,9 @@ class Absent:
     features, known_limits, mapping = frozenset(), (), ""
     def version(self):
         raise EngineMissing("absent", "absentlib", "pip install absentlib")
+    def open(self, scenario, settings):
+        raise NotImplementedError
+    simulate = open
 BACKEND = Absent()
 """
 
