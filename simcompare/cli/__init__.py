@@ -81,7 +81,8 @@ app = typer.Typer(
     name="simcompare",
     cls=_Verbs,
     help="One scene, many physics engines, and the truth.",
-    epilog="Exit codes: 0 fine, 1 a tolerance failed, 2 usage or file, 3 engine missing or broken.",
+    epilog="Begin with: simcompare run ball\n\n"
+    "Exit codes: 0 fine, 1 a tolerance failed, 2 usage or file, 3 engine missing or broken.",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,

@@ -41,10 +41,14 @@ def list_(
         source = f"github.com/{found.source.repository} at {found.source.commit[:12]}"
         lines.append(f"  {found.licence}, {size:.2g} MB from {source}; {here}")
         if scenarios:
-            command = f"simcompare validate SCENARIO --recording {name}"
-            lines.append(f"  scenario: {scenarios} ({command})")
+            lines.append(f"  scenario: {scenarios}")
         console.print_wrapped(lines)
-    console.print_wrapped(["simcompare data list -v tells what each is, and whose it is."])
+    console.print_wrapped(
+        [
+            "simcompare validate SCENARIO --recording NAME holds engines against one.",
+            "simcompare data list -v tells what each is, and whose it is.",
+        ]
+    )
 
 
 @data.command("fetch")
