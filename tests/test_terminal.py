@@ -172,6 +172,8 @@ def test_every_verb_has_examples():
         ("show ball ode", "show: nothing is known of 'ode' here"),
         ("ball --engine ode", "ball: is a scenario; write: simcompare run ball --engine ode"),
         ("ode", "ode: is an engine; write, such as: simcompare run ball --engine ode"),
+        ("run --seeds 2", "run: which scenario? simcompare list names all, simcompare run --help"
+         " has examples"),
         ("-v charcterize", "no command is called 'charcterize'; did you mean characterize?"),
     ],
 )  # fmt: skip

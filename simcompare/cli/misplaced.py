@@ -27,11 +27,18 @@ class Verb(TyperCommand):
         try:
             super().parse_args(ctx, args)
         except typer.BadParameter as error:
-            raise _no_number(error, given) or error from None
+            raise self._no_scenario(error) or _no_number(error, given) or error from None
         if ctx.args and not takes_more and not ctx.resilient_parsing:
             options = [name for param in self.params for name in param.opts]
             raise too_many(str(self.name), given, ctx.args, options)
         return list(ctx.args)
+
+    def _no_scenario(self, error: typer.BadParameter) -> InputError | None:
+        """What is said where the scenario is missing; as a text it cannot be wrong here."""
+        if getattr(error.param, "name", "") != "scenario":
+            return None
+        more = f"simcompare list names all, simcompare {self.name} --help has examples"
+        return InputError(str(self.name), [f"which scenario? {more}"])
 
 
 def _is_flag(param: Any) -> bool:  # noqa: ANN401
