@@ -46,7 +46,7 @@ def _paper(block: Block) -> Paper:
     first, *others = block.parts
     _part(paper, first)
     for part in others:
-        paper.heading(part.title, _SECTION, 0.3)
+        paper.heading(part.title, _SECTION, 0.3, of_figure=_begins_with_figure(part))
         if part.finding:
             paper.text(part.finding, _CAPTION)
         _part(paper, part)
@@ -61,6 +61,10 @@ def _part(paper: Paper, part: Part) -> None:
             paper.text(it, _SENTENCES[kind], 0.06)
         else:
             _OTHERS[kind](paper, it)
+
+
+def _begins_with_figure(part: Part) -> bool:
+    return bool(part.items) and part.items[0][0] == "figure"
 
 
 def _numbers(paper: Paper, numbers: Sequence[KeyNumber]) -> None:
@@ -93,7 +97,7 @@ def _code(paper: Paper, code: str) -> None:
 
 def _inner(paper: Paper, part: Part) -> None:
     if part.title:
-        paper.heading(part.title, _PART)
+        paper.heading(part.title, _PART, of_figure=_begins_with_figure(part))
     if part.finding:
         paper.text(part.finding, _CAPTION)
     _part(paper, part)

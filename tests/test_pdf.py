@@ -74,6 +74,15 @@ def test_the_heads_of_a_table_stand_on_each_of_its_pages():
     assert all("letter" in texts([one]) for one in drawn)
 
 
+@pytest.mark.parametrize("count", [0, 10, 20, 30])
+def test_a_heading_stands_on_the_page_of_its_figure(count):
+    (figure,) = builder.blocks_of([make_run()])[0].part("energy").figures
+    parts = Part("", "a", notes=("A sentence.",) * count), Part("Alone", "b", figures=(figure,))
+    (page,) = [one for one in pages.document([block(*parts)]) if "Alone" in texts([one])]
+    assert page.subfigs
+    assert figure.title in texts([page])
+
+
 def test_lines_are_as_long_as_they_are_wide():
     small = Type(10)
     assert small.width("ii") < small.width("WW")

@@ -23,6 +23,8 @@ WIDTH = SIZE[0] - 2 * LEFT
 _LINE, GUTTER = 1.35 / 72, 0.15
 #: a heading is not left alone at the foot of a page; heights of figures and their titles [inch]
 _KEEP, _MIN_FIGURE, _USUAL_FIGURE, _TITLE = 1.1, 2.8, 4.4, 0.4
+#: what title and caption of a figure take, roughly [inch]
+_AROUND = 1.1
 INK, SOFT = "#1b1b1b", "#555555"
 _PIXELS = 100
 
@@ -105,9 +107,14 @@ class Paper:
             self._write(line, LEFT, type_)
             self._y += type_.line
 
-    def heading(self, text: str, size: float, gap: float = 0.15) -> None:
-        """A heading, which is followed by something on the same page."""
-        self._need(_KEEP + gap + 2 * size * _LINE)
+    def heading(
+        self, text: str, size: float, gap: float = 0.15, *, of_figure: bool = False
+    ) -> None:
+        """A heading, which is followed by something, such as a figure, on the same page."""
+        high = gap + 2 * size * _LINE
+        if of_figure and (self._has_figure or self._free < high + _AROUND + _MIN_FIGURE):
+            self._turn()
+        self._need(_KEEP + high)
         self.text(text, Type(size, strong=True), gap)
 
     def row(self, cells: Sequence[Cell], type_: Type, head: Sequence[Cell] = ()) -> None:
