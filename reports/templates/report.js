@@ -99,12 +99,15 @@
     drawShown();
     target.scrollIntoView();
   };
-  document.querySelectorAll("p.all button").forEach((button) => button.addEventListener("click", () => {
+  document.querySelectorAll("p.all button").forEach((button) => {
     const inside = [...button.closest("article").querySelectorAll("details")];
-    const open = inside.some((one) => !one.open);
-    inside.forEach((one) => { one.open = open; });
-    button.textContent = open ? "Close everything" : "Open everything";
-  }));
+    button.hidden = !inside.length;
+    button.addEventListener("click", () => {
+      const open = inside.some((one) => !one.open);
+      inside.forEach((one) => { one.open = open; });
+      button.textContent = open ? "Close everything" : "Open everything";
+    });
+  });
   document.addEventListener("toggle", drawShown, true);
   window.addEventListener("hashchange", reach);
   window.addEventListener("resize", drawShown);
