@@ -180,7 +180,7 @@ def _e_n(drops: Sequence[HeldOutDrop], ticks: tuple[str, ...]) -> Panel:
         series.append(Series(name, np.array(x), y, style, points=True, line=False))
     reach = max([1.5, *(float(v) for one in series for v in one.x if math.isfinite(v))])
     return Panel("|E_n|", "|E_n|", "", tuple(series),
-                 spans=(Span(0.0, 1.0, "within the noise level"),), y_ticks=ticks,
+                 spans=(Span(0.0, 1.0, "within the uncertainty"),), y_ticks=ticks,
                  x_limits=(0.0, 1.05 * reach))  # fmt: skip
 
 

@@ -101,7 +101,7 @@ def holdout(run: Run) -> Table | None:
         return None
     columns = (Column("Value", text=True), Column("Source", text=True), Column("Found"),
                Column("u"), Column("E_n"))  # fmt: skip
-    note = "E_n is the difference from the measured value over both expanded uncertainties (k = 2)."
+    note = "E_n: the difference over twice its standard uncertainty."
     return Table("Values of the segments that were held out", columns, tuple(groups), note)
 
 
@@ -130,10 +130,7 @@ def effective(run: Run) -> Table:
             rows.append((source.name, _number(shown), _number(u, 2), _number(measured)))
         groups.append(Group(fits.with_unit(name), tuple(rows)))
     columns = (Column("Source", text=True), Column("Shown"), Column("u"), Column("Measured"))
-    note = (
-        "A parameter is shown here as the reference would need it to show the same; of the"
-        " parameter that is typed in, only this can be compared between engines."
-    )
+    note = "What the reference would need to show the same. Compare engines by this."
     return Table("What engines then show", columns, tuple(groups), note, folded=True)
 
 

@@ -106,7 +106,7 @@ def _fit_words(run: Run) -> str:
 def _bound(run: Run) -> str:
     fit = validations.validation(run).fit
     names = [] if fit is None else [phrases.parameter(name) for name in fit.at_bound]
-    return f"At a bound: {', '.join(names)}; the fit wanted to go further." if names else ""
+    return f"At its limit: {phrases.listed(names)}." if names else ""
 
 
 def recording(run: Run) -> Part:

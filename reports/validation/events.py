@@ -39,10 +39,8 @@ def figure(run: Run) -> Figure | None:
         for stream in streams
     )  # fmt: skip
     caption = (
-        "Each interval between two neighbouring events, which does not depend on where the clocks"
-        " have their zero. Bars: twice the standard uncertainty of the difference, from the events"
-        " of the recording, the step and the parameters, as far as they are known. A bar that"
-        " reaches zero says that the difference cannot be told from the uncertainties."
+        "Each interval between two neighbouring events. Bars: twice the standard uncertainty of the"
+        " difference, as far as it is known. A bar that reaches zero: they agree."
     )
     title = f"{phrases.first_up(runs.measure_words(rows[0].series))}: simulated and measured"
     return Figure("intervals", title, caption, panels)
@@ -84,8 +82,8 @@ def summary(run: Run) -> Table | None:
             Group(title + scale.unit("s"), tuple(_summary(row, scale) for row in of_stream))
         )
     note = (
-        "Errors are simulated minus measured times of events that belong together. Missed: measured"
-        " and not simulated; extra: simulated and not measured."
+        "Errors: simulated minus measured times. Missed: measured and not simulated. Extra:"
+        " simulated and not measured."
     )
     return of_engines(columns, groups, note)
 

@@ -119,20 +119,14 @@ def _gap_caption(run: Run) -> str:
     before = "the simulation with the parameters known before" if validations.is_fitted(run) else (
         "the simulation"
     )  # fmt: skip
-    text = [
-        f"Length: how far {before} is from the measurement. Colours: shares of its mean square."
-    ]
+    text = [f"Length: how far {before} is from the measurement. Colours: shares (mean square)."]
     if validations.is_fitted(run):
         text.append(
-            "Parameters: what fitting them took away. Model form: what is left and is neither noise"
-            " nor numerical error; it may lie in the equations, in what drives them, or in"
-            " parameters that suit only what they were fitted to."
+            "Parameters: what fitting them took away. Model form: what is left beside noise and"
+            " numerical error."
         )
     else:
-        text.append(
-            "Nothing was fitted, so wrong parameters cannot be told from what is missing in the"
-            " equations."
-        )
+        text.append("Nothing was fitted, so wrong parameters look like a wrong model.")
     return " ".join([*text, *_worse(run)])
 
 
@@ -148,11 +142,11 @@ def _worse(run: Run) -> Iterator[str]:
         )
         most = max(-row.shares.removed for row in worse)
         yield (
-            f"For {', '.join(places)} the fitted parameters made the mean square larger, by up to"
-            f" {100 * most:.0f} %; no bar can show that, the table has it."
+            f"For {phrases.listed(list(places))} the fitted parameters made the mean square larger,"
+            f" by up to {100 * most:.0f} %; no bar can show that."
         )
     if any(row.clipped for row in rows):
-        yield "Where noise and numerical error alone exceed what is left, no model form is drawn."
+        yield "No model form is drawn where noise and numerical error exceed what is left."
 
 
 def e_n_figure(run: Run) -> Figure | None:
@@ -174,12 +168,12 @@ def e_n_figure(run: Run) -> Figure | None:
     reach = max(1.6, *(1.1 * float(np.abs(one.x).max()) for one in series))
     panel = Panel(
         "", "E_n = error ÷ (2 × standard uncertainty of the error)", "", tuple(series),
-        spans=(Span(-1.0, 1.0, "within the noise level"), Span(0.0, 0.0)),
+        spans=(Span(-1.0, 1.0, "within the uncertainty"), Span(0.0, 0.0)),
         y_ticks=tuple(runs.measure_words(tick) for tick, _ in places), x_limits=(-reach, reach),
     )  # fmt: skip
     caption = (
-        "Error is simulated minus measured. Between −1 and 1 it cannot be told from the"
-        " uncertainties; that alone validates nothing, for large uncertainties hide large errors."
+        "Error is simulated minus measured. Between −1 and 1 it may be chance; but large"
+        " uncertainties hide large errors."
     )
     if any(abs(row.e_n or 0.0) > _FAR for row in rows):
         caption += f" Values beyond ±{_FAR:g} are drawn at the edge; the table has them."
@@ -203,8 +197,8 @@ def parameter_figure(run: Run) -> Figure | None:
     caption = "Each parameter in units of a standard uncertainty."
     if any(panel.title == _MOVED for panel in panels):
         caption += (
-            " A fitted value far outside of what was known is a warning: it may make up for"
-            " something that the model lacks."
+            " A fitted value far outside of what was known is a warning: the model may lack"
+            " something."
         )
     if any(panel.title == _SINGLE for panel in panels):
         caption += " Segments that disagree by more than the band say the same."

@@ -11,7 +11,7 @@ from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Scale, Table, of_engines, scale_of
 from simcompare.reports.run import runs
 from simcompare.reports.validation import phrases, validations
-from simcompare.reports.validation.gap_figures import PARTS, part_words
+from simcompare.reports.validation.gap_figures import part_words
 from simcompare.results.records.validation import (
     KNOWN,
     AgreementRecord,
@@ -72,17 +72,13 @@ def _waveform_note(*, fitted: bool, aligned: bool, still: Sequence[bool]) -> str
     note = "Error is simulated minus measured."
     if not all(still):
         note += (
-            " The range is that of the measurement. Magnitude and phase are those of Sprague and"
-            " Geers: how much too large the simulation is, whatever its timing, and how far it is"
-            " out of step, whatever its size; 0 is right."
+            " Magnitude: how much too large the simulation is. Phase: how far it is out of step"
+            " (Sprague and Geers); 0 is right."
         )
     if any(still):
-        note += (
-            " Where a measured signal spans no more than its noise, shares of its range would say"
-            " nothing and are left out."
-        )
+        note += " A signal that spans no more than its noise has no share of its range."
     if fitted:
-        note += " All columns but “before the fit” are with the fitted parameters."
+        note += " All but “before the fit” are with the fitted parameters."
     if aligned:
         note += " All but “clock as recorded” are with aligned clocks."
     return note
@@ -125,7 +121,7 @@ def gaps(run: Run) -> list[Table]:
     rows = validations.validation(run).gaps
     if not rows:
         return []
-    return [_gap_sizes(run, rows), _gap_shares(run, rows)]
+    return [_gap_sizes(run, rows)]
 
 
 def _gap_sizes(run: Run, rows: Sequence[GapRecord]) -> Table:
@@ -152,16 +148,13 @@ def _gap_sizes(run: Run, rows: Sequence[GapRecord]) -> Table:
     noises = " and ".join(dict.fromkeys(row.noise_from for row in rows))
     note = (
         "Root mean squares; the squares of model form, numerical error and noise add up to that of"
-        f" the gap{' after the fit' if fitted else ''}. The interval of the model form comes from a"
-        f" moving-block bootstrap over the record. The noise of the measurement is {noises}."
+        f" the gap{' after the fit' if fitted else ''}. Interval: by a moving-block bootstrap."
+        f" Noise: {noises}."
     )
     if fitted:
-        note += " A negative share says that the fitted parameters made the gap larger."
+        note += " A negative share: the fitted parameters made the gap larger."
     if covered:
-        note += (
-            " Covered: samples whose error is within twice all standard uncertainties together,"
-            " those of the parameters included."
-        )
+        note += " Covered: samples whose error is within 2 u of all uncertainties together."
     return of_engines(columns, groups, note)
 
 
@@ -188,30 +181,6 @@ def _small(value: float | None, scale: Scale) -> str:
     return text
 
 
-def _gap_shares(run: Run, rows: Sequence[GapRecord]) -> Table:
-    keys = ("parameter", "cross", *(key for key, *_ in PARTS[1:]), "excess")
-    heads = ("Parameters alone", "Shared with the rest", "Model form", "Numerical", "Noise",
-             "Too much noise")  # fmt: skip
-    groups = [
-        Group(
-            validations.titled(run, stream, validations.label(run, probe)),
-            tuple(
-                (row.source, *(percent(getattr(row.shares, key), 2) for key in keys),
-                 percent(sum(getattr(row.shares, key) for key in keys), 2))
-                for row in group
-            ),
-        )
-        for stream, probe, group in _grouped(rows, lambda row: row.probe)
-    ]  # fmt: skip
-    note = (
-        "Shares of the mean square of the gap, in per cent. What parameters and the rest share is"
-        " negative where they oppose each other; both together are what the fit took away. “Too"
-        " much noise” is how much noise and numerical error exceed what is left."
-    )
-    columns = [Column(head) for head in (*heads, "Sum")]
-    return of_engines(columns, groups, note, "How the parts add up (%)")._replace(folded=True)
-
-
 def values(run: Run) -> Table | None:
     """Single values, simulated and measured."""
     rows = validations.validation(run).values
@@ -235,11 +204,9 @@ def values(run: Run) -> Table | None:
         scales = [_budget_scale(power, column) for column in zip(*map(_sizes, group), strict=True)]
         groups.append(Group(title, tuple(_value(row, scales) for row in group)))
     note = (
-        "Standard uncertainties: numerical from runs with two and four times the step (grid"
-        " convergence index) and not below the deviation from the reference, parameters from what"
-        " is known of each and of the inputs, data from that of the samples (the ± of what was"
-        " measured). E_n is the error over their root sum of squares times 2 (ASME V&V 20-2009;"
-        " ISO 13528:2022, 9.7)."
+        "Standard uncertainties: numerical from two and four times the step (grid convergence"
+        " index), parameters from what is known of each, data: the ± of what was measured. E_n is"
+        " the error over twice their root sum of squares (ASME V&V 20-2009; ISO 13528:2022, 9.7)."
     )
     return of_engines(columns, groups, note)
 

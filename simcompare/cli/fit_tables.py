@@ -75,6 +75,8 @@ def _remarks(found: AnyFit) -> Iterator[str]:
     if isinstance(found, BouncesFit):
         yield from found.dropped
         yield from found.closed_form.warnings
+        if found.engine_form is not None:
+            yield f"engines have no such law; they were fitted with: {found.engine_form.text}"
         yield from (found.identifiability.words if _is_weak(found) else ())
     elif isinstance(found, WaveformFit):
         yield from found.chosen_words
