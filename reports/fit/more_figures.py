@@ -185,7 +185,7 @@ def _e_n(drops: Sequence[HeldOutDrop], ticks: tuple[str, ...]) -> Panel:
 
 
 def others_figure(run: Run) -> Figure | None:
-    """Restitutions that other residuals would have given, beside the fit's."""
+    """Restitutions that other rules would have given, beside the fit's."""
     rows = fits.bounces(run).other_estimates
     closed = fits.bounces(run).closed_form.parameters.get(RESTITUTION)
     if not rows or closed is None:
@@ -198,10 +198,10 @@ def others_figure(run: Run) -> Figure | None:
     reach: Array = np.concatenate((x - bars, x + bars, np.array([low, high])))
     reach = reach[np.isfinite(reach)]
     margin = 0.08 * float(np.ptp(reach)) or 1e-6
-    series = Series("by another residual ± 2u", x, np.arange(len(rows), dtype=float), _OWN, u,
+    series = Series("by another rule ± 2u", x, np.arange(len(rows), dtype=float), _OWN, u,
                     points=True, line=False)  # fmt: skip
     panel = Panel(
-        "", "restitution", "", (series,), spans=(Span(low, high, "fit of the events, 95 %"),),
+        "", "restitution", "", (series,), spans=(Span(low, high, "this fit, 95 %"),),
         y_ticks=ticks, x_limits=(float(reach.min()) - margin, float(reach.max()) + margin),
     )  # fmt: skip
     caption = "The same data, fitted in other ways. No bar: that way gives no uncertainty."

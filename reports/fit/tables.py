@@ -237,7 +237,7 @@ def others(run: Run) -> Table | None:
         )  # fmt: skip
         head = fits.drop_title(run, number)
         groups.append(Group(head + (f", difference{scale.unit('')}" if scale.power else ""), rows))
-    columns = (Column("Residual", text=True), Column("Restitution ± u"),
+    columns = (Column("Rule", text=True), Column("Restitution ± u"),
                Column("Less the fit's"), Column("In its 95 %", text=True),
                Column("Beware", text=True))  # fmt: skip
-    return Table("Restitution by other residuals", columns, tuple(groups))
+    return Table("Restitution by other rules", columns, tuple(groups))

@@ -102,12 +102,16 @@ def holdout(run: Run) -> Part | None:
 
 
 def others(run: Run) -> Part | None:
-    """What one would have concluded with another residual; ``None`` where there are none."""
+    """What one would have concluded by other rules; ``None`` where there are none."""
     table = fitted_tables.others(run)
     if table is None:
         return None
     return part_of(
-        "With another residual", "others", [more_figures.others_figure(run)], [table], finding=""
+        "What other rules would give",
+        "others",
+        [more_figures.others_figure(run)],
+        [table],
+        finding="",
     )
 
 
