@@ -14,12 +14,15 @@ import subprocess
 import sys
 import time
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 PIP = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
 #: what an extra is, for people
 MEANING = {"hardware": "readers of logs", "test": "tools of the tests"}
+#: time between two looks at how far a step is
+EVERY_S = 2.0
 PYTHON = f"{sys.version_info[0]}.{sys.version_info[1]}"
 
 
@@ -60,16 +63,34 @@ def install(what: str, words: list[str], cure: str = "") -> bool:
     """One step of pip and its line: size and time, or why not and what to do."""
     print(f"{what:40s} … ", end="", flush=True)
     started, before = time.monotonic(), size_mb()
-    done = subprocess.run([*PIP, *words], capture_output=True, text=True, check=False)
-    if done.returncode == 0:
-        print(f"{size_mb() - before:5.0f} MB, {time.monotonic() - started:3.0f} s", flush=True)
+
+    def so_far() -> str:
+        return f"{size_mb() - before:5.0f} MB, {time.monotonic() - started:3.0f} s"
+
+    failed, told = run([*PIP, *words], lambda: f"{what:40s} … {so_far()}")
+    if not failed:
+        print(so_far(), flush=True)
         return True
-    faults = [line for line in done.stderr.splitlines() if line.startswith("ERROR")]
-    if cure and "No matching distribution" in done.stderr:
+    faults = [line for line in told.splitlines() if line.startswith("ERROR")]
+    if cure and "No matching distribution" in told:
         print(f"left out: no wheel for Python {PYTHON} on this machine.\n    {cure}", flush=True)
     else:
-        print("failed: " + "\n    ".join(faults or done.stderr.splitlines()[-3:]), flush=True)
+        print("failed: " + "\n    ".join(faults or told.splitlines()[-3:]), flush=True)
     return False
+
+
+def run(command: list[str], line: Callable[[], str]) -> tuple[bool, str]:
+    """Whether a command failed, and what it told; in a terminal a line grows while it runs."""
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    while True:
+        try:
+            _, told = process.communicate(timeout=EVERY_S if sys.stdout.isatty() else None)
+            break
+        except subprocess.TimeoutExpired:
+            print(f"\r{line()}", end="", flush=True)
+    if sys.stdout.isatty():  # what comes now stands where size and time were
+        print(f"\r{line().partition(' … ')[0]} … ", end="", flush=True)
+    return process.returncode != 0, told
 
 
 def how_to_build(requirements: list[str]) -> str:
