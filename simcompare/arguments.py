@@ -4,18 +4,28 @@ from __future__ import annotations
 
 import functools
 import inspect
+import re
 import types
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from numbers import Integral, Real
 from pathlib import Path, PurePath
 from typing import Any, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
 
-from simcompare.errors import InputError, UnknownName
+from simcompare.errors import InputError, SimcompareError, UnknownName
 
 Asked = ParamSpec("Asked")
 Given = TypeVar("Given")
 #: types that stand for more than their own instances, numbers of NumPy among them
 _KINDS: Mapping[Any, type] = {float: Real, int: Integral, Path: PurePath}
+#: options that are called otherwise here
+_ARGUMENTS = {
+    "map": "mapping", "unknown": "unknowns", "fix": "fixed", "prior": "priors", "as": "kind",
+    "u_time": "u_time_s", "time_limit": "time_limit_s",
+}  # fmt: skip
+_OPTION = re.compile(r"simcompare [a-z]+ [^;\n]*|--(?P<option>[a-z]+(?:-[a-z]+)*)")
+_by_options: ContextVar[bool] = ContextVar("_by_options", default=False)
 _WORDS: Mapping[Any, str] = {
     str: "text",
     Path: "a path",
@@ -38,9 +48,35 @@ def checked(function: Callable[Asked, Given]) -> Callable[Asked, Given]:
         ]
         if faults:
             raise InputError(function.__name__, faults)
-        return function(*args, **kwargs)
+        try:
+            return function(*args, **kwargs)
+        except SimcompareError as error:
+            if not _by_options.get():
+                error.args = tuple(_in_python(str(arg), hints) for arg in error.args)
+            raise
 
     return called
+
+
+@contextmanager
+def given_as_options() -> Iterator[None]:
+    """While the command line calls: what it was given are options, and errors name those."""
+    token = _by_options.set(True)
+    try:
+        yield
+    finally:
+        _by_options.reset(token)
+
+
+def _in_python(text: str, arguments: Collection[str]) -> str:
+    """A message with the names of arguments for options; commands in it stay as they are."""
+
+    def called(found: re.Match[str]) -> str:
+        word = (found["option"] or "").replace("-", "_")
+        names = [_ARGUMENTS.get(word, word), f"{word}s"]
+        return next((name for name in names if word and name in arguments), found[0])
+
+    return _OPTION.sub(called, text)
 
 
 def _bound(

@@ -123,3 +123,27 @@ def test_numbers_of_numpy_are_numbers():
     assert run.record.command[7:] == (
         "--step", "0.001s", "--contact", "default", "--seeds", "1",
     )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("verb", "given", "words"),
+    [
+        ("run", {"scenario": "ball", "step": "5"}, "step: a bare number is in seconds, and 5 s is"),
+        ("run", {"scenario": "ball", "seeds": 0}, "seeds: 0 is not a number of repeats"),
+        ("run", {"scenario": "ball", "time_limit_s": -1.0}, "time_limit_s: -1 s is not a time"),
+        ("run", {"scenario": "ball", "assist": "none", "contact": "tuned"}, "name it in contact"),
+        ("fit", {"recordings": []}, "recordings: no recording is given"),
+        ("fit", {"recordings": ["a"], "u_time_s": -1.0}, "u_time_s: -1 s is not an uncertainty"),
+        ("tune", {"restitution": "0,8"}, "restitution: '0,8' has a decimal comma; write 0.8"),
+        ("validate", {"scenario": "ball", "recording": "pendulum_free_swing"},
+         "simcompare validate ball --recording pendulum_free_swing --template --out ball_map.yaml"),
+    ],
+)  # fmt: skip
+def test_errors_name_the_arguments_and_commands_keep_their_options(verb, given, words):
+    with pytest.raises(InputError) as caught:
+        getattr(simcompare, verb)(**given)
+    assert words in str(caught.value)
+
+
+def test_the_command_line_is_told_its_options(call):
+    assert "--step: a bare number" in call("run", "ball", "--step", "5")[2]

@@ -282,7 +282,7 @@ def test_a_parameter_that_nothing_tells_is_refused(tmp_path):
 
 def test_options_of_bounces_are_refused(swings):
     recording, plan = swings
-    with pytest.raises(InputError, match="--prior"):
+    with pytest.raises(InputError, match="priors: pendulum is fitted"):
         fit.fit("pendulum", recordings=[recording], mapping=plan, priors={"length_m": (0.2, 0.1)})
 
 

@@ -17,6 +17,7 @@ from typing import Any
 
 import typer
 
+from simcompare import arguments
 from simcompare.cli import examples, manner, misplaced
 from simcompare.errors import OutputError, SimcompareError
 
@@ -40,7 +41,7 @@ class _Verbs(manner.Group):
 
     def invoke(self, ctx: Any) -> Any:  # noqa: ANN401
         try:
-            with _readers_may_leave():
+            with _readers_may_leave(), arguments.given_as_options():
                 return super().invoke(ctx)
         except SimcompareError as error:
             manner.show_error(error)
