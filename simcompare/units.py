@@ -61,7 +61,8 @@ _LOG_UNITS = {
     "rev/s": "turn/s", "rev/min": "turn/min", "r/min": "turn/min", "rpm": "turn/min",
     "RPM": "turn/min", "1/min": "turn/min", "°C": "degC", "%": "percent", "-": "1", "sec": "s",
     "secs": "s", "seconds": "s", "Volt": "V", "Volts": "V", "Ω": "ohm", "µs": "us", "μs": "us",
-    "µT": "uT", "μT": "uT", "s^-1": "1/s",
+    "U/min": "turn/min", "mdps": "millideg/s", "krpm": "kiloturn/min", "N.m": "N*m", "N-m": "N*m",
+    "oz-in": "inch*ozf", "oz.in": "inch*ozf", "µT": "uT", "μT": "uT", "s^-1": "1/s",
 }  # fmt: skip
 #: what pint reads as something else than a log means by it
 _NO_UNITS = ("px", "pixel", "pixels", "dB", "dBm", "LSB")
@@ -74,7 +75,10 @@ _USUAL = (
     "mbar", "V", "mV", "A", "mA", "uA", "K", "degC", "Hz", "kHz", "MHz", "T", "mT", "uT", "W", "mW",
     "kW", "J", "ohm", "percent",
 )  # fmt: skip
-_ANGLE = re.compile(r"\b(rad|deg|degree|degrees|radian|radians|turn|turns|revolution|rpm)\b")
+_ANGLE = re.compile(
+    r"\b(m|milli|u|µ|micro|k|kilo)?"
+    r"(rad|deg|degree|degrees|radian|radians|turn|turns|revolution|rpm)\b"
+)
 
 _SYMBOLS = {"**2": "²", "**3": "³", "*": "·", "ohm": "Ω"}
 _UNIT = re.compile(r"^[A-Za-zµμΩ°%][A-Za-zµμΩ°%\d_*/^·²³ -]*$")

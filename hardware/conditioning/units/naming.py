@@ -18,7 +18,7 @@ from simcompare.model.recording import Conversion
 
 #: columns whose name says that they measure an acceleration: there, g is no gram
 _ACCELERATION = re.compile(
-    r"acc|imu|specific.?force|(^|_)a[xyz]?($|_)|^g[xyz]?force", re.IGNORECASE
+    r"acc|imu|specific.?force|(^|[_ ])a[xyz]?($|[_ ])|^g[xyz]?force", re.IGNORECASE
 )
 #: what the times of a stream are called
 CLOCK = "time_s"
