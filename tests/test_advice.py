@@ -15,6 +15,7 @@ import typer.main
 from typer.core import TyperGroup
 
 from simcompare import cli
+from simcompare.engine import engines
 from simcompare.hardware.raw import IMPORT
 
 ROOT = Path(__file__).parent.parent
@@ -53,8 +54,11 @@ PRINTED_BY = {
     "backends": {"run", "fit", "validate", "characterize", "tune"},
     "scenarios": {"run", "fit", "validate", "export", "tune"},
 }
-#: options that an engine of the kit, or its program, has itself
-FOREIGN = {"--version"}
+#: options of programs, and those of tune that are called as engines call their numbers
+FOREIGN = {
+    "--version",
+    *(f"--{getattr(engines.get(name), 'typed_as', '')}" for name in engines.names()),
+}
 #: places that put a command for another verb together
 ELSEWHERE = (
     "reports/run/reproduce.py", "reports/characterization/page.py", "simcompare/verbs/request.py",
@@ -119,7 +123,8 @@ def faults(place: str, text: str) -> list[str]:
     wrong = []
     for verb, rest in _COMMAND.findall(text):
         if verb in options():
-            unknown = [o for o in _OPTION.findall(rest) if o not in options()[verb]]
+            named = {*_OPTION.findall(rest)} - FOREIGN
+            unknown = [option for option in named if option not in options()[verb]]
             wrong += [f"{verb} has no {option}" for option in unknown]
     rest = _COMMAND.sub("", text)
     for option in _OPTION.findall(rest):
