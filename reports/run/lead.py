@@ -19,12 +19,8 @@ WITHIN, OUTSIDE, NOTHING, UNJUDGED = "within", "outside", "nothing", "unjudged"
 MIXED, UNMEASURED = "mixed", "unmeasured"
 #: so many more digits are tried to show that a value is outside
 _MORE = 2
-#: an error below this part of its tolerance is none
-_NO_ERROR = 1e-3
 #: part of the largest value below which another is no more than rounding
 _ROUNDING = 1e-9
-#: part of the tolerance below which nobody looks
-_FAR_BELOW = 1e-6
 #: what rounding leaves of a part of a tolerance
 _EQUAL = 1e-9
 
@@ -93,9 +89,9 @@ class Lead:
         return f"0{self.after}"
 
     def clean(self, value: float) -> float:
-        """A value, 0 where it is no more than rounding beside others or far below the tolerance."""
-        least = max(_ROUNDING * self.size, _FAR_BELOW * (self.width or 0.0))
-        return 0.0 if abs(value) < least else value
+        """A value, 0 where it is no more than rounding beside others, or is 0 in the table."""
+        is_zero = self.decimals is not None and notation.is_zero(value, self.decimals)
+        return 0.0 if is_zero or abs(value) < _ROUNDING * self.size else value
 
     def off(self, value: float, width: float | None = None) -> float:
         """How far a value is from the truth, in tolerances."""
@@ -122,8 +118,8 @@ class Lead:
 
     def _at_most(self, sizes: Sequence[float]) -> str:
         """The largest of some errors in two digits; none at all far below the tolerance."""
-        largest = max(sizes)
-        if largest < _NO_ERROR * (self.width or 0.0):
+        largest = self.clean(max(sizes))
+        if largest == 0:
             return self.none
         many = "at most " if len(sizes) > 1 else ""
         return f"{many}{numbers.plain(largest, 2)}{self.after}"

@@ -36,9 +36,9 @@ def engines(names: Sequence[str], every: Sequence[str]) -> str:
 
 
 def in_how_many(names: Sequence[str], every: Sequence[str]) -> str:
-    """Where something happens, shortly: one or two by their names, more of them counted."""
-    few = len(names) <= _FEW and len(steps_together(names, every)) <= _FEW
-    return f"in {joined(steps_together(names, every)) if few else _count(names, every)}"
+    """Where something happens, shortly: all of one or two by their names, else counted."""
+    few = len(names) == len(every) <= _FEW
+    return f"in {joined(names) if few else _count(names, every)}"
 
 
 def _count(names: Sequence[str], every: Sequence[str]) -> str:
