@@ -17,7 +17,7 @@ def report(
     ),
     format: str = typer.Option(
         "html",
-        help="html, pdf (report with all figures), md, png or svg (the figures alone).",
+        help="html, pdf (all of it on paper), md (its tables), png or svg (its figures).",
         autocompletion=lambda: list(FORMATS),
     ),
     out: Path = typer.Option(
