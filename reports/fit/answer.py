@@ -77,7 +77,7 @@ def _restitution(fit: BouncesFit) -> list[str]:
         return []
     words = [
         fits.restitution_words(fit),
-        f"It holds for impacts at {fits.speeds(fit.valid.speed_m_s)} m/s.",
+        f"The fit holds for impacts at {fits.speeds(fit.valid.speed_m_s)} m/s.",
     ]
     if fit.engine_form is not None:
         words.append(f"Engines have no such law. They were fitted with: {fit.engine_form.text}.")
