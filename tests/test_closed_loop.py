@@ -147,7 +147,7 @@ def test_what_a_controller_raises_goes_on_as_it_is_with_engine_and_time():
 
 
 def test_what_is_no_function_is_no_controller():
-    with pytest.raises(InputError, match="5 is no function; expected one such as controller"):
+    with pytest.raises(InputError, match="controller=5: expected a function"):
         simcompare.control("robot", 5, engine=SPATIAL[0])
 
 

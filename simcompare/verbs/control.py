@@ -9,7 +9,6 @@ from simcompare.arguments import checked
 from simcompare.comparison.repeats import check_sample_step, one_step_s
 from simcompare.engine import engines
 from simcompare.engine.simulation import Controller
-from simcompare.errors import InputError
 from simcompare.model.settings import ASSISTED, Settings
 from simcompare.scenarios import catalogue
 from simcompare.verbs.controlled import Controlled
@@ -57,11 +56,6 @@ def control(
         Unsupported: the engine lacks what the scenario needs.
         Exception: whatever the controller raises, with a note of the engine and the time.
     """
-    if not callable(controller):
-        raise InputError(
-            "controller",
-            [f"{controller!r} is no function; expected one such as controller(time_s, readings)"],
-        )
     file = catalogue.load(str(scenario))
     values = file.read_settings(set or {})
     step_s = None if step is None else one_step_s(step)
