@@ -7,6 +7,8 @@
   const NARROW = 640, PAPER = 1000;
   // width of a letter, heights of a line of words and of the plot without its margins [px]
   const LETTER = 8.5, LINE = 20, PLOT = 320;
+  // height of the buttons above a figure, which must not hide its legend [px]
+  const BUTTONS = 26;
   // words that are longer than their place go on in a second line
   const folded = (text, width) => text.split("<br>").map((line) => line.split(" ").reduce((lines, word) => {
     const last = lines[lines.length - 1];
@@ -76,9 +78,9 @@
     const part = paper ? 0.65 : wide < NARROW && !layout.yaxis.ticktext ? 0.75 : 1;
     const height = place(layout, PLOT * Number(box.dataset.height) * part, wide);
     [...data, ...layout.shapes].forEach((one) => { if (one.showlegend) one.name = folded(one.name, wide - 130); });
-    const heads = layout.margin.t;
+    const heads = layout.margin.t, buttons = paper || wide < NARROW ? 0 : BUTTONS;
     const sized = (legend) => {
-      const margin = { ...layout.margin, t: heads + legend };
+      const margin = { ...layout.margin, t: heads + legend + buttons };
       return { margin, width: wide, height: height + margin.t + margin.b, legend: { ...layout.legend, y: 1 + heads / height } };
     };
     // the legend is measured, then given its place; a finger has no pointer to hover with
