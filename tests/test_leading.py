@@ -94,7 +94,7 @@ def test_repeats_that_differ_are_told_by_their_ends():
     assert any(x - u == pytest.approx(0.01) and x + u == pytest.approx(0.17) for x, u in bars)
     assert "from their lowest to their highest" in lead_figure(run).caption
     (row,) = [line for line in shown(run) if line.startswith("south")]
-    assert "0.0100 to" in row
+    assert "0.0100 to 0.1700" in row
 
 
 def test_no_scatter_is_no_bar_and_no_end_of_one():
