@@ -389,3 +389,29 @@ def test_numbers_are_told_for_every_restitution_of_a_scene(call, tmp_path):
     _, out, _ = call("run", str(tmp_path / "two"), *words)
     assert "Typed in for a restitution of 0.8: 0.80" in out
     assert "Typed in for a restitution of 0.5: 0.50" in out
+
+
+FINE = {"restitution": {"relative": None, "absolute": 5.9e-5, "reason": "Because it is fine."}}
+
+
+def test_a_small_end_of_a_range_and_a_small_scatter_are_no_zero():
+    values = {"north": -0.000401, "south": 0.00688, "west": 0.004}
+    run = answered(level("default", **values), truth=0.01954, tolerances=FINE)
+    assert "bounces with −0.00040 to 0.00688 (± 0.00100) in" in answer.sentences(run)[0]
+    run = answered(level("default", north=0.01954), truth=0.01954, tolerances=FINE)
+    run = changed(run, "north", scatter=2e-4)
+    assert "bounces with 0.01954 ± 0.00020 in north" in answer.sentences(run)[0]
+
+
+def test_a_scatter_below_the_last_digit_is_not_told():
+    run = changed(answered(level("tuned", north=0.8)), "north", scatter=2e-4)
+    assert "bounces with 0.800 in north" in answer.sentences(run)[0]
+
+
+def test_a_range_of_powers_of_ten_has_its_scatter_too():
+    tiny = {"restitution": {"relative": None, "absolute": 1e-9, "reason": "Because it is tiny."}}
+    values = {"north": 4e-6, "south": 6e-6, "west": 5e-6}
+    run = answered(level("default", **values), truth=0.0, tolerances=tiny)
+    for name in values:
+        run = changed(run, name, scatter=3e-8)
+    assert "4·10⁻⁶ to 6·10⁻⁶ (± 3·10⁻⁸)" in answer.sentences(run)[0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from simcompare import notation
@@ -109,10 +109,10 @@ class Lead:
         known = [row for row in rows if row.value is not None]
         if self.truth == 0 and known and all(row.kind != OUTSIDE for row in known):
             return self._at_most([abs(row.value or 0.0) for row in known])
-        text = "–"
+        text, places = "–", self._places([row.value or 0.0 for row in known])
         for more in range(_MORE + 1 if known else 0):
             text = self._range([(row.value or 0.0, row.scatter) for row in known], more)
-            if all(self._is_shown(row, more) for row in known):
+            if all(self._is_shown(row, places, more) for row in known):
                 break
         return text
 
@@ -132,39 +132,43 @@ class Lead:
         """The lowest and the highest repeat of a source."""
         return self.span(row.ends or ())
 
-    def _is_shown(self, row: Row, more: int) -> bool:
+    def _is_shown(self, row: Row, places: int | None, more: int) -> bool:
         """Whether so many further digits show that a value is outside, where it is."""
-        value = row.value or 0.0
-        places = self.places(value)
         if row.kind != OUTSIDE or places is None:
             return True
-        return abs(self.off(round(value, places + more), row.width)) > 1 + _EQUAL
+        value = round(row.value or 0.0, places + more)
+        return abs(self.off(value, row.width)) > 1 + _EQUAL
 
     def _range(self, pairs: Sequence[tuple[float, float | None]], more: int) -> str:
         """Values with their scatters, from the lowest to the highest; the same digits once."""
-        after = self.after
-        pairs = [(self.clean(value), u) for value, u in pairs]
-        (low, u), (high, _) = min(pairs, key=lambda p: p[0]), max(pairs, key=lambda p: p[0])
-        if self.places(high) is None:
-            if low == high:
-                return numbers.with_u(low, u, self.unit, self.truth, 4)
-            return " to ".join(dict.fromkeys(numbers.plain(v, 4) for v in (low, high))) + after
-        ends = dict.fromkeys(self._digits(value, more) for value in (low, high))
+        values = [self.clean(value) for value, _ in pairs]
+        scatters = [u for _, u in pairs if u and math.isfinite(u)]
+        low, high, places = min(values), max(values), self._places(values)
+        if places is None and low == high:
+            u = max(scatters, default=None)
+            return numbers.with_u(low, u, self.unit, self.truth, 4)
+        ends = dict.fromkeys(_digits(value, places, more) for value in (low, high))
         if len(ends) == 1:
             ends = dict.fromkeys(map(_without_zeros, ends))
-        scatters = {self._digits(u, more) for _, u in pairs if u and math.isfinite(u)}
-        largest = max(scatters, key=float, default="0")
-        if float(largest) == 0:
+        return self._with_scatter(
+            [*ends], dict.fromkeys(_digits(u, places, more, 2) for u in sorted(scatters))
+        )
+
+    def _with_scatter(self, ends: Sequence[str], scatters: Iterable[str]) -> str:
+        """One value or a range, and the largest of the scatters, where it is to be seen."""
+        after, known = self.after, [*scatters]
+        if not known or known[-1] == "0":
             return " to ".join(ends) + after
-        if len(ends) == len(scatters) == 1:
-            both = f"{next(iter(ends))} ± {largest}"
+        largest = known[-1]
+        if len(ends) == len(known) == 1:
+            both = f"{ends[0]} ± {largest}"
             return f"({both}){after}" if after else both
-        at_most = " at most" if len(scatters) > 1 else ""
+        at_most = " at most" if len(known) > 1 else ""
         return f"{' to '.join(ends)}{after} (± {largest}{after}{at_most})"
 
-    def _digits(self, value: float, more: int) -> str:
-        text = notation.fixed(value, (self.places(value) or 0) + more)
-        return text if text.strip("0.") else "0"
+    def _places(self, values: Sequence[float]) -> int | None:
+        """The same of several values, which all have the decimals of the largest."""
+        return self.places(max(map(abs, values), default=0.0))
 
     def places(self, value: float) -> int | None:
         """Decimals that the tolerance leaves, ``None`` where a power of ten reads better."""
@@ -230,6 +234,14 @@ def _lead(run: Run, measure: str, answer: Answer | None) -> Lead:
 def width_of(run: Run, score: Score) -> float | None:
     """The tolerance of a score, ``None`` where it has no truth."""
     return None if score.truth is None else runs.width(run, score)
+
+
+def _digits(value: float, places: int | None, more: int, few: int = 4) -> str:
+    """A value with so many decimals and some more, in few digits where they are not known."""
+    if places is None:
+        return numbers.plain(value, few)
+    text = notation.fixed(value, places + more)
+    return text if text.strip("0.") else "0"
 
 
 def _without_zeros(text: str) -> str:
