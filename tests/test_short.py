@@ -7,7 +7,7 @@ import pytest
 import simcompare
 from simcompare.comparison.comparison import FAIL
 from simcompare.model.settings import DEFAULT
-from simcompare.reports.run import runs
+from simcompare.reports.run import answer, runs
 from simcompare.reports.run.key_numbers import key_numbers
 from simcompare.reports.run.lead import lead_of
 from simcompare.reports.run.short import MAX_WORDS, short
@@ -174,3 +174,32 @@ def test_whatever_fails_is_counted_in_few_words(scenario):
         assert (number.verdict == "fail") == bool(failed)
         assert ("other value" in number.note) == bool(others)
         assert not others or f"{len(others)} other value" in number.note
+
+
+def unmeasured(values, truths):
+    """A run in which nothing has the leading measure, which has no truth; the other has these."""
+    run = answered([*level("default", **values), *level("tuned", **values)])
+    fields = {"restitution": {"value": None, "low": None, "high": None, "truth": None},
+              "settling_time": {"truth": truths, "tolerance": 0.1}}  # fmt: skip
+    scores = [replace(s, **fields[s.measure]) for s in run.record.scores if s.index is None]
+    scores = [replace(s, value=values[s.source], verdict="fail" if s.contact == "tuned" else "info")
+              if s.measure == "settling_time" else s for s in scores]  # fmt: skip
+    return records.changed(run, scores=tuple(scores))
+
+
+def test_where_the_leading_measure_has_no_value_the_first_judged_one_leads():
+    run = unmeasured({"north": 5.0, "south": 4.8}, 4.0)
+    told = (
+        "The restitution could not be measured.",
+        "By default and tuned, the settling time is 4.8 to 5.0 s instead of 4 s in north and south",
+    )
+    assert short(run) == (told[0], f"{told[1]}.")
+    assert answer.sentences(run)[0] == told[0]
+    default, tuned, truth = key_numbers(run)
+    assert (default.value, tuned.value, truth.value) == ("4.8 to 5.0 s", "4.8 to 5.0 s", "4 s")
+    assert (tuned.note, tuned.verdict) == ("0 of 2 within ±0.1 s", "fail")
+
+
+def test_an_error_that_is_too_large_is_told_beside_its_tolerance():
+    run = unmeasured({"north": 0.3, "south": 0.8}, 0.0)
+    assert "the settling time is 0.3 to 0.8 s (tolerance 0.1 s) in north" in " ".join(short(run))

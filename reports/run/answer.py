@@ -48,7 +48,7 @@ def sentences(run: Run) -> list[str]:
         lines.append("Nothing is judged: there the truth does not hold.")
     elif lead.truth is None and lines:
         lines.append(f"There is no truth to hold the {lead.words} against.")
-    return [*beyond, *lines] or ["Nothing was measured."]
+    return [*beyond, *lead.lacking, *lines] or ["Nothing was measured."]
 
 
 def _level(run: Run, lead: Lead, mode: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from simcompare import notation
 from simcompare.comparison.comparison import Score
@@ -43,6 +43,7 @@ class Lead:
         of_events: whether it is the mean over the events of a repeat, such as all its bounces.
         size: of the largest value, beside which others may be no more than rounding.
         decimals: how many are worth reading in a table, ``None`` where that is not known.
+        instead_of: the measure that should lead and has no value at all, else empty.
     """
 
     measure: str
@@ -54,6 +55,13 @@ class Lead:
     of_events: bool = False
     size: float = 0.0
     decimals: int | None = None
+    instead_of: str = ""
+
+    @property
+    def lacking(self) -> tuple[str, ...]:
+        """That what should lead has no value, as a sentence, where it is so."""
+        words = runs.measure_words(self.instead_of)
+        return (f"The {words} could not be measured.",) if words else ()
 
     @property
     def words(self) -> str:
@@ -204,12 +212,27 @@ class Row:
 
 
 def lead_of(run: Run) -> Lead | None:
-    """The measure that the scenario names, else the first that is judged or measured."""
+    """The measure that the scenario names, else the first that is judged or measured.
+
+    Where the named one has no value in any engine and no truth, the first judged one that has a
+    value leads.
+    """
     answer = run.record.answer
     measures = [*runs.judged(run), *runs.measures(run)]
-    if answer is not None and answer.measure in measures:
+    if answer is None or answer.measure not in measures:
+        return _lead(run, measures[0], None) if measures else None
+    scores = run.record.whole.values()
+    known = {score.measure for score in scores if _has_value(score)}
+    with_truth = {score.measure for score in scores if score.truth is not None}
+    others = [measure for measure in runs.judged(run) if measure in known]
+    if answer.measure in known | with_truth or not others:
         return _lead(run, answer.measure, answer)
-    return _lead(run, measures[0], None) if measures else None
+    return replace(_lead(run, others[0], None), instead_of=answer.measure)
+
+
+def _has_value(score: Score) -> bool:
+    """Whether something is known, of some repeats at least."""
+    return score.low is not None or (score.value is not None and math.isfinite(score.value))
 
 
 def lead_as(run: Run, measure: str) -> Lead:

@@ -69,17 +69,18 @@ class _Detail:
 
 def short(run: Run) -> tuple[str, ...]:
     """What the run answers, with as much detail as forty words hold."""
-    lead, beyond = lead_of(run), runs.beyond(run)
+    lead, first = lead_of(run), runs.beyond(run)
     if lead is None:
-        return (*beyond, "Nothing was measured.")
+        return (*first, "Nothing was measured.")
+    first += lead.lacking
     detail = _Detail()
     best = _told(run, lead, detail)
     for more in fields(_Detail):
         richer = replace(detail, **{more.name: True})
         told = _told(run, lead, richer)
-        if _words((*beyond, *told)) <= MAX_WORDS:
+        if _words((*first, *told)) <= MAX_WORDS:
             detail, best = richer, told
-    return (*beyond, *best) or ("Nothing was measured.",)
+    return (*first, *best) or ("Nothing was measured.",)
 
 
 def _words(sentences: Sequence[str]) -> int:
@@ -166,8 +167,15 @@ def _majority(
     new = _beyond_what_was_said(template, before[0])
     value = filled(run, lead, mode, new, Group(tuple(most)))
     is_new = (template, kind) != before
-    instead = f" instead of {lead.true}" if kind == OUTSIDE and lead.truth and is_new else ""
-    return f"{value}{instead} {where}"
+    return f"{value}{_instead(lead) if kind == OUTSIDE and is_new else ''} {where}"
+
+
+def _instead(lead: Lead) -> str:
+    """Beside what a value is off: the truth, of an error what is accepted, if none says it."""
+    if lead.truth:
+        return f" instead of {lead.true}"
+    is_said = lead.answer is not None or not lead.is_judged
+    return "" if is_said else f" (tolerance {lead.accepted}{lead.after})"
 
 
 def _beyond_what_was_said(template: str, before: str) -> str:
