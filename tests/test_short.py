@@ -203,3 +203,19 @@ def test_where_the_leading_measure_has_no_value_the_first_judged_one_leads():
 def test_an_error_that_is_too_large_is_told_beside_its_tolerance():
     run = unmeasured({"north": 0.3, "south": 0.8}, 0.0)
     assert "the settling time is 0.3 to 0.8 s (tolerance 0.1 s) in north" in " ".join(short(run))
+
+
+def test_an_engine_at_several_steps_is_counted_as_several_cases():
+    values = {f"{engine}@{at}ms": 0.8 for engine in ("north", "south") for at in (1, 2)}
+    run = answered(level("assisted", **values))
+    assert "settling time is off in all 4 cases" in short(run)[0]
+    run = met(answered(level("default", **values), truth=None))
+    assert key_numbers(run)[0].note == "4 of 4 cases"
+
+
+def test_a_cause_in_an_engine_at_several_steps_is_counted_as_several_cases():
+    values = {"north@1ms": 0.0, "north@2ms": 0.0, "north@4ms": 0.0, "south": 0.5}
+    run = answered(level("default", **values))
+    held = audit_row(DEFAULT)
+    run = with_sources(run, audit=[(held,)] * 3 + [(replace(held, read_value=0.8),)])
+    assert f"in 3 cases {CAUSE}" in short(run)[0]

@@ -9,7 +9,7 @@ from simcompare.model.answer import Cause
 from simcompare.model.settings import TUNED
 from simcompare.reports.run import audit, runs
 from simcompare.reports.run.lead import Lead
-from simcompare.reports.run.listing import joined
+from simcompare.reports.run.listing import joined, noun
 from simcompare.results.run import Run
 
 
@@ -36,7 +36,7 @@ class Shown:
             named: more engines than this are counted.
         """
         few = len(self.names) <= named
-        who = joined(self.names) if few else f"{len(self.names)} engines"
+        who = joined(self.names) if few else f"{len(self.names)} {noun(self.names)}"
         where = "" if list(self.names) == list(wrong) else f"in {who} "
         return f"{where}{self.says}{' (tuned sets it)' if cure and self.is_set else ''}"
 

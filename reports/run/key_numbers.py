@@ -11,7 +11,7 @@ from simcompare.reports.render.parts import KeyNumber
 from simcompare.reports.run import runs
 from simcompare.reports.run.lead import MIXED, NOTHING, WITHIN, Lead, Row, lead_of
 from simcompare.reports.run.lead_rows import rows_of
-from simcompare.reports.run.listing import in_how_many
+from simcompare.reports.run.listing import in_how_many, noun
 from simcompare.reports.run.misses import misses_of
 from simcompare.reports.run.templates import template_of
 from simcompare.results.run import Run
@@ -47,7 +47,7 @@ def _note(run: Run, lead: Lead, mode: str, rows: Sequence[Row]) -> str:
     """In how many engines the value is right, and how many other values are not."""
     names, known = [row.name for row in rows], sum(row.value is not None for row in rows)
     if not lead.is_judged:
-        return "not judged" if runs.beyond(run) else f"{known} of {len(rows)} engines"
+        return "not judged" if runs.beyond(run) else f"{known} of {len(rows)} {noun(names)}"
     within = sum(row.kind == WITHIN for row in rows)
     note = f"{within} of {len(rows)} within ±{lead.accepted}{lead.after}"
     misses = [] if mode in SHOWN_LEVELS else misses_of(run, lead, mode, names)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from simcompare.comparison.comparison import FAIL, Score
 from simcompare.reports.run import runs
 from simcompare.reports.run.lead import OUTSIDE, Lead, Row, lead_as
-from simcompare.reports.run.listing import joined
+from simcompare.reports.run.listing import in_how_many, joined
 from simcompare.results.run import Run
 
 #: more engines than this are counted
@@ -44,12 +44,20 @@ def misses_of(run: Run, lead: Lead, mode: str, names: Sequence[str]) -> list[Mis
     return found
 
 
-def said(run: Run, misses: Sequence[Miss], *, named: bool = True, value: bool = True) -> str:
+def said(
+    run: Run,
+    misses: Sequence[Miss],
+    every: Sequence[str],
+    *,
+    named: bool = True,
+    value: bool = True,
+) -> str:
     """The misses as half a sentence.
 
     Args:
         run: the run.
         misses: at least one.
+        every: all engines at the level.
         named: whether it is told what is off and where; else the misses are counted.
         value: whether the farthest value is told as well.
     """
@@ -59,12 +67,12 @@ def said(run: Run, misses: Sequence[Miss], *, named: bool = True, value: bool = 
         return f"{count} off"
     far = max(misses, key=lambda miss: max(_share(run, score) for score in miss.scores))
     names = list(dict.fromkeys(name for miss in misses for name in miss.names))
-    who = joined(names) if len(names) <= _NAMED else f"{len(names)} engines"
+    where = f"in {joined(names)}" if len(names) <= _NAMED else in_how_many(names, every)
     words = f"the {runs.measure_words(far.measure)}"
     told = _farthest(run, far) if value else ""
     if not several:
-        return f"but {words} is off in {who}{told}"
-    return f"but {count} are off in {who}" + (f", most of all {words}{told}" if value else "")
+        return f"but {words} is off {where}{told}"
+    return f"but {count} are off {where}" + (f", most of all {words}{told}" if value else "")
 
 
 def _farthest(run: Run, miss: Miss) -> str:

@@ -125,8 +125,8 @@ def _level(run: Run, lead: Lead, mode: str, detail: _Detail, before: _Said) -> s
 
 def _missed(run: Run, lead: Lead, mode: str, right: Sequence[str], detail: _Detail) -> list[str]:
     """What engines miss whose leading measure is right."""
-    misses = misses_of(run, lead, mode, right)
-    return [said(run, misses, named=detail.named, value=detail.far)] if misses else []
+    misses, every = misses_of(run, lead, mode, right), runs.ran(run, mode)
+    return [said(run, misses, every, named=detail.named, value=detail.far)] if misses else []
 
 
 def _with_cause(
