@@ -160,11 +160,26 @@ def test_digits_stand_below_each_other(fitted):
                 assert column.text or len(places) <= 1
 
 
-def test_the_sizes_of_the_gap_are_those_of_the_record(fitted):
-    (sizes,) = tables.gaps(fitted)
+def test_shares_of_the_gap_add_up(fitted):
+    sizes, shares = tables.gaps(fitted)
     record = plain(fitted)["gaps"]
+    keys = ("parameter", "cross", "model_form", "numerical", "noise", "excess")
+    for row, one in zip(cells(shares), record, strict=True):
+        assert sum(map(as_number, row[1:-1])) == pytest.approx(100, abs=0.05)
+        assert row[-1] == "100.00"
+        own = [100 * one["shares"][key] for key in keys]
+        assert list(map(as_number, row[1:-1])) == pytest.approx(own, abs=0.005)
     for row, one in zip(cells(sizes), record, strict=True):
         assert as_number(row[1]) == pytest.approx(one["total"], rel=0.01)
+
+
+@pytest.mark.parametrize("write", [builder.write_html, builder.write_markdown])
+def test_the_shares_of_the_gap_are_folded_and_in_every_format(fitted, tmp_path, write):
+    _, shares = tables.gaps(fitted)
+    assert shares.folded
+    text = write([fitted], tmp_path / "r").read_text(encoding="utf-8")
+    assert "How the parts add up (%)" in text
+    assert "Too much noise" in text
 
 
 @pytest.mark.parametrize(

@@ -121,7 +121,7 @@ def gaps(run: Run) -> list[Table]:
     rows = validations.validation(run).gaps
     if not rows:
         return []
-    return [_gap_sizes(run, rows)]
+    return [_gap_sizes(run, rows), _gap_shares(run, rows)]
 
 
 def _gap_sizes(run: Run, rows: Sequence[GapRecord]) -> Table:
@@ -179,6 +179,38 @@ def _small(value: float | None, scale: Scale) -> str:
     if value > 0 and float(text) == 0:
         return f"< {scale.text(10.0 ** (scale.power - scale.places))}"
     return text
+
+
+#: shares of a gap, and what they are called: together they are the whole
+_SHARES = {
+    "parameter": "Parameters alone",
+    "cross": "Shared with the rest",
+    "model_form": "Model form",
+    "numerical": "Numerical",
+    "noise": "Noise",
+    "excess": "Too much noise",
+}
+
+
+def _gap_shares(run: Run, rows: Sequence[GapRecord]) -> Table:
+    """How the shares of the squared gap add up to all of it."""
+    groups = [
+        Group(validations.titled(run, stream, validations.label(run, probe)),
+              tuple(_shares(row) for row in group))
+        for stream, probe, group in _grouped(rows, lambda row: row.probe)
+    ]  # fmt: skip
+    note = (
+        "Shares of the squared gap. “Shared with the rest” is negative where parameters and the"
+        " rest oppose each other; with “Parameters alone” it is what the fit took away. “Too much"
+        " noise”: by how much noise and numerical error exceed what is left."
+    )
+    columns = [Column(heading) for heading in (*_SHARES.values(), "Sum")]
+    return of_engines(columns, groups, note, "How the parts add up (%)")._replace(folded=True)
+
+
+def _shares(row: GapRecord) -> tuple[str, ...]:
+    parts = [getattr(row.shares, key) for key in _SHARES]
+    return (row.source, *(percent(part, 2) for part in (*parts, sum(parts))))
 
 
 def values(run: Run) -> Table | None:
