@@ -61,7 +61,7 @@ MODELS = {
     model.name: model
     for model in (
         Model("constant", "constant", False, "constant restitution, no drag"),
-        Model("power", "power", False, "restitution falling with a power of the speed, no drag"),
+        Model("power", "power", False, "restitution as a power of the speed, no drag"),
         Model("hunt_crossley", "hunt_crossley", False, "Hunt-Crossley contact, no drag"),
         Model("constant+drag", "constant", True, "constant restitution and air drag"),
         Model("hunt_crossley+drag", "hunt_crossley", True, "Hunt-Crossley contact and air drag"),
