@@ -6,6 +6,7 @@ import re
 import warnings
 from dataclasses import replace
 from html import unescape
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -566,3 +567,21 @@ def test_numbers_below_the_axes_are_written_whole():
     page = matplotlib_.canvas(Figure("p", "P", "C.", (figure,)))
     page.canvas.draw()
     assert page.axes[0].xaxis.get_offset_text().get_text() == ""
+
+
+# the terminal
+
+
+def test_the_command_says_how_far_the_fit_can_be_trusted_and_its_advice_works(call, tmp_path):
+    table = str(Path(__file__).parent.parent / "examples" / "my_ball.csv")
+    asked = ("fit", "ball", "-r", table, "--engine", "pymunk", "--no-report", "-o", str(tmp_path))
+    code, said, _ = call(*asked)
+    words = " ".join(said.split())
+    assert code == 0
+    assert "Other models fit as well and give 0.7859 to 0.7945 at 4 m/s." in words
+    assert "No drop was kept back (--hold-out), so the fit was not tested." in words
+    advice = re.search(r"such as (--fix \S+)\.", words)
+    code, said, _ = call(*asked, *advice[1].split())
+    assert code == 0
+    assert "terminal speed" in said
+    assert "fit as well" not in said

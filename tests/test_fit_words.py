@@ -1,9 +1,11 @@
 """Words of fits and validations: one thing, several things, and ranges with equal ends."""
 
+import re
 from dataclasses import replace
 
 import pytest
 
+from simcompare.fitting.bounces.bounce_models import MODELS
 from simcompare.reports.fit import answer, fits, form_words, identifiability_words, short
 from simcompare.reports.fit.measured_figures import reason_of
 from simcompare.reports.validation import phrases
@@ -115,6 +117,51 @@ def test_a_rival_with_the_same_restitution_is_told_with_one_number():
         "these fit about as well: falling; third",
         "their restitution is 0.6000 to 0.6100",
     )
+
+
+def chosen(**more):
+    return form(parameters={"restitution": unknown(0.61, 0.608, 0.612)}, **more)
+
+
+@pytest.mark.parametrize(
+    ("rivals", "words"),
+    [
+        ([], ()),
+        ([candidate("inside", 2.0, 0.611, drag=True)], ()),
+        ([candidate("far worse", 20.0, 0.7, drag=True)], ()),
+        ([candidate("drag", 2.0, 0.63, drag=True)],
+         ("Another model fits as well and gives 0.6300.",)),
+        ([candidate("drag", 2.0, 0.63, drag=True), candidate("power", 2.0, 0.609, law="power")],
+         ("Other models fit as well and give 0.6090 to 0.6300 at 4 m/s.",)),
+    ],
+)  # fmt: skip
+def test_models_that_disagree_beyond_the_95_percent_are_told(rivals, words):
+    found = choice(candidate("plain", 0.0), *rivals)
+    assert form_words.disagreement(found, chosen()) == words
+
+
+@pytest.mark.parametrize(
+    ("rival", "fixed", "words"),
+    [
+        (candidate("power", 2.0, law="power"), {}, None),
+        (candidate("drag", 2.0, drag=True), {"terminal_speed_m_s": 9.0}, None),
+        (candidate("drag", 2.0, drag=True), {}, "tell whether the air slows the ball"),
+        (candidate("both", 2.0, law="power", drag=True), {},
+         "tell air drag from a restitution that depends on speed"),
+    ],
+)  # fmt: skip
+def test_drag_that_is_not_told_from_the_rest_has_a_cure(rival, fixed, words):
+    told = form_words.cure(choice(candidate("plain", 0.0), rival), chosen(fixed=fixed))
+    assert told == (() if words is None else (
+        f"the data cannot {words}: give the terminal speed of your ball, such as"
+        " --fix terminal_speed=9m/s",
+    ))  # fmt: skip
+
+
+@pytest.mark.parametrize("model", MODELS.values())
+def test_a_model_does_not_say_that_the_restitution_falls_with_the_speed(model):
+    # the exponent that is found may have either sign
+    assert not re.search("falling|rising", model.text)
 
 
 def test_a_model_that_does_not_fit_is_told_with_its_error():

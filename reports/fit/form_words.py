@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from simcompare.reports.fit.identifiability_words import called
 from simcompare.reports.validation import phrases
-from simcompare.results.records.fit_forms import Candidate, Choice, Form
+from simcompare.results.records.fit_forms import REFERENCE_M_S, Candidate, Choice, Form
 
 #: a prior this many standard uncertainties from what the data say contradicts them
 CONTRADICTION = 3.0
@@ -92,9 +92,7 @@ def choice(found: Choice, best: Form) -> tuple[str, ...]:
     words = [f"best model: {first.text} ({found.criterion} {value:.1f}, weight {first.weight:.0%})"]
     if not rest:
         words = [f"model: {first.text}"]
-    rivals = [c for c in rest if _inf(c.delta) < RIVAL and c.weight > 0]
-    if rivals:
-        words += _ambiguous(first, rivals, drag_is_given=_SPEED in best.fixed)
+    words += _ambiguous(found, best)
     simple = next((c for c in rest if c.model == "constant"), None)
     if simple is not None and _inf(simple.delta) > EXCLUDED:
         words.append(_left_out(first, simple))
@@ -114,24 +112,69 @@ def _restitution(one: Candidate) -> float | None:
     return None if row is None else row.value
 
 
-def _ambiguous(
-    best: Candidate, rivals: Sequence[Candidate], *, drag_is_given: bool
-) -> list[str]:  # fmt: skip
+def _rivals(found: Choice) -> list[Candidate]:
+    """Closed forms that fit about as well as the chosen one."""
+    return [c for c in found.candidates[1:] if _inf(c.delta) < RIVAL and c.weight > 0]
+
+
+def _ambiguous(found: Choice, best: Form) -> list[str]:
     """What the data leave undecided, and what would decide it."""
-    among = [best, *rivals]
+    rivals = _rivals(found)
+    if not rivals:
+        return []
     who = "this fits" if len(rivals) == 1 else "these fit"
     words = [f"{who} about as well: {'; '.join(c.text for c in rivals)}"]
-    known = [f"{value:.4f}" for c in among if (value := _restitution(c)) is not None]
-    if known:
-        ends = phrases.ends(min(known), max(known))
-        words.append(f"their restitution is {ends}" if min(known) != max(known)
-                     else f"the restitution is the same in all of them, {ends}")  # fmt: skip
-    only_drag = any(c.drag and c.law == "constant" for c in among)
-    only_law = any(c.law != "constant" and not c.drag for c in among)
-    if only_drag and only_law and not drag_is_given:
-        words.append("the data cannot tell air drag from a restitution that depends on speed: give"
-                     " the terminal speed (--prior or --fix)")  # fmt: skip
-    return words
+    known, own = _restitutions(rivals), _restitutions(found.candidates[:1])
+    if known and own and _ends(own) == _ends(known):
+        words.append(f"the restitution is the same in all of them, {_ends(known)}")
+    elif known:
+        words.append(f"their restitution is {_ends(known)}")
+    return [*words, *cure(found, best)]
+
+
+def _restitutions(among: Sequence[Candidate]) -> list[float]:
+    return [value for c in among if (value := _restitution(c)) is not None]
+
+
+def _ends(known: Sequence[float]) -> str:
+    return phrases.ends(f"{min(known):.4f}", f"{max(known):.4f}")
+
+
+def disagreement(found: Choice, best: Form) -> tuple[str, ...]:
+    """What closed forms that fit as well give, where that is beyond the 95 % of the chosen one.
+
+    Args:
+        found: all closed forms.
+        best: the chosen one.
+    """
+    rivals, row = _rivals(found), best.parameters.get("restitution")
+    known = _restitutions(rivals)
+    if not known or row is None:
+        return ()
+    low, high = row.limits
+    if (low is None or low <= min(known)) and (high is None or max(known) <= high):
+        return ()
+    at = f" at {REFERENCE_M_S:g} m/s" if any(c.law != "constant" for c in rivals) else ""
+    who = "Another model fits as well and gives" if len(rivals) == 1 else (
+        "Other models fit as well and give")  # fmt: skip
+    return (f"{who} {_ends(known)}{at}.",)
+
+
+def cure(found: Choice, best: Form) -> tuple[str, ...]:
+    """What would tell apart closed forms that fit equally well.
+
+    Args:
+        found: all closed forms.
+        best: the chosen one.
+    """
+    among = [found.candidates[0], *_rivals(found)]
+    if _SPEED in best.fixed or len({c.drag for c in among}) == 1:
+        return ()
+    by_speed = any(c.law != "constant" for c in among)
+    what = "tell air drag from a restitution that depends on speed" if by_speed else (
+        "tell whether the air slows the ball")  # fmt: skip
+    return (f"the data cannot {what}: give the terminal speed of your ball, such as"
+            " --fix terminal_speed=9m/s",)  # fmt: skip
 
 
 def _left_out(best: Candidate, simple: Candidate) -> str:

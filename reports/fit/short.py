@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from simcompare.notation import capital
-from simcompare.reports.fit import fits
+from simcompare.reports.fit import fits, form_words
 from simcompare.reports.fit.fits import RESTITUTION
 from simcompare.reports.render import numbers
 from simcompare.reports.render.parts import KeyNumber
@@ -80,7 +80,8 @@ def engines_words(sources: Sequence[EngineRow]) -> str:
 
 
 def _of_bounces(found: BouncesFit) -> tuple[str, ...]:
-    return (fits.restitution_words(found), _engines(found))
+    rivals = form_words.disagreement(found.choice, found.closed_form)
+    return (fits.restitution_words(found), *rivals, _engines(found))
 
 
 def _engines(found: BouncesFit) -> str:

@@ -14,7 +14,7 @@ from simcompare.cli import console, ending, manner
 from simcompare.engine import engines
 from simcompare.model.settings import TUNED
 from simcompare.notation import sentence
-from simcompare.reports.fit import fits, short, summary_tables, tosses, tuned, waveforms
+from simcompare.reports.fit import fits, form_words, short, summary_tables, tosses, tuned, waveforms
 from simcompare.reports.fit import tables as fitted_tables
 from simcompare.reports.render.tables import printable
 from simcompare.results.records.fit_bounces import BouncesFit
@@ -64,11 +64,20 @@ def _show_remarks(found: AnyFit) -> None:
     """What was left out, what failed, and what the reader must not miss."""
     rows = [f"{s.name}: {s.failure}" for s in found.sources if s.status != "ok"]
     console.print_wrapped(map(printable, rows))
+    console.print_wrapped(sentence(printable(text)) for text in _limits(found))
     remarks = list(_remarks(found))
     most = len(remarks) if manner.is_verbose() else _FEW
     console.print_wrapped(sentence(printable(text)) for text in remarks[:most])
     if len(remarks) > most:
         typer.echo(f"{len(remarks) - most} more remarks: -v, or the report.")
+
+
+def _limits(found: AnyFit) -> Iterator[str]:
+    """How far a fit of bounces can be trusted; every reader is told."""
+    if isinstance(found, BouncesFit):
+        if form_words.disagreement(found.choice, found.closed_form):
+            yield from form_words.cure(found.choice, found.closed_form)
+        yield found.holdout.text
 
 
 def _remarks(found: AnyFit) -> Iterator[str]:
