@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from simcompare.comparison.against import matches
 from simcompare.comparison.comparison import Score
 from simcompare.hardware.recordings.bounce_table import BounceTable, Quantity
 from simcompare.model.plain import plain
+from simcompare.reports.sections.measurement import agreement
 
 UNITS = {"rebound_height": "m", "restitution": "1"}
 
@@ -88,3 +90,22 @@ def test_every_source_and_mode_is_held_against_every_value():
         ("default", "restitution", 1, None),
     ]
     json.dumps([plain(m) for m in found], allow_nan=False)
+
+
+@pytest.mark.parametrize(
+    ("inside", "words"),
+    [
+        ([True], "a agrees with the measurement."),
+        ([False], "a does not agree with the measurement."),
+        ([None], "it cannot be told whether the engines agree with the measurement."),
+        ([False, False], "no engine agrees with the measurement."),
+        ([True, False, False], "a agrees with the measurement."),
+        ([True, True], "a and b agree with the measurement."),
+        ([True, True, True], "all 3 engines agree with the measurement."),
+        ([True, None, False], "a agrees with the measurement. It cannot be told for b."),
+    ],
+)
+def test_who_agrees_with_a_measurement_is_said_in_plain_words(inside, words):
+    known = one(Quantity("rebound_height", 1, 0.64, 0.004), score(0.65, 0.003))
+    rows = [replace(known, source="abc"[i], inside=own) for i, own in enumerate(inside)]
+    assert agreement(rows) == words

@@ -280,15 +280,6 @@ def test_what_is_typed_in_and_what_contacts_cost():
 # lists
 
 
-@pytest.mark.parametrize(
-    ("part", "whole", "text"),
-    [(0, 3, "none of the 3 engines"), (2, 3, "2 of 3 engines"), (3, 3, "all 3 engines"),
-     (1, 1, "the one engine"), (0, 1, "not the one engine")],
-)  # fmt: skip
-def test_counts_in_words(part, whole, text):
-    assert listing.count_of(part, whole) == text
-
-
 def test_one_engine_in_several_rows_is_not_several_engines():
     assert listing.engines(["a", "b", "c"], ["a", "b", "c"]) == "all 3 engines"
     rows = ["a", "a@2ms", "a:rk4"]

@@ -348,9 +348,10 @@ def test_default_is_shown_and_not_judged(html):
     assert "✓" not in text
 
 
-def test_measurement_is_called_consistent_and_never_validated(html):
+def test_an_engine_agrees_with_a_measurement_and_is_never_called_validated(html):
     text = html(make_run(against=AGAINST))
-    assert "consistent with the measurement" in text
+    assert "By default, as it comes: north does not agree with the measurement." in text
+    assert "Assisted, with our helps: north agrees with the measurement." in text
     assert "validated" not in text.lower()
     for fact in ("A. Author, J. Phys. 1 (2020) 2", "in the abstract", "One ball.", "0.58 … 0.62"):
         assert fact in text

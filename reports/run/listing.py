@@ -63,12 +63,3 @@ def noun(every: Sequence[str]) -> str:
     """What sources are: one and the same engine may stand among them more than once."""
     bare = {name.partition("@")[0].partition(":")[0] for name in every}
     return "engines" if len(bare) == len(every) else "cases"
-
-
-def count_of(part: int, total: int, noun: str = "engine") -> str:
-    """``none of the 4 engines``, ``3 of 4 engines``, ``all 4 engines``, ``the one engine``."""
-    if total == 1:
-        return f"the one {noun}" if part else f"not the one {noun}"
-    if part == 0:
-        return f"none of the {total} {noun}s"
-    return f"all {total} {noun}s" if part == total else f"{part} of {total} {noun}s"

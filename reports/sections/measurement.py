@@ -10,13 +10,13 @@ from simcompare.reports.render import numbers
 from simcompare.reports.render.parts import Part
 from simcompare.reports.render.tables import Column, Group, of_engines
 from simcompare.reports.run import measurement_figures, runs
-from simcompare.reports.run.listing import count_of, grouped
+from simcompare.reports.run.listing import engines, grouped, joined, noun
 from simcompare.results.records.run import Measurement
 from simcompare.results.run import Run
 
 _INSIDE = {
-    True: "✓ consistent with the measurement",
-    False: "✗ not consistent with the measurement",
+    True: "✓ agrees with the measurement",
+    False: "✗ does not agree with the measurement",
     None: "· cannot be told",
 }
 _COLUMNS = (
@@ -87,10 +87,23 @@ def _row(match: Match) -> tuple[str, ...]:
 
 
 def _sentence(run: Run, mode: str) -> str:
-    """How many engines are consistent with every measured value."""
+    """Which engines agree with every measured value."""
     matches = [m for m in measurement_figures.matches_of(run) if m.contact == mode]
-    by_source = grouped((match.source, match.inside) for match in matches)
-    good = sum(all(inside) for inside in by_source.values())
-    are = "is" if good in (0, 1) or len(by_source) == 1 else "are"
-    subject = count_of(good, len(by_source))
-    return f"{capital(runs.mode_title(mode))}: {subject} {are} consistent with the measurement."
+    return f"{capital(runs.mode_title(mode))}: {agreement(matches)}"
+
+
+def agreement(matches: Sequence[Match]) -> str:
+    """Which engines of one contact level agree with every measured value, in a sentence or two."""
+    inside = grouped((match.source, match.inside) for match in matches)
+    good = [name for name, own in inside.items() if all(own)]
+    unknown = [name for name, own in inside.items() if None in own and False not in own]
+    if len(unknown) == len(inside):
+        return "it cannot be told whether the engines agree with the measurement."
+    words = f"{_agree(good, list(inside))} with the measurement."
+    return f"{words} It cannot be told for {joined(unknown)}." if unknown else words
+
+
+def _agree(good: Sequence[str], every: Sequence[str]) -> str:
+    if good:
+        return f"{engines(good, every)} {'agrees' if len(good) == 1 else 'agree'}"
+    return f"{every[0]} does not agree" if len(every) == 1 else f"no {noun(every)[:-1]} agrees"
