@@ -172,6 +172,15 @@ def test_numbers_at_the_x_axis_lie_flat():
     assert axis["nticks"] <= 5
 
 
+@pytest.mark.parametrize("limits", [(0.7835, 0.8175), (1.1, 10.9), (0.0, 1.0)])
+def test_also_a_narrow_axis_of_a_paper_has_three_numbers(limits):
+    narrow = panel(line([1.0, 2.0]), x_limits=limits)
+    page = matplotlib_.canvas(figure(narrow, panel(line([1.0, 2.0]), weight=9.0)))
+    page.draw_without_rendering()
+    low, high = limits
+    assert sum(low <= tick <= high for tick in page.axes[0].get_xticks()) >= 3
+
+
 # energy
 
 

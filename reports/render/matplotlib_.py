@@ -34,6 +34,8 @@ _SCREEN_DPI = 144
 _WIDTH, _SINGLE_WIDTH, _HEIGHT = 7.2, 5.0, 3.1
 #: powers of ten between which numbers are written whole
 _PLAIN = (-3, 6)
+#: numbers along an axis: a single one tells no scale
+_LEAST_TICKS = 3
 #: from pixels on a screen to points on paper
 _SCALE = 0.55
 #: size of a legend entry of 8 points without its text, and of a letter of it
@@ -195,6 +197,7 @@ def _frame(
         panel.y_ticks is None
     ):  # whole numbers where they read well, not differences from a number in a corner
         axes.ticklabel_format(axis="y", useOffset=False, scilimits=_PLAIN)
+        axes.locator_params(axis="y", min_n_ticks=_LEAST_TICKS)
     if panel.log_x:
         axes.set_xscale("log")
         axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
@@ -202,6 +205,7 @@ def _frame(
         axes.xaxis.set_minor_formatter(NullFormatter())
     elif panel.x_ticks is None:  # the same below the axes
         axes.ticklabel_format(axis="x", useOffset=False, scilimits=_PLAIN)
+        axes.locator_params(axis="x", min_n_ticks=_LEAST_TICKS)
     if y_range is not None:
         axes.set_ylim(*y_range)
     if panel.integer_x:

@@ -15,6 +15,21 @@
     return last && `${last} ${word}`.length > width / LETTER ? [...lines, word] : [...lines.slice(0, -1), last ? `${last} ${word}` : word];
   }, []).join("<br>")).join("<br>");
   const lines = (text) => text.split("<br>").length;
+  // one number along an axis tells no scale: the least count from which Plotly, whose steps are 2, 5
+  // and 10, sets so many numbers
+  const LEAST = 3;
+  const numbered = (axis) => {
+    const [low, high] = [...axis.range].sort((a, b) => a - b);
+    for (let count = axis.nticks || 5; count < 20; count += 1) {
+      const rough = (high - low) / count, power = 10 ** Math.floor(Math.log10(rough));
+      const step = power * [2, 5, 10].find((one) => one >= rough / power);
+      if (Math.floor(high / step) - Math.ceil(low / step) + 1 >= LEAST) return count;
+    }
+    return axis.nticks;
+  };
+  const counts = (layout) => Object.fromEntries(Object.entries(layout)
+    .filter(([key, axis]) => /^[xy]axis\d*$/.test(key) && axis.type !== "log" && !axis.tickvals && !axis.dtick)
+    .map(([key, axis]) => [`${key}.nticks`, numbered(axis)]));
   // fits what is written along an axis into so many pixels; returns the height that this takes
   const fitted = (axis, width) => {
     let high = 46;
@@ -87,7 +102,7 @@
     Plotly.react(box, data, { ...layout, ...sized(60) }, { ...OPTIONS, displayModeBar: wide < NARROW ? false : "hover" });
     const legend = box.querySelector(".legend .bg");
     const fits = sized(legend ? Math.ceil(legend.getBBox().height) + 6 : 0);
-    Plotly.relayout(box, fits);
+    Plotly.relayout(box, { ...fits, ...counts(box.layout) });
     Object.assign(box.style, { height: `${fits.height}px`, minHeight: 0 });
   };
   const boxes = [...document.querySelectorAll(".plot")], details = [...document.querySelectorAll("details")];
