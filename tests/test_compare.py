@@ -266,13 +266,26 @@ def test_a_run_beyond_the_range_of_the_truth_is_not_judged_and_says_why(sweep):
     (table,) = tables.tables(found, "restitution")
     assert [row[1] for row in table.groups[-1].rows] == ["none", "none"]
     _, assisted = words.short(found, "restitution")
-    assert assisted.endswith(": pymunk in the only run that is judged.")
+    assert assisted.endswith(": pymunk in 1 of 1 run.")
 
 
 def test_the_answer_counts_runs_within_the_tolerance_level_by_level(sweep):
     tuned, assisted = words.short(compared(sweep), "restitution")
     assert tuned.startswith("Tuned, restitution within its tolerance: pymunk in ")
     assert assisted == "Assisted, restitution within its tolerance: pymunk in 3 of 3 runs."
+
+
+def test_engines_of_one_run_alone_are_counted_in_that_run_and_come_last(sweep):
+    def more(rows, field):
+        others = ("ode", "dart", "rapier")
+        return (*rows, *(replace(row, **{field: name}) for row in rows for name in others))
+
+    first = sweep[0].record
+    wide = changed(
+        sweep[0], scores=more(first.scores, "source"), sources=more(first.sources, "name")
+    )
+    _, assisted = words.short(compared([wide, sweep[1]]), "restitution")
+    assert assisted.endswith(": pymunk in 2 of 2 runs; the other 3 in 1 of 1 run.")
 
 
 def test_the_page_begins_with_how_many_values_are_within_the_tolerance(sweep):

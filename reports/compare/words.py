@@ -23,6 +23,8 @@ _SIGNS = {"✓": PASS, "✗": FAIL, "(": "brackets", "–": "–"}
 Count = tuple[int, int]
 #: so many runs are listed one by one, and letters of their titles
 _FEW, _SHORT = 4, 60
+#: more engines than these at the end of a sentence are "the other …"
+_NAMED = 2
 
 
 def title(compared: Compared) -> str:
@@ -76,20 +78,18 @@ def _counts(compared: Compared, measure: str, level: str) -> dict[str, Count]:
 
 
 def _met(compared: Compared, measure: str, level: str, counts: Mapping[str, Count]) -> str:
-    total = len(compared.runs)
-    pairs = ((_of(*count, total), name) for name, count in counts.items())
-    every = list(counts)
-    told = [f"{engines(names, every)} in {of}" for of, names in grouped(pairs).items()]
+    pairs = ((count, name) for name, count in counts.items())
+    groups = sorted(grouped(pairs).items(), key=lambda group: len(group[1]))
+    *most, (count, last) = groups
+    told = [f"{engines(names, list(counts))} in {_of(*of)}" for of, names in most]
+    rest = f"the other {len(last)}" if most and len(last) > _NAMED else engines(last, list(counts))
+    told.append(f"{rest} in {_of(*count)}")
     words = runs.measure_words(measure)
     return f"{capital(runs.mode_words(level))}, {words} within its tolerance: {'; '.join(told)}."
 
 
-def _of(met: int, judged: int, total: int) -> str:
-    if judged == total:
-        return f"{met} of {total} runs"
-    if judged == 1:
-        return "the only run that is judged" if met else "no run that is judged"
-    return f"{met} of {judged} runs that are judged"
+def _of(met: int, judged: int) -> str:
+    return f"{met} of {judged} run{'s' * (judged > 1)}"
 
 
 def notes(compared: Compared) -> tuple[str, ...]:
