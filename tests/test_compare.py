@@ -21,7 +21,7 @@ from simcompare.reports.render.text_tables import lines
 from tests import validations
 from tests.records import changed
 
-TITLE = "Restitution, mean over all events of a repeat and 3 repeats"
+TITLE = "Restitution, mean of all events and 3 repeats"
 
 
 def many(run, heights):
@@ -401,7 +401,7 @@ def test_the_command_prints_a_table_and_where_the_files_are(sweep, call, tmp_pat
 def test_all_measures_and_one_of_them(sweep, call):
     folders = [run.folder for run in sweep]
     _, out, _ = call("compare", *folders, "--no-report", "--measure", "settling_time")
-    assert "\nSettling time in s, mean over 3 repeats\n" in out
+    assert "\nSettling time in s, mean of 3 repeats\n" in out
     _, out, _ = call("compare", *folders, "--no-report", "--measure", "all")
     for name in simcompare.compare(folders).measures:
         assert f"\n{name.replace('_', ' ').capitalize()}" in out

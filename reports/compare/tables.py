@@ -154,9 +154,5 @@ def _truth(lead: Lead) -> str:
 def _title(compared: Compared, leads: Sequence[Lead], level: str = "") -> str:
     lead, at = leads[0], f", {level}" if level else ""
     unit = "" if lead.unit in ("", "1") else f" in {lead.unit}"
-    means = ["all events of a repeat"] if lead.of_events else []
-    repeats = dict.fromkeys(str(run.record.repeats) for run in compared.runs)
-    if any(run.record.repeats > 1 for run in compared.runs):
-        means.append(f"{' or '.join(repeats)} repeats")
-    mean = f", mean over {' and '.join(means)}" if means else ""
+    mean = lead_table.mean_words(lead, [run.record.repeats for run in compared.runs])
     return f"{capital(lead.words)}{unit}{at}{mean}"

@@ -108,13 +108,19 @@ def _title(run: Run, lead: Lead | None) -> str:
     if lead is None:
         return ""
     unit = "" if lead.unit in ("", "1") else f" in {lead.unit}"
-    means = ["all events"] if lead.of_events else []
-    means += [f"{run.record.repeats} repeats"] if run.record.repeats > 1 else []
-    mean = f", mean of {' and '.join(means)}" if means else ""
+    mean = mean_words(lead, [run.record.repeats])
     accepted = "" if lead.width is None else f"; tolerance {_tolerances(run, lead)}"
     if runs.beyond(run):
         accepted = "; not judged, for the truth does not hold here"
     return f"{lead.words}{unit}{mean}{accepted}"
+
+
+def mean_words(lead: Lead, repeats: Sequence[int]) -> str:
+    """Of what a value is the mean, behind a comma; empty for a single one."""
+    means = ["all events"] if lead.of_events else []
+    if max(repeats) > 1:
+        means.append(f"{' or '.join(dict.fromkeys(map(str, repeats)))} repeats")
+    return f", mean of {' and '.join(means)}" if means else ""
 
 
 def _tolerances(run: Run, lead: Lead) -> str:
