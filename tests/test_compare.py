@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import re
 import shutil
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -413,6 +415,14 @@ def test_json_is_one_object_with_every_row(sweep, call):
     assert [run["drop_height_m"] for run in data["runs"]] == [0.3, 1.0, 2.0]
     assert {row["measure"] for row in data["rows"]} == set(data["measures"])
     assert data["page"] is None
+
+
+def test_who_reads_no_line_of_it_has_the_page_too(sweep, tmp_path):
+    page, folder = tmp_path / "page.html", sweep[0].folder.parent
+    command = [sys.executable, "-m", "simcompare", "compare", str(folder), "-o", str(page)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as process:
+        process.stdout.close()
+    assert page.is_file()
 
 
 def test_the_page_lies_beside_the_runs(sweep, call):

@@ -35,13 +35,13 @@ def compare(
 
     opening.check(opened, report=report)
     found = verb.compare(runs, None if measure == ALL else measure)
-    if not as_json:
-        _show(found, every=measure == ALL or manner.is_verbose())
+    # written before anything is printed: who reads a few lines alone has the files, too
     table = found.to_csv(csv) if csv is not None else None
     page = found.report(out) if report else None
     if as_json:
         console.print_json(_plain(found, page))
     else:
+        _show(found, every=measure == ALL or manner.is_verbose())
         places = {"Table": table, "Page": page}
         for what, path in places.items():
             if path is not None:
