@@ -50,8 +50,12 @@ def test_truth_and_tolerance_are_marked_in_both():
 
 
 def test_values_that_are_all_near_need_one_panel_in_their_own_unit():
-    (panel,) = lead_figure(answered(level("assisted", north=0.801, south=0.8))).panels
+    figure = lead_figure(answered(level("assisted", north=0.801, south=0.8)))
+    (panel,) = figure.panels
     assert panel.x_label == "restitution"
+    assert panel.title == "", "there is nothing to tell it from"
+    assert "Arrows" not in figure.caption
+    assert "–" not in figure.caption
     assert by_label(panel)["assisted"].x == pytest.approx([0.801, 0.8])
 
 
@@ -66,6 +70,7 @@ def test_levels_of_a_row_stand_below_each_other_in_their_order():
 def test_what_is_beyond_is_an_arrow_with_its_number():
     run = answered([*level("tuned", north=0.8, south=9e5), *level("assisted", north=0.8)])
     whole, near = lead_figure(run).panels
+    assert "Arrows at an edge" in lead_figure(run).caption
     for panel in (whole, near):
         arrow = panel.series[1]
         assert arrow.style.marker == "triangle-right"
@@ -77,13 +82,14 @@ def test_what_was_not_measured_is_a_dash_and_what_did_not_run_says_why():
     run = changed(answered(level("tuned", north=0.8, south=0.8, west=None)), "south", value=None)
     (panel,) = lead_figure(run).panels
     assert [(round(note.y), note.text) for note in panel.notes] == [(1, "–"), (2, "– failed")]
+    assert lead_figure(run).caption.endswith("– could not be measured.")
 
 
-def test_a_level_at_which_a_source_did_not_run_is_a_dash():
+def test_a_level_at_which_a_source_did_not_run_says_why_where_that_is_known():
     run = answered([*level("tuned", north=0.8, south=None), *level("assisted", south=0.8)])
     (panel,) = lead_figure(run).panels
     # north was not asked for at the second level, and south failed at the first
-    assert sorted((round(note.y), note.text) for note in panel.notes) == [(0, "–"), (1, "–")]
+    assert sorted((round(note.y), note.text) for note in panel.notes) == [(0, "–"), (1, "– failed")]
 
 
 def test_repeats_that_differ_are_told_by_their_ends():

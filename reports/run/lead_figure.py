@@ -13,7 +13,7 @@ from simcompare.notation import capital
 from simcompare.reports.render.figures import Figure, Note, Panel, Series, Span, spread
 from simcompare.reports.render.styles import Style
 from simcompare.reports.run import runs
-from simcompare.reports.run.lead import NOTHING, Lead, Row, lead_of
+from simcompare.reports.run.lead import Lead, Row, lead_of
 from simcompare.reports.run.lead_rows import rows_of
 from simcompare.results.run import Run
 from simcompare.running.jobs import OK
@@ -30,6 +30,10 @@ _STYLES = {
 _MIN_HALF, _MAX_HALF = 3.0, 15.0
 #: the whole shows at most so many times the truth beyond it
 _WHOLE = 1.5
+#: in place of a value
+_DASH = "–"
+#: markers at the edge of a panel
+_ARROWS = {True: "triangle-left", False: "triangle-right"}
 #: part of a panel's width that is left free at its ends
 _MARGIN = 0.05
 #: bars below this part of a panel's width are hidden by their point
@@ -79,10 +83,13 @@ def lead_figure(run: Run) -> Figure | None:
     if near is not None and all(near.holds(value) for value in values):
         scales = [near]
     panels = tuple(_panel(run, lead, by_mode, scale, i) for i, scale in enumerate(scales))
+    caption = _caption(run, lead, panels)
+    if len(panels) == 1:  # a name tells panels apart
+        panels = (replace(panels[0], title=""),)
     rows = len(runs.names(run)) * (len(by_mode) + 0.6)
     height = min(max(_FRAME + _ROW * rows, _MIN_HEIGHT), _MAX_HEIGHT)
     title = f"{capital(lead.words)} in every engine"
-    return Figure("answer", title, _caption(run, lead, scales), panels, True, height)
+    return Figure("answer", title, caption, panels, True, height)
 
 
 def _near(lead: Lead, rows: dict[str, list[Row]]) -> _Scale | None:
@@ -116,18 +123,21 @@ def _panel(run: Run, lead: Lead, by_mode: dict[str, list[Row]], scale: _Scale, p
     series: list[Series] = []
     notes: list[Note] = []
     drawn = {row.name for mode in modes for row in by_mode[mode]}
+    left = scale.low + scale.free
     for mode in modes:
         shift = spread(list(by_mode).index(mode), len(by_mode), _SPREAD)
         at = {row.name: row for row in by_mode[mode]}
-        none = {name: Row(name, None, None, NOTHING) for name in drawn if name not in at}
-        places = [
-            (i + shift, {**at, **none}[name]) for i, name in enumerate(names) if name in drawn
-        ]
+        places = [(i + shift, at[name]) for i, name in enumerate(names) if name in at]
         made, beside = _drawn(lead, mode, places, scale)
         series += made
         notes += beside
+        notes += [
+            Note(left, i + shift, _missing(run, name, [mode]), colour=_style(mode).colour)
+            for i, name in enumerate(names)
+            if name in drawn and name not in at
+        ]
     notes += [
-        Note(scale.low + scale.free, float(i), _missing(run, name))
+        Note(left, float(i), _missing(run, name, modes))
         for i, name in enumerate(names)
         if name not in drawn
     ]
@@ -142,7 +152,7 @@ def _drawn(
     lead: Lead, mode: str, places: Sequence[tuple[float, Row]], scale: _Scale
 ) -> tuple[list[Series], list[Note]]:
     """Points of one level with their scatter; arrows at the edge and dashes where there is none."""
-    style = _STYLES.get(mode, Style("#882255", marker="star"))
+    style = _style(mode)
     inside, arrows, notes = [], [], []
     for y, row in places:
         if row.value is None and row.ends is not None and scale.holds(sum(row.ends) / 2):
@@ -165,9 +175,13 @@ def _drawn(
     for left in (True, False):
         ends = [(x, y, 0.0) for x, y, one in arrows if one == left]
         if ends:
-            arrow = replace(style, marker="triangle-left" if left else "triangle-right")
+            arrow = replace(style, marker=_ARROWS[left])
             made += _points(mode, arrow, ends, scale)
     return made, notes
+
+
+def _style(mode: str) -> Style:
+    return _STYLES.get(mode, Style("#882255", marker="star"))
 
 
 def _points(
@@ -208,13 +222,13 @@ def _tolerance(truth: float, width: float, rows: tuple[float, float] | None = No
     return Span(truth - width, truth + width, "tolerance", rows)
 
 
-def _missing(run: Run, name: str) -> str:
-    """What became of a source of which nothing can be drawn."""
-    states = {s.status for s in run.record.sources if s.name == name} - {OK}
-    return f"– {', '.join(sorted(states))}"
+def _missing(run: Run, name: str, modes: Sequence[str]) -> str:
+    """What became of a source that did not run at these levels."""
+    states = {s.status for s in run.record.sources if s.name == name and s.contact in modes} - {OK}
+    return f"{_DASH} {', '.join(sorted(states))}".strip()
 
 
-def _caption(run: Run, lead: Lead, scales: Sequence[_Scale]) -> str:
+def _caption(run: Run, lead: Lead, panels: Sequence[Panel]) -> str:
     parts = ["One row for each engine, one symbol for each level"]
     repeats = run.record.repeats
     if repeats > 1:
@@ -230,8 +244,12 @@ def _caption(run: Run, lead: Lead, scales: Sequence[_Scale]) -> str:
     text = f"{'; '.join(parts)}."
     if lead.of_events:
         text += f" The {lead.words} is the mean over all events of a repeat."
-    if len(scales) > 1:
-        text += f" The panel “{scales[-1].title}” shows what is judged, and the tolerance."
+    if len(panels) > 1:
+        text += f" The panel “{panels[-1].title}” shows what is judged, and the tolerance."
     if len(lead.widths) > 1:
         text += " Each row has its own tolerance."
-    return f"{text} Arrows at an edge point to values beyond it; – was not measured."
+    if any(row.style.marker in _ARROWS.values() for panel in panels for row in panel.series):
+        text += " Arrows at an edge point to values beyond it."
+    if any(note.text == _DASH for panel in panels for note in panel.notes):
+        text += " – could not be measured."
+    return text
