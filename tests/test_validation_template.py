@@ -25,6 +25,7 @@ from simcompare.inference.plan import (
 )
 from simcompare.scenarios import catalogue
 from simcompare.verbs.validation_template import template
+from tests.validated import swing
 
 PARTS = (Plan, Known, ReadOff, Compared, Driven, Happened, Window, Calibration, ClockPlan)
 
@@ -74,10 +75,10 @@ def test_the_one_channel_in_a_unit_is_filled_in_and_others_are_named(log):
     text = template("motor_step", recording=log)
     compare = yaml.safe_load(text)["validate"]["compare"]
     assert compare["angle_rad"] == {"channel": "hinge_rad"}
-    assert compare["current_A"] == {"channel": "?"}
     assert (
-        'current_A: {channel: "?"}   # Current of the motor [A]; no channel has this unit' in text
+        '# current_A: {channel: "?"}   # Current of the motor [A]; no channel has this unit' in text
     )
+    assert {*compare} == {"angle_rad"}
     assert 'supply: {channel: "?"}   # one of hinge_rad, supply_V' in text
 
 
@@ -88,8 +89,48 @@ def test_a_log_without_units_is_asked_for_them_in_the_same_file(tmp_path, monkey
     tree = yaml.safe_load(template("pendulum", recording="raw.csv"))
     assert tree["time"] == {"column": "t", "unit": "?"}
     assert tree["channels"] == {"a": {"column": "a", "unit": "?"}}
-    # a channel without a unit may be anything; it is the only one
-    assert tree["validate"]["compare"]["angle_rad"] == {"channel": "a"}
+    # a channel without a unit may be anything; it is the only one, so it leads
+    assert tree["validate"]["compare"] == {"angle_rad": {"channel": "a"}}
+    assert {one["channel"] for one in tree["validate"]["start"].values()} == {"a"}
+
+
+def test_a_template_of_a_log_with_other_units_leaves_the_choice_to_the_user(log):
+    compare = yaml.safe_load(template("sliding_block", recording=log))["validate"]["compare"]
+    assert compare == {name: {"channel": "?"} for name in ("position_m", "speed_m_s")}
+
+
+@pytest.mark.parametrize(
+    ("name", "starts"),
+    [
+        ("pendulum", {"start_angle_rad": 0, "start_rate_rad_s": 1}),
+        ("sliding_block", {"start_position_m": 0, "start_speed_m_s": 1}),
+        ("motor_step", {"start_rate_rad_s": 0}),
+        ("odometry", {"start_x_m": 0, "start_y_m": 0}),
+        ("ball", None),
+    ],
+)
+def test_what_a_probe_shows_of_the_start_is_read_off_it(name, starts):
+    plan = plans.of_tree(
+        yaml.safe_load(template(name).replace('"?"', "some_channel"))["validate"], "map.yaml"
+    )
+    assert {key: one.derivative for key, one in plan.start.items()} == (starts or {})
+
+
+def test_a_swing_without_units_is_validated_when_the_template_is_filled_in(call, tmp_path):
+    time_s, angle = swing(0.5)
+    rows = "\n".join(f"{t:.2f},{np.degrees(a):.4f}" for t, a in zip(time_s, angle, strict=True))
+    raw, place = tmp_path / "raw.csv", tmp_path / "map.yaml"
+    raw.write_text(f"t,a\n{rows}\n", encoding="utf-8")
+    text = template("pendulum", recording=str(raw))
+    filled = text.replace('unit: "?"', "unit: s", 1).replace('unit: "?"', "unit: deg", 1)
+    place.write_text(filled, encoding="utf-8")
+    known = ("length=0.25m", "damping=4e-4", "friction=0")
+    code, out, err = call(
+        "validate", "pendulum", "-r", raw, "--map", place, "--engine", "pymunk", "--no-report",
+        "--out", tmp_path, *(word for one in known for word in ("--set", one)),
+    )  # fmt: skip
+    assert (code, err) == (0, "")
+    assert float(re.search(r"is off by ([\d.]+)°", out)[1]) < 1
 
 
 def test_the_command_of_the_message_makes_a_mapping_with_which_it_runs(call, log, tmp_path):
@@ -100,11 +141,8 @@ def test_the_command_of_the_message_makes_a_mapping_with_which_it_runs(call, log
     assert command, err
     assert call(*shlex.split(command[1])) == (0, "pendulum_map.yaml\n", "")
     place = tmp_path / "pendulum_map.yaml"
-    text = place.read_text(encoding="utf-8")
-    place.write_text(
-        "".join(row for row in text.splitlines(keepends=True) if '"?"' not in row), encoding="utf-8"
-    )
-    code, _, err = call(*words, "--map", "pendulum_map.yaml", "--set", "start_angle=0.5rad")
+    assert place.is_file()
+    code, _, err = call(*words, "--map", "pendulum_map.yaml")
     assert (code, err) == (0, "")
 
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from simcompare import measures, units
 from simcompare.hardware.mapping import UNKNOWN
-from simcompare.model.scenario import Scenario
+from simcompare.inference.starts import starts_of
+from simcompare.model.scenario import Probe, Scenario
 from simcompare.scenarios.scenario_file import ScenarioFile
 
 #: keys that are wanted now and then, as a line each; ``{}`` is filled in by the scenario
@@ -28,6 +29,9 @@ _CALIBRATE = (
     "#   chosen_knowing: true   # where the streams were chosen after seeing what the others say",
 )
 
+#: a start is read off so many samples, or so long where their spacing is not known [s]
+_SAMPLES, _OVER_S = 8, 0.1
+
 
 @dataclass(frozen=True)
 class Candidate:
@@ -36,10 +40,12 @@ class Candidate:
     Attributes:
         name: what the plan calls it.
         unit: its SI unit; ``?`` where the log does not say.
+        step_s: time between its samples [s]; ``None`` where the log does not say.
     """
 
     name: str
     unit: str
+    step_s: float | None = None
 
 
 def of_scenario(file: ScenarioFile, channels: Sequence[Candidate] = ()) -> str:
@@ -51,7 +57,12 @@ def of_scenario(file: ScenarioFile, channels: Sequence[Candidate] = ()) -> str:
     """
     scene = file.resolve()
     lines = ["validate:", f"  scenario: {file.name}", *_compare(scene, channels)]
-    lines += [*_inputs(scene, channels), *_events(scene), *_parameters(file), *_start(file)]
+    lines += [
+        *_inputs(scene, channels),
+        *_events(scene),
+        *_start(file, scene, channels),
+        *_parameters(file),
+    ]
     fitted = file.fit.parameters if file.fit else list(file.parameters)[:2]
     lines += [f"  {line.format(parameters=', '.join(fitted))}" for line in _CALIBRATE]
     lines += [f"  {line}" for line in _MORE]
@@ -62,10 +73,19 @@ def _compare(scene: Scenario, channels: Sequence[Candidate]) -> Iterator[str]:
     yield "  compare:   # what is simulated: the channel that measured it; the first one leads"
     yield "    # a line may also have u: 0.01 (standard uncertainty), offset: 0.0 (is added to the"
     yield "    # channel), judged: false (only aligns the clocks)"
+    usable = _usable(scene, channels)
     for name, probe in scene.probes.items():
-        fitting = _fitting(units.si_of(probe.unit, name)[2], channels)
+        fitting = _fitting(probe, channels)
         about = f"{probe.label} [{probe.unit}]{_hint(fitting, channels)}"
-        yield f"    {name}: {{channel: {_chosen(fitting)}}}   # {about}"
+        mark = "" if name in usable else "# "
+        yield f"    {mark}{name}: {{channel: {_chosen(fitting)}}}   # {about}"
+
+
+def _usable(scene: Scenario, channels: Sequence[Candidate]) -> list[str]:
+    """Probes that a channel may have measured; all where none fits, for the user to decide."""
+    fitting = [name for name, probe in scene.probes.items() if _fitting(probe, channels)]
+    # one channel without a unit may be anything, but only one thing
+    return fitting[: 1 if len(channels) == 1 else None] or list(scene.probes)
 
 
 def _inputs(scene: Scenario, channels: Sequence[Candidate]) -> Iterator[str]:
@@ -94,13 +114,29 @@ def _parameters(file: ScenarioFile) -> Iterator[str]:
         yield f"  #   {name}: {{value: {one.value!r}, u: 0.0, source: ...}}   # {one.text}"
 
 
-def _start(file: ScenarioFile) -> Iterator[str]:
-    yield "  # start:   # read off the recording where the window begins: a parabola through over_s"
-    for name in [name for name in file.parameters if name.startswith("start")] or ["PARAMETER"]:
-        yield f"  #   {name}: {{channel: ..., over_s: 0.05, derivative: 0, offset: 0.0}}"
+def _start(file: ScenarioFile, scene: Scenario, channels: Sequence[Candidate]) -> Iterator[str]:
+    starts = starts_of(file.parameters, scene.probes, _usable(scene, channels))
+    mark = "" if starts else "# "
+    yield f"  {mark}start:   # read off the recording where the window begins, over so many seconds"
+    for name, start in starts.items():
+        fitting = _fitting(scene.probes[start.probe], channels)
+        keys = f"channel: {_chosen(fitting)}, over_s: {_over_s(channels)}"
+        keys += ", derivative: 1" if start.derivative else ""
+        what = "the rate of change of " if start.derivative else ""
+        yield f"    {name}: {{{keys}}}   # {what}{start.probe}"
+    begun = [name for name in file.parameters if name.startswith("start") and name not in starts]
+    for name in begun or ([] if starts else ["PARAMETER"]):
+        yield f"    # {name}: {{channel: ..., over_s: 0.05, derivative: 0, offset: 0.0}}"
 
 
-def _fitting(unit: str, channels: Sequence[Candidate]) -> list[str]:
+def _over_s(channels: Sequence[Candidate]) -> str:
+    """For how long a start is read off: some samples of the slowest channel."""
+    steps = [channel.step_s for channel in channels if channel.step_s is not None]
+    return f"{max(0.05, _SAMPLES * max(steps)) if steps else _OVER_S:.2g}"
+
+
+def _fitting(probe: Probe, channels: Sequence[Candidate]) -> list[str]:
+    unit = units.si_of(probe.unit, probe.label)[2]
     return [channel.name for channel in channels if channel.unit in (unit, UNKNOWN)]
 
 

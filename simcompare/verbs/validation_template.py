@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import yaml
 
 from simcompare import units
@@ -14,7 +15,7 @@ from simcompare.hardware import importing
 from simcompare.hardware.mapping import UNKNOWN
 from simcompare.inference import plan_template, sources
 from simcompare.inference.plan_template import Candidate
-from simcompare.model.recording import Recording
+from simcompare.model.recording import Recording, Stream
 from simcompare.scenarios import catalogue
 
 
@@ -65,11 +66,16 @@ def _without_plan(path: Path) -> str:
 
 def _channels(recording: Recording) -> list[Candidate]:
     found = {
-        name: Candidate(name, channel.unit)
+        name: Candidate(name, channel.unit, _step_s(stream))
         for stream in recording.streams.values()
         for name, channel in stream.channels.items()
     }
     return list(found.values())
+
+
+def _step_s(stream: Stream) -> float | None:
+    steps = np.diff(stream.time_s)
+    return float(np.median(steps)) if len(steps) else None
 
 
 def _columns(tree: dict[str, Any]) -> Iterator[Candidate]:
