@@ -1,5 +1,6 @@
 """The answer of a validation in plain words."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -7,7 +8,8 @@ import pytest
 from simcompare.alignment.clock_line import Alignment
 from simcompare.model.recording import Repair
 from simcompare.reports.validation import answer
-from simcompare.results.records.validation import HELD_OUT, SAME, SpreadRecord
+from simcompare.reports.validation.short import short
+from simcompare.results.records.validation import HELD_OUT, SAME, ApartRecord, SpreadRecord
 from tests.validations import (
     LOG,
     compared,
@@ -214,10 +216,38 @@ def test_an_ambiguous_alignment_is_told_first():
     assert "with certainty (b):" in text(two)
 
 
+def apart(**more):
+    found = {"stream": "log", "parameter": "start_angle_rad", "channel": "angle", "over_s": 0.05,
+             "simulated": math.pi / 2, "measured": math.pi / 6, "unit": "rad"}  # fmt: skip
+    return ApartRecord(**(found | more))
+
+
+def test_a_simulation_that_begins_elsewhere_is_told_first_and_nothing_is_advised():
+    found = record(apart=[apart()])
+    first = (
+        "The simulation starts at 90°, the log at 30°: add start: {start_angle_rad: {channel:"
+        " angle}} under validate: in the mapping."
+    )
+    assert answer.sentences(found)[0] == first
+    assert "Next:" not in text(found)
+    assert short(found) == (first, "The simulated angle from hanging is off by 1.15° (RMS).")
+
+
+def test_a_start_is_read_off_as_the_channel_is_compared():
+    found = record(apart=[apart(channel="arm 1", over_s=0.27, offset=-0.1)])
+    assert '{channel: "arm 1", over_s: 0.27, offset: -0.1}' in short(found)[0]
+    two = [apart(), apart(stream="b"), apart(stream="b", parameter="start_x_m", channel="x")]
+    found = record(apart=two, cases=[segment("log"), segment("b")])
+    assert (
+        "the log at 30° on log: add start: {start_angle_rad: {channel: angle}, start_x_m:"
+        in (short(found)[0])
+    )
+
+
 def test_a_window_that_was_cut_is_told():
-    short = segment("b", short=True, duration_s=4.25)
-    assert "The log ends early: only 4.25 s are judged." in text(record(cases=[short]))
-    assert "only 4.25 s of b are judged" in text(record(cases=[segment("a"), short]))
+    cut = segment("b", short=True, duration_s=4.25)
+    assert "The log ends early: only 4.25 s are judged." in text(record(cases=[cut]))
+    assert "only 4.25 s of b are judged" in text(record(cases=[segment("a"), cut]))
     assert "ends early" not in text(record())
 
 

@@ -202,3 +202,21 @@ def test_an_unknown_key_of_a_plan_is_answered_with_the_nearest(change, words):
     with pytest.raises(InputError) as caught:
         plans.of_tree(tree, "map.yaml")
     assert words % "is not known here; known, the nearest first:" in str(caught.value)
+
+
+def test_a_log_that_begins_elsewhere_says_so_first_and_the_cure_works(call, log, tmp_path):
+    place = tmp_path / "map.yaml"
+    mapping = "validate:\n  scenario: pendulum\n  compare: {angle_rad: {channel: hinge}}\n"
+    place.write_text(mapping, encoding="utf-8")
+    words = ("validate", "pendulum", "-r", log, "--map", place, "--engine", "pymunk", "--no-report")
+    code, out, err = call(*words)
+    assert (code, err) == (0, "")
+    told = " ".join(out.split())
+    assert told.startswith("The simulation starts at 90°, the log at 28.6°: add start: ")
+    assert "Next:" not in out
+    cure = re.search(r"add (start: .*) under validate: in the mapping\.", told)[1]
+    place.write_text(f"{mapping}  {cure}\n", encoding="utf-8")
+    code, out, err = call(*words)
+    assert (code, err) == (0, "")
+    assert "starts at" not in out
+    assert "Nothing was fitted." in out

@@ -6,7 +6,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from simcompare.model.recording import REPAIR, WARNING
-from simcompare.reports.validation import answer_basis, answer_gap, answer_values, phrases
+from simcompare.reports.validation import (
+    answer_basis,
+    answer_gap,
+    answer_values,
+    beginnings,
+    phrases,
+)
 from simcompare.results.records.validation import SAME, Validation, ValueRecord
 
 
@@ -40,6 +46,7 @@ def sentences(validation: Validation) -> list[str]:
     if not validation.waveforms and not validation.timings:
         return ["No engine ran, so nothing can be said."]
     return [
+        *beginnings.sentences(validation),
         *_clocks(validation),
         *_cut(validation),
         *answer_gap.sentences(validation),

@@ -119,7 +119,8 @@ def _same_pairs(fit: CalibrationRecord) -> list[tuple[str, str, float]]:
 def advice(validation: Validation) -> Iterator[str]:
     """What to do first to learn more."""
     step = _advice(validation)
-    if step:
+    # what begins elsewhere says nothing of the parameters or the model
+    if step and not validation.apart:
         yield f"Next: {step}"
 
 

@@ -158,11 +158,13 @@ def _digits(value: float) -> str:
 
 def size_span(values: Sequence[float], unit: str) -> str:
     """The least and the greatest of some sizes, in a unit that a person uses."""
+    return ends(*sizes((min(values), max(values)), unit))
+
+
+def sizes(values: Sequence[float], unit: str) -> list[str]:
+    """Some sizes, all in the one unit that a person uses for the largest."""
     factor, symbol = people_unit(unit, values)
-    low, high = (
-        sized(factor * end, symbol).replace(" °", "°") for end in (min(values), max(values))
-    )
-    return ends(low, high)
+    return [sized(factor * value, symbol).replace(" °", "°") for value in values]
 
 
 def noise_of(validation: Validation, stream: str, probe: str) -> float | None:

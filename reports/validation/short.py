@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from simcompare.reports.render.parts import KeyNumber
-from simcompare.reports.validation import answer_gap, answer_values, phrases
+from simcompare.reports.validation import answer_gap, answer_values, beginnings, phrases
 from simcompare.results.records.validation import SAME, Validation
 
 
@@ -11,6 +11,8 @@ def short(validation: Validation) -> tuple[str, ...]:
     """How far simulation and recording are apart, and whether that was to be expected."""
     if not validation.waveforms and not validation.timings:
         return ("No engine ran.",)
+    if validation.apart:
+        return (*beginnings.sentences(validation), *_gap(validation))
     return (*_unsure(validation), *_gap(validation), *_values(validation), _basis(validation))
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from simcompare import measures, units
 from simcompare.hardware.mapping import UNKNOWN
-from simcompare.inference.starts import starts_of
+from simcompare.inference import starts
 from simcompare.model.scenario import Probe, Scenario
 from simcompare.scenarios.scenario_file import ScenarioFile
 
@@ -29,8 +29,8 @@ _CALIBRATE = (
     "#   chosen_knowing: true   # where the streams were chosen after seeing what the others say",
 )
 
-#: a start is read off so many samples, or so long where their spacing is not known [s]
-_SAMPLES, _OVER_S = 8, 0.1
+#: a start is read off so long where the spacing of the samples is not known [s]
+_OVER_S = 0.1
 
 
 @dataclass(frozen=True)
@@ -115,24 +115,24 @@ def _parameters(file: ScenarioFile) -> Iterator[str]:
 
 
 def _start(file: ScenarioFile, scene: Scenario, channels: Sequence[Candidate]) -> Iterator[str]:
-    starts = starts_of(file.parameters, scene.probes, _usable(scene, channels))
-    mark = "" if starts else "# "
+    found = starts.starts_of(file.parameters, scene.probes, _usable(scene, channels))
+    mark = "" if found else "# "
     yield f"  {mark}start:   # read off the recording where the window begins, over so many seconds"
-    for name, start in starts.items():
+    for name, start in found.items():
         fitting = _fitting(scene.probes[start.probe], channels)
         keys = f"channel: {_chosen(fitting)}, over_s: {_over_s(channels)}"
         keys += ", derivative: 1" if start.derivative else ""
         what = "the rate of change of " if start.derivative else ""
         yield f"    {name}: {{{keys}}}   # {what}{start.probe}"
-    begun = [name for name in file.parameters if name.startswith("start") and name not in starts]
-    for name in begun or ([] if starts else ["PARAMETER"]):
+    begun = [name for name in file.parameters if name.startswith("start") and name not in found]
+    for name in begun or ([] if found else ["PARAMETER"]):
         yield f"    # {name}: {{channel: ..., over_s: 0.05, derivative: 0, offset: 0.0}}"
 
 
 def _over_s(channels: Sequence[Candidate]) -> str:
     """For how long a start is read off: some samples of the slowest channel."""
     steps = [channel.step_s for channel in channels if channel.step_s is not None]
-    return f"{max(0.05, _SAMPLES * max(steps)) if steps else _OVER_S:.2g}"
+    return f"{starts.over_s(max(steps)) if steps else _OVER_S:.2g}"
 
 
 def _fitting(probe: Probe, channels: Sequence[Candidate]) -> list[str]:

@@ -9,6 +9,8 @@ from simcompare import units
 from simcompare.model.scenario import Probe
 
 _PREFIX = "start_"
+#: a start is read off so many samples, and at least so long [s]
+_SAMPLES, _LEAST_S = 8, 0.05
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,15 @@ def starts_of(
         elif direct.get(name) in usable:
             found[name] = Start(direct[name], 0)
     return found
+
+
+def over_s(step_s: float) -> float:
+    """For how long a start is read off a channel [s].
+
+    Args:
+        step_s: time between its samples [s].
+    """
+    return max(_LEAST_S, _SAMPLES * step_s)
 
 
 def _bare(name: str) -> str:

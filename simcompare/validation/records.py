@@ -25,6 +25,7 @@ from simcompare.results.records.validation import (
     SegmentRecord,
     Validation,
 )
+from simcompare.validation.beginnings import apart
 from simcompare.validation.signals import gaps, spread, waveforms
 from simcompare.validation.timings import timing
 from simcompare.validation.values import agreement, values
@@ -86,6 +87,7 @@ def of_validation(done: Compared) -> Validation:
         ),
         agreement=tuple(agreement(rows)),
         alignments=tuple(one.alignment for one in segments),
+        apart=tuple(row for one in segments for row in apart(plan, one, fit)),
     )
 
 

@@ -242,6 +242,31 @@ class AgreementRecord(Birge):
 
 
 @dataclass(frozen=True, kw_only=True)
+class ApartRecord:
+    """A segment that does not begin where its simulation does.
+
+    Attributes:
+        stream: of the recording.
+        parameter: the scenario's own value of it says where the simulation starts.
+        channel: what the parameter could be read off.
+        offset: is added to the channel.
+        over_s: for how long it is read [s].
+        simulated: where the simulation starts.
+        measured: where the recording starts.
+        unit: of both.
+    """
+
+    stream: str
+    parameter: str
+    channel: str
+    offset: float = 0.0
+    over_s: float
+    simulated: float
+    measured: float
+    unit: str
+
+
+@dataclass(frozen=True, kw_only=True)
 class Validation:
     """Simulations held against a recording.
 
@@ -265,6 +290,7 @@ class Validation:
         spread: how far the engines are from each other.
         agreement: whether the engines agree in each value.
         alignments: of the clock of each segment; ``None`` where it was not aligned.
+        apart: segments that do not begin where the simulation does.
         sentences: the answer in words.
     """
 
@@ -287,6 +313,7 @@ class Validation:
     spread: tuple[SpreadRecord, ...] = ()
     agreement: tuple[AgreementRecord, ...] = ()
     alignments: tuple[Alignment | None, ...] = ()
+    apart: tuple[ApartRecord, ...] = ()
     sentences: tuple[str, ...] = ()
 
     @property
