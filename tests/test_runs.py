@@ -167,10 +167,20 @@ def test_clean_lists_and_asks_first(tmp_path, record, call, monkeypatch):
     folder = store(tmp_path / "runs" / "one", record)
     for answer, is_left in (("n", True), ("y", False)):
         monkeypatch.setattr("typer.confirm", lambda *_, answer=answer, **__: answer == "y")
-        code, out, _ = call("runs", "--clean", "--keep", 0)
+        code, _, err = call("runs", "--clean", "--keep", 0)
         assert code == 0
-        assert "To delete in runs: 1 run, 0.1 MB, of 1 run, 0.1 MB" in out
+        assert "To delete in runs: 1 run, 0.1 MB, of 1 run, 0.1 MB" in err
         assert folder.exists() == is_left
+
+
+@pytest.mark.parametrize(("words", "out"), [(["-q"], ""), (["--json"], '{"deleted": []}\n')])
+def test_what_is_to_go_is_named_where_it_is_asked(tmp_path, record, call, monkeypatch, words, out):
+    store(tmp_path / "runs" / "one", record)
+    monkeypatch.setattr("typer.confirm", lambda *_, **__: False)
+    code, told, err = call("runs", "--clean", "--keep", 0, *words)
+    assert (code, told) == (0, out)
+    assert err.index("one") < err.index("To delete in runs: 1 run")
+    assert err.endswith("Nothing was deleted.\n")
 
 
 def test_clean_deletes_nothing_where_nobody_can_be_asked(tmp_path, record, call, monkeypatch):
@@ -178,7 +188,7 @@ def test_clean_deletes_nothing_where_nobody_can_be_asked(tmp_path, record, call,
     monkeypatch.setattr("sys.stdin", io.StringIO())
     code, _, err = call("runs", "--clean", "--keep", 0)
     assert code == 2
-    assert "nothing was deleted; add --yes" in err
+    assert err.endswith("\nsimcompare: --clean: nobody answered, nothing was deleted; add --yes\n")
     assert folder.exists()
 
 
@@ -193,6 +203,29 @@ def test_a_folder_with_files_of_others_is_kept_and_named(tmp_path, record, call)
     _, out, _ = call("runs", "--clean", "--keep", 0, "--yes")
     assert "Kept: runs/one holds files that are not ours: notes.txt" in out
     assert len(everything(folder)) == 4
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ('{"format": 2,', "cannot be read: it is cut off or damaged in line 1"),
+        ('{"format": 9}', "a newer simcompare wrote it (format 9, known to 2); update simcompare"),
+        (
+            '{"format": 1, "scenario": "x.*", "sources": 1, "software": 2}',
+            "cannot be read: title: field required",
+        ),
+        ("[]", "holds a list, not an object"),
+    ],
+)
+def test_what_cannot_be_read_is_kept_with_the_reason(tmp_path, record, call, text, says):
+    folder = store(tmp_path / "runs" / "my ball", record)
+    (folder / "run.json").write_text(text, encoding="utf-8")
+    _, out, _ = call("runs", "--clean", "--keep", 0, "--yes")
+    assert "Kept: runs/my ball: its run.json" in out
+    assert says in " ".join(out.split())
+    assert " ".join(out.split()).endswith("To delete it yourself: rm -r 'runs/my ball'")
+    assert out.endswith("\n  rm -r 'runs/my ball'\n")
+    assert len(everything(folder)) == 3
 
 
 @st.composite
@@ -240,7 +273,7 @@ def test_clean_deletes_exactly_what_it_listed(tmp_path_factory, record, layout, 
     assert everything(base) == before - listed
     assert not any(run.folder.exists() for run in going)
     kept = {int(run.folder.name) for run in going}
-    assert all(layout[i][0] == set() and layout[i][1] in ("whole", "wrong") for i in kept)
+    assert all(layout[i][0] == set() and layout[i][1] == "whole" for i in kept)
     shutil.rmtree(base)
 
 

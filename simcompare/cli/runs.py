@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import shlex
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -132,10 +135,12 @@ def _clean(
 ) -> None:
     from simcompare.results import stored_runs
 
-    if not as_json:
-        _announce(folder, found, going)
     if going and not yes:
-        _ask(f"Delete {_count(going)}? They cannot be brought back.")
+        with contextlib.redirect_stdout(sys.stderr):  # the list is part of the question
+            _announce(folder, found, going)
+        going = going if _agreed(f"Delete {_count(going)}? They cannot be brought back.") else []
+    elif not as_json:
+        _announce(folder, found, going)
     stored_runs.delete(going)
     if as_json:
         console.print_json({"deleted": [_plain(run) for run in going]})
@@ -152,7 +157,17 @@ def _announce(folder: Path, found: list[StoredRun], going: list[StoredRun]) -> N
     typer.echo(f"To delete in {folder}: {_count(going)}, of {_count(found)}")
     for run in found:
         if not can_go(run):
-            typer.echo(f"Kept: {run.folder} holds files that are not ours: {', '.join(run.others)}")
+            _keep(run)
+
+
+def _keep(run: StoredRun) -> None:
+    """Says why a run stays, and what deletes it all the same."""
+    if run.record is not None:
+        others = ", ".join(run.others)
+        console.print_wrapped([f"Kept: {run.folder} holds files that are not ours: {others}"])
+        return
+    console.print_wrapped([f"Kept: {run.folder}: its run.json {run.fault}. To delete it yourself:"])
+    typer.echo(f"  rm -r {shlex.quote(str(run.folder))}")
 
 
 def _count(runs: list[StoredRun]) -> str:
@@ -160,12 +175,13 @@ def _count(runs: list[StoredRun]) -> str:
     return f"{len(runs)} {'run' if len(runs) == 1 else 'runs'}, {size}"
 
 
-def _ask(question: str) -> None:
-    """Ends the command where the user says no, or nobody can be asked."""
+def _agreed(question: str) -> bool:
+    """Whether the user says yes; an error where nobody can be asked."""
     try:
         agreed = typer.confirm(question, err=True)
     except typer.Abort:
+        typer.echo(err=True)  # the question still stands on the line
         raise InputError("--clean", ["nobody answered, nothing was deleted; add --yes"]) from None
     if not agreed:
-        typer.echo("Nothing was deleted.")
-        raise typer.Exit
+        typer.echo("Nothing was deleted.", err=True)
+    return agreed

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -23,8 +22,6 @@ _OURS = (RECORD, TRAJECTORIES, SCORES, FIT, "report.html", "report.pdf", "report
 _PICTURES, _PICTURE = "figures", r"(run1-)?{scenario}-[\w.-]+\.(png|svg)"
 #: what a new folder is called after
 _STAMP = re.compile(r"(\d{4})(\d\d)(\d\d)-(\d\d)(\d\d)(\d\d)")
-#: keys that every record of ours has, of every format
-_KEYS = {"format", "scenario", "sources", "software"}
 
 
 @dataclass(frozen=True, repr=False)
@@ -36,7 +33,7 @@ class StoredRun:
         record: what its run.json says, ``None`` where it is damaged.
         fault: why it cannot be read; empty where it can.
         created: date and time, ISO 8601; empty where neither record nor name tells it.
-        files: what we wrote there.
+        files: what we wrote there; none where its run.json cannot be read: nothing says so then.
         others: what else lies there, by name.
         size_bytes: of our files.
     """
@@ -123,8 +120,8 @@ def chosen(
 
 
 def can_go(run: StoredRun) -> bool:
-    """Whether a run is ours, and nothing else lies in its folder."""
-    return bool(run.files) and not run.others
+    """Whether a run can be read, so it is ours, and nothing else lies in its folder."""
+    return run.record is not None and not run.others
 
 
 def delete(runs: Iterable[StoredRun]) -> None:
@@ -160,9 +157,9 @@ def _read(folder: Path) -> StoredRun:
         record = stored.read(folder / RECORD)
     except InputError as error:
         fault = "; ".join(error.faults)
-    scenario = _scenario(folder / RECORD) if record is None else record.scenario
-    files = () if scenario is None else tuple(_files(folder, scenario))
-    others = {_name(folder, path) for path in _inside(folder)} - {_name(folder, f) for f in files}
+    files = () if record is None else tuple(_files(folder, record.scenario))
+    inside = () if record is None else tuple(_inside(folder))
+    others = {_name(folder, path) for path in inside} - {_name(folder, path) for path in files}
     size = sum(path.lstat().st_size for path in files)
     created = _created(folder, record)
     return StoredRun(folder, record, fault, created, files, tuple(sorted(others)), size)
@@ -198,16 +195,6 @@ def _files(folder: Path, scenario: str) -> Iterator[Path]:
 
 def _name(folder: Path, path: Path) -> str:
     return path.relative_to(folder).as_posix()
-
-
-def _scenario(path: Path) -> str | None:
-    """The scenario in a run.json of ours that is damaged, ``None`` where it is not ours."""
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return None
-    ours = isinstance(data, dict) and set(data) >= _KEYS
-    return str(data["scenario"]) if ours else None
 
 
 def _created(folder: Path, record: Record | None) -> str:

@@ -28,8 +28,10 @@ def read(path: Path) -> Record:
     """
     try:
         data = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
-    except (OSError, ValueError, RecursionError) as error:
-        raise InputError(str(path), [f"cannot be read: {error}"]) from None
+    except OSError as error:
+        raise InputError(str(path), [f"cannot be read: {error.strerror or error}"]) from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(str(path), [f"cannot be read: {_damage(error)}; run it again"]) from None
     try:
         return of_plain(data)
     except InputError as error:
@@ -44,6 +46,7 @@ def of_plain(data: object) -> Record:
     """
     if not isinstance(data, dict):
         raise InputError("record", [f"holds a {type(data).__name__}, not an object"])
+    _check_age(data.get("format"))
     _expect("format", data.get("format"), (FIRST_FORMAT, FORMAT))
     if data["format"] == FIRST_FORMAT:
         data = of_today(data, FORMAT)
@@ -54,9 +57,29 @@ def of_plain(data: object) -> Record:
         raise InputError("record", plain.faults(error)) from None
 
 
+def _damage(error: ValueError | RecursionError) -> str:
+    """What is wrong with a text that should be JSON."""
+    if isinstance(error, json.JSONDecodeError):
+        return f"it is cut off or damaged in line {error.lineno}"
+    if isinstance(error, _NoNumber):
+        return str(error)
+    return "it is damaged"
+
+
+class _NoNumber(ValueError):
+    """A word that Python takes for a number and JSON does not."""
+
+
 def _refuse(constant: str) -> float:
     """NaN and Infinity are no numbers of JSON, and none that was written."""
-    raise ValueError(f"{constant} is no number")
+    raise _NoNumber(f"{constant} is no number")
+
+
+def _check_age(number: object) -> None:
+    """Refuses a format that only a newer simcompare knows."""
+    if type(number) is int and number > FORMAT:
+        fault = f"cannot be read: a newer simcompare wrote it (format {number}, known to {FORMAT})"
+        raise InputError("record", [f"{fault}; update simcompare"])
 
 
 def _expect(name: str, value: object, known: tuple[object, ...]) -> None:
