@@ -24,6 +24,7 @@ class Cause(Frozen):
 class Answer(Frozen):
     """The leading measure, and half a sentence for each thing that can become of it.
 
+    ``nothing`` says in words what does not happen; its value is 0.
     Without ``outside`` that of ``within`` is said there as well, so it must not say "right".
     ``{value}`` stands for the leading measure, ``{name}`` for another one. The words ``in`` and
     the names of engines follow, so each template must also be true of several engines: "the ball
@@ -64,6 +65,8 @@ class Answer(Frozen):
                 if name not in (*measured, VALUE):
                     known = (VALUE, *measured)
                     found[key] = str(UnknownName("measured value", name, known))
+                if key == "nothing" and name in (VALUE, self.measure):
+                    found[key] = f"takes no {{{name}}}, which is 0 here; say it in words alone"
         for i, cause in enumerate(self.causes):
             if cause.quantity not in held:
                 wrong = UnknownName("quantity of a contact or joint", cause.quantity, held)
@@ -78,7 +81,11 @@ def placeholders(template: str) -> Iterator[str]:
         ValueError: a brace has no partner, or more than a name stands in one: how a value is
             written follows from its tolerance.
     """
-    for _, name, form, conversion in Formatter().parse(template):
+    try:
+        parts = list(Formatter().parse(template))
+    except ValueError:
+        raise ValueError("a { or } stands alone") from None
+    for _, name, form, conversion in parts:
         if form or conversion:
             raise ValueError(f"{{{name}}} takes no format")
         if name is not None:
