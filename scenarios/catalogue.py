@@ -89,7 +89,7 @@ def find(name: str) -> Path:
     if is_file:
         return path
     if is_folder:
-        inside = path / f"{path.resolve().name}.yaml"
+        inside = path / f"{path.resolve().name or 'NAME'}.yaml"
         if not inside.is_file():
             raise InputError(
                 str(path), [f"a scenario folder holds {inside.name}, this one does not"]

@@ -46,6 +46,11 @@ def checked(function: Callable[Asked, Given]) -> Callable[Asked, Given]:
             for name, value in given.items()
             if not fits(value, hints[name])
         ]
+        faults += [
+            f"{name}={value!r} is empty; expected {words(hints[name])}"
+            for name, value in given.items()
+            if _takes_path(hints[name]) and _is_empty(value)
+        ]
         if faults:
             raise InputError(function.__name__, faults)
         try:
@@ -120,6 +125,15 @@ def fits(value: object, hint: Any) -> bool:  # noqa: ANN401
         )
     is_truth = isinstance(value, bool) and hint is not bool
     return hint is Any or (isinstance(value, _KINDS.get(hint, hint)) and not is_truth)
+
+
+def _takes_path(hint: Any) -> bool:  # noqa: ANN401
+    return hint is Path or any(map(_takes_path, get_args(hint)))
+
+
+def _is_empty(value: object) -> bool:
+    """Whether a text is empty, or one in a list: as a path it would mean the current folder."""
+    return value == "" or (isinstance(value, list | tuple) and "" in value)
 
 
 def words(hint: Any) -> str:  # noqa: ANN401

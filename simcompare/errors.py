@@ -95,7 +95,9 @@ class UnknownName(SimcompareError):
 
 
 class NoSuchFile(InputError):
-    """A path leads to nothing; names what is nearly called so in its folder.
+    """A path leads to nothing, or to no file or folder as is expected.
+
+    Names what is nearly called so in its folder.
 
     Args:
         path: as it was given.
@@ -104,7 +106,9 @@ class NoSuchFile(InputError):
 
     def __init__(self, path: str | Path, expected: str = "") -> None:
         folder = Path(path).parent
-        if not folder.is_dir():
+        if _exists(Path(path)):
+            fault = "is a folder" if Path(path).is_dir() else "is a file"
+        elif not folder.is_dir():
             fault = f"there is no folder {folder}"
         else:
             near = _near_files(Path(path))

@@ -73,7 +73,18 @@ def test_samples_that_are_none_are_told_with_the_file(run, query, words):
 def test_samples_that_are_cut_are_told(run, part):
     path = run / "trajectories.parquet"
     path.write_bytes(path.read_bytes()[:part])
-    with pytest.raises(InputError, match=r"trajectories\.parquet: cannot be read"):
+    says = (
+        r"trajectories\.parquet: cannot be read: it is cut off or damaged; run it again: simcompare"
+    )
+    with pytest.raises(InputError, match=says):
+        simcompare.load_run(run)
+
+
+def test_a_record_that_is_cut_says_where(run):
+    path = run / "run.json"
+    path.write_text("".join(path.read_text(encoding="utf-8").splitlines(keepends=True)[:3])[:-9])
+    says = r"run\.json: cannot be read: it is cut off or damaged in line 3; run it again$"
+    with pytest.raises(InputError, match=says):
         simcompare.load_run(run)
 
 

@@ -74,6 +74,33 @@ def test_a_mistyped_name_of_a_data_set_is_no_missing_file(call):
     assert "did you mean pendulum_free_swing" in err
 
 
+def test_what_is_there_and_of_the_wrong_kind_is_told_as_such(call, folder):
+    says = "map.yaml: is a file; expected a folder of stored runs"
+    assert says in call("runs", "map.yaml")[2]
+    (folder / "runs").mkdir()
+    says = "runs: is a folder; expected a YAML file"
+    assert says in call("import", "pendulum.csv", "--map", "runs")[2]
+
+
+def test_a_run_json_that_is_not_there_is_told_beside_runs(call, folder):
+    (folder / "one").mkdir()
+    (folder / "one" / "run.json").write_text("{}", encoding="utf-8")
+    assert "simcompare: run.json: there is no such file" in call("report", "run.json")[2]
+
+
+def test_an_empty_word_is_not_the_current_folder(call, folder):
+    for verb in ("run", "runs", "show", "report", "compare"):
+        code, _, err = call(verb, "")
+        assert (code, err) == (2, "simcompare: '': is empty; give a value, or leave it out\n")
+    assert "a scenario folder holds NAME.yaml" in call("run", "/")[2]
+
+
+@pytest.mark.parametrize("verb", ["run", "show", "report", "load_run", "runs", "compare"])
+def test_an_empty_path_is_not_the_current_folder(verb):
+    with pytest.raises(InputError, match="='' is empty; expected "):
+        getattr(simcompare, verb)("")
+
+
 def test_a_folder_of_runs_lists_those_inside_the_newest_first(call, tmp_path):
     places = [tmp_path / "runs" / f"2026010{i}-120000-ball" for i in range(1, 8)]
     for place in places:

@@ -287,7 +287,14 @@ def test_of_many_faults_the_first_are_told(tmp_path):
     assert last == "7 more such faults"
 
 
-@pytest.mark.parametrize("form", [99, 0, "1", None, [1]])
+def test_a_record_of_a_newer_simcompare_is_told_as_such(tmp_path):
+    (tmp_path / "run.json").write_text(json.dumps(as_json() | {"format": FORMAT + 1}))
+    says = rf"a newer simcompare wrote it \(format {FORMAT + 1}, known to {FORMAT}\); update"
+    with pytest.raises(InputError, match=says):
+        store.load(tmp_path)
+
+
+@pytest.mark.parametrize("form", [0, "1", None, [1]])
 def test_a_record_of_another_format_is_told(tmp_path, form):
     (tmp_path / "run.json").write_text(json.dumps(as_json() | {"format": form}))
     with pytest.raises(InputError) as told:

@@ -46,16 +46,17 @@ def _is_flag(param: Any) -> bool:  # noqa: ANN401
 
 
 def _refuse_empty(words: Sequence[str], options: Collection[str]) -> None:
-    """Refuses options with an empty text, which a path would take for the current folder.
+    """Refuses empty texts, which a path would take for the current folder.
 
     Raises:
         InputError: all of them.
     """
     behind = [option for option, text in pairwise(words) if option in options and not text]
     within = [word[:-1] for word in words if word.endswith("=") and word[:-1] in options]
-    if behind or within:
+    alone = ["''" for before, word in pairwise(["", *words]) if not word and before not in options]
+    if behind or within or alone:
         what = "is empty; give a value, or leave it out"
-        raise InputError(", ".join(dict.fromkeys([*behind, *within])), [what])
+        raise InputError(", ".join(dict.fromkeys([*behind, *within, *alone])), [what])
 
 
 def _no_number(error: typer.BadParameter, words: Sequence[str]) -> InputError | None:

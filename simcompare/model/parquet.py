@@ -58,8 +58,12 @@ def copy(connection: Connection, query: str, path: Path, options: str = "") -> N
         raise OSError(f"writing {path.name}: {message}") from None
 
 
-def read(path: Path) -> dict[str, NDArray[Any]]:
+def read(path: Path, again: str) -> dict[str, NDArray[Any]]:
     """All columns of a file, by name.
+
+    Args:
+        path: the file.
+        again: what makes it anew, such as "run it again".
 
     Raises:
         InputError: it cannot be read.
@@ -67,11 +71,15 @@ def read(path: Path) -> dict[str, NDArray[Any]]:
     import duckdb
 
     try:
+        path.open("rb").close()  # what hinders that is told in the words of the system
         with connect() as connection:
             rows = connection.execute("from read_parquet(?)", [glob.escape(str(path))])
             columns = rows.fetchnumpy()
-    except duckdb.Error as error:
-        raise InputError(str(path), [f"cannot be read: {str(error).splitlines()[0]}"]) from None
+    except OSError as error:
+        raise InputError(str(path), [f"cannot be read: {error.strerror or error}"]) from None
+    except duckdb.Error:
+        fault = f"cannot be read: it is cut off or damaged; {again}"
+        raise InputError(str(path), [fault]) from None
     return {
         name: np.ma.filled(values, np.nan) if values.dtype == np.float64 else np.ma.filled(values)
         for name, values in columns.items()

@@ -172,7 +172,7 @@ def load(folder: Path) -> Recording:
             )
         head = of_plain(_Head, content)
         streams = {
-            name: _stream(one, parquet.read(folder / one.table))
+            name: _stream(one, parquet.read(folder / one.table, "import the log again"))
             for name, one in head.streams.items()
         }
         return Recording(streams, head.provenance, head.events)

@@ -29,8 +29,12 @@ def read_yaml(path: Path) -> tuple[Any, dict[str, int], dict[str, str]]:
         text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise NoSuchFile(path) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(path), [f"cannot be read: {error}"]) from None
+    except IsADirectoryError:
+        raise InputError(str(path), ["is a folder; expected a YAML file"]) from None
+    except OSError as error:
+        raise InputError(str(path), [f"cannot be read: {error.strerror or error}"]) from None
+    except UnicodeDecodeError:
+        raise InputError(str(path), ["cannot be read: it is no text in UTF-8"]) from None
     lines: dict[str, int] = {}
     faults: dict[str, str] = {}
     try:

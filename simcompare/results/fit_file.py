@@ -224,6 +224,8 @@ def _damaged(path: Path, error: Exception) -> InputError:
     if isinstance(error, IsADirectoryError):
         return InputError(str(path), [f"is a folder without {FILE}; expected that of a fit"])
     said = "; ".join(faults(error)) if isinstance(error, ValidationError) else str(error)
+    if isinstance(error, json.JSONDecodeError):
+        said = f"it is cut off or changed in line {error.lineno}"
     return InputError(
         str(path),
         [f"is no fit of simcompare fit, or is damaged ({said}); fit again and take its fit.json"],

@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import csv
 import itertools
+import shlex
 import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, replace
@@ -125,7 +126,7 @@ def load_record(place: str | Path) -> Run:
     place = named.parent if named.name == RECORD else named
     path = place / RECORD
     if not path.is_file():
-        raise _no_run(place)
+        raise _no_run(named)
     from simcompare.results.records import stored  # fits and validations are read nowhere else
 
     return Run(stored.read(path), (), place)
@@ -133,7 +134,7 @@ def load_record(place: str | Path) -> Run:
 
 def _no_run(place: Path) -> InputError:
     """What is wrong with a place that holds no run, and the runs that lie in it."""
-    if not place.exists():
+    if not place.is_dir():
         return NoSuchFile(place, "the folder of a stored run")
     inside = sorted(path.parent for path in place.glob(f"*/{RECORD}"))
     fault = f"is not a stored run: it holds no {RECORD}"
@@ -215,7 +216,7 @@ def _column(blocks: list[dict[str, Array]], lengths: list[int], name: str) -> Ar
 def _read_trajectories(path: Path, record: Record) -> list[Stored]:
     if not path.is_file():
         return []
-    columns = parquet.read(path)
+    columns = parquet.read(path, _again(record))
     lacking = [name for name in (*_INDEX, "time_s") if name not in columns and name not in _NEW]
     if lacking:
         raise InputError(str(path), [f"is not of a run: it has no column {', '.join(lacking)}"])
@@ -240,6 +241,11 @@ def _read_trajectories(path: Path, record: Record) -> list[Stored]:
         trajectory = replace(trajectory, version=versions.get((source, contact), ""))
         entries.append(Stored(source, contact, repeat, trajectory, parameters, segment))
     return entries
+
+
+def _again(record: Record) -> str:
+    """What makes a run anew."""
+    return f"run it again: {shlex.join(record.command)}" if record.command else "run it again"
 
 
 def _check_samples(path: Path, columns: parquet.Columns) -> None:
