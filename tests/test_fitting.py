@@ -1,6 +1,7 @@
 """``simcompare fit``: engines fitted to bounces whose truth is known, because they were made up."""
 
 import json
+import shlex
 
 import numpy as np
 import pytest
@@ -80,6 +81,32 @@ def test_a_fit_is_used_again_and_its_range_is_watched(found):
     assert any("the fit saw" in text for text in high.record.cautions)
     with pytest.raises(InputError, match="is a fit of ball, not of robot"):
         simcompare.run("robot", engine="pymunk", contact=place)
+
+
+def test_an_engine_that_was_not_fitted_is_not_shown_as_fitted(found):
+    place = str(found.folder)
+    run = simcompare.run("ball", engine="pymunk,mujoco:rk4", contact=f"tuned,{place}", seeds=1)
+    told = {(row.name, row.contact): (row.status, row.reason) for row in run.record.sources}
+    assert told["mujoco:rk4", "fitted"] == ("unsupported", "mujoco:rk4: not in this fit")
+    assert told["mujoco:rk4", "tuned"][0] == told["pymunk", "fitted"][0] == "ok"
+    assert run.exit_code == 0
+    alone = simcompare.run("ball", engine="mujoco:rk4", contact=place, seeds=1)
+    assert alone.exit_code == 2, "an engine of the fit would run"
+
+
+def test_the_command_to_use_a_fit_again_is_the_scene_that_was_fitted(call, tmp_path):
+    drop = str(stopwatch(tmp_path / "drop.csv"))
+    out = str(tmp_path / "runs")
+    words = ["fit", "ball", "--recording", drop, "--engine", "pymunk", "--no-report", "--out", out]
+    _, shown, _ = call(*words)
+    (line,) = [one for one in shown.splitlines() if one.startswith("Use it again: simcompare ")]
+    again = shlex.split(line)[4:]
+    code, text, _ = call(*again, "--no-report", "--seeds", "1", "--out", out, "--json")
+    run = json.loads(text)
+    assert code == 0
+    assert [row["name"] for row in run["sources"]] == ["pymunk"]
+    assert run["parameters"]["drop_height_m"] == pytest.approx(HEIGHT_M, rel=1e-2)
+    assert not run["cautions"]
 
 
 def test_a_fit_is_exported(found):

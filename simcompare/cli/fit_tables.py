@@ -17,9 +17,11 @@ from simcompare.notation import sentence
 from simcompare.reports.fit import fits, form_words, short, summary_tables, tosses, tuned, waveforms
 from simcompare.reports.fit import tables as fitted_tables
 from simcompare.reports.render.tables import printable
+from simcompare.results import fit_file
 from simcompare.results.records.fit_bounces import BouncesFit
 from simcompare.results.records.fit_tosses import TossFit
 from simcompare.results.records.fit_waveforms import WaveformFit
+from simcompare.scenarios import catalogue
 
 if TYPE_CHECKING:
     from simcompare.reports.render.tables import Table
@@ -123,16 +125,26 @@ def _show_places(result: Run, found: AnyFit) -> None:
     able = short.able(found.sources)
     if result.folder is None or isinstance(found, WaveformFit) or not able:
         return
-    place = shlex.quote(str(result.folder / "fit.json"))
-    step = f" --step {found.valid.engine_step_s!r}s" if isinstance(found, TossFit) else ""
+    place = shlex.quote(str(result.folder / fit_file.FILE))
     scenario = shlex.quote(str(result.record.scenario_asked))
-    typer.echo(f"Use it again: simcompare run {scenario} --contact {place}{step}")
+    again = f"{scenario} --engine {','.join(able)} --contact {place}{_scene(result, found)}"
+    typer.echo(f"Use it again: simcompare run {again}")
     if isinstance(found, BouncesFit) and found.contact == TUNED:
         export = f"simcompare export {scenario} --fit {place}"
         typer.echo(f"All settings to type in: {export} --contact-values")
         for writer in [one for one in able if _has_scripts(one)][:1]:
             script = f"--format script --engine {writer} -o {result.record.scenario}_{writer}.py"
             typer.echo(f"As a script that needs no simcompare: {export} {script}")
+
+
+def _scene(result: Run, found: AnyFit) -> str:
+    """Options with which a run is the scene that was fitted: its step, or how high it falls."""
+    if isinstance(found, TossFit):
+        return f" --step {found.valid.engine_step_s!r}s"
+    assert result.folder is not None
+    file = catalogue.load(str(result.record.scenario_asked))
+    heights = fit_file.read(result.folder / fit_file.FILE).drop(file)
+    return "".join(f" --set {name}={value:.6g}" for name, value in heights.items())
 
 
 def _has_scripts(engine: str) -> bool:

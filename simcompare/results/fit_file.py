@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -153,24 +153,9 @@ class FitFile:
         )  # fmt: skip
         return Settings(TUNED, numbers=numbers, drops=drops)
 
-    def cautions(
-        self, scene: Scenario, file: ScenarioFile, engines: Sequence[str] = ()
-    ) -> list[str]:
-        """What lies outside of the range in which the fit is valid, one sentence each.
-
-        Args:
-            scene: the nominal scene.
-            file: its scenario.
-            engines: those that are run.
-        """
+    def cautions(self, scene: Scenario, file: ScenarioFile) -> list[str]:
+        """What lies outside of the range in which the fit is valid, one sentence each."""
         said = []
-        others = [name for name in engines if self.of_engine(name, file) is None]
-        if others:
-            verb = "was" if len(others) == 1 else "were"
-            said.append(
-                f"{', '.join(others)} {verb} not fitted: what runs as fitted there has"
-                f" {'the closed form' if self.closed else 'the scenario'}'s parameters."
-            )
         height = None if file.fit is None else scene.parameters.get(file.fit.height or "")
         if height is not None:
             speed = math.sqrt(2 * math.hypot(*scene.world.gravity_m_s2) * height)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,9 +12,11 @@ from simcompare.engine.assist import chosen
 from simcompare.engine.helps import HELPS, known
 from simcompare.errors import InputError, UnknownName, unknown_or_missing
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, OLD_LEVELS, TUNED
+from simcompare.running.jobs import UNSUPPORTED, Job, Outcome
 
 if TYPE_CHECKING:
     from simcompare.results.fit_file import FitFile
+    from simcompare.scenarios.scenario_file import ScenarioFile
 
 
 def names(listed: str | Sequence[str]) -> tuple[str, ...]:
@@ -45,6 +48,17 @@ def chosen_levels(contact: str | Sequence[str]) -> tuple[list[str], FitFile | No
         else:
             raise unknown_or_missing("contact level or fit", mode, CONTACT_LEVELS)
     return list(dict.fromkeys(modes)), fit
+
+
+def not_in_fit(jobs: Sequence[Job], fit: FitFile, file: ScenarioFile) -> list[Outcome]:
+    """Jobs that ask for fitted numbers of an engine that was not fitted, refused unrun."""
+    fitted = [job for job in jobs if job.mode not in CONTACT_LEVELS]
+    without = {job.engine for job in fitted if fit.of_engine(job.engine, file) is None}
+    # no step makes it possible, but another choice of the user does
+    return [
+        Outcome(job, UNSUPPORTED, f"{job.engine}: not in this fit", longest_step_s=math.inf)
+        for job in fitted if job.engine in without
+    ]  # fmt: skip
 
 
 def chosen_helps(assist: str | Sequence[str], engine: str) -> frozenset[str] | None:

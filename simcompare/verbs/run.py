@@ -120,12 +120,15 @@ def run(
         for at in steps
         for job in _jobs(file, name, mode, at, fit, helps)
     ]
+    refused = [] if fit is None else levels.not_in_fit(jobs, fit, file)
+    unfitted = {id(outcome.job) for outcome in refused}
+    jobs = [job for job in jobs if id(job) not in unfitted]
     interrupted = False
     try:
         outcomes = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
     except Interrupted as stop:
         outcomes, interrupted = stop.outcomes, True
-    done = _gather(file, steps, outcomes, table)
+    done = _gather(file, steps, [*outcomes, *refused], table)
     assert isinstance(done.record, RunRecord)
     record = replace(
         done.record,
@@ -133,7 +136,7 @@ def run(
         scenario_asked=scenario,
         against_asked=None if against is None else str(against),
         fit_asked=None if fit is None else str(fit.path),
-        cautions=() if fit is None else _cautions(fit, file, steps, chosen),
+        cautions=() if fit is None else _cautions(fit, file, steps),
         assist=None if helps is None else known(helps) or NONE,
         judge=None if judged is None else tuple(judged),
         preset=preset,
@@ -168,10 +171,8 @@ def with_conditions(
     return {**measured, **values}, preset or table.preset
 
 
-def _cautions(
-    fit: FitFile, file: ScenarioFile, steps: Sequence[AtStep], chosen: Sequence[str]
-) -> tuple[str, ...]:
-    sentences = [one for at in steps for one in fit.cautions(at.nominal, file, chosen)]
+def _cautions(fit: FitFile, file: ScenarioFile, steps: Sequence[AtStep]) -> tuple[str, ...]:
+    sentences = [one for at in steps for one in fit.cautions(at.nominal, file)]
     return tuple(dict.fromkeys(sentences))
 
 
