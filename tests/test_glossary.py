@@ -66,6 +66,10 @@ def test_no_spelling_belongs_to_two_words():
         ("ζ", "zeta"), ("Zeta", "zeta"), ("uncertainty", "u"), ("Streuung", "scatter"),
         ("u", "u"), ("U", "U"), ("Stoßzahl", "restitution"), ("TUNED", "tuned"), ("-", "–"),
         ("half-step start", "half_step_start"), ("95%", "95 %"),
+        ("loss", "amplitude loss"), ("amplitude_loss", "amplitude loss"),
+        ("mean_period", "mean period"), ("cutoff", "cutoff frequency"),
+        ("before the fit", "known before"), ("largest gap", "sim2real gap"),
+        ("values that agree", "E_n"), ("end_drift", "end drift"), ("Stufe", "level"),
     ],
 )  # fmt: skip
 def test_other_spellings_are_understood(spelling, word):
