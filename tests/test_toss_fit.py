@@ -107,9 +107,9 @@ def test_the_command_fits_stores_reports_and_is_run_again(made, mapping, tmp_pat
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"model": "constant"}, "--model: cube_toss is fitted by tosses"),
-        ({"priors": {"restitution": (0.2, 0.1)}}, "--prior"),
-        ({"u_time_s": 1e-3}, "--u-time"),
+        ({"model": "constant"}, "model: cube_toss is fitted by tosses"),
+        ({"priors": {"restitution": (0.2, 0.1)}}, "priors: cube_toss is"),
+        ({"u_time_s": 1e-3}, "u_time_s: cube_toss is"),
         ({"unknowns": ["clock_skew"]}, "parameter of cube_toss that can be fitted"),
         ({"set": {"start_x": 1}}, "start_x_m is read off each toss"),
         ({"set": {"friction": 0.2}, "fixed": {"restitution": 0.1}}, "nothing is left to fit"),
@@ -118,7 +118,7 @@ def test_the_command_fits_stores_reports_and_is_run_again(made, mapping, tmp_pat
         ({"preset": "wood"}, "preset of cube_toss"),
         ({"hold_out": ["cube_toss"]}, "is given twice"),
         ({"assist": "some"}, "help is called 'some'"),
-        ({"step": "0"}, "--step"),
+        ({"step": "0"}, "step: 0 is not a time above 0"),
     ],
 )
 def test_what_tosses_cannot_be_asked_for_is_refused(options, message):
