@@ -219,3 +219,22 @@ def test_a_cause_in_an_engine_at_several_steps_is_counted_as_several_cases():
     held = audit_row(DEFAULT)
     run = with_sources(run, audit=[(held,)] * 3 + [(replace(held, read_value=0.8),)])
     assert f"in 3 cases {CAUSE}" in short(run)[0]
+
+
+def test_what_else_is_off_is_counted_in_all_engines_in_words_and_numbers_alike():
+    run = answered(level("assisted", a=0.8, b=0.8, c=0.8, d=0.9), answer=WHOLE)
+    on_time = [replace(s, value=4.0, verdict="pass")
+               if s.measure == "settling_time" and s.source != "d" else s
+               for s in run.record.scores]  # fmt: skip
+    run = records.changed(run, scores=tuple(on_time))
+    assert "; but the settling time is off in d" in short(run)[0]
+    assert key_numbers(run)[0].note == "3 of 4 within ±0.008; 1 other value is off"
+
+
+def test_what_else_is_off_is_said_where_the_leading_measure_has_no_value():
+    run = changed(answered(level("tuned", a=0.8, b=0.8)), "a", value=None, low=None, high=None)
+    run = changed(run, "b", value=None, low=None, high=None)
+    assert short(run) == (
+        "Tuned, the restitution could not be measured in a and b;"
+        " but the settling time is off in a and b.",
+    )

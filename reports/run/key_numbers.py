@@ -45,15 +45,22 @@ def _of_level(run: Run, lead: Lead, mode: str, rows: Sequence[Row]) -> KeyNumber
 
 def _note(run: Run, lead: Lead, mode: str, rows: Sequence[Row]) -> str:
     """In how many engines the value is right, and how many other values are not."""
-    names, known = [row.name for row in rows], sum(row.value is not None for row in rows)
-    if not lead.is_judged:
-        return "not judged" if runs.beyond(run) else f"{known} of {len(rows)} {noun(names)}"
-    within = sum(row.kind == WITHIN for row in rows)
-    note = f"{within} of {len(rows)} within ±{lead.accepted}{lead.after}"
+    names = [row.name for row in rows]
+    note = _count(run, lead, rows)
     misses = [] if mode in SHOWN_LEVELS else misses_of(run, lead, mode, names)
     if not misses:
         return note
     return f"{note}; {len(misses)} other value{' is' if len(misses) == 1 else 's are'} off"
+
+
+def _count(run: Run, lead: Lead, rows: Sequence[Row]) -> str:
+    """In how many engines the value is right, or known where it is not judged."""
+    if lead.is_judged:
+        within = sum(row.kind == WITHIN for row in rows)
+        return f"{within} of {len(rows)} within ±{lead.accepted}{lead.after}"
+    known = sum(row.value is not None for row in rows)
+    names = [row.name for row in rows]
+    return "not judged" if runs.beyond(run) else f"{known} of {len(rows)} {noun(names)}"
 
 
 def _verdict(run: Run, mode: str, names: Sequence[str]) -> str:

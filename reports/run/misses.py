@@ -64,7 +64,7 @@ def said(
     several = len(misses) > 1
     count = f"{len(misses)} other value{'s' if several else ''}"
     if not named:
-        return f"{count} off"
+        return f"but {count} {'are' if several else 'is'} off"
     far = max(misses, key=lambda miss: max(_share(run, score) for score in miss.scores))
     names = list(dict.fromkeys(name for miss in misses for name in miss.names))
     where = f"in {joined(names)}" if len(names) <= _NAMED else in_how_many(names, every)

@@ -43,24 +43,28 @@ class _Detail:
     """What is told beside what most engines do where they are judged; the first matters most.
 
     Attributes:
+        misses: how many other measures are off, unless most engines are off in the leading one.
         shown_levels: what most engines do where nothing is judged.
         cause: why engines go wrong as they come.
         whole: other measures that the scenario's answer names.
         named: which other measures are missed, and where; else they are counted.
         others: that other engines are off.
         far: the farthest value of the other measures that are missed.
+        every_miss: how many other measures are off, also where the leading one is.
         shown_others: that other engines are off where nothing is judged.
         cure: what to do about what goes wrong as engines come.
         judged: the values of the other engines.
         shown: the same where nothing is judged.
     """
 
+    misses: bool = False
     shown_levels: bool = False
     cause: bool = False
     whole: bool = False
     named: bool = False
     others: bool = False
     far: bool = False
+    every_miss: bool = False
     shown_others: bool = False
     cure: bool = False
     judged: bool = False
@@ -111,22 +115,24 @@ def _level(run: Run, lead: Lead, mode: str, detail: _Detail, before: _Said) -> s
     rows = rows_of(run, lead, mode)
     is_shown, main = mode in SHOWN_LEVELS, _main(rows)
     if runs.steps(run) and not is_shown and {row.kind for row in rows} != {WITHIN}:
-        right = [row.name for row in rows if row.kind == WITHIN]
-        return "; ".join([over_steps(run, lead, rows), *_missed(run, lead, mode, right, detail)])
+        return "; ".join([over_steps(run, lead, rows), *_missed(run, lead, mode, detail, rows)])
     parts = [_majority(run, lead, mode, rows, _template(lead, mode, main, detail), before)]
     if detail.shown_others if is_shown else detail.others:
         values = detail.shown if is_shown else detail.judged
         parts += _others(lead, rows, main, values=values)
     if is_shown:
         return _with_cause(run, lead, mode, rows, "; ".join(parts), detail)
-    right = [row.name for row in rows if row.kind == WITHIN]
-    return "; ".join([*parts, *_missed(run, lead, mode, right, detail)])
+    return "; ".join([*parts, *_missed(run, lead, mode, detail, rows)])
 
 
-def _missed(run: Run, lead: Lead, mode: str, right: Sequence[str], detail: _Detail) -> list[str]:
-    """What engines miss whose leading measure is right."""
-    misses, every = misses_of(run, lead, mode, right), runs.ran(run, mode)
-    return [said(run, misses, every, named=detail.named, value=detail.far)] if misses else []
+def _missed(run: Run, lead: Lead, mode: str, detail: _Detail, rows: Sequence[Row]) -> Iterator[str]:
+    """What else is off in any engine."""
+    every = [row.name for row in rows]
+    is_off = _main(rows) in (OUTSIDE, NOTHING)
+    is_told = detail.every_miss if is_off else detail.misses
+    misses = misses_of(run, lead, mode, every) if is_told else []
+    if misses:
+        yield said(run, misses, every, named=detail.named, value=detail.far)
 
 
 def _with_cause(
