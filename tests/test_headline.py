@@ -10,6 +10,7 @@ from simcompare.reports import builder
 from simcompare.reports.render import matplotlib_, plotly_
 from simcompare.reports.run import answer, listing, remarks, runs
 from simcompare.reports.run.lead_figure import lead_figure
+from simcompare.reports.run.lead_table import lead_table
 from simcompare.results.records.run import SourceRecord
 from tests import records
 from tests.records import with_source, with_sources
@@ -136,6 +137,22 @@ def test_the_same_at_two_levels_is_said_once():
     run = answered([*level("tuned", north=0.8), *level("assisted", north=0.8)])
     (sentence,) = answer.sentences(run)
     assert sentence.startswith("Tuned and assisted, the ball bounces with 0.800 ± 0.001 in")
+
+
+def test_the_step_is_told_where_all_took_the_same():
+    run = answered(level("tuned", north=0.8, south=0.8))
+    row = replace(audit_row("tuned"), quantity="engine step_s", set_value=0.002, read_value=None)
+    # some engines hold what they were given in few digits
+    read = replace(row, read_value=0.0020000001)
+    typed = tuning([0.81], 0.0, 0.0)
+    run = with_sources(run, audit=[(row,), (read,)], tuning=[typed, typed])
+    assert lead_table(run).title.endswith("repeats, step 2 ms; tolerance 0.008")
+    assert any(
+        "for a restitution of 0.8, at a step of 2 ms: " in one for one in remarks.typed_in(run)
+    )
+    run = with_source(run, 0, audit=(replace(row, set_value=0.001),))
+    assert "repeats, steps 1 to 2 ms; tolerance" in lead_table(run).title
+    assert not any("at a step of" in one for one in remarks.typed_in(run))
 
 
 def test_without_helps_the_level_says_so():
@@ -378,8 +395,9 @@ def test_numbers_are_told_for_every_restitution_of_a_scene(call, tmp_path):
     (tmp_path / "two" / "two.yaml").write_text(TWO, encoding="utf-8")
     words = ("--engine", "pymunk", "--contact", "tuned", "--no-report", "-v")
     _, out, _ = call("run", str(tmp_path / "two"), *words)
-    assert "Typed in for a restitution of 0.8: 0.80" in out
-    assert "Typed in for a restitution of 0.5: 0.50" in out
+    told = " ".join(out.split())
+    assert "Typed in for a restitution of 0.8, at a step of 1 ms: 0.80" in told
+    assert "Typed in for a restitution of 0.5, at a step of 1 ms: 0.50" in told
 
 
 FINE = {"restitution": {"relative": None, "absolute": 5.9e-5, "reason": "Because it is fine."}}

@@ -27,8 +27,9 @@ def keeps_its_own(source: SourceRecord, quantity: str) -> bool:
 
 
 def step_of(source: SourceRecord) -> float | None:
-    """The engine's step [s], ``None`` where the audit does not tell it."""
+    """The step that an engine holds [s], else that it was given; ``None`` where neither is told."""
     for row in source.audit:
         if row.quantity == STEP:
-            return None if row.set_value is None else float(row.set_value)
+            step_s = row.set_value if row.read_value is None else row.read_value
+            return None if step_s is None else float(step_s)
     return None

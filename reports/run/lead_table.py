@@ -13,7 +13,7 @@ from simcompare.model.trajectory import AT, TRUTH
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.reports.render.text_tables import lines
-from simcompare.reports.run import by_step, runs
+from simcompare.reports.run import by_step, runs, settings
 from simcompare.reports.run.lead import Lead, lead_as, lead_of
 from simcompare.results.run import Run
 from simcompare.running.jobs import OK
@@ -53,7 +53,8 @@ def lead_table(
         rows += [(name, *(true for _ in modes)) for name, true in _truths(run, lead).items()]
     note = "" if lead is None else _zero(run, lead, rows)
     heads = (Column("engine", text=True), *columns)
-    return Table(_title(run, lead), heads, (Group("", tuple(rows)),), note)
+    step = settings.step_taken(run) if measure is None and not runs.steps(run) else ""
+    return Table(_title(run, lead, step), heads, (Group("", tuple(rows)),), note)
 
 
 def legend_words(tables: Sequence[Table]) -> list[str]:
@@ -104,7 +105,7 @@ def text(table: Table, width: int) -> Iterator[str]:
     yield from textwrap.wrap(table.note, width)
 
 
-def _title(run: Run, lead: Lead | None) -> str:
+def _title(run: Run, lead: Lead | None, step: str) -> str:
     if lead is None:
         return ""
     unit = "" if lead.unit in ("", "1") else f" in {lead.unit}"
@@ -112,7 +113,7 @@ def _title(run: Run, lead: Lead | None) -> str:
     accepted = "" if lead.width is None else f"; tolerance {_tolerances(run, lead)}"
     if runs.beyond(run):
         accepted = "; not judged, for the truth does not hold here"
-    return f"{lead.words}{unit}{mean}{accepted}"
+    return f"{lead.words}{unit}{mean}{f', {step}' if step else ''}{accepted}"
 
 
 def mean_words(lead: Lead, repeats: Sequence[int]) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from simcompare import units
 from simcompare.notation import capital
 from simcompare.reports.render import numbers
-from simcompare.reports.run import runs
+from simcompare.reports.run import audit, runs
 from simcompare.reports.run.listing import joined, noun
 from simcompare.reports.run.reproduce import scenario_of
 from simcompare.results.run import Run
@@ -60,9 +60,26 @@ def _sources(run: Run) -> str:
     return joined(names) if len(names) < 3 else f"{len(names)} {noun(names)}"
 
 
+def step_taken(run: Run) -> str:
+    """The step of all engines, or from the shortest to the longest; empty where none tells it."""
+    held = {audit.step_of(source) for source in run.record.sources if source.ran}
+    # some engines hold it in few digits
+    steps = dict.fromkeys(_ms(step_s) for step_s in sorted(s for s in held if s is not None))
+    if not steps:
+        return ""
+    first, *others = steps
+    return f"steps {first} to {others[-1]} ms" if others else f"step {first} ms"
+
+
 def _steps(run: Run) -> str:
-    """Steps of the engines."""
-    scenario, record = scenario_of(run, unchanged=False), run.record
+    """Steps of the engines: several that were asked for, else what they took."""
+    asked = [_ms(step.engine_step_s) for step in runs.steps(run)]
+    if asked:
+        return f"step {joined([f'{step} ms' for step in asked])}"
+    scenario = scenario_of(run, unchanged=False)
     parts = 1 if scenario is None else scenario.world.substeps
-    steps_s = [step.engine_step_s for step in runs.steps(run)] or [record.step_s / parts]
-    return f"step {joined([f'{numbers.plain(1e3 * step_s)} ms' for step_s in steps_s])}"
+    return step_taken(run) or f"step {_ms(run.record.step_s / parts)} ms"
+
+
+def _ms(step_s: float) -> str:
+    return numbers.plain(1e3 * step_s, 4)

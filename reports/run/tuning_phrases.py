@@ -10,7 +10,7 @@ from simcompare.model.settings import TUNED
 from simcompare.model.trajectory import AT
 from simcompare.model.tuning import TuningRow
 from simcompare.reports.render import numbers
-from simcompare.reports.run import runs
+from simcompare.reports.run import audit, runs
 from simcompare.reports.run.listing import grouped, joined
 from simcompare.results.records.run import SourceRecord
 from simcompare.results.run import Run
@@ -124,8 +124,15 @@ def _typed_for(run: Run, restitution: float, rows: Sequence[tuple[SourceRecord, 
     phrases = [f"{', '.join(typed)} in {engine}" for engine, typed in by_engine.items()]
     goal = f" for a restitution of {numbers.plain(restitution)}"
     steps = sorted(runs.steps(run), key=lambda step: step.engine_step_s)
-    at = f" at {joined([step.at.removeprefix(AT) for step in steps])}" if steps else ""
+    at = f" at {joined([step.at.removeprefix(AT) for step in steps])}" if steps else _at_step(rows)
     return f"Typed in{goal}{at}: {('; ' if steps else ', ').join(phrases)}."
+
+
+def _at_step(rows: Sequence[tuple[SourceRecord, TuningRow]]) -> str:
+    """The step that all of them took, for the numbers hold at no other."""
+    taken = (audit.step_of(source) for source, _ in rows)
+    steps = {numbers.plain(1e3 * step_s, 4) for step_s in taken if step_s is not None}
+    return f", at a step of {steps.pop()} ms" if len(steps) == 1 else ""
 
 
 def _short(source: SourceRecord, row: TuningRow) -> str:
