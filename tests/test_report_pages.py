@@ -7,10 +7,13 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from simcompare.model.audit import AuditRow
 from simcompare.reports import builder
 from simcompare.reports.render import plotly_
 from simcompare.reports.render.parts import Block, KeyNumber, Part
 from simcompare.reports.render.tables import Column, Table
+from simcompare.reports.run.settings import settings
+from tests.records import with_sources
 from tests.test_reports import RUNS, make_run
 
 ENGINES = ("box2d", "dart", "mujoco", "ode", "pybullet", "pymunk", "rapier")
@@ -124,6 +127,16 @@ def test_the_title_says_what_kind_it_is_and_the_line_below_what_was_asked():
     assert one.title == "A toy <scene> – run"
     assert one.settings == ("Drop height 1 m, gravity 9.81 m/s², north, step 10 ms, 2026-01-01")
     assert "Engines: north 1.2." in one.made_with
+
+
+def test_the_settings_count_the_engines_that_ran_and_tell_the_steps_they_took():
+    rows = [(name, "tuned", 0.8) for name in ("a", "b", "c", "d")]
+    run = make_run([*rows, ("e", "tuned", None)])
+    taken = [(AuditRow("engine step_s", 0.001, "dt", step_s, step_s, "s"),)
+             for step_s in (5e-5, 1e-4, 1e-3, 1e-3)]  # fmt: skip
+    run = with_sources(run, audit=[*taken, ()])
+    assert ", 4 engines, steps 0.05 to 1 ms, " in settings(run)
+    assert ", no engine ran, step 10 ms, " in settings(make_run([("a", "tuned", None)]))
 
 
 def test_parameters_that_are_the_scenarios_own_are_not_named():

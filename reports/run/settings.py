@@ -56,7 +56,10 @@ def _changed(run: Run) -> Iterator[str]:
 
 
 def _sources(run: Run) -> str:
-    names = list(dict.fromkeys(s.engine or s.name for s in run.record.sources))
+    """Engines that ran, counted where they are many."""
+    names = list(dict.fromkeys(s.engine or s.name for s in run.record.sources if s.ran))
+    if not names:
+        return "no engine ran"
     return joined(names) if len(names) < 3 else f"{len(names)} {noun(names)}"
 
 
