@@ -580,6 +580,8 @@ def test_the_command_says_how_far_the_fit_can_be_trusted_and_its_advice_works(ca
     assert code == 0
     assert "Other models fit as well and give 0.7859 to 0.7945 at 4 m/s." in words
     assert "No drop was kept back (--hold-out), so the fit was not tested." in words
+    assert "Value ± 95 %" in words
+    assert "± 95 %: the true value lies in this range with 95 % probability" in words
     advice = re.search(r"such as (--fix \S+)\.", words)
     code, said, _ = call(*asked, *advice[1].split())
     assert code == 0

@@ -65,11 +65,12 @@ def test_no_spelling_belongs_to_two_words():
         ("En", "E_n"), ("e_n", "E_n"), ("E-n", "E_n"), ("|E_n|", "E_n"),
         ("ζ", "zeta"), ("Zeta", "zeta"), ("uncertainty", "u"), ("Streuung", "scatter"),
         ("u", "u"), ("U", "U"), ("Stoßzahl", "restitution"), ("TUNED", "tuned"), ("-", "–"),
-        ("half-step start", "half_step_start"), ("95%", "95 %"),
         ("loss", "amplitude loss"), ("amplitude_loss", "amplitude loss"),
         ("mean_period", "mean period"), ("cutoff", "cutoff frequency"),
         ("before the fit", "known before"), ("largest gap", "sim2real gap"),
         ("values that agree", "E_n"), ("end_drift", "end drift"), ("Stufe", "level"),
+        ("half-step start", "half_step_start"), ("95%", "95 %"), ("Value ± 95 %", "± 95 %"),
+        ("beyond the uncertainty", "within the uncertainty"),
     ],
 )  # fmt: skip
 def test_other_spellings_are_understood(spelling, word):

@@ -58,8 +58,8 @@ def _show(table: Table | None) -> None:
 def _words(found: AnyFit) -> tuple[str, ...]:
     """Words of the tables that a legend explains."""
     if isinstance(found, BouncesFit):
-        return ("first restitution", "brackets") if found.is_tuned else ("u",)
-    return ("brackets",) if isinstance(found, WaveformFit) else ("held out",)
+        return ("± 95 %", "first restitution", "brackets") if found.is_tuned else ("± 95 %", "u")
+    return ("± 95 %", "brackets") if isinstance(found, WaveformFit) else ("held out",)
 
 
 def _show_remarks(found: AnyFit) -> None:
