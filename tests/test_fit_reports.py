@@ -37,6 +37,7 @@ from tests.validated import EVIL, cells
 
 ENGINES = "dart,pymunk"
 RATE = 48000
+MY_BALL = Path(__file__).parent.parent / "examples" / "my_ball.csv"
 
 
 def sound(path, values, count=8, seed=0):
@@ -503,6 +504,18 @@ def test_another_residual_moves_the_restitution(in_air):
         assert cell[3] == ("yes" if low <= row.value <= high else "no")
 
 
+def test_names_of_other_rules_are_narrow_enough_for_a_phone(in_air):
+    (panel,) = more_figures.others_figure(in_air).panels
+    assert len(panel.y_ticks) == len(in_air.record.fit.other_estimates)
+    assert max(len(line) for tick in panel.y_ticks for line in tick.splitlines()) <= 16
+
+
+def test_heights_without_times_put_no_impact_into_the_legend(tmp_path):
+    run = fitting.fit("ball", recordings=[MY_BALL], engine="pymunk", out=tmp_path, step="1ms")
+    (panel,) = measured_figures.simulated_figure(run).panels
+    assert [one.label for one in panel.series] == ["closed form", "pymunk"]
+
+
 def test_what_was_measured_and_where_it_holds_are_told(heard):
     rows = cells(measured_tables.measured(heard))
     assert [row[2] for row in rows] == ["fitted", "fitted", "held out"]
@@ -573,8 +586,17 @@ def test_numbers_below_the_axes_are_written_whole():
 
 
 def test_the_command_says_how_far_the_fit_can_be_trusted_and_its_advice_works(call, tmp_path):
-    table = str(Path(__file__).parent.parent / "examples" / "my_ball.csv")
-    asked = ("fit", "ball", "-r", table, "--engine", "pymunk", "--no-report", "-o", str(tmp_path))
+    asked = (
+        "fit",
+        "ball",
+        "-r",
+        str(MY_BALL),
+        "--engine",
+        "pymunk",
+        "--no-report",
+        "-o",
+        str(tmp_path),
+    )
     code, said, _ = call(*asked)
     words = " ".join(said.split())
     assert code == 0

@@ -14,10 +14,10 @@ from simcompare.results.records.fit_forms import OtherEstimate
 from simcompare.results.records.fit_holdout import Holdout
 
 _RULES = {
-    "mean ratio": "mean ratio of neighbouring flights, weighted",
+    "mean ratio": "mean ratio of flights, weighted",
     "first ratio": "first ratio alone",
-    "line": "line through the logarithms of the flights",
-    "trajectory": "least squares of the whole trajectory",
+    "line": "line through log(flights)",
+    "trajectory": "least squares of all heights",
 }
 
 

@@ -133,6 +133,8 @@ def _arcs(run: Run, number: int) -> Iterator[Series]:
 def _points(run: Run, number: int) -> Iterator[Series]:
     """Measured samples with those that were left out; impacts on the floor where there are none."""
     drop, track = fits.bounces(run).measured[number - 1], _signal(run, number, HEIGHT)
+    if track is None and not drop.times_s:  # heights alone have no place in time
+        return
     if track is None:
         floor = np.full(len(drop.times_s), _floor(run, number))
         yield Series("measured impact", np.array(drop.times_s), floor, _SAMPLE, points=True,

@@ -190,7 +190,7 @@ def others_figure(run: Run) -> Figure | None:
     closed = fits.bounces(run).closed_form.parameters.get(RESTITUTION)
     if not rows or closed is None:
         return None
-    ticks = tuple("\n".join(textwrap.wrap(_other(run, row), 34)) for row in rows)
+    ticks = tuple("\n".join(textwrap.wrap(_other(run, row), 16)) for row in rows)
     x = np.array([row.value for row in rows])
     u = np.array([2 * row.u if row.u else math.nan for row in rows])
     low, high = fits.interval(closed)
