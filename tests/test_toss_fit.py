@@ -21,7 +21,7 @@ from simcompare.model.fittable import Grid
 from simcompare.model.plain import plain
 from simcompare.model.settings import TUNED, Settings
 from simcompare.reports import builder
-from simcompare.reports.fit import tosses
+from simcompare.reports.fit import short, tosses
 from simcompare.reports.fit.tosses import sentences
 from simcompare.results import contact_values, fit_file, store
 from simcompare.results.records.fit_tosses import TossFit
@@ -94,6 +94,7 @@ def test_the_command_fits_stores_reports_and_is_run_again(made, mapping, tmp_pat
     assert {**written, "run": record["run"]} == record
     run = store.load(folder)
     assert isinstance(run.record.fit, TossFit)
+    assert short.short(run)[1].endswith("% of the cube's width (95 %).")
     page = builder.write_html([run], tmp_path / "report.html").read_text(encoding="utf-8")
     for text in ("Tosses that were predicted", "What was tried", "seed 1", "simcompare fit cube"):
         assert text in page
@@ -157,9 +158,9 @@ def test_uneven_samples_are_refused(made, tmp_path):
 
 
 def test_a_toss_that_is_too_short_is_left_out_and_said(made, mapping, tmp_path):
-    short = made[0][:6]
+    early = made[0][:6]
     run = simcompare.fit(
-        "cube_toss", recordings=[log(tmp_path, [short, *made])], mapping=mapping, engine="pymunk"
+        "cube_toss", recordings=[log(tmp_path, [early, *made])], mapping=mapping, engine="pymunk"
     )
     assert run.record.fit.told[0].startswith("Fitted to 4 of the 8 tosses")
     assert "Left out" in run.record.fit.told[1]

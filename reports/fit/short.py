@@ -175,7 +175,7 @@ def _of_tosses(found: TossFit) -> tuple[str, ...]:
         nearest = f"the nearest engine, {name}," if len(held) > 1 else name
         words.append(
             f"In {len(best.positions)} other tosses {nearest} is off by"
-            f" {_mean(best.position)} % of the cube's width."
+            f" {_mean(best.position)} % of the cube's width (95 %)."
         )
     return tuple(words)
 
