@@ -13,7 +13,7 @@ from simcompare.reports.render import plotly_
 from simcompare.reports.render.parts import Block, KeyNumber, Part
 from simcompare.reports.render.tables import Column, Table
 from simcompare.reports.run.settings import settings
-from tests.records import with_sources
+from tests.records import changed, with_sources
 from tests.test_reports import RUNS, make_run
 
 ENGINES = ("box2d", "dart", "mujoco", "ode", "pybullet", "pymunk", "rapier")
@@ -202,3 +202,18 @@ def test_a_constant_drive_is_told_and_folded():
 
 def test_nothing_drives_what_falls():
     assert "drive" not in {part.name for part in builder.blocks_of([make_run()])[0].parts}
+
+
+def test_a_value_of_an_event_has_no_digits_of_rounding():
+    run = make_run()
+    times = {"unit": "s", "value": 0.4516165045072, "truth": 0.4516}
+    scatters = {"default": 0.00031, "assisted": 4e-12}
+    scores = [
+        replace(one, measure="impact_time", scatter=scatters[one.contact], **times)
+        for one in run.record.scores
+        if one.index == 1
+    ]
+    part = next(p for p in builder.blocks_of([changed(run, scores=tuple(scores))])[0].parts
+                if p.name == "events")  # fmt: skip
+    (table,) = part.parts[-1].tables
+    assert table.groups[0].rows == (("1", "0.45162 ± 0.00031", "0.451617"),)

@@ -192,17 +192,22 @@ def passed(run: Run, source: str, mode: str) -> tuple[int, int]:
     return verdicts.count(PASS), len(verdicts)
 
 
-def value_words(run: Run, score: Score | None) -> str:
-    """A score as ``value ± scatter``; of some repeats alone, from the lowest to the highest."""
+def value_words(run: Run, score: Score | None, sizes: Iterable[float | None] = ()) -> str:
+    """A score as ``value ± scatter``; of some repeats alone, from the lowest to the highest.
+
+    Args:
+        run: the run.
+        score: the score; a dash where there is none.
+        sizes: what the values of its table are like, where no tolerance limits its decimals.
+    """
     if score is None:
         return "–"
+    scale, places = size(run, score), notation.places(width(run, score), sizes)
     if score.value is None and score.low is not None and score.high is not None:
-        scale, places = size(run, score), notation.places(width(run, score))
         low, high = (numbers.with_u(end, None, scale=scale, digits=4, places=places)
                      for end in (score.low, score.high))  # fmt: skip
         ends = low if low == high else f"{low} to {high}"
         return f"{ends} {measured_words(run, score)}"
-    scale, places = size(run, score), notation.places(width(run, score))
     return numbers.with_u(score.value, score.scatter, scale=scale, digits=4, places=places)
 
 

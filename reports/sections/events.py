@@ -60,10 +60,17 @@ def _unit(run: Run, measure: str) -> str:
 def _table(run: Run, title: str, scores: Mapping[tuple[str, str], Sequence[Score]]) -> Table:
     several = len({mode for _, mode in scores}) > 1
     words = [f"{name}, {runs.mode_words(mode)}" if several else name for name, mode in scores]
+    known = [score for row in scores.values() for score in row]
+    # one value may be far beyond all others, and a truth is not
+    truths: list[float | None] = [score.truth for score in known if score.truth]
+    sizes = truths or [score.value for score in known]
     rows = [
         (
             str(k + 1),
-            *(runs.value_words(run, row[k] if k < len(row) else None) for row in scores.values()),
+            *(
+                runs.value_words(run, row[k] if k < len(row) else None, sizes)
+                for row in scores.values()
+            ),
         )
         for k in range(max(map(len, scores.values())))
     ]
