@@ -90,3 +90,13 @@ def test_lines_are_as_long_as_they_are_wide():
     assert all(small.width(line) <= 1.0 for line in lines)
     assert "".join(lines).replace(" ", "") == "somewordsand" + "W" * 100
     assert small.wrapped("", 1.0) == [""]
+
+
+def test_what_few_readers_want_is_set_smaller():
+    table = Table("", (Column("name", text=True),), (Group("", (("north",),)),))
+    sizes = {}
+    for brief in (True, False):
+        drawn = pages.document([block(Part("The answer"), Part("", tables=(table,), brief=brief))])
+        (text,) = [one for page in drawn for one in page.texts if one.get_text() == "north"]
+        sizes[brief] = text.get_size()
+    assert 6 <= sizes[False] < sizes[True]

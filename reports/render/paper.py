@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 #: A4 across, its margins and the height of the foot [inch]
 SIZE = (11.69, 8.27)
-LEFT, TOP, FOOT = 0.6, 0.55, 0.75
+LEFT, TOP, FOOT = 0.6, 0.5, 0.65
 WIDTH = SIZE[0] - 2 * LEFT
 #: from a point of type to the height of its line [inch], and the space between columns [inch]
-_LINE, GUTTER = 1.35 / 72, 0.15
+_LINE, GUTTER = 1.25 / 72, 0.15
 #: a heading is not left alone at the foot of a page; heights of figures and their titles [inch]
 _KEEP, _MIN_FIGURE, _USUAL_FIGURE, _TITLE = 1.1, 2.8, 4.4, 0.4
 #: what title and caption of a figure take, roughly [inch]
