@@ -142,10 +142,13 @@ def test_every_engine_that_can_is_held_against_the_recording(logs, tmp_path):
         ({"inputs": {"torque": {"channel": "angle"}}}, "input of pendulum"),
         ({"streams": ["second"]}, "stream of the recording"),
         ({"window": {"start_s": 100.0}}, "the window begins at 100 s"),
+        ({"window": {"duration_s": 0.03}},
+         "samples in the window of 0.03 s; expected at least 10; make duration_s of window:"),
+        ({"window": {"start_s": 5.97}}, "expected at least 10; make start_s of window: smaller"),
         ({"align": {"by": "correlation", "probe": "angle_rad"}}, "must not be judged"),
         ({"calibrate": {"parameters": ["lenght_m"]}}, "length_m"),
     ],
-)
+)  # fmt: skip
 def test_a_plan_that_cannot_be_is_told(logs, change, message):
     with pytest.raises((InputError, UnknownName), match=message):
         simcompare.validate(

@@ -201,7 +201,7 @@ def _observed(
             f"stream {reader.stream}, channel {name}",
             [
                 f"has {np.count_nonzero(usable)} usable samples in the window of {duration_s:g} s;"
-                f" expected at least {MIN_SAMPLES}"
+                f" expected at least {MIN_SAMPLES}; {_more_samples(time_s)}"
             ],
         )
     stated = channel.u if u is None else u
@@ -212,6 +212,15 @@ def _observed(
         int(np.count_nonzero(inside & ~known)),
         int(np.count_nonzero(known & ~usable)),
     )
+
+
+def _more_samples(time_s: Array) -> str:
+    """How a window gets more of the samples that the log has, counted from the window's start."""
+    if np.count_nonzero(time_s >= 0) >= MIN_SAMPLES:
+        return "make duration_s of window: (for a fit most_s of calibrate:) longer in the mapping"
+    if len(time_s) >= MIN_SAMPLES:
+        return "make start_s of window: smaller in the mapping"
+    return "record for a longer time, or with more samples a second"
 
 
 def _table(reader: _Reader, name: str, duration_s: float) -> Table:
