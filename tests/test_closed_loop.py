@@ -55,6 +55,21 @@ def test_a_controller_that_repeats_the_signals_changes_nothing(engine):
     )
 
 
+@pytest.mark.parametrize(
+    ("controller", "words"),
+    [
+        (lambda time_s: {}, "<lambda>(time_s): cannot be called with two arguments (too many"),
+        (lambda: {}, "controller <lambda>(): cannot be called"),
+        (lambda time_s, readings, gain: {}, "(missing a required argument: 'gain')"),
+    ],
+)
+def test_a_controller_with_other_parameters_is_refused(controller, words):
+    with pytest.raises(InputError) as caught:
+        simcompare.control("robot", controller, engine=SPATIAL[0])
+    assert words in str(caught.value)
+    assert "expected <lambda>(time_s, readings)" in str(caught.value)
+
+
 def test_readings_have_every_signal_as_plain_numbers():
     seen = []
 

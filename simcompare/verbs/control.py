@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from simcompare.arguments import checked
 from simcompare.comparison.repeats import check_sample_step, one_step_s
 from simcompare.engine import engines
 from simcompare.engine.simulation import Controller
+from simcompare.errors import InputError
 from simcompare.model.settings import ASSISTED, Settings
 from simcompare.scenarios import catalogue
 from simcompare.verbs.controlled import Controlled
@@ -50,12 +52,14 @@ def control(
         The trajectory; what the controller gave is recorded by the actuators.
 
     Raises:
-        InputError: the controller returned something else than finite numbers by name.
+        InputError: the controller does not take time and readings, or it returned something else
+            than finite numbers by name.
         NoSuchReading: it asked for a reading that there is not; also a KeyError.
         UnknownName: it set an input that the scenario does not have.
         Unsupported: the engine lacks what the scenario needs.
         Exception: whatever the controller raises, with a note of the engine and the time.
     """
+    _check_called(controller)
     file = catalogue.load(str(scenario))
     values = file.read_settings(set or {})
     step_s = None if step is None else one_step_s(step)
@@ -70,3 +74,19 @@ def control(
         simulation.close()
     held = {**vars(found), "contact": contact}
     return Controlled(**held, title=scene.title, probes=scene.probes)
+
+
+def _check_called(controller: Controller) -> None:
+    """Refuses a controller that cannot be called with a time and readings."""
+    try:
+        signature = inspect.signature(controller)
+    except ValueError:  # of some functions that are written in C it is not known
+        return
+    try:
+        signature.bind(0.0, {})
+    except TypeError as error:
+        name = getattr(controller, "__name__", type(controller).__name__)
+        raise InputError(
+            f"controller {name}{signature}",
+            [f"cannot be called with two arguments ({error}); expected {name}(time_s, readings)"],
+        ) from None
