@@ -100,6 +100,8 @@ def test_what_an_engine_does_by_default_is_not_judged(call, fall, add_engine):
         (["run", "ball", "--step", "10"], "--step"),
         (["run", "ball", "--step", "1e-12", "--time-limit", "3"], "--step"),
         (["run", "ball", "--seeds", "0"], "--seeds: 0 is not a number of repeats"),
+        (["run", "ball", "--seeds", "99999999999"], "--seeds: 99999999999 repeats of 4106 samples"),
+        (["run", "ball", "--seeds", "9" * 400], "e+400 repeats"),
         (["run", "ball", "--time-limit", "-1"], "--time-limit"),
         (["run", "ball", "--time-limit", "nan"], "--time-limit"),
         (["run", "ball", "--against", "itf_tenis_rebound"], "did you mean itf_tennis_rebound"),

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from simcompare import measures, notation, units
+from simcompare.comparison import memory
 from simcompare.engine.calibration.plan import drop_plans
 from simcompare.engine.drives import input_values
 from simcompare.engine.sensing import complete
@@ -55,6 +56,7 @@ def at_steps(
     preset: str | None,
     steps_s: Sequence[float | None],
     count: int | None,
+    sources: int,
 ) -> list[AtStep]:
     """The scenario at every step, in the order in which they are given.
 
@@ -64,13 +66,15 @@ def at_steps(
         preset: named set of parameters, applied first.
         steps_s: times between samples [s]; ``None``: the scenario's own.
         count: number of repeats; the scenario's own where ``None``.
+        sources: engines times levels.
 
     Raises:
-        InputError: a step at which the scenario, or its truth, makes no sense.
+        InputError: a step at which the scenario, or its truth, makes no sense, or more than this
+            machine can hold.
     """
     steps: list[AtStep] = []
     for step_s in steps_s:
-        scenarios = repeats_of(file, values, preset, step_s, count)
+        scenarios = repeats_of(file, values, preset, step_s, count, sources)
         nominal = scenarios[len(scenarios) // 2]
         label = f"{AT}{step_words(nominal.world.engine_step_s)}" if len(steps_s) > 1 else ""
         # beyond where it holds, a truth tells nothing
@@ -137,19 +141,23 @@ def repeats_of(
     preset: str | None,
     step_s: float | None,
     count: int | None,
+    sources: int = 1,
 ) -> list[Scenario]:
     """The scenario once for every dithered repeat, the nominal one at index n//2.
 
     The dithered parameter takes the values p + (i - n//2)/n · span for i = 0 … n-1.
 
     Raises:
-        InputError: values out of bounds, or a step so long that the spread leaves what makes sense.
+        InputError: values out of bounds, a step so long that the spread leaves what makes sense, or
+            more than this machine can hold.
     """
     nominal = file.resolve(values, preset=preset, step_s=step_s)
     dither = nominal.dither
+    where = file.name if count is None else "--seeds"
+    count = (dither.count if dither else 1) if count is None else count
+    memory.check(nominal, count, sources, where)
     if dither is None:
         return [nominal]
-    count = dither.count if count is None else count
     centre = nominal.parameters[dither.parameter]
     if dither.span >= 2 * centre and file.parameters[dither.parameter].min >= 0:
         raise InputError(

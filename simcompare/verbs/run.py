@@ -110,7 +110,8 @@ def run(
     if seeds is not None and file.resolve(values, preset=preset).dither is None:
         raise InputError("--seeds", [f"{file.name} has nothing that is dithered between repeats"])
     usual_s = None if fit is None else fit.usual_step_s
-    steps = at_steps(file, values, preset, steps_s or [usual_s], seeds)
+    sources = len(chosen) * len(modes)
+    steps = at_steps(file, values, preset, steps_s or [usual_s], seeds, sources)
     if out is not None:
         store.check_writable(Path(out))
     jobs = [
