@@ -166,6 +166,10 @@ def test_every_verb_has_examples():
         ("run ball mujoco:rk4,ode mass=1g --seeds 2", "'mujoco:rk4,ode' and 'mass=1g' must stand"
          " behind an option; write: simcompare run ball --seeds 2 --engine mujoco:rk4,ode"
          " --set mass=1g"),
+        ("run ball --engine mujoco pymunk", "write: simcompare run ball --engine mujoco,pymunk"),
+        ("run ball mujoco pymunk a=1 b=2", "write: simcompare run ball --engine mujoco,pymunk"
+         " --set a=1 --set b=2"),
+        ("run ball --contact=tuned default", "write: simcompare run ball --contact tuned,default"),
         ("run ball tuned", "write: simcompare run ball --contact tuned"),
         ("run ball heavy ode", "run: nothing is known of 'heavy' and 'ode' here; all options:"
          " simcompare run --help"),
@@ -178,6 +182,25 @@ def test_every_verb_has_examples():
     ],
 )  # fmt: skip
 def test_a_word_too_many_says_where_it_belongs(call, words, said):
+    code, out, err = call(*words.split())
+    assert (code, out) == (2, "")
+    assert said in err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("run ball --preset golf --preset tennis", "--preset is given twice: golf, tennis; give"
+         " one"),
+        ("run ball --engine ode --engine=pymunk", "--engine is given twice: ode, pymunk; write"
+         " --engine ode,pymunk"),
+        ("run ball --out a -o b -o c", "--out is given several times: a, b, c; give one"),
+        ("runs --clean --keep 0 --keep 5", "--keep is given twice: 0, 5; give one"),
+        ("validate ball --contact tuned --contact default", "--contact is given twice: tuned,"
+         " default; give one"),
+    ],
+)  # fmt: skip
+def test_an_option_that_takes_one_value_is_given_once(call, words, said):
     code, out, err = call(*words.split())
     assert (code, out) == (2, "")
     assert said in err

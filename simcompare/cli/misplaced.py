@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -16,6 +17,8 @@ from simcompare.cli import complete
 from simcompare.errors import InputError, SimcompareError, UnknownName
 from simcompare.scenarios import catalogue
 
+_TIMES = {2: "twice"}
+
 
 class Verb(TyperCommand):
     """A verb that says which option a word too many belongs to."""
@@ -25,12 +28,13 @@ class Verb(TyperCommand):
         _refuse_empty(args, {name for p in self.params if not _is_flag(p) for name in p.opts})
         given, takes_more, ctx.allow_extra_args = [*args], ctx.allow_extra_args, True
         try:
+            if not ctx.resilient_parsing:
+                _refuse_twice(str(self.name), given, self.make_parser(ctx).parse_args([*args])[2])
             super().parse_args(ctx, args)
         except typer.BadParameter as error:
             raise self._no_scenario(error) or _no_number(error, given) or error from None
         if ctx.args and not takes_more and not ctx.resilient_parsing:
-            options = [name for param in self.params for name in param.opts]
-            raise too_many(str(self.name), given, ctx.args, options)
+            raise too_many(str(self.name), given, ctx.args, self.params)
         return list(ctx.args)
 
     def _no_scenario(self, error: typer.BadParameter) -> InputError | None:
@@ -43,6 +47,47 @@ class Verb(TyperCommand):
 
 def _is_flag(param: Any) -> bool:  # noqa: ANN401
     return bool(getattr(param, "is_flag", False))
+
+
+def _takes_commas(param: Any) -> bool:  # noqa: ANN401
+    return "commas" in (getattr(param, "help", "") or "") and not param.multiple
+
+
+def _refuse_twice(verb: str, words: Sequence[str], order: Sequence[Any]) -> None:
+    """Refuses options that take one value and are given several, of which all but one are lost.
+
+    Args:
+        verb: its name.
+        words: as they were typed.
+        order: of the parser: the option or argument that each belongs to.
+
+    Raises:
+        InputError: all of them.
+    """
+    twice = [param for param, count in Counter(order).items() if count > 1 and _is_single(param)]
+    faults = [f"{param.opts[0]} {_twice(param, words)}" for param in twice]
+    if faults:
+        raise InputError(verb, faults)
+
+
+def _is_single(param: Any) -> bool:  # noqa: ANN401
+    return param.param_type_name == "option" and not (param.multiple or _is_flag(param))
+
+
+def _twice(param: Any, words: Sequence[str]) -> str:  # noqa: ANN401
+    values = _values(param.opts, words)
+    cure = f"write {param.opts[0]} {','.join(values)}" if _takes_commas(param) else "give one"
+    return f"is given {_TIMES.get(len(values), 'several times')}: {', '.join(values)}; {cure}"
+
+
+def _values(names: Collection[str], words: Sequence[str]) -> list[str]:
+    """What stands behind an option, wherever it is given."""
+    values = []
+    for word, behind in pairwise([*words, ""]):
+        name, equals, text = word.partition("=")
+        if name in names:
+            values.append(text if equals else behind)
+    return values
 
 
 def _refuse_empty(words: Sequence[str], options: Collection[str]) -> None:
@@ -62,8 +107,7 @@ def _refuse_empty(words: Sequence[str], options: Collection[str]) -> None:
 def _no_number(error: typer.BadParameter, words: Sequence[str]) -> InputError | None:
     """What stands behind an option that takes a number and was given none."""
     names = [*getattr(error.param, "opts", ())]
-    split = [(name, text) for name, equals, text in (w.partition("=") for w in words) if equals]
-    found = [text for option, text in [*pairwise(words), *split] if option in names]
+    found = _values(names, words)
     if not found or not ("integer" in error.message or "number" in error.message):
         return None
     whole = "integer" in error.message
@@ -74,7 +118,7 @@ def _no_number(error: typer.BadParameter, words: Sequence[str]) -> InputError | 
 
 
 def too_many(
-    verb: str, given: Sequence[str], extra: Sequence[str], options: Sequence[str]
+    verb: str, given: Sequence[str], extra: Sequence[str], params: Sequence[Any]
 ) -> SimcompareError:
     """The error of a verb that was given words that it has no place for.
 
@@ -82,30 +126,48 @@ def too_many(
         verb: its name.
         given: all words behind it.
         extra: those for which there is no place.
-        options: that the verb has.
+        params: options and arguments that the verb has.
     """
     left = [*given]
     for word in extra:
         left.remove(word)
-    words = [part for word in extra for part in _option_of(word, options)]
+    by_name = {name: param for param in params for name in param.opts}
+    options = [(_option_of(word, by_name), word) for word in extra]
     named = " and ".join(map(repr, extra))
-    if "" in words:
+    if any(not option for option, _ in options):
         known = f"all options: simcompare {verb} --help"
         return InputError(verb, [f"nothing is known of {named} here; {known}"])
-    command = shlex.join(["simcompare", verb, *left, *words])
+    for option, word in options:
+        left = _with(left, by_name[option], option, word)
+    command = shlex.join(["simcompare", verb, *left])
     return InputError(verb, [f"{named} must stand behind an option; write: {command}"])
 
 
-def _option_of(word: str, options: Sequence[str]) -> tuple[str, str]:
-    """An option with a word that stands alone; an empty one where none fits."""
+def _with(words: Sequence[str], param: Any, option: str, word: str) -> list[str]:  # noqa: ANN401
+    """The words of a command with one more value of an option, which is given once if it must."""
+    others: list[str] = []
+    earlier = _values(param.opts, words) if _is_single(param) else []
+    rest = iter(words)
+    for one in rest:
+        name, equals, _ = one.partition("=")
+        if not (earlier and name in param.opts):
+            others.append(one)
+        elif not equals:
+            next(rest, None)
+    kept = earlier if _takes_commas(param) else []
+    return [*others, option, ",".join([*kept, word])]
+
+
+def _option_of(word: str, options: Collection[str]) -> str:
+    """The option of a word that stands alone; empty where none fits."""
     for name, fits in (
         ("--set", "=" in word), ("--engine", _is_engines(word)),
         ("--contact", set(word.split(",")) <= {*complete.contact_levels("")}),
         ("--recording", Path(word).is_file()),
     ):  # fmt: skip
         if name in options and fits:
-            return name, word
-    return "", word
+            return name
+    return ""
 
 
 def _is_engines(word: str) -> bool:
