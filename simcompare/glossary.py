@@ -15,8 +15,8 @@ from simcompare.errors import InputError, UnknownName
 
 #: languages in which every word is explained
 LANGUAGES = ("en", "de")
-#: how much alike a spelling must be to be suggested, and how many are
-_ALIKE, _MOST = 0.6, 3
+#: how much alike a spelling must be for its word to be suggested, and how many are
+_ALIKE, _MOST = 0.75, 3
 
 
 @dataclass(frozen=True)
@@ -63,17 +63,18 @@ def term(word: str, language: str = "en") -> Term:
         language: ``en`` or ``de``.
 
     Raises:
-        UnknownName: no such word, but some are spelt alike; or no such language.
-        InputError: no word is spelt alike.
+        UnknownName: no such language.
+        InputError: no such word; says which are spelt alike.
     """
     known = _spellings(language)
     for spelling in (word.strip(), _plain(word)):
         if spelling in known:
             return known[spelling]
     near = difflib.get_close_matches(_plain(word), known, n=_MOST, cutoff=_ALIKE)
-    if near:
-        raise UnknownName("word", word, near)
-    raise InputError("explain", [f"no word is called {word!r}; all words: simcompare explain"])
+    # the words as they stand in tables: another spelling may be of the other language
+    meant = " or ".join(dict.fromkeys(known[spelling].word for spelling in near))
+    advice = f"did you mean {meant}?" if meant else "all words: simcompare explain"
+    raise InputError("explain", [f"no word is called {word!r}; {advice}"])
 
 
 def legend(words: Iterable[str], language: str = "en") -> tuple[str, ...]:

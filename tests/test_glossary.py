@@ -77,11 +77,25 @@ def test_other_spellings_are_understood(spelling, word):
     assert glossary.term(spelling).word == word
 
 
-def test_unknown_words_get_suggestions():
-    with pytest.raises(UnknownName, match="did you mean tolerance"):
-        glossary.term("tolerence")
-    with pytest.raises(InputError, match="all words: simcompare explain"):
-        glossary.term("xyzzy")
+@pytest.mark.parametrize(
+    ("unknown", "advice"),
+    [
+        ("tolerence", "did you mean tolerance?"),
+        ("tunned", "did you mean tuned?"),
+        ("Stoszahl", "did you mean restitution?"),
+        ("lever", "did you mean level?"),
+        ("spining", "all words: simcompare explain"),
+        ("xyzzy", "all words: simcompare explain"),
+    ],
+)
+def test_unknown_words_get_near_suggestions_as_tables_have_them(unknown, advice):
+    for language in glossary.LANGUAGES:
+        with pytest.raises(InputError) as refused:
+            glossary.term(unknown, language)
+        assert str(refused.value) == f"explain: no word is called {unknown!r}; {advice}"
+
+
+def test_an_unknown_language_is_refused():
     with pytest.raises(UnknownName, match="language"):
         glossary.term("u", "fr")
 

@@ -12,7 +12,7 @@ from itertools import groupby
 from simcompare import glossary
 from simcompare.arguments import checked
 from simcompare.engine import engines
-from simcompare.errors import InputError, UnknownName
+from simcompare.errors import InputError
 from simcompare.glossary import Term
 from simcompare.scenarios import catalogue
 
@@ -107,15 +107,15 @@ def explain(word: str | None = None, *, language: str | None = None) -> Explanat
         The explanation; it prints as text, and a notebook shows it.
 
     Raises:
-        UnknownName: no such word, but some are spelt alike.
-        InputError: no word is spelt alike, or it names a scenario, an engine or a measure.
+        UnknownName: no such language.
+        InputError: no such word; says which are spelt alike, or what else is called so.
     """
     chosen = language or language_of(os.environ)
     if word is None:
         return Explanation(glossary.terms(chosen), chosen)
     try:
         return Explanation((glossary.term(word, chosen),), chosen)
-    except (UnknownName, InputError):
+    except InputError:
         _refuse_names(word.strip())
         raise
 
