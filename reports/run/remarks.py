@@ -33,6 +33,14 @@ def remarks(run: Run) -> list[str]:
     return list(filter(None, sentences))
 
 
+def failures(run: Run) -> list[str]:
+    """What makes a run fail, one sentence a level or none; a fit of its own levels has none."""
+    judged, levels = run.record.judge, runs.modes(run)
+    failed = {score.contact for score in run.record.scores if score.verdict == FAIL}
+    counted = [mode for mode in levels if mode in failed and (judged is None or mode in judged)]
+    return merged(run, ((mode, _missed(run, mode)) for mode in counted))
+
+
 def _means(run: Run, judged: Sequence[str]) -> list[str]:
     """What the scatter is, and what the first event gives where the value is a mean of several."""
     lead, repeats = lead_of(run), run.record.repeats

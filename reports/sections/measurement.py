@@ -36,7 +36,7 @@ def measurement(run: Run) -> Part | None:
     return Part(
         "Against measurement",
         "measurement",
-        answer=tuple(_sentence(run, mode) for mode in runs.modes(run)),
+        answer=sentences(run),
         notices=(against.caution,) if against.caution else (),
         figures=measurement_figures.measured_figures(run),
         facts=_facts(against),
@@ -84,6 +84,11 @@ def _row(match: Match) -> tuple[str, ...]:
         numbers.plain(match.e_n, 2),
         f"{_INSIDE[match.inside]}{lost}",
     )
+
+
+def sentences(run: Run) -> tuple[str, ...]:
+    """Which engines agree with what was measured, one sentence for each contact level."""
+    return tuple(_sentence(run, mode) for mode in runs.modes(run))
 
 
 def _sentence(run: Run, mode: str) -> str:

@@ -98,7 +98,8 @@ def _plain(result: Run) -> Plain:
 def _show(result: Run, page: Path | None, *, details: bool) -> None:
     """The answer, the leading measure level by level, and what its words mean."""
     from simcompare import glossary
-    from simcompare.reports.run import lead_table, runs, short
+    from simcompare.reports.run import lead_table, remarks, runs, short
+    from simcompare.reports.sections.measurement import sentences
 
     console.print_wrapped(short.short(result))
     tables = lead_table.lead_tables(result, every=details or manner.is_verbose())
@@ -107,6 +108,7 @@ def _show(result: Run, page: Path | None, *, details: bool) -> None:
     against = runs.run_record(result).against
     if against is not None:
         _show_against(against)
+        console.print_wrapped(sentences(result))
     typer.echo()
     words = lead_table.legend_words(tables)
     console.print_wrapped(glossary.legend([*words, "E_n"] if against else words))
@@ -114,6 +116,8 @@ def _show(result: Run, page: Path | None, *, details: bool) -> None:
     _show_limits(result)
     if manner.is_verbose():
         _show_all(result)
+    else:
+        console.print_wrapped(remarks.failures(result))
     ending.show_end(result, page)
 
 
@@ -164,6 +168,7 @@ def _show_against(against: Measurement) -> None:
     table = console.Rows("engine", "contact", "quantity", "simulated", "measured", "E_n", "inside")
     for match in against.matches:
         inside = {True: "yes", False: "no", None: "no uncertainty is known"}[match.inside]
+        inside = "–" if match.value is None else inside
         table.add_row(
             match.source,
             match.contact,
