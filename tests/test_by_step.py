@@ -9,6 +9,7 @@ from simcompare.reports.run import answer, remarks
 from simcompare.reports.run.by_step import figure
 from simcompare.reports.run.lead import lead_of
 from simcompare.reports.run.lead_table import lead_table
+from simcompare.reports.run.short import MAX_WORDS, short
 from simcompare.reports.sections.headline import headline
 from tests import records
 from tests.records import with_sources
@@ -61,11 +62,44 @@ def test_what_is_the_same_at_every_step_is_told_once_and_what_is_shown_is_not_ju
 
 def test_the_table_says_which_tolerance_is_whose():
     assert (
-        "tolerance 0.008 at 1ms, 0.04 at 2ms"
+        "tolerance 0.008 at 1 ms, 0.04 at 2 ms"
         in lead_table(stepped("tuned", north=(0.8, 0.8))).title
     )
     same = lead_table(stepped("tuned", TOLERANCES, north=(0.8, 0.8))).title
     assert same.endswith("tolerance 0.008")
+
+
+def many_steps(**levels):
+    """One engine at twenty steps, of which the first half has the smaller tolerance."""
+    steps = [round(0.1 * k, 1) for k in range(1, 21)]
+    rows = [(f"north@{step:g}ms", mode, value) for mode, values in levels.items()
+            for step, value in zip(steps, values, strict=True)]  # fmt: skip
+    records_of_steps = [
+        {"at": f"@{step:g}ms", "engine_step_s": 1e-3 * step, "step_s": 0.01, "dither": None,
+         "tolerances": TOLERANCES if step <= 1.0 else WIDE}
+        for step in steps
+    ]  # fmt: skip
+    run = make_run(rows, answer=ANSWER, steps=records_of_steps)
+    return records.changed(run, scores=tuple(replace(s, tolerance=None) for s in run.record.scores))
+
+
+def test_many_steps_are_a_range_and_up_to_which_they_are_right():
+    default, wrong = [0.0] * 20, [0.8] * 5 + [0.9] * 15
+    run = many_steps(default=default, tuned=wrong)
+    (first, second) = short(run)
+    assert first.startswith("By default the ball stays on the floor in all 20 cases")
+    assert second == (
+        "Tuned, the restitution is 0.800 to 0.900, right up to 0.5 ms (closed form 0.8);"
+        " but the settling time is off in all 20."
+    )
+    run = many_steps(tuned=wrong, assisted=[0.9, *wrong[1:]])
+    assert short(run)[1].startswith("Assisted, 0.800 to 0.900, right in 4 of 20")
+    assert sum(len(sentence.split()) for sentence in short(run)) <= MAX_WORDS
+
+
+def test_tolerances_of_many_steps_are_told_once_each():
+    title = lead_table(many_steps(tuned=[0.8] * 20)).title
+    assert title.endswith("; tolerance 0.008 up to 1 ms, 0.04 above")
 
 
 def test_the_first_picture_has_a_line_for_each_engine_over_the_step():

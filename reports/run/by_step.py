@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import groupby
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from simcompare.reports.render import numbers
 from simcompare.reports.render.figures import Figure, Panel, Series
 from simcompare.reports.render.styles import Style, style_of
 from simcompare.reports.run import runs
-from simcompare.reports.run.lead import MIXED, OUTSIDE, Lead, Row
+from simcompare.reports.run.lead import MIXED, OUTSIDE, WITHIN, Lead, Row
 from simcompare.reports.run.lead_rows import rows_of
 from simcompare.reports.run.level_phrases import how
 from simcompare.reports.run.listing import engines, grouped, joined
@@ -40,15 +41,39 @@ def lines(run: Run, lead: Lead, mode: str) -> list[str]:
     return [_head(run, lead, mode, judged=judged), *ends]
 
 
-def over_steps(run: Run, lead: Lead, rows: Sequence[Row]) -> str:
-    """The leading measure of all engines at each step, as half a sentence."""
-    parts = []
-    for step in _steps(run):
-        some = [replace(row, scatter=None) for row in rows if row.name.endswith(step.at)]
-        at = step.at.removeprefix(AT).removesuffix("ms")
-        parts.append(f"{lead.range_of(some)} at {at} ms")
+def over_steps(run: Run, lead: Lead, rows: Sequence[Row], *, each: bool, first: bool) -> str:
+    """The leading measure of all engines over the steps, as half a sentence.
+
+    Args:
+        run: the run.
+        lead: the leading measure.
+        rows: of the engines at each of their steps.
+        each: whether each step is told, else where it is right.
+        first: whether it is told what it is, and the truth.
+    """
+    rows = [replace(row, scatter=None) for row in rows]
+    at = {_at(step): [row for row in rows if row.name.endswith(step.at)] for step in _steps(run)}
+    told = [f"{lead.range_of(some)} at {step}" for step, some in at.items()]
+    values = ", ".join(told) if each else lead.range_of(rows) + _right(lead, rows, at)
+    if not first:
+        return values
     beside = f" ({TRUTH} {lead.true})" if lead.truth else ""
-    return f"the {lead.words} is {', '.join(parts)}{beside}"
+    return f"the {lead.words} is {values}{beside}"
+
+
+def _right(lead: Lead, rows: Sequence[Row], at: Mapping[str, Sequence[Row]]) -> str:
+    """Up to which step all engines are right, else in how many cases."""
+    if not lead.is_judged:
+        return ""
+    right = [step for step, some in at.items() if all(row.kind == WITHIN for row in some)]
+    wrong = [step for step, some in at.items() if all(row.kind != WITHIN for row in some)]
+    if right and [*right, *wrong] == [*at]:
+        return f", right up to {right[-1]}"
+    return f", right in {sum(row.kind == WITHIN for row in rows)} of {len(rows)} cases"
+
+
+def _at(step: StepRecord) -> str:
+    return f"{step.at.removeprefix(AT).removesuffix('ms')} ms"
 
 
 def _values(lead: Lead, steps: Sequence[At], judged: bool) -> str:
@@ -86,6 +111,21 @@ def _head(run: Run, lead: Lead, mode: str, *, judged: bool) -> str:
         shown = accepted[:1] if len(set(accepted)) == 1 else accepted
         text += f" ({_MISSED.strip()} is off by more than {joined(shown)})"
     return f"{text}:"
+
+
+def tolerances(run: Run, lead: Lead) -> str:
+    """The tolerance at each of several steps, once for those that follow each other with it."""
+    known = [(_at(step), width) for step in _steps(run) if (width := _width(run, lead, step))]
+    groups = [
+        (text, [step for step, _ in group])
+        for text, group in groupby(known, lambda one: numbers.plain(one[1], 2))
+    ]
+    if len(groups) < 2:
+        return lead.accepted
+    if len(groups) == len(known):
+        return ", ".join(f"{text} at {step}" for text, (step,) in groups)
+    *most, (last, _) = groups
+    return ", ".join([*(f"{text} up to {steps[-1]}" for text, steps in most), f"{last} above"])
 
 
 def widths(run: Run, lead: Lead) -> list[tuple[str, float | None]]:

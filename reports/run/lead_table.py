@@ -110,7 +110,7 @@ def _title(run: Run, lead: Lead | None, step: str) -> str:
         return ""
     unit = "" if lead.unit in ("", "1") else f" in {lead.unit}"
     mean = mean_words(lead, [run.record.repeats])
-    accepted = "" if lead.width is None else f"; tolerance {_tolerances(run, lead)}"
+    accepted = "" if lead.width is None else f"; tolerance {by_step.tolerances(run, lead)}"
     if runs.beyond(run):
         accepted = "; not judged, for the truth does not hold here"
     return f"{lead.words}{unit}{mean}{f', {step}' if step else ''}{accepted}"
@@ -122,14 +122,6 @@ def mean_words(lead: Lead, repeats: Sequence[int]) -> str:
     if max(repeats) > 1:
         means.append(f"{' or '.join(dict.fromkeys(map(str, repeats)))} repeats")
     return f", mean of {' and '.join(means)}" if means else ""
-
-
-def _tolerances(run: Run, lead: Lead) -> str:
-    """Half-width of what is accepted; of several steps that of each."""
-    each = by_step.widths(run, lead)
-    if len({numbers.plain(width, 2) for _, width in each if width is not None}) < 2:
-        return lead.accepted
-    return ", ".join(f"{numbers.plain(w, 2)} at {step}" for step, w in each if w is not None)
 
 
 def cell(

@@ -44,6 +44,7 @@ class _Detail:
 
     Attributes:
         misses: how many other measures are off, unless most engines are off in the leading one.
+        each_step: the values at each of several steps.
         shown_levels: what most engines do where nothing is judged.
         cause: why engines go wrong as they come.
         whole: other measures that the scenario's answer names.
@@ -58,6 +59,7 @@ class _Detail:
     """
 
     misses: bool = False
+    each_step: bool = False
     shown_levels: bool = False
     cause: bool = False
     whole: bool = False
@@ -114,8 +116,11 @@ def _level(run: Run, lead: Lead, mode: str, detail: _Detail, before: _Said) -> s
     """What happens at a level; a half sentence that was said before is not said again."""
     rows = rows_of(run, lead, mode)
     is_shown, main = mode in SHOWN_LEVELS, _main(rows)
-    if runs.steps(run) and not is_shown and {row.kind for row in rows} != {WITHIN}:
-        return "; ".join([over_steps(run, lead, rows), *_missed(run, lead, mode, detail, rows)])
+    alike = {row.kind for row in rows} in ({WITHIN}, {UNMEASURED})
+    if runs.steps(run) and not is_shown and not alike:
+        is_first = f"{{{VALUE}}}" not in before[0]
+        told = over_steps(run, lead, rows, each=detail.each_step, first=is_first)
+        return "; ".join([told, *_missed(run, lead, mode, detail, rows)])
     parts = [_majority(run, lead, mode, rows, _template(lead, mode, main, detail), before)]
     if detail.shown_others if is_shown else detail.others:
         values = detail.shown if is_shown else detail.judged
