@@ -80,8 +80,11 @@ def test_the_legend_shows_an_engine_as_it_is_with_the_physics_mapped():
     assert not figure.legend["north"].style.hollow
     traces = plotly_.as_dict(figure)["data"]
     shown = [trace for trace in traces if trace["showlegend"]]
-    assert [trace["name"] for trace in shown] == ["truth (closed form)", "north"]
+    assert [trace["name"] for trace in shown] == ["truth (closed form)", "north", "by default"]
     assert shown[1]["marker"]["symbol"] == style_of("north").marker
+    # what is hollow is told by an entry of its own, which draws nothing
+    assert shown[2]["marker"]["symbol"] == "circle-open"
+    assert set(shown[2]["y"]) == {None}
 
 
 def test_default_is_hollow_and_below_mapped():
@@ -104,7 +107,7 @@ def test_without_a_truth_there_are_no_deviations():
     run = swept(frequency=None, amplitude=None, phase=None)
     assert curve_figures.deviations_figures(run, "frequency") == []
     figure = curve_figures.curves_figures(run, "frequency")[0]
-    assert len(figure.panels[0].series) == 2
+    assert len(series_of(figure.panels[0])) == 2
     assert "truth" not in figure.caption
 
 

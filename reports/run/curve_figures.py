@@ -17,7 +17,7 @@ from simcompare.reports.render.styles import TRUTH_STYLE
 from simcompare.reports.run import runs
 from simcompare.reports.run.event_values import column, deviation_scale, deviation_unit, events_of
 from simcompare.reports.run.listing import joined
-from simcompare.reports.run.source_styles import level_look
+from simcompare.reports.run.source_styles import hollow_entries, level_look
 from simcompare.results.run import Run
 
 #: curves of more points than this are drawn as lines only
@@ -47,12 +47,8 @@ def curves_figures(run: Run, axis: str) -> list[Figure]:
     panels = [_values(plot) for plot in _plots(run, axis)]
     true = any(series.style == TRUTH_STYLE for panel in panels for series in panel.series)
     caption = f"The thick grey line is the truth ({TRUTH}). " if true else ""
-    hollow = [runs.mode_words(mode) for mode in runs.modes(run) if mode in SHOWN_LEVELS]
-    if hollow and len(runs.modes(run)) > 1:
-        caption += (
-            f"Hollow points are the engines {' or '.join(hollow)},"
-            " full ones with all of the physics given."
-        )
+    if any(one.style.hollow and one.points for panel in panels for one in panel.series):
+        caption += "Full points are at the level that the panel names."
     if any(panel.y_range is not None for panel in panels):
         caption += " Hollow points far away from all others lie outside."
     return _figures(f"curves-{axis}", f"over {_words(run, axis)}", caption.strip(), panels)
@@ -139,7 +135,9 @@ def _values(plot: _Plot) -> Panel:
     true = _truth(plot)
     near = (*true, *(one for one in series if not one.style.hollow))
     label = runs.label(plot.measure, plot.unit)
-    return plot.panel(label, (*true, *series), _near_range(near, series))
+    hollow = [one for one in series if one.style.hollow and one.points][:1]
+    entries = [entry for one in hollow for entry in hollow_entries(run, one.x)]
+    return plot.panel(label, (*true, *series, *entries), _near_range(near, series))
 
 
 def _near_range(near: Sequence[Series], every: Sequence[Series]) -> tuple[float, float] | None:

@@ -7,14 +7,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from simcompare.comparison.comparison import Score
-from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.model.trajectory import TRUTH
 from simcompare.notation import capital
 from simcompare.reports.render.figures import Band, Figure, Panel, Series, fitted_range, spread
 from simcompare.reports.render.styles import TRUTH_STYLE
 from simcompare.reports.run import runs
 from simcompare.reports.run.event_values import column, deviation_scale, deviation_unit, events_of
-from simcompare.reports.run.source_styles import level_look
+from simcompare.reports.run.source_styles import hollow_entries, level_look
 from simcompare.results.run import Run
 
 _X_LABEL = "number of the event"
@@ -44,15 +43,13 @@ def events_figure(run: Run, measure: str) -> Figure:
     events = events_of(run, measure)
     words, judged = runs.measure_words(measure), runs.judged_modes(run)
     modes = [*judged, *(mode for mode in runs.modes(run) if mode not in judged)]
-    values = (_true_line(events), *_series(run, events, modes, None))
+    true = _true_line(events)
+    values = (true, *_series(run, events, modes, None), *hollow_entries(run, true.x))
     label = runs.label(measure, next(iter(events.values()))[0].unit)
     caption = (
         "Bars are one standard deviation over the repeats to either side; "
         "engines stand side by side so that their bars can be told apart."
     )
-    hollow = [runs.mode_words(mode) for mode in modes if mode in SHOWN_LEVELS]
-    if hollow and len(modes) > 1:
-        caption += f" Hollow points are the engines {' or '.join(hollow)}."
     # what is the engine's own and what we add to it never share a panel
     panels = (
         Panel("value", _X_LABEL, label, values, integer_x=True),

@@ -6,12 +6,18 @@ import functools
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from simcompare.engine import engines
 from simcompare.model.settings import SHOWN_LEVELS
-from simcompare.model.trajectory import AT
+from simcompare.model.trajectory import AT, Array
+from simcompare.reports.render.figures import Series
 from simcompare.reports.render.styles import PATTERNS, Style, style_of, with_pattern
 from simcompare.reports.run import runs
 from simcompare.results.run import Run
+
+#: of an entry that stands for all engines at a level
+HOLLOW_STYLE = Style("#555555", hollow=True)
 
 
 def look(run: Run, source: str) -> Style:
@@ -28,6 +34,16 @@ def level_look(run: Run, source: str, mode: str) -> Style:
     """The same at one level: hollow where that is shown beside others and not judged."""
     hollow = mode in SHOWN_LEVELS and len(runs.modes(run)) > 1
     return replace(look(run, source), hollow=hollow)
+
+
+def hollow_entries(run: Run, x: Array) -> tuple[Series, ...]:
+    """What hollow points are, as entries of a legend; they draw nothing at places ``x``."""
+    shown = [mode for mode in runs.modes(run) if mode in SHOWN_LEVELS]
+    nothing = np.full(len(x), np.nan)
+    return tuple(
+        Series(runs.mode_words(mode), x, nothing, HOLLOW_STYLE, points=True, line=False)
+        for mode in (shown if len(runs.modes(run)) > 1 else [])
+    )
 
 
 @functools.cache
