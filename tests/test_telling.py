@@ -9,7 +9,7 @@ from simcompare.alignment.clock_line import Alignment
 from simcompare.model.recording import Repair
 from simcompare.reports.validation import answer
 from simcompare.reports.validation.short import short
-from simcompare.results.records.validation import HELD_OUT, SAME, ApartRecord, SpreadRecord
+from simcompare.results.records.validation import HELD_OUT, KNOWN, SAME, ApartRecord, SpreadRecord
 from tests.validations import (
     LOG,
     compared,
@@ -90,10 +90,50 @@ def test_parameters_that_do_not_carry_over():
         waveforms=[waveform(), waveform("fitted")],
     )  # fmt: skip
     assert (
-        "The fitted parameters made the gap up to 6 % larger (mean square): they do not carry over."
-        in text(found)
+        "The fitted parameters made the gap up to 3 % larger (root mean square): they do not carry"
+        " over." in text(found)
     )
+    assert "A share above 100 % is an error that another one hid" in text(found)
+    assert "A share above" not in text(held_out())
+    assert short(found)[1] == "The fit made the gap up to 3 % larger: it does not carry over."
     assert "in parameters that suit only the data they were fitted to." in text(found)
+
+
+def two_recordings(**more):
+    sizes = {"vad.0": 0.00955, "vad.1": 0.0242}
+    rows = [waveform(kind, source, stream, rmse * scale)
+            for kind in (KNOWN, "fitted") for stream, rmse in sizes.items()
+            for source, scale in (("north", 1), ("south", 0.99))]  # fmt: skip
+    found = {"mean_period": 0.5, "log_decrement": 3.0, "loss": 2.0}
+    values = [value(e_n, stream, measure=name) for stream in sizes for name, e_n in found.items()]
+    cases = [segment(stream) for stream in sizes]
+    return held_out(waveforms=rows, values=values, cases=cases, **more)
+
+
+def test_the_short_answer_names_two_recordings_and_what_the_values_are():
+    assert short(two_recordings()) == (
+        "The simulated angle from hanging is off by 0.55° (vad.0) and 1.4° (vad.1).",
+        "2 of 6 values (mean period, log decrement … of both) agree.",
+        "The parameters were fitted to other data.",
+    )
+
+
+def test_the_short_answer_tells_engines_that_differ_by_their_ends():
+    rows = [waveform(stream=stream, source=source, rmse=rmse) for stream in ("a", "b")
+            for source, rmse in (("north", 0.01), ("south", 0.02))]  # fmt: skip
+    told = short(record(waveforms=rows))[0]
+    assert told.endswith("0.573° to 1.15° (a) and 0.573° to 1.15° (b).")
+    three = [waveform(stream=name, rmse=0.01) for name in "abc"]
+    assert short(record(waveforms=three))[0].endswith("by 0.573° (RMS) in 3 recordings.")
+
+
+def test_the_short_answer_drops_what_is_least_important():
+    found = two_recordings(gaps=[gap(-0.3, 1.2)])
+    assert short(found)[1:] == (
+        "The fit made the gap up to 14 % larger: it does not carry over.",
+        "2 of 6 values (mean period, log decrement … of both) agree.",
+    )
+    assert sum(len(sentence.split()) for sentence in short(found)) <= 40
 
 
 def test_uncertain_parameters_take_the_blame_from_the_model():

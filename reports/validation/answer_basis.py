@@ -20,8 +20,6 @@ from simcompare.results.records.validation import (
 _ONE = 0.99
 #: a fit that leaves more than so many times the noise lacks something
 _FAR = 3.0
-#: a share of the gap by which a fit made it larger that is worth a word
-_WORSE = 0.005
 #: a parameter with this share of a budget dominates it
 _DOMINANT = 0.5
 #: more parameters than these are counted and not named
@@ -172,7 +170,7 @@ def _about_parameters(validation: Validation) -> str:
         return "fit the parameters to one part of the recordings and judge another (calibrate:)."
     pairs = _same_pairs(validation.fit)
     residual = _residual(validation, validation.fit)
-    worse = any(row.shares.removed < -_WORSE for row in validation.gaps)
+    worse = answer_gap.worse(validation, validation.gaps) > 0
     if not pairs or (residual <= _FAR and not worse):
         return ""
     first, second, _ = pairs[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 from simcompare.reports.validation import phrases
@@ -26,6 +27,8 @@ _DOMINANT, _SMALL = 0.5, 0.2
 _CLOSE = 0.1
 #: and these are the same but for rounding
 _SAME = 1e-9
+#: a share of the gap by which a fit made it larger that is worth a word
+_WORSE = 0.005
 #: more quantities than these are told in one sentence
 _MANY = 2
 #: samples that a band with k = 2 holds where nothing else is wrong
@@ -71,6 +74,19 @@ def before_the_fit(validation: Validation, rows: Sequence[WaveformRecord]) -> li
         if validation.fit is not None and row.probe == rows[0].probe
         and (row.parameters, row.aligned) == (KNOWN, rows[0].aligned)
     ]  # fmt: skip
+
+
+def worse(validation: Validation, rows: Sequence[GapRecord]) -> float:
+    """By which part a fit made the gap (root mean square) larger at most; 0 where it did not.
+
+    Args:
+        validation: the record of the validation.
+        rows: its gaps, or some of them.
+    """
+    removed = [row.shares.removed for row in rows]
+    if validation.fit is None or not removed or min(removed) > -_WORSE:
+        return 0.0
+    return math.sqrt(1 - min(removed)) - 1
 
 
 # how large
@@ -197,16 +213,18 @@ def _split(rows: Sequence[GapRecord], label: str) -> Iterator[str]:
         if max(shares[key]) > 0
     ]
     yield f"The gap of the {label} before the fit came from (mean square): {', '.join(parts)}."
+    if max(max(part) for part in shares.values()) > 1:
+        yield "A share above 100 % is an error that another one hid, in part, before the fit."
 
 
 def _blame(validation: Validation, rows: Sequence[GapRecord]) -> Iterator[str]:
     """What a fit says of the parameters and of the model."""
     if validation.fit is None:
         return
-    worse = -min(row.shares.removed for row in rows)
-    if worse > 0.005:
-        yield (f"The fitted parameters made the gap up to {phrases.percent(worse)} larger (mean"
-               " square): they do not carry over.")  # fmt: skip
+    grown = worse(validation, rows)
+    if grown:
+        yield (f"The fitted parameters made the gap up to {phrases.percent(grown)} larger (root"
+               " mean square): they do not carry over.")  # fmt: skip
     if max(row.shares.model_form for row in rows) > _DOMINANT and not is_covered(rows):
         where = "the recording" if validation.basis == SAME else "the data they were fitted to"
         yield ("What is left may lie in the equations, in the input, or in parameters that suit"

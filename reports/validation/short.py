@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from simcompare.reports.render.parts import KeyNumber
 from simcompare.reports.validation import answer_gap, answer_values, beginnings, phrases
-from simcompare.results.records.validation import SAME, Validation
+from simcompare.results.records.validation import SAME, Validation, WaveformRecord
+
+MAX_WORDS = 40
+#: engines are alike where the least is more than this part of the greatest
+_ALIKE = 0.95
+#: more streams, or values, than these are not named one by one
+_TWO = 2
 
 
 def short(validation: Validation) -> tuple[str, ...]:
@@ -13,7 +21,11 @@ def short(validation: Validation) -> tuple[str, ...]:
         return ("No engine ran.",)
     if validation.apart:
         return (*beginnings.sentences(validation), *_gap(validation))
-    return (*_unsure(validation), *_gap(validation), *_values(validation), _basis(validation))
+    said = [*_unsure(validation), *_gap(validation), *_worse(validation), *_values(validation),
+            _basis(validation)]  # fmt: skip
+    while sum(len(sentence.split()) for sentence in said) > MAX_WORDS:
+        said.pop()  # the last is the least important
+    return tuple(said)
 
 
 def key_numbers(validation: Validation) -> tuple[KeyNumber, ...]:
@@ -36,15 +48,49 @@ def _gap(validation: Validation) -> list[str]:
     probe = _probe(validation)
     if probe is None:
         return []
-    rows = answer_gap.judged_rows(validation, probe)
-    size = phrases.size_span([row.rmse for row in rows], rows[0].unit)
     label = phrases.label(validation, probe)
-    return [f"The simulated {label} is off by {size} (RMS)."]
+    return [f"The simulated {label} is off by {_off(validation, probe)}."]
+
+
+def _off(validation: Validation, probe: str) -> str:
+    """How far, for each of two streams; of more, the least and the greatest."""
+    rows = answer_gap.judged_rows(validation, probe)
+    streams = list(dict.fromkeys(row.stream for row in rows))
+    if len(streams) == _TWO:
+        own = [[row for row in rows if row.stream == stream] for stream in streams]
+        return " and ".join(f"{_near(part)} ({part[0].stream})" for part in own)
+    size = phrases.size_span([row.rmse for row in rows], rows[0].unit)
+    return f"{size} (RMS)" + (f" in {len(streams)} recordings" if len(streams) > _TWO else "")
+
+
+def _near(rows: Sequence[WaveformRecord]) -> str:
+    """One size for engines that hardly differ, else the least and the greatest."""
+    sizes = [row.rmse for row in rows]
+    if min(sizes) < _ALIKE * max(sizes):
+        return phrases.size_span(sizes, rows[0].unit)
+    factor, symbol = phrases.people_unit(rows[0].unit, sizes)
+    return phrases.sized(float(f"{factor * max(sizes):.2g}"), symbol).replace(" °", "°")
+
+
+def _worse(validation: Validation) -> list[str]:
+    worse = answer_gap.worse(validation, validation.gaps)
+    if not worse:
+        return []
+    return [f"The fit made the gap up to {phrases.percent(worse)} larger: it does not carry over."]
 
 
 def _values(validation: Validation) -> list[str]:
+    """How many values agree, and which they are."""
     scores = answer_values.scores(validation)
-    return [f"{answer_values.agreeing(scores, 'value')}."] if scores else []
+    good, count = answer_values.within(scores)
+    if count < _TWO:
+        return [f"{answer_values.agreeing(scores, 'value')}."] if scores else []
+    names = list(dict.fromkeys(phrases.spaced(score.measure) for score in scores))
+    listed = ", ".join(names[:_TWO]) + (" …" if len(names) > _TWO else "")
+    streams = len({score.stream for score in scores})
+    each = " of both" if streams == _TWO else " of each recording" if streams > _TWO else ""
+    agree = "agrees" if good == 1 else "agree"
+    return [f"{good} of {count} values ({listed}{each}) {agree}."]
 
 
 def _basis(validation: Validation) -> str:
