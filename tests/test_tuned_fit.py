@@ -1,17 +1,21 @@
 """Fits for plain loops: numbers that a user types in, and what they do where nothing helps."""
 
+import copy
+import functools
 import json
 import math
+import random
 
 import numpy as np
 import pytest
 
 import simcompare
 from simcompare.engine.calibration.drops import even_phases
-from simcompare.errors import InputError
+from simcompare.errors import InputError, SimcompareError
 from simcompare.reports.fit import summary_tables
 from simcompare.results import fit_file
 from simcompare.results.contact_values import contact_values
+from simcompare.scenarios import catalogue
 from tests.bare_drops import COEFFICIENT_ENGINES, MujocoDrops
 from tests.present import INSTALLED, need
 from tests.test_fitting import E, stopwatch
@@ -250,11 +254,52 @@ def test_an_old_fit_is_read_as_assisted(found, tmp_path):
 def test_a_damaged_contact_is_refused(found, tmp_path):
     tree = json.loads((found.folder / "fit.json").read_text(encoding="utf-8"))
     path = tmp_path / "fit.json"
-    for name, value in (("contact", "glued"), ("assist", "magic")):
+    for name, value in (("contact", "glued"), ("assist", "magic"), ("by", "ear")):
         changed = {**tree, "contact": "assisted", name: value}
         path.write_text(json.dumps(changed), encoding="utf-8")
         with pytest.raises(InputError, match=value):
             fit_file.read(path)
+
+
+def places(tree, at=()):
+    """Every place in a tree of lists and mappings."""
+    if at:
+        yield at
+    if isinstance(tree, dict | list):
+        keys = tree if isinstance(tree, dict) else range(min(len(tree), 3))
+        for key in keys:
+            yield from places(tree[key], (*at, key))
+
+
+def edited(tree, rng):
+    """A copy with one place removed, or holding something else."""
+    changed = copy.deepcopy(tree)
+    *above, last = rng.choice(list(places(changed)))
+    node = functools.reduce(lambda part, key: part[key], above, changed)
+    if rng.random() < 0.2:
+        del node[last]
+    else:
+        node[last] = rng.choice([None, "", "x", -1, 0, 1e308, math.nan, [], {}, True, [None], [{}]])
+    return changed
+
+
+def test_a_fit_with_one_edit_is_read_or_refused_in_one_sentence(found, tmp_path):
+    tree = json.loads((found.folder / "fit.json").read_text(encoding="utf-8"))
+    used = ("by", "scenario", "given", "contact", "assist", "closed_form", "sources", "run_with",
+            "valid")  # fmt: skip
+    tree = {name: tree[name] for name in used if name in tree}
+    file, rng = catalogue.load("ball"), random.Random(0)
+    path, refused = tmp_path / "fit.json", 0
+    for _ in range(300):
+        path.write_text(json.dumps(edited(tree, rng)), encoding="utf-8")
+        try:
+            fit = fit_file.read(path)
+            scene = file.resolve(fit.base(file))
+            fit.settings("pymunk", scene)
+            fit.cautions(scene, file, ("pymunk",))
+        except SimcompareError:
+            refused += 1
+    assert 0 < refused < 300
 
 
 def test_some_helps_are_taken_and_written_down(tmp_path):

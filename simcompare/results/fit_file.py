@@ -15,7 +15,7 @@ from simcompare.engine.calibration.plan import drop_plans
 from simcompare.engine.helps import HELPS
 from simcompare.errors import InputError, NoSuchFile, UnknownName
 from simcompare.model.audit import AuditRow
-from simcompare.model.fittable import BOUNCES, TOSSES
+from simcompare.model.fittable import BOUNCES, TOSSES, WAVEFORM
 from simcompare.model.plain import faults, of_plain
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, TUNED, PairNumbers, Settings
@@ -237,11 +237,13 @@ def read(path: Path) -> FitFile:
     try:
         tree = json.loads(path.read_text(encoding="utf-8"))
         _refuse_record(path, tree)
-        if tree.get("by", BOUNCES) not in (BOUNCES, TOSSES):
+        if tree.get("by", BOUNCES) == WAVEFORM:
             raise InputError(
                 str(path), ["is a fit of signals over time; give its parameters with --set"]
             )
         fit = of_plain(_Stored, tree)
+        if fit.by not in (BOUNCES, TOSSES):
+            raise ValueError(f"by: {fit.by!r}; expected {BOUNCES} or {TOSSES}")
         if fit.contact not in (TUNED, ASSISTED):
             raise ValueError(f"contact: {fit.contact!r}; expected {TUNED} or {ASSISTED}")
         chosen(fit.assist)
