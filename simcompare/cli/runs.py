@@ -14,13 +14,18 @@ from simcompare.cli import console
 from simcompare.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from simcompare.model.plain import Plain
+    from simcompare.reports.render.tables import Table
     from simcompare.results.stored_runs import StoredRun
 
-#: letters of a list of engines, of their number alone, and between columns
-_ENGINES, _COUNTED, _GUTTER = 14, 7, 2
-#: letters of what was asked for that read well, and that are left at least
-_GOOD_ASKED, _MIN_ASKED = 20, 8
+#: letters of a list of engines; more engines are counted
+_ENGINES = 14
+#: letters beside a name that a table needs to read well
+_BESIDE = 56
+#: what stands beside the name of a run
+_HEADS = ("kind", "asked for", "engines", "verdict", "MB")
 
 
 def runs(
@@ -73,41 +78,42 @@ def _show(folder: Path, found: list[StoredRun]) -> None:
 
 
 def _show_rows(found: list[StoredRun]) -> None:
-    """One line a run; what is too long ends with …, and a last line says where it stands whole."""
+    """A table where there is room beside the names, else each name and below it the rest."""
     from simcompare.reports.render.tables import printable
 
-    heads = ("run", "kind", "asked for", "engines", "verdict", "MB")
-    for letters in (_ENGINES, _COUNTED):
-        rows = [heads, *(tuple(map(printable, _cells(run, letters))) for run in found)]
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        over = sum(widths) + _GUTTER * (len(heads) - 1) - console.width()
-        if over <= max(widths[2] - _GOOD_ASKED, 0):
-            break
-    for column in (2, 0):
-        less = min(max(over, 0), max(widths[column] - _MIN_ASKED, 0))
-        widths[column], over = widths[column] - less, over - less
-    for cells in rows:
-        *words, size = map(_shortened, cells, widths)
-        texts = [text.ljust(width) for text, width in zip(words, widths[:-1], strict=True)]
-        typer.echo((" " * _GUTTER).join([*texts, size.rjust(widths[-1])]))
-    if any(len(cell) > width for cells in rows for cell, width in zip(cells, widths, strict=True)):
-        console.print_wrapped(["…: cut off; a wider window shows more, --json all."])
+    names, cells = [run.folder.name for run in found], list(map(_cells, found))
+    if max(map(len, names)) + _BESIDE <= console.table_width():
+        console.show_table(_table(names, cells))
+        return
+    for name, row in zip(names, cells, strict=True):
+        typer.echo(printable(name))
+        told = [cell for cell in (*row[:-1], f"{row[-1]}\u00a0MB") if not cell.startswith("–")]
+        console.print_wrapped([f"  {printable(' · '.join(told))}"])
 
 
-def _cells(run: StoredRun, letters: int) -> tuple[str, ...]:
-    """A line of the list; more engines than so many letters hold are counted."""
-    name, size = run.folder.name, f"{run.size_bytes / 1e6:.1f}"
+def _table(names: Sequence[str], cells: Sequence[Sequence[str]]) -> Table:
+    from simcompare.reports.render.tables import Column, Group, Table
+
+    *heads, size = _HEADS
+    whole = [Column("run", text=True, nowrap=True)]
+    columns = (*whole, *(Column(head, text=True) for head in heads), Column(size))
+    rows = tuple((name, *row) for name, row in zip(names, cells, strict=True))
+    return Table("", columns, (Group("", rows),))
+
+
+def _cells(run: StoredRun) -> tuple[str, ...]:
+    """What stands beside the name of a run."""
     if run.record is None:
-        return (name, "–", run.fault, "–", run.verdict, size)
+        return ("–", run.fault, "–", run.verdict, "–")
     asked = ", ".join(map(_brief, run.asked)) or "–"
     if run.record.command is None:  # those of version 0.1 do not say
         asked = "not known"
-    if run.record.scenario not in name:  # the folder was given another name
+    if run.record.scenario not in run.folder.name:  # the folder was given another name
         asked = f"{run.record.scenario}: {asked}"
     engines = ", ".join(run.engines) or "none"
-    if len(engines) > letters:
+    if len(engines) > _ENGINES:
         engines = f"{len(run.engines)} engines"
-    return (name, run.record.kind, asked, engines, run.verdict, size)
+    return (run.record.kind, asked, engines, run.verdict, f"{run.size_bytes / 1e6:.1f}")
 
 
 def _brief(asked: str) -> str:
@@ -115,10 +121,6 @@ def _brief(asked: str) -> str:
     name, space, value = asked.partition(" ")
     value = Path(value).name if "/" in value else value
     return value if name == "recording" else f"{name}{space}{value}"
-
-
-def _shortened(text: str, width: int) -> str:
-    return text if len(text) <= width else f"{text[: width - 1]}…"
 
 
 def _size(size_bytes: int) -> str:
