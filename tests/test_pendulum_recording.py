@@ -119,7 +119,7 @@ def test_both_angles_of_the_double_pendulum_count_from_the_vertical():
 def test_the_data_set_names_what_the_scenario_has(scenario):
     name = f"{scenario}_free_swing"
     plan = plans.choose(plans.Entries(registry.get(name).validation, name), scenario)
-    assert plans.faults(plan, catalogue.load(scenario).resolve()) == []
+    assert plans.faults(plan, catalogue.load(scenario).resolve()) == {}
     assert plan.calibrate is not None
     assert not set(plan.calibrate.streams) & set(plan.streams), "judged where it was fitted"
 

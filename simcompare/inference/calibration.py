@@ -41,9 +41,9 @@ def calibrated(
     if calibrate.recording is not None:
         other = sources.find(calibrate.recording, mapping=mapping)
         # a log that has no plan of its own is read by that of the recording that is judged
-        if other.plans:
-            plan = plans.choose(other.plans, plan.scenario)
-        plans.checked(plan, model.file.resolve(), other.name)
+        entries = other.plans or source.plans
+        plan = plans.choose(entries, plan.scenario)
+        plans.checked(plan, model.file.resolve(), entries)
     segments = segments_of(
         model.file, plan, other.recording, calibrate.streams, overrides, calibrate.most_s
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, Self
@@ -219,7 +219,23 @@ class Entries:
     lines: Mapping[str, int] = field(default_factory=dict)
 
     def __bool__(self) -> bool:
-        return bool(self.tree)
+        return self.tree != ()
+
+    def placed(self) -> dict[str, object]:
+        """Dotted place -> entry."""
+        if isinstance(self.tree, list | tuple):
+            return {f"validate.{i}": entry for i, entry in enumerate(self.tree)}
+        return {"validate": self.tree}
+
+    def place_of(self, scenario: str) -> str | None:
+        """Where the entry for a scenario stands; ``None`` where there is none."""
+        return next((at for at, one in self.placed().items() if _name(one) == scenario), None)
+
+
+def _name(entry: object) -> str | None:
+    """The scenario that an entry is for."""
+    name = entry.get("scenario") if isinstance(entry, Mapping) else None
+    return name if isinstance(name, str) else None
 
 
 def of_tree(
@@ -269,14 +285,13 @@ def choose(entries: Entries, scenario: str, command: str = "") -> Plan:
     Raises:
         InputError: there is none, or it has faults.
     """
-    several = isinstance(entries.tree, list | tuple)
-    plans = entries.tree if isinstance(entries.tree, list | tuple) else [entries.tree]
-    names = [e.get("scenario") for e in plans if isinstance(e, Mapping)]
-    for i, entry in enumerate(plans):
-        if isinstance(entry, Mapping) and entry.get("scenario") == scenario:
-            place = f"validate.{i}" if several else "validate"
-            return of_tree(entry, entries.where, entries.lines, place)
-    known = ", ".join(str(name) for name in names) or "none"
+    placed, place = entries.placed(), entries.place_of(scenario)
+    if place is not None:
+        return of_tree(placed[place], entries.where, entries.lines, place)
+    for at, entry in placed.items():
+        if _name(entry) is None:  # what it should have been for is not known: its faults are told
+            of_tree(entry, entries.where, entries.lines, at)
+    known = ", ".join(str(_name(entry)) for entry in placed.values()) or "none"
     raise InputError(
         entries.where,
         [
@@ -287,34 +302,47 @@ def choose(entries: Entries, scenario: str, command: str = "") -> Plan:
     )
 
 
-def checked(plan: Plan, scenario: Scenario, where: str) -> Plan:
+def checked(plan: Plan, scenario: Scenario, entries: Entries) -> Plan:
     """The plan, where it suits the scenario.
 
     Raises:
         InputError: it names what the scenario does not have.
     """
-    found = faults(plan, scenario)
-    if found:
-        raise InputError(f"{where}, validate", found)
+    refuse(faults(plan, scenario), plan, entries)
     return plan
 
 
-def faults(plan: Plan, scenario: Scenario) -> list[str]:
-    """What the plan names and the scenario does not have."""
-    unknown = []
-    for kind, names, known in (
-        ("parameter", (*plan.parameters, *plan.start), scenario.parameters),
-        ("input", plan.inputs, scenario.inputs),
-        ("probe", plan.compare, scenario.probes),
-        (
-            "parameter",
-            (*plan.calibrate.parameters, *plan.calibrate.nuisance) if plan.calibrate else (),
-            scenario.parameters,
-        ),
-    ):
-        unknown += [
-            str(UnknownName(f"{kind} of {plan.scenario}", n, known))
-            for n in names
-            if n not in known
-        ]
-    return unknown
+def refuse(found: Mapping[str, str], plan: Plan, entries: Entries) -> None:
+    """Ends with the faults of a plan, where it has some.
+
+    Args:
+        found: dotted place in the plan -> what is wrong.
+        plan: the plan.
+        entries: those that it is one of.
+
+    Raises:
+        InputError: all faults, with file and line.
+    """
+    if found:
+        place = entries.place_of(plan.scenario)
+        placed = {f"{place}.{at}": fault for at, fault in found.items()}
+        raise InputError(entries.where, describe(placed, entries.lines))
+
+
+def faults(plan: Plan, scenario: Scenario) -> dict[str, str]:
+    """What the plan names and the scenario does not have, as dotted place -> sentence."""
+    fitted, parameters = plan.calibrate, scenario.parameters
+    named: list[tuple[str, str, Iterable[str], Collection[str]]] = [
+        ("parameter", "parameters", plan.parameters, parameters),
+        ("parameter", "start", plan.start, parameters),
+        ("input", "inputs", plan.inputs, scenario.inputs),
+        ("probe", "compare", plan.compare, scenario.probes),
+        ("parameter", "calibrate.parameters", fitted.parameters if fitted else (), parameters),
+        ("parameter", "calibrate.nuisance", fitted.nuisance if fitted else (), parameters),
+    ]
+    return {
+        f"{place}.{name}": str(UnknownName(f"{kind} of {plan.scenario}", name, known))
+        for kind, place, names, known in named
+        for name in names
+        if name not in known
+    }

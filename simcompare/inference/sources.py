@@ -47,7 +47,7 @@ def find(name: str, *, mapping: str | Path | None = None, strict: bool = False) 
     """
     reading = None if mapping is None else mappings.read(Path(mapping))
     plans = Entries((), name)
-    if mapping is not None and reading is not None and reading.validate_:
+    if mapping is not None and reading is not None and reading.validate_ is not None:
         plans = Entries(reading.validate_, str(mapping), read_yaml(Path(mapping))[1])
     path = Path(name)
     if name in registry.files() and not recording_store.is_recording(path):

@@ -92,7 +92,7 @@ def validate(
     source = sources.find(recording, mapping=mapping, strict=strict)
     command = plans.template_command(scenario, recording, mapping)
     plan = plans.choose(source.plans, file.name, command)
-    plan = plans.checked(plan, file.resolve(), source.name)
+    plan = plans.checked(plan, file.resolve(), source.plans)
     overrides = file.read_settings(set or {})
     step_s = None if step is None else one_step_s(step)
     if out is not None:

@@ -109,14 +109,13 @@ def _found(file: ScenarioFile, name: str, mapping: str | Path | None) -> tuple[S
     plan = plans.choose(source.plans, file.name, command)
     faults = plans.faults(plan, file.resolve())
     if plan.align.by != "none":
-        faults.append(
-            f"align.by is {plan.align.by}: a fit by waveform needs the scenario's clock to be that"
-            " of the recording; read the start off it, and say align: {by: none, …}"
+        faults["align.by"] = (
+            f"is {plan.align.by}: a fit by waveform needs the scenario's clock to be that of the"
+            " recording; read the start off it, and say align: {by: none, …}"
         )
     if not plan.compare:
-        faults.append("compares no probe with a channel; say which under compare:")
-    if faults:
-        raise InputError(f"{source.name}, validate", faults)
+        faults["compare"] = "compares no probe with a channel; say which"
+    plans.refuse(faults, plan, source.plans)
     return source, plan
 
 
