@@ -33,7 +33,8 @@ def write_html(runs: Sequence[Run], path: Path) -> Path:
     Raises:
         OutputError: it cannot be written, or plotly's script is not installed.
     """
-    return output.write(Path(path), html_of(blocks_of(runs)).encode("utf-8"))
+    page = html_of(blocks_of(runs)).encode("utf-8")
+    return output.write(Path(path), page, output.MARKS["html"])
 
 
 def html_of(blocks: Sequence[Block]) -> str:
@@ -76,7 +77,8 @@ def write_figures_of(blocks: Sequence[Block], folder: Path, format: str) -> list
         for figure in block.figures:
             stem = re.sub(r"[^\w.-]+", "_", f"{prefix}{block.name}-{figure.name}")
             content = matplotlib_.rendered(figure, format)
-            written.append(output.write(Path(folder) / f"{stem}.{format}", content))
+            path = Path(folder) / f"{stem}.{format}"
+            written.append(output.write(path, content, output.MARKS[format]))
     return written
 
 
@@ -86,7 +88,7 @@ def write_pdf(runs: Sequence[Run], path: Path) -> Path:
     Raises:
         OutputError: it cannot be written.
     """
-    return output.write(Path(path), pages.rendered(blocks_of(runs)))
+    return output.write(Path(path), pages.rendered(blocks_of(runs)), output.MARKS["pdf"])
 
 
 def write_markdown(runs: Sequence[Run], path: Path) -> Path:
@@ -96,7 +98,8 @@ def write_markdown(runs: Sequence[Run], path: Path) -> Path:
         OutputError: it cannot be written.
     """
     text = _environment().get_template("report.md").render(blocks=blocks_of(runs))
-    return output.write(Path(path), text.encode("utf-8"))
+    mark = output.MARKS["md"]
+    return output.write(Path(path), text.encode("utf-8") + b"\n" + mark + b"\n", mark)
 
 
 def blocks_of(runs: Sequence[Run]) -> list[Block]:

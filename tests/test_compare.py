@@ -425,6 +425,29 @@ def test_who_reads_no_line_of_it_has_the_page_too(sweep, tmp_path):
     assert page.is_file()
 
 
+@pytest.mark.parametrize("option", ["--csv", "-o"])
+@pytest.mark.parametrize("name", ["run.json", "trajectories.parquet", "scores.csv", "notes.txt"])
+def test_no_file_of_a_run_or_of_others_is_replaced(sweep, call, tmp_path, option, name):
+    copy = shutil.copytree(sweep[0].folder, tmp_path / "run")
+    (copy / "notes.txt").write_text("drop_height_m,engine\n", encoding="utf-8")
+    before = (copy / name).read_bytes()
+    code, _, err = call("compare", sweep[0].folder.parent, option, copy / name)
+    assert code == 2
+    assert (
+        err == f"simcompare: {copy / name}: is another file, and is left as it is; choose"
+        " another name\n"
+    )
+    assert (copy / name).read_bytes() == before
+
+
+def test_table_and_page_of_another_comparison_are_replaced(sweep, call, tmp_path):
+    words = ("compare", "--csv", "a.csv", "-o", "a.html")
+    assert call(*words, *(run.folder for run in sweep))[0] == 0
+    before = (tmp_path / "a.csv").read_text(encoding="utf-8")
+    assert call(*words, *(run.folder for run in sweep[:2]))[0] == 0
+    assert (tmp_path / "a.csv").read_text(encoding="utf-8") != before
+
+
 def test_the_page_lies_beside_the_runs(sweep, call):
     _, out, _ = call("compare", sweep[0].folder.parent)
     assert out.endswith(f"Page: {sweep[0].folder.parent / 'comparison.html'}\n")

@@ -436,3 +436,16 @@ def test_help_loads_nothing_heavy(tmp_path):
     out, loaded = loaded_by(["export", "--help"], tmp_path)
     assert "urdf" in out
     assert loaded == []
+
+
+@pytest.mark.parametrize(
+    "words", [("--format", "sdf"), ("--format", "script", "--engine", "pymunk")], ids=" ".join
+)
+def test_an_export_replaces_its_like_and_nothing_else(call, tmp_path, words):
+    name = f"ball.{'py' if 'script' in words else 'sdf'}"
+    for _ in range(2):
+        assert call("export", "ball", *words, "-o", name)[0] == 0
+    (tmp_path / name).write_text("import simcompare  # my own\n", encoding="utf-8")
+    code, _, err = call("export", "ball", *words, "-o", name)
+    assert (code, "is another file, and is left as it is; choose another name" in err) == (2, True)
+    assert (tmp_path / name).read_text(encoding="utf-8") == "import simcompare  # my own\n"

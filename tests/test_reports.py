@@ -583,6 +583,7 @@ def test_command_names_scenario_and_table_as_they_were_asked_for(asked):
 
 def test_full_disk_leaves_nothing_behind_and_keeps_the_old_report(tmp_path, monkeypatch):
     path = tmp_path / "report.html"
+    (tmp_path / "run.json").touch()
     path.write_text("the old one", encoding="utf-8")
 
     def full(self, content):
@@ -594,14 +595,14 @@ def test_full_disk_leaves_nothing_behind_and_keeps_the_old_report(tmp_path, monk
         OutputError, match=r"report\.html.*No space left on device.*nothing was kept"
     ):
         builder.write_html([make_run()], path)
-    assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
+    assert {p.name for p in tmp_path.iterdir()} == {"report.html", "run.json"}
     assert path.read_text(encoding="utf-8") == "the old one"
 
 
 def test_folder_that_is_a_file_is_an_output_error(tmp_path):
     (tmp_path / "file").write_bytes(b"")
     with pytest.raises(OutputError, match="cannot be written"):
-        output.write(tmp_path / "file" / "report.html", b"content")
+        output.write(tmp_path / "file" / "report.html", b"content", b"content")
 
 
 def test_missing_plotly_is_a_sentence_with_its_cure(monkeypatch):
@@ -621,6 +622,30 @@ def test_a_report_replaces_no_device_and_follows_a_link(tmp_path):
     builder.write_markdown([make_run()], tmp_path / "link.md")
     assert (tmp_path / "link.md").is_symlink()
     assert "A toy" in (tmp_path / "real.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("format", ["html", "md", "pdf", "png", "svg"])
+def test_a_report_replaces_its_like_and_nothing_else(tmp_path, format):
+    def write(name):
+        if format in ("png", "svg"):
+            return builder.write_figures([make_run()], tmp_path / name, format)
+        writers = {"html": builder.write_html, "md": builder.write_markdown}
+        return [writers.get(format, builder.write_pdf)([make_run()], tmp_path / name)]
+
+    files = write("report")
+    assert write("report") == files  # also the second time
+    for theirs in (b"precious", b"<html>my page of simcompare</html>"):
+        files[0].write_bytes(theirs)
+        with pytest.raises(OutputError, match="is another file, and is left as it is; choose an"):
+            write("report")
+        assert files[0].read_bytes() == theirs
+
+
+def test_an_old_report_in_the_folder_of_a_run_is_replaced(tmp_path):
+    (tmp_path / "run.json").write_text("{}")
+    (tmp_path / "report.pdf").write_bytes(b"%PDF of an older version")
+    builder.write_pdf([make_run()], tmp_path / "report.pdf")
+    assert b"/Creator (simcompare)" in (tmp_path / "report.pdf").read_bytes()
 
 
 def test_a_command_asks_for_no_level_that_cannot_be_judged_alone():

@@ -157,7 +157,7 @@ def test_a_mapping_that_there_is_stands_first_and_is_not_written_over(call, log,
     assert yaml.safe_load(out)["validate"]["compare"]["angle_rad"] == {"channel": "angle_rad"}
     code, _, err = call(*words, "-o", "own.yaml")
     assert code == 2
-    assert "--out own.yaml: is there already; choose another name" in err
+    assert "own.yaml: is another file, and is left as it is; choose another name" in err
 
 
 def test_a_validation_without_a_recording_says_where_some_are(call):

@@ -45,7 +45,8 @@ def write_html(result: Characterization, path: Path) -> Path:
     Raises:
         OutputError: it cannot be written, or plotly's script is not installed.
     """
-    return output.write(Path(path), builder.html_of([block_of(result)]).encode("utf-8"))
+    page = builder.html_of([block_of(result)])
+    return output.write(Path(path), page.encode("utf-8"), output.MARKS["html"])
 
 
 def write_figures(result: Characterization, folder: Path, format: str) -> list[Path]:

@@ -22,7 +22,7 @@ def write_html(compared: Compared, measure: str, path: Path) -> Path:
         OutputError: it cannot be written, or plotly's script is not installed.
     """
     page = builder.html_of([block_of(compared, measure)])
-    return output.write(path, page.encode("utf-8"))
+    return output.write(path, page.encode("utf-8"), output.MARKS["html"])
 
 
 def block_of(compared: Compared, measure: str) -> Block:

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 #: columns behind those that name the run and what differs
 _COLUMNS = ("engine", "version", "contact", "measure", "unit", "value", "scatter", "u", "truth",
             "tolerance", "verdict")  # fmt: skip
+#: what stands in the first line of each file of such rows
+MARK = f",{','.join(_COLUMNS)}\n".encode()
 
 
 def frame(compared: Compared, measures: Sequence[str]) -> pd.DataFrame:

@@ -19,6 +19,7 @@ from simcompare.reports.render.figures import (
     Series,
     Span,
 )
+from simcompare.reports.render.output import MADE_BY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -66,6 +67,10 @@ _LOOK: Any = {  # matplotlib types every key by itself
 }
 
 
+#: what a PDF says of itself
+_OF_PDF = {"CreationDate": None, "Creator": MADE_BY}
+
+
 def rendered(figure: Figure, format: str) -> bytes:
     """A figure as the content of a "pdf", "png" or "svg" file; the same bytes every time."""
     import matplotlib as mpl
@@ -73,7 +78,9 @@ def rendered(figure: Figure, format: str) -> bytes:
     with mpl.rc_context(_LOOK):
         stream = io.BytesIO()
         # a date in the file would make two equal reports differ
-        metadata = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(format)
+        metadata = {
+            "pdf": _OF_PDF, "svg": {"Date": None, "Creator": MADE_BY}, "png": {"Software": MADE_BY},
+        }[format]  # fmt: skip
         canvas(figure).savefig(stream, format=format, dpi=DPI, metadata=metadata)
     return stream.getvalue()
 
@@ -84,7 +91,7 @@ def document(pages: Sequence[Canvas]) -> bytes:
     from matplotlib.backends.backend_pdf import PdfPages
 
     stream = io.BytesIO()
-    with mpl.rc_context(_LOOK), PdfPages(stream, metadata={"CreationDate": None}) as file:
+    with mpl.rc_context(_LOOK), PdfPages(stream, metadata=_OF_PDF) as file:
         for page in pages:
             file.savefig(page)
     return stream.getvalue()

@@ -1,19 +1,38 @@
-"""Files that are either complete or not there."""
+"""Files that are either complete or not there, and never in place of a file of others."""
 
 from __future__ import annotations
 
 import contextlib
 import os
+from collections.abc import Mapping
 from pathlib import Path
 
 from simcompare.errors import OutputError
+from simcompare.results.store import RECORD
+
+#: our name, as the files that a program makes tell who made them
+MADE_BY = "simcompare"
+#: format -> what each of our files of it holds, and no other
+MARKS: Mapping[str, bytes] = {
+    "html": f'<meta name="generator" content="{MADE_BY}">'.encode(),
+    "md": f"<!-- generator: {MADE_BY} -->".encode(),
+    "pdf": f"/Creator ({MADE_BY})".encode(),
+    "png": f"Software\0{MADE_BY}".encode(),
+    "svg": f"<dc:title>{MADE_BY}</dc:title>".encode(),
+}
 
 
-def write(path: Path, content: bytes) -> Path:
+def write(path: Path, content: bytes, mark: bytes) -> Path:
     """Writes a file beside its place and renames it; makes the folder where there is none.
 
+    Args:
+        path: where to.
+        content: what.
+        mark: what each of our files of this kind holds; a file without it is not replaced.
+
     Raises:
-        OutputError: it cannot be written; nothing half-written is left behind.
+        OutputError: a file of others, or a stored run, is there; or it cannot be written, and
+            nothing half-written is left behind.
     """
     path = path.resolve() if path.is_symlink() else path
     if path.exists() and not path.is_file():
@@ -21,15 +40,31 @@ def write(path: Path, content: bytes) -> Path:
     # several reports may be written at once, so the name holds the process
     partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
     try:
+        if path.exists() and not _is_ours(path, mark):
+            raise OutputError(f"{path}: is another file, and is left as it is; choose another name")
         path.parent.mkdir(parents=True, exist_ok=True)
         partial.write_bytes(content)
         partial.replace(path)
     except OSError as error:
         raise OutputError(
-            f"{path}: the report cannot be written ({error.strerror or error});"
+            f"{path}: cannot be written ({error.strerror or error});"
             " nothing was kept, free some space or choose another place"
         ) from None
     finally:
         with contextlib.suppress(OSError):
             partial.unlink()
     return path
+
+
+def _is_ours(path: Path, mark: bytes) -> bool:
+    """Whether a file is one of ours of the same kind, or empty."""
+    old = path.read_bytes()
+    return not old or mark in old or _is_of_run(path)
+
+
+def _is_of_run(path: Path) -> bool:
+    """Whether it is called as a report or a figure in the folder of a run, also of an old one."""
+    folder = path.parent
+    return (path.stem == "report" and (folder / RECORD).is_file()) or (
+        folder.name == "figures" and (folder.parent / RECORD).is_file()
+    )

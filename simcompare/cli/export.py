@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import io
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from simcompare.cli import complete, console, writing
-from simcompare.errors import InputError, OutputError
+from simcompare.errors import InputError
 
 if TYPE_CHECKING:
     from simcompare.exporters.scripts.write import Script
@@ -73,7 +74,8 @@ def export(
     made = twin(scenario, format=format, set=console.pairs(settings), preset=preset, fit=fit)
     written = None
     if out is not None:
-        written = writing.text_file(out, f"{made.scenario}{FORMATS[format]}", made.text)
+        name = f"{made.scenario}{FORMATS[format]}"
+        written = writing.text_file(out, name, made.text, "by simcompare\n")
     if as_json:
         console.print_json(
             {
@@ -113,7 +115,7 @@ def _script(write: Callable[..., Script], out: Path | None, *, as_json: bool) ->
             [f"the script reads long inputs from a file beside it; say where: -o {made.name}.py"],
         )
     if out is not None:
-        files = [writing.text_file(out, f"{made.name}.py", made.text)]
+        files = [writing.text_file(out, f"{made.name}.py", made.text, "\nWritten by simcompare ")]
         if made.inputs:
             files.append(_write_inputs(files[0].with_name(f"{made.name}_inputs.npz"), made.inputs))
     if as_json:
@@ -136,11 +138,11 @@ def _script(write: Callable[..., Script], out: Path | None, *, as_json: bool) ->
 def _write_inputs(path: Path, inputs: Mapping[str, Array]) -> Path:
     import numpy as np
 
-    try:
-        np.savez(path, allow_pickle=False, **inputs)
-    except OSError as error:
-        raise OutputError(f"--out {path}: cannot be written ({error.strerror or error})") from None
-    return path
+    from simcompare.reports.render import output
+
+    stream = io.BytesIO()
+    np.savez(stream, allow_pickle=False, **inputs)
+    return output.write(path, stream.getvalue(), f"{next(iter(inputs))}.npy".encode())
 
 
 def _print_contact_values(
@@ -162,4 +164,5 @@ def _print_contact_values(
     if out is None:
         console.print_wanted(text, nl=False)
     else:
-        typer.echo(str(writing.text_file(out, f"{scenario}_contact_values.txt", text)))
+        name = f"{scenario}_contact_values.txt"
+        typer.echo(str(writing.text_file(out, name, text, f"# {Path(scenario).stem}, fitted at ")))

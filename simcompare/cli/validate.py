@@ -94,9 +94,8 @@ def _template(scenario: str, recording: str | None, mapping: Path | None, out: P
     if out is None:
         console.print_wanted(text, nl=False)
         return
-    if out.is_file():
-        raise InputError(f"--out {out}", ["is there already; choose another name"])
-    typer.echo(str(writing.text_file(out, f"{Path(scenario).stem}_map.yaml", text)))
+    name = f"{Path(scenario).stem}_map.yaml"
+    typer.echo(str(writing.text_file(out, name, text, mark=text)))  # no filled-in one is replaced
 
 
 def _print(result: Run, page: Path | None) -> None:

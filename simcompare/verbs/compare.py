@@ -89,7 +89,7 @@ class Comparison(Shown):
             OutputError: it cannot be written.
         """
         text = self.scores.to_csv(index=False, lineterminator="\n")
-        return output.write(Path(path), text.encode("utf-8"))
+        return output.write(Path(path), text.encode("utf-8"), rows.MARK)
 
     def report(self, out: str | Path | None = None) -> Path:
         """Writes table and figure of every measure as one HTML page and returns its place.
