@@ -160,6 +160,19 @@ def test_runs_in_which_no_engine_ran_are_left_out_and_named(sweep):
         compared([sweep[0], broken])
 
 
+def test_a_folder_without_a_run_is_told_in_one_sentence(sweep, tmp_path):
+    run = json.loads((sweep[0].folder / "run.json").read_text(encoding="utf-8"))
+    more = {"kind": "validation", "validation": plain(validations.record())}
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        text = json.dumps({**run, **more, "recording_asked": "swings"})
+        (tmp_path / name / "run.json").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        simcompare.compare(tmp_path)
+    says = "holds 2 validations, and no run; expected runs, or a folder that holds them"
+    assert str(caught.value) == f"{tmp_path}: {says}"
+
+
 def test_what_is_no_run_in_a_folder_is_left_out_and_named(sweep, tmp_path):
     for run in sweep:
         shutil.copytree(run.folder, tmp_path / run.folder.name)

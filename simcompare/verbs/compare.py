@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from simcompare.arguments import checked
+from simcompare.errors import InputError
 from simcompare.reports.compare import page, rows, tables, words
 from simcompare.reports.compare.compared import Compared, compared
 from simcompare.reports.compare.figure import deviations, figure
 from simcompare.reports.render import frames, matplotlib_, output
 from simcompare.reports.render.glance import Glance
 from simcompare.reports.render.shown import Shown
+from simcompare.reports.run.listing import joined
 from simcompare.results import store, stored_runs
 from simcompare.results.run import Run
 
@@ -169,5 +171,10 @@ def _read(source: Source) -> Iterator[Run | str]:
         elif one.record.kind == "run":
             yield Run(one.record, (), one.folder)
     kinds = Counter(one.record.kind for one in inside if one.record and one.record.kind != "run")
-    for kind, count in kinds.items():
-        yield f"{count} {kind}{'s' * (count > 1)} in {place}."
+    if not kinds:
+        return
+    others = joined([f"{count} {kind}{'s' * (count > 1)}" for kind, count in kinds.items()])
+    if kinds.total() == len(inside):
+        fault = f"holds {others}, and no run; expected runs, or a folder that holds them"
+        raise InputError(str(place), [fault])
+    yield f"{others} in {place}."
