@@ -156,7 +156,8 @@ def _read(folder: Path) -> StoredRun:
     try:
         record = stored.read(folder / RECORD)
     except InputError as error:
-        fault = "; ".join(error.faults)
+        first, *more = error.faults
+        fault = f"{first}, and more" if more else first
     files = () if record is None else tuple(_files(folder, record.scenario))
     inside = () if record is None else tuple(_inside(folder))
     others = {_name(folder, path) for path in inside} - {_name(folder, path) for path in files}
