@@ -206,6 +206,26 @@ def test_an_option_that_takes_one_value_is_given_once(call, words, said):
     assert said in err
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("run ball --engin ode", "no option of run is called '--engin'; did you mean --engine"),
+        ("run ball --no-repor", "did you mean --no-report"),
+        ("run ball -x", "no option of run is called '-x'; known: --against"),
+        ("run ball --seeds", "run: --seeds needs a value behind it; all options: simcompare run"
+         " --help"),
+        ("run ball --json=3", "run: --json takes no value; all options: simcompare run --help"),
+        ("fit ball", "fit: --recording is missing (Sound,"),
+        ("import", "import: LOG is missing ("),
+    ],
+)  # fmt: skip
+def test_what_the_parser_finds_wrong_is_one_sentence(call, words, said):
+    code, out, err = call(*words.split())
+    assert (code, out) == (2, "")
+    assert said in err
+    assert err.count("\n") == 1
+
+
 # --- widths -----------------------------------------------------------------------------------
 
 

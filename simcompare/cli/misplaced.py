@@ -18,6 +18,8 @@ from simcompare.errors import InputError, SimcompareError, UnknownName
 from simcompare.scenarios import catalogue
 
 _TIMES = {2: "twice"}
+#: what the parser raises where words do not fit
+_USAGE: type[Exception] = typer.BadParameter.__mro__[1]
 
 
 class Verb(TyperCommand):
@@ -32,17 +34,38 @@ class Verb(TyperCommand):
                 _refuse_twice(str(self.name), given, self.make_parser(ctx).parse_args([*args])[2])
             super().parse_args(ctx, args)
         except typer.BadParameter as error:
-            raise self._no_scenario(error) or _no_number(error, given) or error from None
+            raise self._missing(error) or _no_number(error, given) or error from None
+        except _USAGE as error:
+            raise self._no_option(error) or error from None
         if ctx.args and not takes_more and not ctx.resilient_parsing:
             raise too_many(str(self.name), given, ctx.args, self.params)
         return list(ctx.args)
 
-    def _no_scenario(self, error: typer.BadParameter) -> InputError | None:
-        """What is said where the scenario is missing; as a text it cannot be wrong here."""
-        if getattr(error.param, "name", "") != "scenario":
+    def _missing(self, error: typer.BadParameter) -> InputError | None:
+        """What is said where something that must be given is not."""
+        param, more = error.param, f"simcompare {self.name} --help has examples"
+        if param is None or type(error).__name__ != "MissingParameter":
             return None
-        more = f"simcompare list names all, simcompare {self.name} --help has examples"
-        return InputError(str(self.name), [f"which scenario? {more}"])
+        if param.name == "scenario":
+            return InputError(
+                str(self.name), [f"which scenario? simcompare list names all, {more}"]
+            )
+        name = param.opts[0] if param.param_type_name == "option" else str(param.name).upper()
+        wanted = (getattr(param, "help", "") or "a value").rstrip(".")
+        return InputError(str(self.name), [f"{name} is missing ({wanted}); {more}"])
+
+    def _no_option(self, error: Any) -> SimcompareError | None:  # noqa: ANN401
+        """What is said of an option that there is not, or that has no value, or one too many."""
+        name, more = getattr(error, "option_name", None), f"simcompare {self.name} --help"
+        if name is None:
+            return None
+        by_name = {name: param for param in self.params for name in param.opts}
+        if hasattr(error, "possibilities"):
+            both = [one for param in self.params for one in (*param.opts, *param.secondary_opts)]
+            known = [one for one in both if one.startswith("--")]
+            return UnknownName(f"option of {self.name}", name, known)
+        cure = "takes no value" if _is_flag(by_name.get(name)) else "needs a value behind it"
+        return InputError(str(self.name), [f"{name} {cure}; all options: {more}"])
 
 
 def _is_flag(param: Any) -> bool:  # noqa: ANN401
