@@ -197,7 +197,7 @@ def test_without_a_truth_nothing_is_called_right_or_wrong():
 def test_nothing_measured_says_so():
     run = answered(level("default", north=None))
     assert answer.sentences(run) == ["Nothing was measured."]
-    assert remarks.remarks(run)[-1] == "Did not run: north (failed). The reasons are below."
+    assert remarks.remarks(run)[-1] == "Did not run: north (failed)."
 
 
 # remarks
@@ -251,12 +251,12 @@ def test_engines_that_did_not_run_are_told_once_by_what_became_of_them():
     east = SourceRecord(name="east", contact="tuned", status="missing", reason="pip install it")
     run = records.changed(run, sources=(*run.record.sources, east))
     found = remarks.remarks(run)
-    assert "Did not run: south (failed); east (missing). The reasons are below." in found
+    assert "Did not run: south (failed); east (missing)." in found
 
 
 def test_an_engine_that_ran_at_some_levels_is_not_said_not_to_have_run():
     run = answered([*level("tuned", north=0.8), *level("assisted", north=None)])
-    assert remarks.remarks(run)[-1] == ("Not run assisted: north (failed). The reasons are below.")
+    assert remarks.remarks(run)[-1] == ("Not run assisted: north (failed).")
 
 
 def test_an_interrupted_run_says_so():

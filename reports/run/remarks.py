@@ -169,8 +169,6 @@ def _not_run(run: Run) -> list[str]:
     for head, pairs in heads.items():
         phrases = [f"{joined(sorted(n))} ({status})" for status, n in grouped(pairs).items()]
         sentences.append(f"{head}: {'; '.join(phrases)}.")
-    if sentences:
-        sentences[-1] += " The reasons are below."
     return sentences
 
 

@@ -37,7 +37,7 @@ def answer(run: Run) -> Part:
     said = short.short(validation)
     sentences = [sentence for sentence in validation.sentences if sentence not in said]
     if missing := sorted({row.name for row in not_run(run)}):
-        sentences.append(f"Did not run: {', '.join(missing)}; the reasons are below.")
+        sentences.append(f"Did not run: {', '.join(missing)}.")
     tables = [summary_table.summary(validation)]
     figures = figures or [figure for figure in [events.figure(run)] if figure is not None]
     part = part_of("Answer", "answer", figures[:_OPEN], tables, answer=sentences)
