@@ -95,7 +95,7 @@ def test_parameters_that_do_not_carry_over():
     )
     assert "A share above 100 % is an error that another one hid" in text(found)
     assert "A share above" not in text(held_out())
-    assert short(found)[1] == "The fit made the gap up to 3 % larger: it does not carry over."
+    assert short(found)[1] == "The fit does not carry over: the gap grew by up to 3 %."
     assert "in parameters that suit only the data they were fitted to." in text(found)
 
 
@@ -104,7 +104,7 @@ def two_recordings(**more):
     rows = [waveform(kind, source, stream, rmse * scale)
             for kind in (KNOWN, "fitted") for stream, rmse in sizes.items()
             for source, scale in (("north", 1), ("south", 0.99))]  # fmt: skip
-    found = {"mean_period": 0.5, "log_decrement": 3.0, "loss": 2.0}
+    found = {"mean_period": 0.5, "small_angle_period": 3.0, "loss": 2.0}
     values = [value(e_n, stream, measure=name) for stream in sizes for name, e_n in found.items()]
     cases = [segment(stream) for stream in sizes]
     return held_out(waveforms=rows, values=values, cases=cases, **more)
@@ -113,7 +113,7 @@ def two_recordings(**more):
 def test_the_short_answer_names_two_recordings_and_what_the_values_are():
     assert short(two_recordings()) == (
         "The simulated angle from hanging is off by 0.55° (vad.0) and 1.4° (vad.1).",
-        "2 of 6 values (mean period, log decrement … of both) agree.",
+        "2 of 6 values (mean period, small angle period … of both) agree.",
         "The parameters were fitted to other data.",
     )
 
@@ -130,8 +130,8 @@ def test_the_short_answer_tells_engines_that_differ_by_their_ends():
 def test_the_short_answer_drops_what_is_least_important():
     found = two_recordings(gaps=[gap(-0.3, 1.2)])
     assert short(found)[1:] == (
-        "The fit made the gap up to 14 % larger: it does not carry over.",
-        "2 of 6 values (mean period, log decrement … of both) agree.",
+        "The fit does not carry over: the gap grew by up to 14 %.",
+        "2 of 6 values (mean period, small angle period … of both) agree.",
     )
     assert sum(len(sentence.split()) for sentence in short(found)) <= 40
 

@@ -76,7 +76,7 @@ def _worse(validation: Validation) -> list[str]:
     worse = answer_gap.worse(validation, validation.gaps)
     if not worse:
         return []
-    return [f"The fit made the gap up to {phrases.percent(worse)} larger: it does not carry over."]
+    return [f"The fit does not carry over: the gap grew by up to {phrases.percent(worse)}."]
 
 
 def _values(validation: Validation) -> list[str]:
