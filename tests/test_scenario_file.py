@@ -104,7 +104,7 @@ def test_a_hostile_file_is_one_clear_error(fault, text):
 def test_a_file_in_another_encoding_is_one_clear_error(write):
     with pytest.raises(InputError, match="cannot be read"):
         read(write("toy.yaml", TOY.replace("height.", "Höhe.").encode("latin-1")))
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="is a folder; expected a YAML file"):
         read(write("toy.yaml", TOY).parent)
 
 
