@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -433,6 +434,21 @@ def test_a_full_disk_behind_the_output_is_one_sentence(words, tmp_path):
     said = "simcompare: the output cannot be written (No space left on device); free some space\n"
     assert done.stderr.endswith(said)
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
+@pytest.mark.parametrize("away", ["2>&-", "2>/dev/full", "2>&- >&-"])
+@pytest.mark.parametrize(
+    ("words", "code"),
+    [
+        ("run nothing", 2), ("data nothing", 2),
+        ("run ball --engine pymunk --contact default --no-report --seeds 1", 0),
+    ],
+)  # fmt: skip
+def test_exit_codes_hold_where_errors_cannot_be_written(words, code, away, tmp_path):
+    command = f"{shlex.quote(sys.executable)} -m simcompare {words} {away}"
+    done = subprocess.run(command, shell=True, stdout=subprocess.PIPE, cwd=tmp_path, check=False)
+    assert done.returncode == code
 
 
 def test_a_locale_without_unicode_is_no_error(command):

@@ -13,6 +13,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import typer
@@ -150,11 +151,33 @@ def register() -> None:
     app.add_typer(data.data, name="data")
 
 
+class _Forgiving(io.FileIO):
+    """A file that loses what it cannot take: where errors cannot be told, exit codes still hold."""
+
+    def write(self, data: Any) -> int:  # noqa: ANN401
+        try:
+            return int(super().write(data))
+        except OSError:
+            return len(data)
+
+
+def _keep_streams() -> None:
+    """Streams that can always be written to, also where the caller has closed them."""
+    sys.stdout = sys.stdout or Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
+    given = sys.__stderr__
+    if given is None:
+        sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
+    elif sys.stderr is given:
+        raw = _Forgiving(given.fileno(), "w", closefd=False)
+        sys.stderr = io.TextIOWrapper(io.BufferedWriter(raw), given.encoding, line_buffering=True)
+
+
 def main() -> None:
     """Entry point of the ``simcompare`` command."""
     # an ended terminal or batch job stops a run as Ctrl-C does: workers ended, results kept
     signal.signal(signal.SIGTERM, _interrupt)
     register()
+    _keep_streams()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # a terminal without the signs for ± and ζ
             stream.reconfigure(errors="replace")
