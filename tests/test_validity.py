@@ -42,7 +42,7 @@ def test_a_condition_that_is_broken_is_a_sentence_with_both_numbers(read):
 @pytest.mark.parametrize(
     ("old", "new", "sentence"),
     [("{limit}", "{most}", "{most} stands for nothing"),
-     ("{limit}", "{", "Single '{'"),
+     ("{limit}", "{", "a { or } stands alone"),
      ("2 * 3", "2 * length", "length"),
      ("it falls: {value} is more than {limit}", "no", "otherwise")],
 )  # fmt: skip
