@@ -119,9 +119,7 @@ def _waveform(
 def gaps(run: Run) -> list[Table]:
     """What the gap is made of: root mean squares, and how the shares add up."""
     rows = validations.validation(run).gaps
-    if not rows:
-        return []
-    return [_gap_sizes(run, rows), _gap_shares(run, rows)]
+    return [_gap_sizes(run, rows), _gap_shares(run, rows)] if rows else []
 
 
 def _gap_sizes(run: Run, rows: Sequence[GapRecord]) -> Table:
