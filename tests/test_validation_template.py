@@ -220,3 +220,16 @@ def test_a_log_that_begins_elsewhere_says_so_first_and_the_cure_works(call, log,
     assert (code, err) == (0, "")
     assert "starts at" not in out
     assert "Nothing was fitted." in out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--json"], "--json: does not go with --template, which writes YAML"),
+        (["--map", "none.yaml"], "--map: none.yaml is of no log; name it with --recording"),
+    ],
+)
+def test_options_that_would_do_nothing_are_refused(call, words, said):
+    code, out, err = call("validate", "pendulum", "--template", *words)
+    assert (code, out) == (2, "")
+    assert said in err

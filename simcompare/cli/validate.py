@@ -57,6 +57,8 @@ def validate(
     from simcompare.verbs import validate as validating
 
     if template:
+        if as_json:
+            raise InputError("--json", ["does not go with --template, which writes YAML"])
         _template(scenario, recording, mapping, out)
         return
     if recording is None:

@@ -34,6 +34,8 @@ def template(
         SimcompareError: faults of the arguments or of a file.
     """
     file = catalogue.load(scenario)
+    if mapping is not None and recording is None:
+        raise InputError("--map", [f"{mapping} is of no log; name it with --recording"])
     head = f"# How {file.name} is held against {recording or 'a recording'}: replace every"
     head += f" {UNKNOWN}, delete what was not measured.\n"
     reading, channels = "", list[Candidate]()
