@@ -40,11 +40,11 @@ def checked(function: Callable[Asked, Given]) -> Callable[Asked, Given]:
 
     @functools.wraps(function)
     def called(*args: Asked.args, **kwargs: Asked.kwargs) -> Given:
-        hints, given = get_type_hints(function), _bound(function, args, kwargs)
+        hints, given = _hints(function), _bound(function, args, kwargs)
         faults = [
             f"{name}={value!r}: expected {words(hints[name])}"
             for name, value in given.items()
-            if not fits(value, hints[name])
+            if name in hints and not fits(value, hints[name])
         ]
         faults += [
             f"{name}={value!r} is empty; expected {words(hints[name])}"
@@ -73,6 +73,13 @@ def given_as_options() -> Iterator[None]:
         _by_options.reset(token)
 
 
+def _hints(function: Callable[..., Any]) -> Mapping[str, Any]:
+    """The types of the arguments; that of the answer may be unknown until it is needed."""
+    asked = {name: hint for name, hint in function.__annotations__.items() if name != "return"}
+    holder = types.SimpleNamespace(__annotations__=asked)
+    return get_type_hints(holder, getattr(inspect.unwrap(function), "__globals__", {}))
+
+
 def _in_python(text: str, arguments: Collection[str]) -> str:
     """A message with the names of arguments for options; commands in it stay as they are."""
 
@@ -94,11 +101,23 @@ def _bound(
     """
     signature = inspect.signature(function)
     known = signature.parameters
-    faults = [str(UnknownName("argument", name, known)) for name in kwargs if name not in known]
+    faults = [_unknown(name, kwargs[name], known) for name in kwargs if name not in known]
+    by_place = [one for one in known.values() if one.kind is not one.KEYWORD_ONLY]
+    by_name = [one.name for one in known.values() if one.kind is one.KEYWORD_ONLY]
+    if by_name and len(args) > len(by_place):
+        extra = args[len(by_place)]
+        faults.append(f"{extra!r} needs a name, such as {by_name[0]}={extra!r}")
     try:
         return signature.bind(*args, **kwargs).arguments
     except TypeError as error:
         raise InputError(function.__name__, faults or [str(error)]) from None
+
+
+def _unknown(name: str, value: object, known: Collection[str]) -> str:
+    """That there is no argument of a name; it may be a parameter of the scenario."""
+    fault = str(UnknownName("argument", name, known))
+    cure = f"set={{{name!r}: {value!r}}}"
+    return f"{fault}; a parameter of the scenario is given as {cure}" if "set" in known else fault
 
 
 def fits(value: object, hint: Any) -> bool:  # noqa: ANN401

@@ -1,5 +1,6 @@
 """Arguments that make no sense are refused with one error of ours."""
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
@@ -147,3 +148,21 @@ def test_errors_name_the_arguments_and_commands_keep_their_options(verb, given, 
 
 def test_the_command_line_is_told_its_options(call):
     assert "--step: a bare number" in call("run", "ball", "--step", "5")[2]
+
+
+@pytest.mark.engines("pymunk")
+def test_methods_of_results_refuse_arguments_of_another_type():
+    run = simcompare.run("ball", engine="pymunk", contact="default", seeds=1)
+    for method, name in ((run.table, "measure"), (run.samples, "engine"), (run.plot, "name")):
+        for wrong in (1, []):
+            with pytest.raises(InputError, match=rf"{name}={re.escape(str(wrong))}: expected text"):
+                method(wrong)
+    with pytest.raises(InputError, match="too many positional arguments"):
+        simcompare.list(1)
+
+
+def test_the_commonest_slips_are_told_their_cure():
+    with pytest.raises(InputError, match="'mujoco' needs a name, such as engine='mujoco'"):
+        simcompare.run("ball", "mujoco")
+    with pytest.raises(InputError, match=r"is given as set={'drop_height': '1m'}"):
+        simcompare.run("ball", drop_height="1m")

@@ -58,6 +58,7 @@ class Comparison(Shown):
         """A row for each run, engine, level and measure; what differs is in columns, in SI."""
         return rows.frame(self.compared, self.measures)
 
+    @checked
     def table(self, measure: str | None = None) -> pd.DataFrame:
         """Engines and levels as rows, runs as columns, each value with its scatter and verdict.
 
@@ -69,6 +70,7 @@ class Comparison(Shown):
         """
         return frames.frame(tables.runs_beside(self.compared, self._chosen(measure)))
 
+    @checked
     def plot(self, measure: str | None = None, *, deviation: bool = False) -> Figure:
         """The measure over the one number in which runs differ, else run by run.
 
@@ -84,6 +86,7 @@ class Comparison(Shown):
         off = deviations(self.compared, chosen) if deviation else None
         return matplotlib_.canvas(off or figure(self.compared, chosen))
 
+    @checked
     def to_csv(self, path: str | Path) -> Path:
         """Writes :attr:`scores` as a CSV file and returns its place.
 
@@ -93,6 +96,7 @@ class Comparison(Shown):
         text = self.scores.to_csv(index=False, lineterminator="\n")
         return output.write(Path(path), text.encode("utf-8"), rows.MARK)
 
+    @checked
     def report(self, out: str | Path | None = None) -> Path:
         """Writes table and figure of every measure as one HTML page and returns its place.
 

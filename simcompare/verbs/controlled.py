@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from simcompare.arguments import checked
 from simcompare.errors import UnknownName
 from simcompare.model.scenario import Probe
 from simcompare.model.trajectory import Array, Trajectory
@@ -42,6 +43,7 @@ class Controlled(Shown, Trajectory):
 
         return pd.DataFrame(self._columns())
 
+    @checked
     def plot(self, name: str | None = None) -> Canvas:
         """A probe or a column of the samples over time; the first probe where ``None``.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from simcompare.arguments import checked
 from simcompare.engine import elsewhere, engines
 from simcompare.hardware.recordings import published
 from simcompare.reports.render.glance import Glance
@@ -52,6 +53,7 @@ class Listing(Shown):
         )
 
 
+@checked
 def listing() -> Listing:
     """Scenarios, engines and published measurements.
 

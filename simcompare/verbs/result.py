@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from simcompare.arguments import checked
 from simcompare.reports import glances
 from simcompare.reports.render import frames, matplotlib_
 from simcompare.reports.render.glance import Glance
@@ -46,6 +47,7 @@ class Result(Shown, Run):
         """Whether every tolerance that counts is met and every engine ran."""
         return self.exit_code == 0
 
+    @checked
     def table(self, measure: str | None = None) -> pd.DataFrame:
         """Engines as rows, levels as columns, each value with its scatter and verdict.
 
@@ -57,6 +59,7 @@ class Result(Shown, Run):
         """
         return frames.frame(glances.table(self, measure))
 
+    @checked
     def plot(self, name: str | None = None) -> Figure:
         """A figure of the report, which ``.savefig("ball.pdf")`` stores.
 
@@ -68,6 +71,7 @@ class Result(Shown, Run):
         """
         return matplotlib_.canvas(glances.figure(self, name))
 
+    @checked
     def samples(
         self, engine: str | None = None, contact: str | None = None, repeat: int | None = None
     ) -> pd.DataFrame:
