@@ -187,3 +187,14 @@ def test_a_controller_reads_rates_and_currents_from_the_first_sample_on():
     # at rest the whole voltage drives the current, and no false rate takes from it
     assert seen[0]["motor.current_A"] == pytest.approx(6.0 / 6.0)
     assert seen[1]["motor.current_A"] < seen[0]["motor.current_A"]
+
+
+@pytest.mark.engines("pymunk")
+def test_an_unknown_level_and_a_number_too_large_are_told():
+    def push(time_s, readings):
+        return {"drive": 10**400}
+
+    with pytest.raises(UnknownName, match="no contact level is called 'asisted'; did you mean"):
+        simcompare.control("robot_planar", push, engine="pymunk", contact="asisted")
+    with pytest.raises(InputError, match="drive is beyond the largest number"):
+        simcompare.control("robot_planar", push, engine="pymunk")

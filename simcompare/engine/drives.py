@@ -102,6 +102,9 @@ def checked_inputs(
             if isinstance(value, str | bool):
                 raise TypeError
             values[name] = float(value)
+        except OverflowError:
+            faults.append(f"{name} is beyond the largest number, 1.8e308")
+            continue
         except (TypeError, ValueError):
             faults.append(f"{name} = {value!r} is not one number")
             continue

@@ -10,8 +10,8 @@ from simcompare.arguments import checked
 from simcompare.comparison.repeats import check_sample_step, one_step_s
 from simcompare.engine import engines
 from simcompare.engine.simulation import Controller
-from simcompare.errors import InputError
-from simcompare.model.settings import ASSISTED, Settings
+from simcompare.errors import InputError, UnknownName
+from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, Settings
 from simcompare.scenarios import catalogue
 from simcompare.verbs.controlled import Controlled
 
@@ -55,12 +55,14 @@ def control(
         InputError: the controller does not take time and readings, or it returned something else
             than finite numbers by name.
         NoSuchReading: it asked for a reading that there is not; also a KeyError.
-        UnknownName: it set an input that the scenario does not have.
+        UnknownName: it set an input that the scenario does not have, or there is no such level.
         Unsupported: the engine lacks what the scenario needs.
         Exception: whatever the controller raises, with a note of the engine and the time.
     """
     _check_called(controller)
     file = catalogue.load(str(scenario))
+    if contact not in CONTACT_LEVELS:
+        raise UnknownName("contact level", contact, CONTACT_LEVELS)
     values = file.read_settings(set or {})
     step_s = None if step is None else one_step_s(step)
     if step is not None and step_s is not None:
