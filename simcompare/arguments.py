@@ -49,7 +49,7 @@ def checked(function: Callable[Asked, Given]) -> Callable[Asked, Given]:
         faults += [
             f"{name}={value!r} is empty; expected {words(hints[name])}"
             for name, value in given.items()
-            if _takes_path(hints[name]) and _is_empty(value)
+            if name in hints and _takes_path(hints[name]) and _is_empty(value)
         ]
         if faults:
             raise InputError(function.__name__, faults)
