@@ -23,6 +23,8 @@ _FEW, _MORE = 4, 2
 #: a standard deviation in the last digits, after a number
 _BRACKETS = re.compile(r"\d\(\d+\)")
 _DASH = re.compile("–( |$)")
+#: a value that only some of the repeats gave
+_SOME = re.compile(r"\(\d+ of \d+\)")
 #: a whole number with decimals
 _WHOLE = re.compile(r"−?\d+\.0+")
 #: what rounding leaves of a part of a tolerance
@@ -61,7 +63,11 @@ def legend_words(tables: Sequence[Table]) -> list[str]:
     """What of these tables a reader may look up in the glossary: levels and signs."""
     levels = [column.head for table in tables for column in table.columns[1:]]
     cells = [c for table in tables for group in table.groups for row in group.rows for c in row]
-    signs = {"brackets": any(map(_BRACKETS.search, cells)), "–": any(map(_DASH.match, cells))}
+    signs = {
+        "brackets": any(map(_BRACKETS.search, cells)),
+        "8 of 9": any(map(_SOME.search, cells)),
+        "–": any(map(_DASH.match, cells)),
+    }
     return [*dict.fromkeys(levels), *(sign for sign, is_there in signs.items() if is_there)]
 
 
