@@ -404,7 +404,7 @@ def test_a_run_in_which_nothing_is_known_is_told_nothing_of():
     ("words", "sentence"),
     [
         (("bounces",), "no experiment is called 'bounces'; did you mean bounce"),
-        (("",), "no experiment is called ''"),
+        (("",), "is empty; give a value, or leave it out"),
         (("--contact", "best"), "no contact level is called 'best'"),
         (("--engine", "mujocco"), "no engine is called 'mujocco'; did you mean mujoco?"),
         (("--step", "0"), "--step: 0 is not a time above 0"),

@@ -296,7 +296,7 @@ def test_a_fit_with_one_edit_is_read_or_refused_in_one_sentence(found, tmp_path)
             fit = fit_file.read(path)
             scene = file.resolve(fit.base(file))
             fit.settings("pymunk", scene)
-            fit.cautions(scene, file, ("pymunk",))
+            fit.cautions(scene, file)
         except SimcompareError:
             refused += 1
     assert 0 < refused < 300
