@@ -1,4 +1,7 @@
-"""Arguments of our functions, held against the types that these say they take."""
+"""Arguments of our functions, held against the types that these say they take.
+
+Pydantic does not serve here: strict, it refuses whole numbers of NumPy; else it takes "3" for 3.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Tables as plain text of a given width, with every cell in it."""
+"""Tables as plain text of a given width, with every cell in it.
+
+Rich, which did this before, squeezes columns without room to nothing.
+"""
 
 from __future__ import annotations
 

@@ -34,11 +34,9 @@ def remarks(run: Run) -> list[str]:
 
 
 def failures(run: Run) -> list[str]:
-    """What makes a run fail, one sentence a level or none; a fit of its own levels has none."""
-    judged, levels = run.record.judge, runs.modes(run)
-    failed = {score.contact for score in run.record.scores if score.verdict == FAIL}
-    counted = [mode for mode in levels if mode in failed and (judged is None or mode in judged)]
-    return merged(run, ((mode, _missed(run, mode)) for mode in counted))
+    """What makes a run fail, a sentence for each level at which it does."""
+    failed = [mode for mode in runs.modes(run) if mode in run.failed_levels]
+    return merged(run, ((mode, _missed(run, mode)) for mode in failed))
 
 
 def _means(run: Run, judged: Sequence[str]) -> list[str]:

@@ -60,8 +60,11 @@ class Run:
             self.record.engines_asked,
             out_of_reach=any(source.out_of_reach for source in sources),
         )
-        if code:
-            return code
+        return code or (1 if self.failed_levels else 0)
+
+    @property
+    def failed_levels(self) -> frozenset[str]:
+        """Contact levels at which a tolerance failed, of those whose failures count."""
         judged = self.record.judge
-        failed = {score.contact for score in self.record.scores if score.verdict == FAIL}
-        return 1 if (failed if judged is None else failed & set(judged)) else 0
+        failed = frozenset(s.contact for s in self.record.scores if s.verdict == FAIL)
+        return failed if judged is None else failed & set(judged)
