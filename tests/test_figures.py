@@ -282,10 +282,10 @@ def test_drawing_leaves_the_global_state_alone():
     import matplotlib as mpl
     from matplotlib import pyplot
 
-    before = dict(mpl.rcParams)
+    before, windows = dict(mpl.rcParams), pyplot.get_fignums()
     matplotlib_.rendered(two_panels(), "svg")
     assert dict(mpl.rcParams) == before
-    assert pyplot.get_fignums() == []
+    assert pyplot.get_fignums() == windows
 
 
 def test_a_long_legend_is_broken_into_rows():
