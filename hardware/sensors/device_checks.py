@@ -1,0 +1,62 @@
+"""What a device of a sensor cannot be, and what it asks of the signal that it reads."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from simcompare.hardware.sensors.device import Device
+from simcompare.model.trajectory import Array
+
+
+def faults_of(device: Device, signal_rate_Hz: float) -> list[str]:
+    """What a device cannot be, a sentence each.
+
+    Args:
+        device: its numbers.
+        signal_rate_Hz: of the signal, for a device without a rate of its own.
+    """
+    faults = [
+        f"{name} is {np.min(value):g}; expected 0 or more"
+        for name, value in _never_negative(device).items()
+        if np.min(value) < 0
+    ]
+    if device.poles not in (1, 2, 3, 4):
+        faults.append(f"its low-pass has {device.poles} poles; expected 1 to 4")
+    if not device.bandwidth_Hz > 0 or not device.full_scale > 0:
+        faults.append("bandwidth and range are above 0")
+    if np.any(device.nonlinearity) and math.isinf(device.full_scale):
+        faults.append("non-linearity is a part of full scale; give full_scale")
+    rate = device.rate_Hz or signal_rate_Hz
+    if rate / 2 < device.bandwidth_Hz < math.inf:
+        whose = "its rate" if device.rate_Hz else "the rate of the signal, as it has none itself"
+        faults.append(
+            f"bandwidth {device.bandwidth_Hz:g} Hz is above Nyquist's {rate / 2:.4g} Hz, half of"
+            f" {whose}; give a bandwidth below it, or a higher rate"
+        )
+    return faults
+
+
+def coarser(device: Device, time_s: Array) -> tuple[str, ...]:
+    """A note where the signal has fewer samples than the device takes."""
+    own = mean_rate(time_s)
+    if device.rate_Hz <= own * (1 + 1e-9):
+        return ()
+    return (
+        f"{device.name}: it samples {device.rate_Hz:g} times a second and the signal has"
+        f" {own:.4g} values a second; between them straight lines are taken",
+    )
+
+
+def mean_rate(time_s: Array) -> float:
+    """Samples in a second [Hz]."""
+    return float((len(time_s) - 1) / (time_s[-1] - time_s[0]))
+
+
+def _never_negative(device: Device) -> dict[str, Array | float]:
+    names = (
+        "noise_density", "bias_instability", "random_walk", "noise_per_reading", "rate_Hz",
+        "jitter_s", "resolution",
+    )  # fmt: skip
+    return {name: getattr(device, name) for name in names}

@@ -1,0 +1,261 @@
+"""What sensors read: each term of the error model by itself, against what it must do."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from simcompare.errors import InputError
+from simcompare.hardware.sensors import low_pass, noise
+from simcompare.hardware.sensors.device import perfect
+from simcompare.hardware.sensors.error_model import measured, measured_by
+from simcompare.statistics.streams import stream
+
+TIME = np.arange(1001) * 0.001
+#: three different slow waves
+WAVES = np.sin(np.outer(TIME, [3.0, 5.0, 7.0]) + np.arange(3))
+NONE = np.zeros((len(TIME), 3))
+
+
+def three(**terms):
+    return replace(perfect("imu", 3), **terms)
+
+
+def read(device, ideal=WAVES, seed=1, **manner):
+    return measured(device, TIME[: len(ideal)], ideal, stream(seed), **manner)
+
+
+def allan_deviation(values, step_s, gate_s):
+    """Overlapping Allan deviation, IEEE 952."""
+    size = round(gate_s / step_s)
+    phase = np.concatenate(([0.0], np.cumsum(values) * step_s))
+    second = phase[2 * size :] - 2 * phase[size:-size] + phase[: -2 * size]
+    return math.sqrt(np.mean(second**2) / 2) / (size * step_s)
+
+
+# --- systematic terms -----------------------------------------------------------------------------
+
+
+def test_a_perfect_sensor_reads_the_signal():
+    found = read(three())
+    assert found.measured == pytest.approx(WAVES, abs=1e-15)
+    assert found.ideal == pytest.approx(WAVES, abs=1e-15)
+    assert not found.saturated.any()
+    assert found.time_s == pytest.approx(TIME)
+
+
+def test_sensitivity_offset_and_temperature_act_as_written():
+    S = np.array([[1.01, 0.002, 0.0], [0.0, 0.98, -0.01], [0.003, 0.0, 1.0]])
+    offset, drift, gain = np.array([0.1, -0.2, 0.3]), np.array([0.01, 0.0, -0.02]), np.full(3, 1e-3)
+    device = three(
+        sensitivity=S, offset=offset, offset_per_K=drift, sensitivity_per_K=gain, temperature_C=35.0
+    )
+    expected = 1.01 * WAVES @ S.T + offset + 10 * drift
+    assert read(device).measured == pytest.approx(expected, abs=1e-13)
+
+
+def test_non_linearity_bends_by_its_part_of_full_scale_and_no_more():
+    ramp = np.linspace(-4.0, 4.0, 1001)
+    device = replace(perfect("cell", 1), nonlinearity=np.array([0.01]), full_scale=5.0)
+    error = read(device, ramp).measured - ramp
+    assert np.abs(error).max() == pytest.approx(0.05, rel=1e-4)
+    assert error[np.argmin(np.abs(ramp - 2.5))] == pytest.approx(-0.05, rel=1e-4)
+    # far beyond the range it must not turn the reading round
+    far = read(device, np.full(1001, 500.0))
+    assert np.all(far.measured == 5.0)
+    assert far.saturated.all()
+
+
+def test_a_sensor_turned_in_its_box_reads_the_turned_axes():
+    quarter = (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))  # about z: its x axis is the box's y
+    found = read(three(mounting_wxyz=quarter)).measured
+    assert found[:, 0] == pytest.approx(WAVES[:, 1], abs=1e-12)
+    assert found[:, 1] == pytest.approx(-WAVES[:, 0], abs=1e-12)
+
+
+def test_counts_are_rounded_half_to_even_and_cut_off_at_the_range():
+    device = replace(perfect("counter", 1), resolution=1.0, full_scale=3.0)
+    found = measured(device, TIME[:6], np.array([0.5, 1.5, 2.5, -0.5, 3.4, -9.0]), stream(1))
+    assert found.measured.tolist() == [0.0, 2.0, 2.0, 0.0, 3.0, -3.0]
+    assert found.saturated.tolist() == [False, False, False, False, True, True]
+
+
+# --- time -----------------------------------------------------------------------------------------
+
+
+def test_the_low_pass_halves_the_power_at_its_bandwidth():
+    fine_s = np.arange(40_001) * 1e-4
+    for poles in (1, 2, 3, 4):
+        device = replace(perfect("slow", 1), bandwidth_Hz=20.0, poles=poles)
+        wave = np.sin(2 * math.pi * 20.0 * fine_s)
+        found = measured(device, fine_s, wave, stream(1)).measured
+        assert np.abs(found[20_000:]).max() == pytest.approx(math.sqrt(0.5), rel=1e-4)
+
+
+def test_samples_come_at_the_device_own_clock():
+    slow = read(three(rate_Hz=100.0, rate_error=0.05))
+    assert slow.time_s == pytest.approx(np.arange(106) / 105.0, abs=1e-12)
+    assert slow.ideal[:, 0] == pytest.approx(np.interp(slow.time_s, TIME, WAVES[:, 0]))
+    assert slow.measured == pytest.approx(slow.ideal)
+
+
+def test_a_late_sample_is_an_older_one():
+    ramp = 3.0 * TIME
+    late = read(replace(perfect("late", 1), latency_s=0.1), ramp)
+    assert late.measured[200:] == pytest.approx(ramp[200:] - 0.3, abs=1e-12)
+
+
+def test_jitter_moves_the_instants():
+    ramp = 3.0 * TIME
+    shaken = read(replace(perfect("shaken", 1), jitter_s=0.002), ramp)
+    # 1001 draws: five times the 2.2 % of their standard deviation
+    assert np.std(shaken.measured - ramp) == pytest.approx(0.006, rel=0.11)
+
+
+def test_a_counter_keeps_its_count_between_samples():
+    marks = np.floor(TIME * 10)
+    found = read(replace(perfect("encoder", 1), rate_Hz=333.0), marks, held=True)
+    assert set(found.measured) <= set(marks)
+
+
+def test_a_coarse_signal_is_said():
+    (note,) = read(three(rate_Hz=8000.0)).notes
+    assert "8000" in note
+    assert "1000 values a second" in note
+    assert read(three(rate_Hz=1000.0)).notes == ()
+
+
+# --- noise ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("poles", [1, 2, 3, 4])
+@pytest.mark.parametrize("bandwidth_Hz", [500.0, 260.0, 44.0, 5.0])
+def test_filtered_noise_has_the_noise_bandwidth(poles, bandwidth_Hz):
+    b, a = low_pass.noise_filter(0.001, bandwidth_Hz, poles)
+    impulse = np.zeros(20_000)
+    impulse[0] = 1.0
+    h = signal.lfilter(b, a, impulse)
+    rms = math.sqrt(500.0 * np.sum(h**2))  # density 1 at 1 kHz
+    wanted = math.sqrt(low_pass.noise_bandwidth(bandwidth_Hz, poles))
+    # 1e-4 where the filter is so slow that the bilinear one is taken
+    assert rms == pytest.approx(wanted, rel=1e-4)
+
+
+def test_noise_bandwidths_of_butterworth_filters():
+    shares = [low_pass.noise_bandwidth(1.0, poles) for poles in (1, 2, 3, 4)]
+    assert shares == pytest.approx([1.5708, 1.1107, 1.0472, 1.0262], abs=5e-5)
+
+
+@pytest.mark.parametrize("poles", [1, 2, 4])
+def test_filtered_noise_is_steady_from_its_first_sample(poles):
+    drawn = noise.white(np.ones((40_000, 1)), np.full(40_000, 0.01), 3, stream(1), 40.0, poles)
+    # 40,000 draws: five times 1/√80,000
+    rms = math.sqrt(low_pass.noise_bandwidth(40.0, poles))
+    assert drawn.std(axis=0).ravel() == pytest.approx(np.full(3, rms), rel=0.018)
+
+
+def test_the_mpu6050_at_44_hertz():
+    """400 µg/√Hz behind one pole of 44 Hz: 3.33 mg rms, where the maker states 400·√(1.57·44)."""
+    device = replace(
+        perfect("mpu", 1), noise_density=np.array([400e-6]), bandwidth_Hz=44.0, rate_Hz=1000.0
+    )
+    found = measured(device, np.array([0.0, 300.0]), np.zeros(2), stream(1)).measured
+    # about 300·44·π/2 independent numbers: five times their 0.35 %
+    assert found.std() == pytest.approx(3.33e-3, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("term", "expected"),
+    [
+        ("noise_density", lambda gate_s: 1 / math.sqrt(2 * gate_s)),
+        ("bias_instability", lambda gate_s: math.sqrt(2 * math.log(2) / math.pi)),
+        ("random_walk", lambda gate_s: math.sqrt(gate_s / 3)),
+    ],
+)
+def test_each_noise_has_the_allan_deviation_of_its_name(term, expected):
+    device = replace(perfect("imu", 3), **{term: np.ones(3)}, rate_Hz=100.0)
+    found = measured(device, np.array([0.0, 10_000.0]), np.zeros((2, 3)), stream(2)).measured
+    for gate_s in (0.2, 1.0, 4.0):
+        deviation = np.mean([allan_deviation(axis, 0.01, gate_s) for axis in found.T])
+        # the worst has 3 axes of 2,500 gates: 0.8 %; four per cent are five times that
+        assert deviation == pytest.approx(expected(gate_s), rel=0.04)
+
+
+def test_noise_that_grows_with_the_reading():
+    ranges = np.repeat([1.0, 4.0], 500)
+    device = replace(perfect("range", 1), noise_per_reading=np.array([0.01]))
+    error = read(device, ranges).measured - ranges
+    # 500 draws: five times the 3.2 % of their standard deviation
+    assert error[:500].std() == pytest.approx(0.01, rel=0.16)
+    assert error[500:].std() == pytest.approx(0.04, rel=0.16)
+
+
+def test_the_same_stream_gives_the_same_noise():
+    device = three(noise_density=np.ones(3), bias_instability=np.ones(3))
+    first, again, other = (read(device, seed=seed).measured for seed in (1, 1, 2))
+    assert np.array_equal(first, again)
+    assert not np.allclose(first, other)
+
+
+# --- many devices ---------------------------------------------------------------------------------
+
+
+def test_many_devices_are_each_as_if_alone():
+    devices = [
+        three(
+            offset=np.array([o, 0.0, -o]), sensitivity=(1 + o) * np.eye(3), rate_Hz=200.0,
+            rate_error=o / 10, bandwidth_Hz=50.0, full_scale=1.2, mounting_wxyz=(0.8, 0.0, o, 0.6),
+        )
+        for o in (0.0, 0.1, 0.2)
+    ]  # fmt: skip
+    together = measured_by(devices, TIME, WAVES, stream(1))
+    for i, device in enumerate(devices):
+        alone = read(device)
+        count = together.time_s.shape[1]
+        assert together.time_s[i] == pytest.approx(alone.time_s[:count])
+        assert together.measured[i] == pytest.approx(alone.measured[:count], abs=1e-12)
+        assert np.array_equal(together.saturated[i], alone.saturated[:count])
+
+
+def test_noise_of_devices_is_independent():
+    found = measured_by([three(noise_density=np.ones(3))] * 300, TIME, NONE, stream(1)).measured
+    rows = found.transpose(0, 2, 1).reshape(900, -1)
+    between = np.corrcoef(rows)[np.triu_indices(900, 1)]
+    # correlation of 1001 independent numbers: 1/√1001 = 0.032
+    assert between.std() == pytest.approx(0.0316, rel=0.02)
+
+
+# --- what cannot be -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("terms", "said"),
+    [
+        ({"rate_Hz": 100.0, "bandwidth_Hz": 51.0}, "above Nyquist's 50 Hz, half of its rate"),
+        ({"bandwidth_Hz": 501.0}, "above Nyquist's 500 Hz, half of the rate of the signal"),
+        ({"noise_density": np.array([1.0, -1.0, 1.0])}, "noise_density is -1; expected 0 or more"),
+        ({"jitter_s": -1.0}, "jitter_s is -1"),
+        ({"poles": 5}, "5 poles; expected 1 to 4"),
+        ({"nonlinearity": np.ones(3)}, "give full_scale"),
+    ],
+)
+def test_impossible_devices_are_refused(terms, said):
+    with pytest.raises(InputError, match="sensor imu") as error:
+        read(three(**terms))
+    assert said in str(error.value)
+
+
+def test_half_of_the_rate_is_a_possible_bandwidth():
+    assert len(read(three(rate_Hz=100.0, bandwidth_Hz=50.0)).measured) == 101
+
+
+def test_all_faults_at_once():
+    with pytest.raises(InputError, match="3 faults"):
+        read(three(rate_Hz=-1.0, poles=0), WAVES[:, 0])
+
+
+def test_axes_must_fit():
+    with pytest.raises(InputError, match="it has 3 axes and the signal has 1"):
+        read(three(), WAVES[:, 0])
