@@ -162,3 +162,17 @@ def test_what_a_source_did_not_record_gives_no_reading():
     t, signals = np.linspace(0, 1, 5), {}
     sensing.complete(scenario, t, signals, {})
     assert signals == {}
+
+
+def test_an_imu_reads_what_an_accelerometer_and_a_gyroscope_in_its_place_read():
+    place = {"body": "arm", "position_m": [0.5, 0, 0], "orientation_wxyz": [0.8, 0, 0.6, 0]}
+    scenario = still(
+        imu={"type": "imu", **place},
+        tip={"type": "accelerometer", **place},
+        gyro={"type": "gyroscope", **place},
+    )
+    assert scenario.signals_of("imu") == {"specific_force_m_s2": 3, "rate_rad_s": 3}
+    t, signals = moved(scenario, lambda t: 2 * t**2, np.zeros_like)
+    sensing.complete(scenario, t, signals, {})
+    for part, alone in (("specific_force_m_s2", "tip"), ("rate_rad_s", "gyro")):
+        np.testing.assert_array_equal(signals[f"imu.{part}"], signals[f"{alone}.{part}"])

@@ -64,10 +64,10 @@ class HelpedSimulation(EngineHooks):
             if sensor.type in ("force", "contact_force"):
                 reason = self._without(sensor) or self.reason_lacking(sensor)
                 if reason:
-                    self.lacks[f"{name}.{SENSOR_SIGNALS[sensor.type][0]}"] = reason
+                    self.lacks[f"{name}.{next(iter(SENSOR_SIGNALS[sensor.type]))}"] = reason
                 else:
                     self._force_sensors[name] = sensor
-        self._force_columns = sum(SENSOR_SIGNALS[s.type][1] for s in self._force_sensors.values())
+        self._force_columns = sum(map(_columns, self._force_sensors.values()))
         self._pairs = {frozenset(s.pair): s.pair for s in self._force_sensors.values() if s.pair}
         self._first_forces: Sequence[float] | None = None
         self.substeps = self.scenario.world.substeps
@@ -305,7 +305,7 @@ class HelpedSimulation(EngineHooks):
         for sensor in self._force_sensors.values():
             if sensor.joint in found:
                 rows[:, column : column + 3] -= found[sensor.joint]
-            column += SENSOR_SIGNALS[sensor.type][1]
+            column += _columns(sensor)
         return rows
 
     def read_back_start(self, engine: str) -> None:
@@ -316,3 +316,8 @@ class HelpedSimulation(EngineHooks):
         """
         held = {name: self.origin_of(name) for name in self._bodies if name not in self._free}
         compare_start(engine, self.scenario, self.state, held, self.scene.traits.precision)
+
+
+def _columns(sensor: Sensor) -> int:
+    """How many numbers a sensor of a force gives."""
+    return sum(SENSOR_SIGNALS[sensor.type].values())

@@ -42,9 +42,11 @@ def complete(
     for name in scenario.actuators:
         _add_actuator(scenario, name, time_s, signals, inputs)
     for name, sensor in scenario.sensors.items():
-        part, _ = SENSOR_SIGNALS[sensor.type]
-        if f"{name}.{part}" not in signals and _sees(scenario, sensor, signals):
-            signals[f"{name}.{part}"] = _READ[sensor.type](scenario, sensor, time_s, signals)
+        if not _sees(scenario, sensor, signals):
+            continue
+        for part in SENSOR_SIGNALS[sensor.type]:
+            if f"{name}.{part}" not in signals:
+                signals[f"{name}.{part}"] = _READ[part](scenario, sensor, time_s, signals)
 
 
 def pressure_at(height_m: Array) -> Array:
@@ -117,7 +119,7 @@ def _add_actuator(
 
 
 def _sees(scenario: Scenario, sensor: Sensor, signals: Mapping[str, Array]) -> bool:
-    if sensor.type not in _READ:
+    if not SENSOR_SIGNALS[sensor.type].keys() <= _READ.keys():
         return False
     if sensor.body is None:
         return f"{sensor.joint}.angle_rad" in signals
@@ -181,9 +183,10 @@ def _encoder(
     return np.asarray(np.floor(turns * sensor.marks + 1e-9), dtype=float)
 
 
+#: what follows from motion alone
 _READ = {
-    "accelerometer": _accelerometer,
-    "gyroscope": _gyroscope,
-    "barometer": _barometer,
-    "encoder": _encoder,
+    "specific_force_m_s2": _accelerometer,
+    "rate_rad_s": _gyroscope,
+    "pressure_Pa": _barometer,
+    "marks": _encoder,
 }

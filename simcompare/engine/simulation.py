@@ -209,7 +209,7 @@ class Simulation(HelpedSimulation):
             forces = np.vstack((forces[1:2], forces[1:])) if self._forces_at_end else forces[1:]
         column, first = 0, self._first_forces if lagging else None
         for name, sensor in self._force_sensors.items():
-            part, size = SENSOR_SIGNALS[sensor.type]
+            ((part, size),) = SENSOR_SIGNALS[sensor.type].items()
             block = forces[:count, column : column + size].copy()
             if first is not None:
                 block[0] = first[column : column + size]

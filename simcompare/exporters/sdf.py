@@ -26,7 +26,9 @@ UNLIMITED = "1e16"
 PLANE_EDGE_M = 100.0
 _KINDS = {"hinge": "revolute", "slider": "prismatic", "fixed": "fixed", "ball": "ball"}
 #: our sensors as SDF's
-_SENSORS = {"accelerometer": "imu", "gyroscope": "imu", "barometer": "air_pressure"}
+_SENSORS = {
+    "accelerometer": "imu", "gyroscope": "imu", "imu": "imu", "barometer": "air_pressure"
+}  # fmt: skip
 _HELD_SENSORS = (*_SENSORS, "force")
 _NO_TURN = (1.0, 0.0, 0.0, 0.0)
 

@@ -169,10 +169,13 @@ class Sensor(Pose):
     ``contact_force`` reads the engine's normal force between a pair of bodies. The others follow
     from the recorded motion, the same way for every source: ``accelerometer`` (specific force at
     the sensor's place, in its frame), ``gyroscope`` (rate in its frame), ``barometer`` (standard
-    atmosphere at its height), ``encoder`` (whole marks that have passed).
+    atmosphere at its height), ``encoder`` (whole marks that have passed), ``imu`` (accelerometer
+    and gyroscope of one chip).
     """
 
-    type: Literal["force", "contact_force", "accelerometer", "gyroscope", "barometer", "encoder"]
+    type: Literal[
+        "force", "contact_force", "accelerometer", "gyroscope", "imu", "barometer", "encoder"
+    ]
     body: str | None = None
     joint: str | None = None
     pair: tuple[str, str] | None = None
@@ -194,14 +197,15 @@ class Sensor(Pose):
 
 
 _PLACES = {"encoder": "joint", "force": "joint", "contact_force": "pair"}
-#: what each sensor records, with its number of components
+#: what each sensor records -> number of components
 SENSOR_SIGNALS = {
-    "force": ("force_N", 3),
-    "contact_force": ("normal_force_N", 1),
-    "accelerometer": ("specific_force_m_s2", 3),
-    "gyroscope": ("rate_rad_s", 3),
-    "barometer": ("pressure_Pa", 1),
-    "encoder": ("marks", 1),
+    "force": {"force_N": 3},
+    "contact_force": {"normal_force_N": 1},
+    "accelerometer": {"specific_force_m_s2": 3},
+    "gyroscope": {"rate_rad_s": 3},
+    "imu": {"specific_force_m_s2": 3, "rate_rad_s": 3},
+    "barometer": {"pressure_Pa": 1},
+    "encoder": {"marks": 1},
 }
 #: what is recorded of each actuator
 ACTUATOR_SIGNALS = {
@@ -349,7 +353,7 @@ class Scenario(Frozen):
             return dict.fromkeys(MOVABLE.get(self.joints[owner].type, ()), 1)
         if owner in self.actuators:
             return dict.fromkeys(ACTUATOR_SIGNALS[self.actuators[owner].type], 1)
-        return dict([SENSOR_SIGNALS[self.sensors[owner].type]])
+        return dict(SENSOR_SIGNALS[self.sensors[owner].type])
 
     def moving_bodies(self) -> dict[str, Body]:
         """Bodies that are not fixed to the world, in the order of the file."""

@@ -106,7 +106,7 @@ class Measuring:
         if owner in self.scenario.actuators:
             return self._actuator(owner, part), 1
         sensor = self.scenario.sensors[owner]
-        return self._sensor(owner), SENSOR_SIGNALS[sensor.type][1]
+        return self._sensor(owner, part), SENSOR_SIGNALS[sensor.type][part]
 
     def store(self, name: str, values: Array) -> str:
         """Puts an array into the file of inputs; returns what reads it."""
@@ -143,13 +143,14 @@ class Measuring:
         gain = actuator.efficiency * actuator.gear_ratio * actuator.torque_constant_N_m_A
         return f"{number(gain)} * {current}"
 
-    def _sensor(self, name: str) -> str:
-        if name in self._signals:
-            return self._signals[name]
+    def _sensor(self, name: str, part: str) -> str:
+        signal = f"{name}.{part}"
+        if signal in self._signals:
+            return self._signals[signal]
         sensor = self.scenario.sensors[name]
         body = sensor.body or ""
-        match sensor.type:
-            case "barometer":
+        match part:
+            case "pressure_Pa":
                 exponent, lapse = number(PRESSURE_EXPONENT), number(LAPSE_K_M / SEA_LEVEL_K)
                 self.function("turned", _TURNED)
                 height = f'motion["{body}.position_m"]'
@@ -159,13 +160,13 @@ class Measuring:
                 else:
                     self.functions.pop("turned", None)
                 text = f"{number(SEA_LEVEL_PA)} * (1 - {lapse} * {height}[:, 2]) ** {exponent}"
-            case "accelerometer":
+            case "specific_force_m_s2":
                 self.function("turned", _TURNED)
                 gravity = _tuple(self.scenario.world.gravity_m_s2)
                 self.function("felt", tuple(line.replace("{gravity}", gravity) for line in _FELT))
                 offset = f", {_tuple(sensor.position_m)}" if any(sensor.position_m) else ""
                 text = self._in_frame(f'specific_force("{body}"{offset})', sensor.orientation_wxyz)
-            case "gyroscope":
+            case "rate_rad_s":
                 self.function("turned", _TURNED)
                 self.function("gyroscope", _GYRO)
                 text = self._in_frame(f'gyroscope("{body}")', sensor.orientation_wxyz)
@@ -175,7 +176,7 @@ class Measuring:
         variable = unused(name, self.taken)
         self.taken.add(variable)
         self.lines.append(f"{variable} = {text}")
-        self._signals[name] = variable
+        self._signals[signal] = variable
         return variable
 
     def _in_frame(self, text: str, orientation: Any) -> str:  # noqa: ANN401
