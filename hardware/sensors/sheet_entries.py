@@ -1,0 +1,209 @@
+"""One line of a data sheet in SI, with the rule that makes a distribution of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from simcompare.hardware.sensors import sheet_units
+from simcompare.hardware.sensors.device import REFERENCE_C
+from simcompare.hardware.sensors.sheet_file import EntryFile
+from simcompare.hardware.sensors.sheet_rules import RULE_OF_KIND, RULES, Rule, Stated
+from simcompare.hardware.sensors.sheet_terms import TERMS
+from simcompare.statistics.distributions import Distribution
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One line of a data sheet.
+
+    Attributes:
+        name: of the entry, unique in its part, such as ``offset_xy``.
+        term: which term of the error model it states.
+        title: the term in words.
+        says: what the sheet calls it.
+        text: the value as the sheet states it.
+        kind: typ, max, min_max, typ_max, rms, density or resolution.
+        unit: SI unit of the distribution.
+        axes: letters of its axes.
+        ranges: names of the ranges for which it holds; empty: all.
+        stated: its numbers in SI.
+        rule: by which it becomes a distribution.
+        bandwidth_Hz: at which an rms was stated; ``nan`` where it is that of one reading.
+        used: whether it is a part of the error model; otherwise a cross-check.
+        page: page or table of the source.
+        confirmed: whether it was read in the maker's own text.
+        source: document and revision.
+        note: what was assumed.
+    """
+
+    name: str
+    term: str
+    title: str
+    says: str
+    text: str
+    kind: str
+    unit: str
+    axes: str
+    ranges: tuple[str, ...]
+    stated: Stated
+    rule: Rule
+    bandwidth_Hz: float
+    used: bool
+    page: str
+    confirmed: bool
+    source: str
+    note: str
+
+    @property
+    def distribution(self) -> Distribution:
+        """What is known of the deviation of one device; of noise, of one reading or its density."""
+        return self.rule.known(self.stated)
+
+    @property
+    def rule_in_words(self) -> str:
+        """The rule as a student can repeat it."""
+        return f"{self.title}: the sheet says {self.text}. {self.rule.words}"
+
+    def holds_for(self, range_name: str, axis: str) -> bool:
+        """Whether it is used for this range and axis."""
+        return self.used and axis in self.axes and (not self.ranges or range_name in self.ranges)
+
+    def with_sigma(self, typ_is_sigma: float) -> Entry:
+        """The same where another part of a typical value is one standard deviation."""
+        return replace(self, stated=replace(self.stated, typ_is_sigma=typ_is_sigma))
+
+
+def faults_of_kind(given: EntryFile) -> Iterator[tuple[str, str]]:
+    """Place and sentence of what is wrong with an entry before its numbers are read."""
+    term = TERMS.get(given.term)
+    if term is None:
+        yield "term", f"no term is called {given.term!r}; known: {', '.join(TERMS)}"
+        return
+    if not given.kind:
+        yield "", f"expected one value or a pair: {_KINDS_WANTED}"
+    elif given.kind not in term.kinds:
+        wanted = " or ".join(term.kinds)
+        yield (
+            "",
+            f"a value of the kind {given.kind} says nothing of {given.term}; expected {wanted}",
+        )
+    if given.rule is not None and given.rule not in RULES:
+        yield "rule", f"no rule is called {given.rule!r}; known: {', '.join(RULES)}"
+    if given.over_C is not None and term.per != "K":
+        yield "over_C", "only what changes with temperature has a range of temperatures"
+    if given.bandwidth is not None and given.rms is None:
+        yield "bandwidth", "only an rms was stated at a bandwidth; leave it out"
+
+
+_KINDS_WANTED = "typ, max, min and max, typ and max, rms, density or resolution"
+
+
+def entry(given: EntryFile, unit: str, axes: str, source: str, typ_is_sigma: float) -> Entry:
+    """The entry in SI.
+
+    Raises:
+        ValueError: a number that cannot be read, or that no sensor has; place and sentence.
+    """
+    term = TERMS[given.term]
+    base = "1" if term.relative else unit
+    # an rms is in the unit of the signal; a change over temperatures is not yet divided by them
+    per = "" if given.rms is not None or given.over_C is not None else term.per
+    span = 1.0 if given.over_C is None else _span(given.over_C)
+    stated = _stated(given, base, unit, per, span)
+    own = axes if given.axes is None else given.axes
+    rule = RULES[given.rule or term.rule or RULE_OF_KIND[given.kind]]
+    if "limits" in rule.needs and given.kind == "typ" and given.rule is None:
+        raise ValueError(f"rule: {rule.name} needs limits")
+    suffix = "" if own == axes else f"_{own}"
+    suffix += "".join(f"_{name.replace(' ', '')}" for name in given.ranges)
+    bandwidth = _value(given, "bandwidth", "Hz", "") if given.bandwidth else math.nan
+    return Entry(
+        name=given.term + suffix + ("" if given.used else "_check"),
+        term=given.term,
+        title=term.title,
+        says=given.says,
+        text=_text(given),
+        kind=given.kind,
+        unit=sheet_units.written(base, "" if given.rms is not None else term.per),
+        axes=own,
+        ranges=given.ranges,
+        stated=replace(stated, typ_is_sigma=typ_is_sigma),
+        rule=rule,
+        bandwidth_Hz=bandwidth,
+        used=given.used,
+        page=f"p. {given.page}" if isinstance(given.page, int) else given.page,
+        confirmed=given.confirmed,
+        source=given.source or source,
+        note=given.note,
+    )
+
+
+def _span(over_C: tuple[float, float]) -> float:
+    """Largest distance from the reference temperature, at which the change is the largest."""
+    low, high = over_C
+    if not low < high:
+        raise ValueError(f"over_C: {low:g} to {high:g} is no range; expected the lower one first")
+    return max(abs(low - REFERENCE_C), abs(high - REFERENCE_C))
+
+
+def _stated(given: EntryFile, base: str, unit: str, per: str, span: float) -> Stated:
+    if given.kind in ("rms", "density", "resolution"):
+        size = _value(given, given.kind, base, per)
+        _refuse_negative(given, given.kind, size)
+        return Stated(given.kind, typ=size)
+    typ = math.nan if given.typ is None else _deviation(given, "typ", base, unit, per) / span
+    if given.typ is not None:
+        _refuse_negative(given, "typ", typ)
+    if given.max is None:
+        return Stated(given.kind, typ=typ)
+    high = _deviation(given, "max", base, unit, per) / span
+    low = -high if given.min is None else _deviation(given, "min", base, unit, per) / span
+    if not low < high:
+        raise ValueError(f"max: {given.max} is not above {given.min or 0}; expected the larger one")
+    if typ > max(abs(low), abs(high)):
+        raise ValueError(f"max: {given.max} is below the typical {given.typ}; expected more")
+    return Stated(given.kind, typ=typ, low=low, high=high)
+
+
+def _refuse_negative(given: EntryFile, name: str, value: float) -> None:
+    if not value > 0:
+        text = getattr(given, name)
+        raise ValueError(f"{name}: {text} is no size of a deviation; expected a number above 0")
+
+
+def _deviation(given: EntryFile, name: str, base: str, unit: str, per: str) -> float:
+    """A value as a deviation: 282 LSB/g where 256 LSB/g are nominal is +10.2 %."""
+    text = getattr(given, name)
+    if given.nominal is None or not sheet_units.is_counts(text):
+        return _value(given, name, base, per)
+    try:
+        nominal = sheet_units.step(given.nominal, unit)
+        return nominal / sheet_units.step(text, unit) - 1
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+
+
+def _value(given: EntryFile, name: str, base: str, per: str) -> float:
+    try:
+        return sheet_units.amount(getattr(given, name), base, per)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+
+
+def _text(given: EntryFile) -> str:
+    """The value as the sheet states it."""
+    if given.kind in ("min_max", "typ_max") and given.min is not None:
+        text = f"{given.min} to {given.max}"
+    elif given.kind in ("max", "typ_max"):
+        text = f"at most ±{str(given.max).lstrip('±')}"
+    else:
+        text = str(getattr(given, given.kind))
+        signed = given.kind == "typ" and TERMS[given.term].kinds != ("typ",)
+        text = f"±{text.lstrip('±')}" if signed else text
+    if given.kind == "typ_max":
+        text = f"±{str(given.typ).lstrip('±')} typical, {text}"
+    if given.over_C is not None:
+        text += f" from {given.over_C[0]:g} to {given.over_C[1]:g} °C"
+    return f"{text} at {given.bandwidth}" if given.bandwidth else text

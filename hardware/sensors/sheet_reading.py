@@ -1,0 +1,236 @@
+"""From the YAML file of a data sheet to its parts in SI; impossible sensors are refused."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+
+from simcompare.errors import InputError, UnknownName
+from simcompare.hardware.sensors import sheet_entries, sheet_units
+from simcompare.hardware.sensors.sheet_entries import Entry
+from simcompare.hardware.sensors.sheet_file import EntryFile, PartFile, SheetFile, SourceFile, read
+from simcompare.hardware.sensors.sheet_parts import PartData, Range, Settings
+from simcompare.hardware.sensors.sheet_terms import QUANTITIES
+from simcompare.model.yaml_file import describe
+
+__all__ = ["document", "parts", "read", "settings"]
+
+
+def document(source: SourceFile) -> str:
+    """Number and revision of the maker's data sheet."""
+    date = f", {source.date}" if source.date else ""
+    return f"{source.document}, rev. {source.revision}{date}"
+
+
+def parts(
+    content: SheetFile, lines: Mapping[str, int], path: Path, typ_is_sigma: float
+) -> dict[str, PartData]:
+    """The parts of a sheet.
+
+    Raises:
+        InputError: numbers that cannot be read, or that no sensor has; all of them at once.
+    """
+    reader = _Reader(content, path.stem, typ_is_sigma)
+    found = {name: reader.part(name, part) for name, part in content.parts.items()}
+    if reader.faults:
+        raise InputError(str(path), describe(reader.faults, lines))
+    return {name: part for name, part in found.items() if part is not None}
+
+
+class _Reader:
+    """Reads a sheet and keeps every fault with its place."""
+
+    def __init__(self, content: SheetFile, sheet: str, typ_is_sigma: float) -> None:
+        self.content, self.sheet, self.typ_is_sigma = content, sheet, typ_is_sigma
+        self.faults: dict[str, str] = {}
+
+    def part(self, name: str, given: PartFile) -> PartData | None:
+        """A part; ``None`` where it has faults."""
+        place = f"parts.{name}"
+        before = len(self.faults)
+        unit = QUANTITIES[given.measures]
+        axes = "xyz" if given.axes == 3 else "x"
+        ranges = {key: self._range(place, key, given, unit) for key in given.ranges}
+        rates = [
+            self._try(f"{place}.rates.{i}", lambda text=text: _frequency(text))
+            for i, text in enumerate(given.rates)
+        ]
+        bandwidths = [
+            self._try(f"{place}.bandwidths.{i}", lambda text=text: _frequency(text))
+            for i, text in enumerate(given.bandwidths)
+        ]
+        reading = self._try(f"{place}.reading", lambda: sheet_units.amount(given.reading, unit))
+        terms = self._terms(place, given, unit, axes)
+        usual = self._usual(place, given)
+        if len(self.faults) > before or usual is None or reading is None:
+            return None
+        return PartData(
+            name=name, sheet=self.sheet, chip=self.content.name, measures=given.measures,
+            unit=unit, axes=axes, reading=reading, reading_text=given.reading,
+            ranges={key: one for key, one in ranges.items() if one is not None},
+            rates_Hz=tuple(rate for rate in rates if rate is not None),
+            any_rate=given.rates_between,
+            bandwidths_Hz=tuple(one for one in bandwidths if one is not None),
+            bandwidth_per_rate=given.bandwidth_per_rate or math.nan,
+            poles=given.poles, usual=usual, terms=terms,
+        )  # fmt: skip
+
+    def _try(self, place: str, reading: Callable[[], float]) -> float | None:
+        try:
+            return reading()
+        except ValueError as error:
+            self.faults[place] = str(error)
+            return None
+
+    def _range(self, place: str, name: str, given: PartFile, unit: str) -> Range | None:
+        one = given.ranges[name]
+        full = self._try(
+            f"{place}.ranges.{name}.full_scale",
+            lambda: _above_0(one.full_scale, sheet_units.amount(one.full_scale, unit)),
+        )
+        count: float | None = 0.0
+        if one.count is not None:
+            text = one.count
+            count = self._try(f"{place}.ranges.{name}.count", lambda: sheet_units.step(text, unit))
+        if full is None or count is None:
+            return None
+        if count > full:
+            self.faults[f"{place}.ranges.{name}.count"] = (
+                f"one count, {one.count}, is more than the full scale {one.full_scale}"
+            )
+        page = f"p. {one.page}" if isinstance(one.page, int) else one.page
+        return Range(name, full, count, one.count or "", page, one.confirmed)
+
+    def _terms(self, place: str, given: PartFile, unit: str, axes: str) -> dict[str, Entry]:
+        found: dict[str, Entry] = {}
+        for number, one in enumerate(given.entries):
+            here = f"{place}.entries.{number}"
+            faults = [*sheet_entries.faults_of_kind(one), *_faults_of_place(one, given, axes)]
+            for name, sentence in faults:
+                self.faults[f"{here}.{name}" if name else here] = sentence
+            if faults:
+                continue
+            try:
+                entry = sheet_entries.entry(
+                    one, unit, axes, document(self.content.source), self.typ_is_sigma
+                )
+            except ValueError as error:
+                name, _, sentence = str(error).partition(": ")
+                self.faults[f"{here}.{name}"] = sentence
+                continue
+            if entry.name in found or _overlaps(entry, found, given):
+                self.faults[here] = f"{one.term} of these axes and ranges stands twice; keep one"
+            found[entry.name] = entry
+        return found
+
+    def _usual(self, place: str, given: PartFile) -> tuple[str, float, float] | None:
+        usual = given.usual
+        here = f"{place}.usual"
+        if usual.range not in given.ranges:
+            known = ", ".join(given.ranges)
+            self.faults[f"{here}.range"] = f"no range is called {usual.range!r}; known: {known}"
+        rate = self._try(f"{here}.rate", lambda: _frequency(usual.rate))
+        if rate is None:
+            return None
+        if usual.bandwidth is None:
+            width: float | None = rate * (given.bandwidth_per_rate or math.inf)
+        else:
+            text = usual.bandwidth
+            width = self._try(f"{here}.bandwidth", lambda: _frequency(text))
+        if width is None:
+            return None
+        if width > rate / 2 and math.isfinite(width):
+            self.faults[f"{here}.bandwidth"] = _above_nyquist(width, rate)
+        return usual.range, rate, width
+
+
+def _faults_of_place(one: EntryFile, given: PartFile, axes: str) -> Iterator[tuple[str, str]]:
+    if one.axes is not None and not set(one.axes) <= set(axes):
+        yield "axes", f"{one.axes!r} are not axes of this part; it has {axes}"
+    for name in one.ranges:
+        if name not in given.ranges:
+            yield "ranges", f"no range is called {name!r}; known: {', '.join(given.ranges)}"
+
+
+def _overlaps(entry: Entry, found: Mapping[str, Entry], given: PartFile) -> bool:
+    return any(
+        other.term == entry.term and other.holds_for(name, axis) and entry.holds_for(name, axis)
+        for other in found.values()
+        for name in given.ranges
+        for axis in entry.axes
+    )
+
+
+def _frequency(text: str) -> float:
+    return _above_0(text, sheet_units.amount(text, "Hz"))
+
+
+def _above_0(text: str, value: float) -> float:
+    if not value > 0:
+        raise ValueError(f"{text!r} is not above 0")
+    return value
+
+
+def _above_nyquist(width_Hz: float, rate_Hz: float) -> str:
+    return (
+        f"{width_Hz:g} Hz is above half the rate, {rate_Hz / 2:g} Hz: noise and motion beyond it"
+        " would come back at wrong frequencies; choose a lower bandwidth or a higher rate"
+    )
+
+
+def settings(
+    part: PartData,
+    range_name: str | None,
+    rate_Hz: float | None,
+    bandwidth_Hz: float | None,
+    temperature_C: float,
+) -> Settings:
+    """Settings that a part has; the usual ones where ``None``.
+
+    Raises:
+        UnknownName: no such range.
+        InputError: a rate or a bandwidth that it does not have.
+    """
+    name = _range_name(part, part.usual[0] if range_name is None else range_name)
+    rate = part.usual[1] if rate_Hz is None else rate_Hz
+    low, high = min(part.rates_Hz), max(part.rates_Hz)
+    where = f"{part.chip} {part.name}"
+    if part.any_rate and not low <= rate <= high:
+        raise InputError(where, [f"a rate of {rate:g} Hz is not from {low:g} to {high:g} Hz"])
+    if not part.any_rate and rate not in part.rates_Hz:
+        known = ", ".join(f"{one:g}" for one in part.rates_Hz)
+        raise InputError(where, [f"it has no rate of {rate:g} Hz; it has {known} Hz"])
+    width = _width(part, rate, bandwidth_Hz, where)
+    return Settings(part.ranges[name], rate, width, part.poles, temperature_C)
+
+
+def _range_name(part: PartData, given: str) -> str:
+    """The name of a range, however its sign and spaces are written."""
+
+    def plain(text: str) -> str:
+        return text.replace(" ", "").replace("±", "").lower()
+
+    for name in part.ranges:
+        if plain(name) == plain(given):
+            return name
+    raise UnknownName(f"range of {part.chip} {part.name}", given, part.ranges)
+
+
+def _width(part: PartData, rate: float, given: float | None, where: str) -> float:
+    """Bandwidth in use; without a wish the usual one, or the widest that the rate allows."""
+    if given is None:
+        if not math.isnan(part.bandwidth_per_rate):
+            return rate * part.bandwidth_per_rate
+        if part.usual[2] <= rate / 2 or math.isinf(part.usual[2]):
+            return part.usual[2]
+        fitting = [one for one in part.bandwidths_Hz if one <= rate / 2]
+        given = max(fitting, default=min(part.bandwidths_Hz, default=rate / 2))
+    if part.bandwidths_Hz and given not in part.bandwidths_Hz:
+        known = ", ".join(f"{one:g}" for one in part.bandwidths_Hz)
+        raise InputError(where, [f"it has no bandwidth of {given:g} Hz; it has {known} Hz"])
+    if given > rate / 2:
+        raise InputError(where, [_above_nyquist(given, rate)])
+    if not given > 0:
+        raise InputError(where, [f"a bandwidth of {given:g} Hz is not above 0"])
+    return given
