@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 from simcompare.errors import InputError, UnknownName
@@ -52,14 +53,8 @@ class _Reader:
         unit = QUANTITIES[given.measures]
         axes = "xyz" if given.axes == 3 else "x"
         ranges = {key: self._range(place, key, given, unit) for key in given.ranges}
-        rates = [
-            self._try(f"{place}.rates.{i}", lambda text=text: _frequency(text))
-            for i, text in enumerate(given.rates)
-        ]
-        bandwidths = [
-            self._try(f"{place}.bandwidths.{i}", lambda text=text: _frequency(text))
-            for i, text in enumerate(given.bandwidths)
-        ]
+        rates = self._frequencies(f"{place}.rates", given.rates)
+        bandwidths = self._frequencies(f"{place}.bandwidths", given.bandwidths)
         reading = self._try(f"{place}.reading", lambda: sheet_units.amount(given.reading, unit))
         terms = self._terms(place, given, unit, axes)
         usual = self._usual(place, given)
@@ -69,9 +64,9 @@ class _Reader:
             name=name, sheet=self.sheet, chip=self.content.name, measures=given.measures,
             unit=unit, axes=axes, reading=reading, reading_text=given.reading,
             ranges={key: one for key, one in ranges.items() if one is not None},
-            rates_Hz=tuple(rate for rate in rates if rate is not None),
+            rates_Hz=rates,
             any_rate=given.rates_between,
-            bandwidths_Hz=tuple(one for one in bandwidths if one is not None),
+            bandwidths_Hz=bandwidths,
             bandwidth_per_rate=given.bandwidth_per_rate or math.nan,
             poles=given.poles, usual=usual, terms=terms,
         )  # fmt: skip
@@ -82,6 +77,12 @@ class _Reader:
         except ValueError as error:
             self.faults[place] = str(error)
             return None
+
+    def _frequencies(self, place: str, texts: Sequence[str]) -> tuple[float, ...]:
+        read = (
+            self._try(f"{place}.{i}", partial(_frequency, text)) for i, text in enumerate(texts)
+        )
+        return tuple(one for one in read if one is not None)
 
     def _range(self, place: str, name: str, given: PartFile, unit: str) -> Range | None:
         one = given.ranges[name]
