@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from simcompare import measures, units
-from simcompare.errors import UnknownName
+from simcompare.errors import SimcompareError, UnknownName
+from simcompare.hardware.sensors import data_sheet, drawn
+from simcompare.model import sensor_errors
 from simcompare.model.scenario import Joint, Measure, Probe, Scenario
 
 #: place and sentence of every fault
@@ -28,6 +30,7 @@ def faults_between_parts(scenario: Scenario) -> dict[str, str]:
         _impossible_measures,
         _unjudged_tolerances,
         _impossible_answer,
+        _impossible_errors,
     ):
         faults.update(checked(scenario))
     return faults
@@ -236,6 +239,28 @@ def _measure_faults(place: str, measure: Measure, function: measures.Function) -
     for name in measure.names:
         if name not in function.units:
             yield f"{place}.names.{name}", str(UnknownName("measured value", name, function.units))
+
+
+def _impossible_errors(scenario: Scenario) -> Faults:
+    """Devices that cannot be, and data sheets that do not fit what they are said of."""
+    rate = 1 / scenario.world.step_s
+    for owner, errors in scenario.sensor_errors().items():
+        place, signals = _place_of_errors(scenario, owner), scenario.signals_of(owner)
+        faults = dict(sensor_errors.faults_of(errors, signals, rate))
+        yield from ((f"{place}.{key}".rstrip("."), text) for key, text in faults.items())
+        if errors.sheet is None or faults:
+            continue
+        try:
+            named = {f"{owner}.{part}": width for part, width in signals.items()}
+            drawn.parts_of(data_sheet.load(errors.sheet), errors, named)
+        except SimcompareError as error:
+            yield f"{place}.sheet", str(error)
+
+
+def _place_of_errors(scenario: Scenario, owner: str) -> str:
+    kinds = ("joints", "actuators", "sensors")
+    kind = next(kind for kind in kinds if owner in getattr(scenario, kind))
+    return f"{kind}.{owner}.errors"
 
 
 def _impossible_answer(scenario: Scenario) -> Faults:

@@ -33,6 +33,8 @@ def build() -> Plain:
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     for part in [*(definitions[name] for name in definitions if name not in _PLAIN), schema]:
         part["properties"] = {k: _or_expression(v) for k, v in part.get("properties", {}).items()}
+        if isinstance(part.get("additionalProperties"), dict):
+            part["additionalProperties"] = _or_expression(part["additionalProperties"])
     whole = {
         key: schema.pop(key) for key in ("properties", "required", "additionalProperties", "type")
     }

@@ -13,6 +13,7 @@ from typing import Annotated, Literal
 from pydantic import Field, PositiveFloat, field_validator, model_validator
 
 from simcompare.model.answer import Answer
+from simcompare.model.sensor_errors import SensorErrors
 from simcompare.model.shapes import Frozen, Nonnegative, Pose, Shape, Vector, not_zero
 from simcompare.model.signals import Signal
 from simcompare.model.trajectory import BODY_SIGNALS
@@ -22,6 +23,10 @@ from simcompare.model.validity import Condition
 MAX_SAMPLES = 1e7
 #: joints with a coordinate, and what is recorded of them: coordinate, then rate
 MOVABLE = {"hinge": ("angle_rad", "rate_rad_s"), "slider": ("position_m", "velocity_m_s")}
+
+
+#: engines simulate ideal readings; errors are added to what was simulated
+_ERRORS = "what a real device would add to the ideal readings"
 
 
 class Drag(Frozen):
@@ -91,6 +96,7 @@ class Joint(Frozen):
     damping: Nonnegative = Field(0.0, description="viscous [N·m·s/rad] or [N·s/m]")
     friction: Nonnegative = Field(0.0, description="Coulomb [N·m] or [N]")
     armature: Nonnegative = Field(0.0, description="reflected inertia [kg·m²] or [kg]")
+    errors: SensorErrors | None = Field(None, description=_ERRORS)
 
     _has_direction = field_validator("axis")(not_zero)
 
@@ -118,6 +124,7 @@ class Effort(Frozen):
     joint: str
     input: str
     gear: float = Field(1.0, description="effort for one unit of the input")
+    errors: SensorErrors | None = Field(None, description=_ERRORS)
 
 
 class DcMotor(Frozen):
@@ -139,6 +146,7 @@ class DcMotor(Frozen):
     rotor_friction_N_m: Nonnegative
     rotor_damping_N_m_s_rad: Nonnegative
     rotor_inertia_kg_m2: Nonnegative
+    errors: SensorErrors | None = Field(None, description=_ERRORS)
 
 
 Actuator = Annotated[Effort | DcMotor, Field(discriminator="type")]
@@ -180,6 +188,7 @@ class Sensor(Pose):
     joint: str | None = None
     pair: tuple[str, str] | None = None
     marks: Annotated[int, Field(ge=1)] | None = Field(None, description="marks in one turn")
+    errors: SensorErrors | None = Field(None, description=_ERRORS)
 
     @model_validator(mode="after")
     def _has_a_place(self) -> Sensor:
@@ -354,6 +363,11 @@ class Scenario(Frozen):
         if owner in self.actuators:
             return dict.fromkeys(ACTUATOR_SIGNALS[self.actuators[owner].type], 1)
         return dict(SENSOR_SIGNALS[self.sensors[owner].type])
+
+    def sensor_errors(self) -> dict[str, SensorErrors]:
+        """Sensors, joints and actuators of which errors are said -> these."""
+        owners = {**self.joints, **self.actuators, **self.sensors}
+        return {name: owner.errors for name, owner in owners.items() if owner.errors is not None}
 
     def moving_bodies(self) -> dict[str, Body]:
         """Bodies that are not fixed to the world, in the order of the file."""
