@@ -1,0 +1,244 @@
+"""Propagation of distributions by Monte Carlo (JCGM 101:2008)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from simcompare.errors import InputError
+from simcompare.model.trajectory import Array
+from simcompare.statistics.distributions import Distribution
+from simcompare.statistics.joint import Correlation, joint
+
+#: values of the inputs by name, each an array -> values of the result
+Model = Callable[..., Array]
+
+#: trials of one block (JCGM 101:2008, 7.9.4 b)
+BLOCK = 10_000
+#: blocks before an adaptive run may end: two alone agree by chance too often
+LEAST_BLOCKS = 10
+#: trials after which an adaptive run gives up
+MOST_TRIALS = 5_000_000
+#: bars of the stored histogram
+_BARS = 120
+
+
+@dataclass(frozen=True)
+class MonteCarlo:
+    """What is known of a result, from many draws of its inputs.
+
+    Attributes:
+        estimate: mean of the trials.
+        u: their standard deviation, the standard uncertainty.
+        probability: that of both intervals.
+        shortest: the shortest interval that holds that share of the trials.
+        symmetric: the interval with as many trials below it as above it.
+        trials: how many there were.
+        tolerance: half a unit in the last of u's significant digits (JCGM 101:2008, 7.9.2).
+        stable: whether estimate, u and the ends of the symmetric interval repeat within that
+            (JCGM 101:2008, 7.9.4).
+        edges: of the histogram's bars, one more than bars.
+        density: heights of the bars; with what lies outside, their area is 1.
+    """
+
+    estimate: float
+    u: float
+    probability: float
+    shortest: tuple[float, float]
+    symmetric: tuple[float, float]
+    trials: int
+    tolerance: float
+    stable: bool
+    edges: tuple[float, ...]
+    density: tuple[float, ...]
+
+
+def propagate(
+    model: Model,
+    inputs: Mapping[str, Distribution],
+    *,
+    seed: int,
+    trials: int | None = None,
+    probability: float = 0.95,
+    correlation: Correlation | None = None,
+    digits: int = 2,
+) -> MonteCarlo:
+    """Draws the inputs, asks the model, and tells how its results are distributed.
+
+    ::
+
+        propagate(lambda a, b: a + b, {"a": normal(0, 1), "b": rectangular(-1, 1)}, seed=1)
+
+    Args:
+        model: called with one array for each input, by name; returns one array.
+        inputs: what is known of each.
+        seed: of the draws, 0 or more; each input has its own stream.
+        trials: how many; ``None`` for as many as make the answer stable.
+        probability: that the coverage intervals hold the value.
+        correlation: pairs of names -> coefficient; others are independent.
+        digits: significant digits of u that are meant to hold, 1 or 2.
+
+    Raises:
+        InputError: an impossible correlation or probability, too few trials, or a model that gives
+            no finite number for some draws.
+    """
+    _check(trials, probability)
+    size = max(BLOCK, math.ceil(100 / (1 - probability)))
+    values: list[Array] = []
+    told: list[tuple[float, ...]] = []
+    left = MOST_TRIALS if trials is None else trials
+    blocks = joint(inputs, correlation).blocks(seed, min(size, left))
+    while left > 0 and not (trials is None and _is_stable(told, LEAST_BLOCKS, digits)):
+        count = min(size, left)
+        drawn = {name: each[:count] for name, each in next(blocks).items()}
+        values.append(_results(model, drawn, count))
+        if count == size:
+            told.append(_summary(values[-1], probability))
+        left -= count
+    return _told(np.concatenate(values), probability, digits, _is_stable(told, 2, digits))
+
+
+def numerical_tolerance(u: float, digits: int = 2) -> float:
+    """Half a unit in the last of so many significant digits of u (JCGM 101:2008, 7.9.2)."""
+    if not 0 < u < math.inf:
+        return 0.0
+    exponent = math.floor(math.log10(u)) - digits + 1
+    if round(u / 10.0**exponent) == 10**digits:  # 0.0996 is 0.10
+        exponent += 1
+    return 0.5 * 10.0**exponent
+
+
+@dataclass(frozen=True)
+class Validation:
+    """A first-order interval held against that of Monte Carlo (JCGM 101:2008, 8.1).
+
+    Attributes:
+        low: distance of the lower ends, d_low.
+        high: distance of the upper ends, d_high.
+        tolerance: δ, the largest distance with which the first order is validated.
+    """
+
+    low: float
+    high: float
+    tolerance: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether the first-order interval is as good as that of Monte Carlo."""
+        return max(self.low, self.high) <= self.tolerance
+
+
+def validation(
+    estimate: float, expanded: float, against: MonteCarlo, *, u: float, digits: int = 2
+) -> Validation:
+    """Holds estimate ± U of first order against the symmetric interval of Monte Carlo.
+
+    Args:
+        estimate: of first order.
+        expanded: U, of the same probability as the trials' intervals.
+        against: what Monte Carlo says.
+        u: standard uncertainty of first order, whose last digit gives the tolerance.
+        digits: significant digits of u that are regarded as meaningful.
+    """
+    low, high = against.symmetric
+    return Validation(
+        abs(estimate - expanded - low),
+        abs(estimate + expanded - high),
+        numerical_tolerance(u or against.u, digits),
+    )
+
+
+def _check(trials: int | None, probability: float) -> None:
+    faults = []
+    if not 0 < probability < 1:
+        faults.append(f"probability {probability:g} is none; expected one between 0 and 1")
+    elif trials is not None and trials < (least := math.ceil(2 / (1 - probability))):
+        faults.append(
+            f"{trials} trials cannot tell an interval of {100 * probability:g} %; "
+            f"expected at least {least}"
+        )
+    if faults:
+        raise InputError("propagate", faults)
+
+
+def _results(model: Model, drawn: Mapping[str, Array], count: int) -> Array:
+    """What the model says of one block.
+
+    Raises:
+        InputError: some results are no finite numbers.
+    """
+    with np.errstate(all="ignore"):
+        values = np.broadcast_to(np.asarray(model(**drawn), dtype=float), (count,))
+    bad = np.flatnonzero(~np.isfinite(values))
+    if len(bad):
+        at = ", ".join(f"{name} = {each[bad[0]]:.6g}" for name, each in drawn.items())
+        raise InputError(
+            "propagate",
+            [
+                f"{len(bad)} of {count} draws give no finite number, such as {at}; "
+                "make the inputs' uncertainties smaller or bound their distributions"
+            ],
+        )
+    return values
+
+
+def _summary(values: Array, probability: float) -> tuple[float, float, float, float]:
+    low, high = _symmetric(np.sort(values), probability)
+    return float(values.mean()), _sd(values), low, high
+
+
+def _sd(values: Array) -> float:
+    return float(values.std(ddof=1)) if len(values) > 1 else 0.0
+
+
+def _is_stable(told: list[tuple[float, ...]], least: int, digits: int) -> bool:
+    """Whether twice each mean's standard deviation is below the tolerance of u (7.9.4 g to k)."""
+    if len(told) < least:
+        return False
+    each = np.array(told)
+    # u of all trials, from those of the blocks and of their means
+    u = math.sqrt(float(np.mean(each[:, 1] ** 2) + np.var(each[:, 0])))
+    spread = each.std(axis=0, ddof=1) / math.sqrt(len(each))
+    return bool(np.all(2 * spread <= numerical_tolerance(u, digits)))
+
+
+def _told(values: Array, probability: float, digits: int, stable: bool) -> MonteCarlo:
+    ordered = np.sort(values)
+    u = _sd(values)
+    edges, density = _histogram(ordered)
+    return MonteCarlo(
+        float(values.mean()), u, probability, _shortest(ordered, probability),
+        _symmetric(ordered, probability), len(values), numerical_tolerance(u, digits), stable,
+        edges, density,
+    )  # fmt: skip
+
+
+def _held(count: int, probability: float) -> int:
+    """How many steps of the ordered values an interval spans (JCGM 101:2008, 7.7.1)."""
+    return min(count - 1, math.floor(probability * count + 0.5))
+
+
+def _symmetric(ordered: Array, probability: float) -> tuple[float, float]:
+    held = _held(len(ordered), probability)
+    first = min((len(ordered) - held) // 2, len(ordered) - 1 - held)
+    return float(ordered[first]), float(ordered[first + held])
+
+
+def _shortest(ordered: Array, probability: float) -> tuple[float, float]:
+    held = _held(len(ordered), probability)
+    first = int(np.argmin(ordered[held:] - ordered[: len(ordered) - held]))
+    return float(ordered[first]), float(ordered[first + held])
+
+
+def _histogram(ordered: Array) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Between the values that leave out a thousandth: far ends would flatten all bars."""
+    ends = np.quantile(ordered, [0.0005, 0.9995])
+    if not ends[0] < ends[1]:
+        return (), ()
+    bars = min(_BARS, max(5, math.isqrt(len(ordered))))
+    counts, edges = np.histogram(ordered, bins=bars, range=(float(ends[0]), float(ends[1])))
+    density = counts / len(ordered) / np.diff(edges)
+    return tuple(edges.tolist()), tuple(density.tolist())
