@@ -107,10 +107,15 @@ def many(
         )
         for to in axes
     ]
+    sensitivity = np.stack(rows, axis=1)
+    # where a sensitivity is right at a reading, the line turns about that reading
+    entries = [part.entry("sensitivity", settings.range.name, axis) for axis in axes]
+    about = np.array([0.0 if one is None else one.about for one in entries])
+    turned = about * (np.diagonal(sensitivity, axis1=1, axis2=2) - 1)
     return Devices(
         like=typical(part, settings, device_name),
-        sensitivity=np.stack(rows, axis=1),
-        offset=per_axis("offset"),
+        sensitivity=sensitivity,
+        offset=per_axis("offset") - turned,
         nonlinearity=per_axis("nonlinearity"),
         sensitivity_per_K=per_axis("sensitivity_per_K"),
         offset_per_K=per_axis("offset_per_K"),

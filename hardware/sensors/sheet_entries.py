@@ -31,6 +31,7 @@ class Entry:
         stated: its numbers in SI.
         rule: by which it becomes a distribution.
         bandwidth_Hz: at which an rms was stated; ``nan`` where it is that of one reading.
+        about: reading at which a sensitivity is not off, SI.
         used: whether it is a part of the error model; otherwise a cross-check.
         page: page or table of the source.
         confirmed: whether it was read in the maker's own text.
@@ -50,6 +51,7 @@ class Entry:
     stated: Stated
     rule: Rule
     bandwidth_Hz: float
+    about: float
     used: bool
     page: str
     confirmed: bool
@@ -95,30 +97,38 @@ def faults_of_kind(given: EntryFile) -> Iterator[tuple[str, str]]:
         yield "over_C", "only what changes with temperature has a range of temperatures"
     if given.bandwidth is not None and given.rms is None:
         yield "bandwidth", "only an rms was stated at a bandwidth; leave it out"
+    for name in ("within", "about"):
+        if getattr(given, name) is not None and given.term != "sensitivity":
+            yield (
+                name,
+                "only a sensitivity is stated within a span or about a reading; leave it out",
+            )
 
 
 _KINDS_WANTED = "typ, max, min and max, typ and max, rms, density or resolution"
 
 
-def entry(given: EntryFile, unit: str, axes: str, source: str, typ_is_sigma: float) -> Entry:
+def entry(
+    given: EntryFile, unit: str, axes: str, count: float, source: str, typ_is_sigma: float
+) -> Entry:
     """The entry in SI.
+
+    Args:
+        given: as it stands in the file.
+        unit: of the signal.
+        axes: of the part.
+        count: size of one count, of values that are stated in LSB.
+        source: of the sheet.
+        typ_is_sigma: which part of a typical value is one standard deviation.
 
     Raises:
         ValueError: a number that cannot be read, or that no sensor has; place and sentence.
     """
     term = TERMS[given.term]
-    base = "1" if term.relative else unit
-    # an rms is in the unit of the signal; a change over temperatures is not yet divided by them
-    per = "" if given.rms is not None or given.over_C is not None else term.per
-    span = 1.0 if given.over_C is None else _span(given.over_C)
-    stated = _stated(given, base, unit, per, span)
     own = axes if given.axes is None else given.axes
-    rule = RULES[given.rule or term.rule or RULE_OF_KIND[given.kind]]
-    if "limits" in rule.needs and given.kind == "typ" and given.rule is None:
-        raise ValueError(f"rule: {rule.name} needs limits")
+    base = "1" if term.relative else unit
     suffix = "" if own == axes else f"_{own}"
     suffix += "".join(f"_{name.replace(' ', '')}" for name in given.ranges)
-    bandwidth = _value(given, "bandwidth", "Hz", "") if given.bandwidth else math.nan
     return Entry(
         name=given.term + suffix + ("" if given.used else "_check"),
         term=given.term,
@@ -129,9 +139,10 @@ def entry(given: EntryFile, unit: str, axes: str, source: str, typ_is_sigma: flo
         unit=sheet_units.written(base, "" if given.rms is not None else term.per),
         axes=own,
         ranges=given.ranges,
-        stated=replace(stated, typ_is_sigma=typ_is_sigma),
-        rule=rule,
-        bandwidth_Hz=bandwidth,
+        stated=replace(_Amounts(given, unit, count).stated(), typ_is_sigma=typ_is_sigma),
+        rule=RULES[given.rule or term.rule or RULE_OF_KIND[given.kind]],
+        bandwidth_Hz=_frequency(given.bandwidth),
+        about=0.0 if given.about is None else _read("about", given.about, unit),
         used=given.used,
         page=f"p. {given.page}" if isinstance(given.page, int) else given.page,
         confirmed=given.confirmed,
@@ -140,56 +151,80 @@ def entry(given: EntryFile, unit: str, axes: str, source: str, typ_is_sigma: flo
     )
 
 
+def _frequency(text: str | None) -> float:
+    return math.nan if text is None else _read("bandwidth", text, "Hz")
+
+
+def _read(name: str, text: str, unit: str, per: str = "") -> float:
+    try:
+        return sheet_units.amount(text, unit, per)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+
+
+class _Amounts:
+    """The numbers of an entry in SI."""
+
+    def __init__(self, given: EntryFile, unit: str, count: float) -> None:
+        term = TERMS[given.term]
+        self.given, self.unit, self.count = given, unit, count
+        self.base = "1" if term.relative and given.within is None else unit
+        # an rms is in the unit of the signal; a change over temperatures is not yet divided
+        self.per = "" if given.rms is not None or given.over_C is not None else term.per
+        self.span = 1.0
+        if given.over_C is not None:
+            self.span = _span(given.over_C)
+        if given.within is not None:
+            self.span = _read("within", given.within, unit)
+
+    def stated(self) -> Stated:
+        """All of them.
+
+        Raises:
+            ValueError: one cannot be read, or no sensor has it.
+        """
+        given = self.given
+        if given.kind in ("rms", "density", "resolution"):
+            return Stated(given.kind, typ=self._size(given.kind))
+        typ = math.nan if given.typ is None else self._size("typ")
+        if given.max is None:
+            return Stated(given.kind, typ=typ)
+        high = self._deviation("max")
+        low = -high if given.min is None else self._deviation("min")
+        if not low < high:
+            wrong = f"{given.max} is not above {given.min or 0}"
+            raise ValueError(f"max: {wrong}; expected the larger one")
+        if typ > max(abs(low), abs(high)):
+            raise ValueError(f"max: {given.max} is below the typical {given.typ}; expected more")
+        return Stated(given.kind, typ=typ, low=low, high=high)
+
+    def _size(self, name: str) -> float:
+        value = self._deviation(name)
+        if not value > 0:
+            text = getattr(self.given, name)
+            raise ValueError(f"{name}: {text} is no size; expected a number above 0")
+        return value
+
+    def _deviation(self, name: str) -> float:
+        """A value as a deviation: 282 LSB/g where 256 LSB/g are nominal is +10.2 %."""
+        text = getattr(self.given, name)
+        try:
+            if self.given.nominal is not None and sheet_units.is_counts(text):
+                nominal = sheet_units.step(self.given.nominal, self.unit)
+                return nominal / sheet_units.step(text, self.unit) - 1
+            if text.endswith(" LSB") and self.count:
+                return float(text.removesuffix(" LSB")) * self.count
+            return sheet_units.amount(text, self.base, self.per) / self.span
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from None
+
+
 def _span(over_C: tuple[float, float]) -> float:
     """Largest distance from the reference temperature, at which the change is the largest."""
     low, high = over_C
     if not low < high:
         raise ValueError(f"over_C: {low:g} to {high:g} is no range; expected the lower one first")
     return max(abs(low - REFERENCE_C), abs(high - REFERENCE_C))
-
-
-def _stated(given: EntryFile, base: str, unit: str, per: str, span: float) -> Stated:
-    if given.kind in ("rms", "density", "resolution"):
-        size = _value(given, given.kind, base, per)
-        _refuse_negative(given, given.kind, size)
-        return Stated(given.kind, typ=size)
-    typ = math.nan if given.typ is None else _deviation(given, "typ", base, unit, per) / span
-    if given.typ is not None:
-        _refuse_negative(given, "typ", typ)
-    if given.max is None:
-        return Stated(given.kind, typ=typ)
-    high = _deviation(given, "max", base, unit, per) / span
-    low = -high if given.min is None else _deviation(given, "min", base, unit, per) / span
-    if not low < high:
-        raise ValueError(f"max: {given.max} is not above {given.min or 0}; expected the larger one")
-    if typ > max(abs(low), abs(high)):
-        raise ValueError(f"max: {given.max} is below the typical {given.typ}; expected more")
-    return Stated(given.kind, typ=typ, low=low, high=high)
-
-
-def _refuse_negative(given: EntryFile, name: str, value: float) -> None:
-    if not value > 0:
-        text = getattr(given, name)
-        raise ValueError(f"{name}: {text} is no size of a deviation; expected a number above 0")
-
-
-def _deviation(given: EntryFile, name: str, base: str, unit: str, per: str) -> float:
-    """A value as a deviation: 282 LSB/g where 256 LSB/g are nominal is +10.2 %."""
-    text = getattr(given, name)
-    if given.nominal is None or not sheet_units.is_counts(text):
-        return _value(given, name, base, per)
-    try:
-        nominal = sheet_units.step(given.nominal, unit)
-        return nominal / sheet_units.step(text, unit) - 1
-    except ValueError as error:
-        raise ValueError(f"{name}: {error}") from None
-
-
-def _value(given: EntryFile, name: str, base: str, per: str) -> float:
-    try:
-        return sheet_units.amount(getattr(given, name), base, per)
-    except ValueError as error:
-        raise ValueError(f"{name}: {error}") from None
 
 
 def _text(given: EntryFile) -> str:
@@ -204,6 +239,8 @@ def _text(given: EntryFile) -> str:
         text = f"±{text.lstrip('±')}" if signed else text
     if given.kind == "typ_max":
         text = f"±{str(given.typ).lstrip('±')} typical, {text}"
+    if given.within is not None:
+        text += f" within {given.within}"
     if given.over_C is not None:
         text += f" from {given.over_C[0]:g} to {given.over_C[1]:g} °C"
     return f"{text} at {given.bandwidth}" if given.bandwidth else text

@@ -58,6 +58,8 @@ class EntryFile(_Strict):
         ranges: names of the ranges for which it holds; all where left out.
         nominal: what an ideal device has, where the values are no deviations.
         over_C: temperatures between which it changes by so much.
+        within: span of readings over which a sensitivity is off by so much.
+        about: reading at which a sensitivity is not off.
         bandwidth: at which an rms was stated; of one reading where left out.
         rule: by which it becomes a distribution, where not by its kind.
         used: whether it is a part of the error model; otherwise only a cross-check.
@@ -78,6 +80,8 @@ class EntryFile(_Strict):
     density: Value | None = None
     resolution: Value | None = None
     over_C: tuple[float, float] | None = None
+    within: Value | None = None
+    about: Value | None = None
     bandwidth: Value | None = None
     rule: str | None = None
     used: bool = True
@@ -125,10 +129,12 @@ class PartFile(_Strict):
         axes: how many.
         reading: a reading at which its uncertainty is told where none is given.
         ranges: name -> full scale; at least one.
-        rates: output data rates; two of them with ``between`` mean any rate between.
+        rates: output data rates; with ``rates_between`` the lowest and the highest.
         bandwidths: -3 dB bandwidths that can be chosen.
         bandwidth_per_rate: or the bandwidth as a part of the rate.
         poles: of the low-pass, 1 to 4 (assumed: sheets rarely say).
+        page: page or table of rates and bandwidths.
+        confirmed: whether these were read in the maker's own text.
         usual: settings that hold where none are given.
         entries: lines of the sheet.
     """
@@ -144,6 +150,8 @@ class PartFile(_Strict):
     bandwidths: tuple[Value, ...] = ()
     bandwidth_per_rate: float | None = Field(None, gt=0)
     poles: int = Field(1, ge=1, le=4)
+    page: Page
+    confirmed: bool
     usual: UsualFile
     entries: tuple[EntryFile, ...] = Field(min_length=1)
 

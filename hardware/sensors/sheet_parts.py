@@ -83,6 +83,8 @@ class PartData:
         bandwidths_Hz: bandwidths that it has; empty where they follow from the rate or are none.
         bandwidth_per_rate: bandwidth as a part of the rate; ``nan`` where it is none.
         poles: of the low-pass.
+        page: page or table of rates and bandwidths.
+        confirmed: whether these were read in the maker's own text.
         usual: name of the range, rate and bandwidth where none are given.
         terms: name -> line of the sheet.
     """
@@ -101,6 +103,8 @@ class PartData:
     bandwidths_Hz: tuple[float, ...]
     bandwidth_per_rate: float
     poles: int
+    page: str
+    confirmed: bool
     usual: tuple[str, float, float]
     terms: Mapping[str, Entry]
 

@@ -56,7 +56,8 @@ class _Reader:
         rates = self._frequencies(f"{place}.rates", given.rates)
         bandwidths = self._frequencies(f"{place}.bandwidths", given.bandwidths)
         reading = self._try(f"{place}.reading", lambda: sheet_units.amount(given.reading, unit))
-        terms = self._terms(place, given, unit, axes)
+        counted = ranges.get(given.usual.range)
+        terms = self._terms(place, given, unit, axes, counted.count if counted else 0.0)
         usual = self._usual(place, given)
         if len(self.faults) > before or usual is None or reading is None:
             return None
@@ -68,7 +69,8 @@ class _Reader:
             any_rate=given.rates_between,
             bandwidths_Hz=bandwidths,
             bandwidth_per_rate=given.bandwidth_per_rate or math.nan,
-            poles=given.poles, usual=usual, terms=terms,
+            poles=given.poles, page=_page(given.page), confirmed=given.confirmed,
+            usual=usual, terms=terms,
         )  # fmt: skip
 
     def _try(self, place: str, reading: Callable[[], float]) -> float | None:
@@ -100,10 +102,11 @@ class _Reader:
             self.faults[f"{place}.ranges.{name}.count"] = (
                 f"one count, {one.count}, is more than the full scale {one.full_scale}"
             )
-        page = f"p. {one.page}" if isinstance(one.page, int) else one.page
-        return Range(name, full, count, one.count or "", page, one.confirmed)
+        return Range(name, full, count, one.count or "", _page(one.page), one.confirmed)
 
-    def _terms(self, place: str, given: PartFile, unit: str, axes: str) -> dict[str, Entry]:
+    def _terms(
+        self, place: str, given: PartFile, unit: str, axes: str, count: float
+    ) -> dict[str, Entry]:
         found: dict[str, Entry] = {}
         for number, one in enumerate(given.entries):
             here = f"{place}.entries.{number}"
@@ -114,7 +117,7 @@ class _Reader:
                 continue
             try:
                 entry = sheet_entries.entry(
-                    one, unit, axes, document(self.content.source), self.typ_is_sigma
+                    one, unit, axes, count, document(self.content.source), self.typ_is_sigma
                 )
             except ValueError as error:
                 name, _, sentence = str(error).partition(": ")
@@ -144,6 +147,10 @@ class _Reader:
         if width > rate / 2 and math.isfinite(width):
             self.faults[f"{here}.bandwidth"] = _above_nyquist(width, rate)
         return usual.range, rate, width
+
+
+def _page(page: int | str) -> str:
+    return f"p. {page}" if isinstance(page, int) else page
 
 
 def _faults_of_place(one: EntryFile, given: PartFile, axes: str) -> Iterator[tuple[str, str]]:
