@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from simcompare.hardware.sensors.device import Device
-from simcompare.hardware.sensors.sheet_parts import PartData, Settings, noise_bandwidth
+from simcompare.hardware.sensors.sheet_parts import PartData, Settings
 from simcompare.model.trajectory import Array
 from simcompare.statistics.streams import stream
 
@@ -132,8 +132,7 @@ def density(part: PartData, settings: Settings, axis: str) -> float:
         return entry.stated.typ
     if math.isnan(entry.bandwidth_Hz):  # of one reading, whatever the rate
         return entry.stated.typ / math.sqrt(settings.noise_bandwidth)
-    width = noise_bandwidth(entry.bandwidth_Hz, settings.poles, settings.rate_Hz)
-    return entry.stated.typ / math.sqrt(width)
+    return entry.stated.typ / math.sqrt(part.noise_factor * entry.bandwidth_Hz)
 
 
 def _per_axis(part: PartData, settings: Settings, term: str) -> Array:

@@ -6,10 +6,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from simcompare.hardware.sensors.low_pass import noise_bandwidth
 from simcompare.hardware.sensors.sheet_entries import Entry
-
-#: noise bandwidth over -3 dB bandwidth of a Butterworth low-pass of 1, 2, 3 and 4 poles
-NOISE_FACTORS = (math.pi / 2, 1.1107207, 1.0471976, 1.0261721)
 
 
 @dataclass(frozen=True)
@@ -54,14 +52,9 @@ class Settings:
     @property
     def noise_bandwidth(self) -> float:
         """Width [Hz] of a sharp filter that lets as much white noise through."""
-        return noise_bandwidth(self.bandwidth_Hz, self.poles, self.rate_Hz)
-
-
-def noise_bandwidth(bandwidth_Hz: float, poles: int, rate_Hz: float) -> float:
-    """Of a low-pass [Hz]; half the rate where there is none (``bandwidth_Hz`` infinite)."""
-    if math.isinf(bandwidth_Hz):
-        return rate_Hz / 2
-    return bandwidth_Hz * NOISE_FACTORS[poles - 1]
+        if math.isinf(self.bandwidth_Hz):
+            return self.rate_Hz / 2
+        return noise_bandwidth(self.bandwidth_Hz, self.poles)
 
 
 @dataclass(frozen=True)
@@ -116,3 +109,8 @@ class PartData:
             if one.term == term and one.holds_for(range_name, axis)
         )
         return next(fitting, None)
+
+    @property
+    def noise_factor(self) -> float:
+        """Noise bandwidth over the -3 dB bandwidth of its low-pass."""
+        return noise_bandwidth(1.0, self.poles)
