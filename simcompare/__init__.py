@@ -20,6 +20,7 @@ _PUBLIC = {
     "validate": "simcompare.verbs.validate",
     "tune": "simcompare.verbs.tune",
     "characterize": "simcompare.verbs.characterize",
+    "sensor": "simcompare.verbs.sensor",
     "control": "simcompare.verbs.control",
     "compare": "simcompare.verbs.compare",
     "runs": "simcompare.verbs.runs",

@@ -14,17 +14,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 
 from simcompare.errors import UnknownName, unknown_or_missing
-from simcompare.hardware.sensors import drawing, sheet_reading
+from simcompare.hardware.sensors import drawing, sheet_reading, sheets
 from simcompare.hardware.sensors.device import REFERENCE_C, Device
 from simcompare.hardware.sensors.drawing import Devices
 from simcompare.hardware.sensors.sheet_entries import Entry
 from simcompare.hardware.sensors.sheet_parts import PartData, Settings
-
-FOLDER = Path(__file__).parent / "sheets"
 
 
 @dataclass(frozen=True)
@@ -150,15 +147,9 @@ class DataSheet:
         return next((part for part in self.parts.values() if part.unit == unit), None)
 
 
-@cache
-def files() -> dict[str, Path]:
-    """Name -> file of every sheet that ships with simcompare."""
-    return {path.stem: path for path in sorted(FOLDER.glob("*.yaml"))}
-
-
 def names() -> list[str]:
     """Names of the sheets that ship with simcompare."""
-    return list(files())
+    return sheets.names()
 
 
 def load(name_or_path: str | Path, *, typ_is_sigma: float = 1.0) -> DataSheet:
@@ -173,7 +164,7 @@ def load(name_or_path: str | Path, *, typ_is_sigma: float = 1.0) -> DataSheet:
         NoSuchFile: there is no such file.
         InputError: the file is no data sheet, or one of a sensor that cannot be.
     """
-    known = files()
+    known = sheets.files()
     path = known.get(str(name_or_path).lower(), Path(name_or_path))
     if not path.is_file():
         raise unknown_or_missing("data sheet", str(name_or_path), known)
@@ -187,4 +178,4 @@ def load(name_or_path: str | Path, *, typ_is_sigma: float = 1.0) -> DataSheet:
     )  # fmt: skip
 
 
-__all__ = ["DataSheet", "Device", "Devices", "Entry", "Part", "files", "load", "names"]
+__all__ = ["DataSheet", "Device", "Devices", "Entry", "Part", "load", "names"]

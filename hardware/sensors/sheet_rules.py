@@ -118,10 +118,10 @@ RULES = {
         ),
         Rule(
             "normal",
-            "JCGM 101:2008, 6.4.7; JCGM 100:2008, 4.3.4",
-            "A typical value without a limit is taken as one standard deviation: normal about 0,"
-            " u = typ. The sheet does not say so; the part of it that is one standard deviation can"
-            " be chosen (typ_is_sigma).",
+            "JCGM 100:2008, 4.3.6; JCGM 101:2008, 6.4.7",
+            "A typical value without a limit is read as: two devices of three are within it. So it"
+            " is one standard deviation: normal about 0, u = typ. The sheet does not say so; what"
+            " part of it is one standard deviation can be chosen (typ_is_sigma).",
             ("typ",),
             _normal,
         ),
@@ -135,7 +135,7 @@ RULES = {
         ),
         Rule(
             "rms",
-            "JCGM 100:2008, 4.2.2",
+            "JCGM 100:2008, 4.3.3",
             "Noise is drawn anew for every reading: normal about 0, and the stated rms is its"
             " standard deviation.",
             ("typ",),

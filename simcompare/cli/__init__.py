@@ -127,6 +127,7 @@ def register() -> None:
         report,
         run,
         runs,
+        sensor,
         show,
         tune,
         validate,
@@ -141,6 +142,7 @@ def register() -> None:
     _verb("compare", compare.compare)
     _verb("runs", runs.runs)
     _verb("characterize", characterize.characterize)
+    _verb("sensor", sensor.sensor)
     _verb("export", export.export)
     _verb("import", import_.import_)
     _verb("fit", fit.fit)

@@ -39,6 +39,13 @@ def tables(incomplete: str) -> list[str]:
     return [name for name in published.tables() if name.startswith(incomplete)]
 
 
+def sheets(incomplete: str) -> list[str]:
+    """Data sheets of sensors; the shell itself adds files."""
+    from simcompare.hardware.sensors import sheets as known
+
+    return [name for name in known.names() if name.startswith(incomplete)]
+
+
 def recordings(incomplete: str) -> list[str]:
     """Public recordings."""
     from simcompare.hardware.recordings import registry

@@ -20,6 +20,12 @@ EXAMPLES = {
         "simcompare characterize bounce --engine mujoco,ode",
         "simcompare characterize --step 2ms --details",
     ),
+    "sensor": (
+        "simcompare sensor",
+        "simcompare sensor mpu6050 --bandwidth 94Hz --open",
+        "simcompare sensor mpu6050 --part gyroscope --draw 5",
+        "simcompare sensor --template",
+    ),
     "export": (
         "simcompare export robot --format urdf -o robot.urdf",
         "simcompare export ball --format script --engine mujoco -o ball.py",

@@ -1,1 +1,17 @@
-"""Data sheets of sensors."""
+"""Data sheets of sensors, by name; nothing is read here."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+_FOLDER = Path(__file__).parent
+
+
+def files() -> dict[str, Path]:
+    """Name -> file of every sheet that ships with simcompare."""
+    return {path.stem: path for path in sorted(_FOLDER.glob("*.yaml"))}
+
+
+def names() -> list[str]:
+    """Their names."""
+    return list(files())
