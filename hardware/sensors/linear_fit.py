@@ -1,0 +1,185 @@
+"""Sensitivity and offset from readings at known values, by generalised least squares.
+
+The readings of all poses are one vector. Its covariance has a part from noise and parts from what
+is not quite known of the known values: these are common to axes and poses, so weights alone would
+not do. Where the noise is not known, it is told by what the fit leaves, and has as many degrees of
+freedom as there are readings to spare.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from simcompare.errors import InputError
+from simcompare.model.trajectory import Array
+
+#: poses that differ so little make parameters that the readings hardly tell
+WORST_CONDITION = 1e6
+NOISE = "noise of the readings"
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """Values at which a sensor was read.
+
+    Attributes:
+        values: (p, k), best estimates.
+        errors: source -> covariance (p·k, p·k) of the values, row after row.
+    """
+
+    values: Array
+    errors: dict[str, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """What a linear fit found; parameters are the rows of S one after the other, then O.
+
+    Attributes:
+        sensitivity: S (k, k).
+        offset: O (k,).
+        shares: source -> its part of the covariance of the parameters.
+        degrees_of_freedom: of each parameter.
+        u_left: standard uncertainties of what the fit leaves of each reading (p, k).
+        noise: standard uncertainty of one mean reading (p, k).
+        chi2: of the residuals, ``None`` where they told the noise.
+        spare: number of readings less that of parameters.
+        condition: of the scaled design.
+    """
+
+    sensitivity: Array
+    offset: Array
+    shares: Mapping[str, Array]
+    degrees_of_freedom: Array
+    u_left: Array
+    noise: Array
+    chi2: float | None
+    spare: int
+    condition: float
+
+    @property
+    def covariance(self) -> Array:
+        """Of all parameters."""
+        return np.asarray(sum(self.shares.values()), dtype=float)
+
+
+def fit(known: Known, readings: Array, noise: Array | None, noise_dof: float = np.inf) -> Fitted:
+    """S and O with their covariance.
+
+    Args:
+        known: at which values the sensor was read.
+        readings: means of its readings (p, k).
+        noise: standard uncertainties of these means (p, k), or ``None``: told by the residuals.
+        noise_dof: degrees of freedom of a noise that was told by the scatter of readings.
+
+    Raises:
+        InputError: the values do not differ enough, or nothing is left to tell the noise.
+    """
+    values, axes = known.values, readings.shape[1]
+    condition = condition_of(known.values)
+    if condition > WORST_CONDITION:
+        raise InputError("calibration", [_too_alike(condition)])
+    spare = readings.size - axes * (axes + 1)
+    if noise is None and spare < 1:
+        raise InputError("calibration", ["has no spare reading to tell the noise: state it"])
+    level, dof = _told_noise(values, readings) if noise is None else (noise, noise_dof)
+    # weights without cross-axis terms: with those, an error of theirs would come back as a weight
+    gain = _gain(values, _seen(known, np.eye(axes)), level)
+    sensitivity, offset = _split(gain @ readings.ravel(), axes)
+    parts = _seen(known, sensitivity)
+    shares = {NOISE: gain * np.square(level).ravel() @ gain.T}
+    shares |= {name: gain @ part @ gain.T for name, part in parts.items()}
+    chi2 = None if noise is None else _chi2(values, readings, parts, level)
+    return Fitted(
+        sensitivity, offset, shares, _welch(shares, dof),
+        _u_left(values, gain, _covariance(parts, level)), level, chi2, spare, condition,
+    )  # fmt: skip
+
+
+def condition_of(values: Array) -> float:
+    """Condition number of known values (p, k), over their largest size, beside a column of 1."""
+    largest = float(np.max(np.linalg.norm(values, axis=1), initial=0.0)) or 1.0
+    design = np.column_stack([values / largest, np.ones(len(values))])
+    if len(design) < design.shape[1]:
+        return np.inf
+    singular = np.linalg.svd(design, compute_uv=False)
+    return float(singular[0] / max(singular[-1], 1e-300))
+
+
+def _too_alike(condition: float) -> str:
+    return (
+        f"the known values are too alike to tell sensitivity and offset apart (condition number"
+        f" {condition:.1g}); add poses that turn each axis up and down"
+    )
+
+
+def _seen(known: Known, sensitivity: Array) -> dict[str, Array]:
+    """Errors of known values as they are seen in the readings."""
+    through = np.kron(np.eye(len(known.values)), sensitivity)
+    return {name: through @ part @ through.T for name, part in known.errors.items()}
+
+
+def _rows(values: Array) -> Array:
+    """Design of the readings, pose after pose, axis after axis, for the rows of S and O."""
+    one = np.eye(values.shape[1])
+    return np.vstack([np.hstack([np.kron(one, value), one]) for value in values])
+
+
+def _gain(values: Array, parts: Mapping[str, Array], noise: Array) -> Array:
+    """The matrix that makes parameters of readings."""
+    whitener = np.linalg.inv(np.linalg.cholesky(_covariance(parts, noise)))
+    return np.asarray(np.linalg.pinv(whitener @ _rows(values)) @ whitener, dtype=float)
+
+
+def _left(values: Array, gain: Array) -> Array:
+    """The matrix that makes of readings what the fit leaves of them."""
+    rows = _rows(values)
+    return np.eye(len(rows)) - rows @ gain
+
+
+def _u_left(values: Array, gain: Array, covariance: Array) -> Array:
+    left = _left(values, gain)
+    variance = np.diag(left @ covariance @ left.T)
+    return np.sqrt(np.maximum(variance, 0.0)).reshape(values.shape)
+
+
+def _covariance(parts: Mapping[str, Array], noise: Array) -> Array:
+    return np.asarray(sum(parts.values()) + np.diag(np.square(noise).ravel()), dtype=float)
+
+
+def _chi2(values: Array, readings: Array, parts: Mapping[str, Array], noise: Array) -> float:
+    left = _left(values, _gain(values, parts, noise)) @ readings.ravel()
+    return float(left @ np.linalg.solve(_covariance(parts, noise), left))
+
+
+def _told_noise(values: Array, readings: Array) -> tuple[Array, int]:
+    """Noise (p, k), equal everywhere, and its degrees of freedom.
+
+    It is told by axes on which nothing acts: only there errors of levelling show, and what is not
+    known of the known values does not. Where there are none, all readings tell it.
+    """
+    rows, told = _rows(values), readings.ravel()
+    telling = values.ravel() == 0.0
+    if np.sum(telling) <= np.linalg.matrix_rank(rows[telling]):
+        telling = np.ones_like(telling)
+    rows, told = rows[telling], told[telling]
+    dof = len(told) - int(np.linalg.matrix_rank(rows))
+    left = told - rows @ (np.linalg.pinv(rows) @ told)
+    # readings that fit perfectly were rounded all the same
+    least = 1e-12 * float(np.max(np.abs(readings), initial=1e-300))
+    return np.full_like(readings, max(float(np.sqrt(left @ left / dof)), least)), dof
+
+
+def _split(parameters: Array, axes: int) -> tuple[Array, Array]:
+    return parameters[: axes * axes].reshape(axes, axes), parameters[axes * axes :]
+
+
+def _welch(shares: Mapping[str, Array], noise_dof: float) -> Array:
+    """Effective degrees of freedom (JCGM 100:2008, G.4): all but the noise is known beforehand."""
+    noise = np.diag(shares[NOISE])
+    total = np.diag(np.asarray(sum(shares.values())))
+    with np.errstate(divide="ignore"):
+        return np.asarray(noise_dof * np.square(total / noise), dtype=float)
