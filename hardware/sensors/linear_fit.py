@@ -94,7 +94,7 @@ def fit(known: Known, readings: Array, noise: Array | None, noise_dof: float = n
     shares |= {name: gain @ part @ gain.T for name, part in parts.items()}
     chi2 = None if noise is None else _chi2(values, readings, parts, level)
     return Fitted(
-        sensitivity, offset, shares, _welch(shares, dof),
+        sensitivity, offset, shares, effective_dof(shares, dof),
         _u_left(values, gain, _covariance(parts, level)), level, chi2, spare, condition,
     )  # fmt: skip
 
@@ -109,10 +109,15 @@ def condition_of(values: Array) -> float:
     return float(singular[0] / max(singular[-1], 1e-300))
 
 
+def told_condition(condition: float) -> str:
+    """A condition number in words."""
+    return f"{condition:.2g}" if condition < 1e12 else "without bound"
+
+
 def _too_alike(condition: float) -> str:
     return (
         f"the known values are too alike to tell sensitivity and offset apart (condition number"
-        f" {condition:.1g}); add poses that turn each axis up and down"
+        f" {told_condition(condition)}); add poses that turn each axis up and down"
     )
 
 
@@ -177,7 +182,7 @@ def _split(parameters: Array, axes: int) -> tuple[Array, Array]:
     return parameters[: axes * axes].reshape(axes, axes), parameters[axes * axes :]
 
 
-def _welch(shares: Mapping[str, Array], noise_dof: float) -> Array:
+def effective_dof(shares: Mapping[str, Array], noise_dof: float) -> Array:
     """Effective degrees of freedom (JCGM 100:2008, G.4): all but the noise is known beforehand."""
     noise = np.diag(shares[NOISE])
     total = np.diag(np.asarray(sum(shares.values())))
