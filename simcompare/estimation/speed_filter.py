@@ -1,0 +1,238 @@
+"""Speed of a vehicle from a wheel and an accelerometer: the Kalman filter of the first lesson.
+
+The state is the speed v and the acceleration a, and, where it is wanted, the bias b of the
+accelerometer. What changes a is white jerk of density q, so in a step of T
+
+    F = [1 T]     Q = q·[T³/3  T²/2]     a wheel reads v, an accelerometer a + b
+        [0 1]           [T²/2  T   ]
+
+A wheel whose marks are counted in a gate of T_g tells the mean speed of that gate, half a gate old:
+v - a·T_g/2. R holds noise alone. A diameter that is taken for too large makes every speed too large
+by the same part: that is no noise and averages out in no filter, so it is told beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from simcompare.errors import InputError
+from simcompare.estimation import consistency, kalman
+from simcompare.estimation.estimate import (
+    Estimate,
+    Given,
+    Innovations,
+    Number,
+    Signal,
+    State,
+    Way,
+)
+from simcompare.estimation.estimators import Option, Role
+from simcompare.estimation.kalman import Belief, Expected, Filtered, Motion
+from simcompare.estimation.smoother import smooth
+from simcompare.estimation.wheel import speed_from_rate
+from simcompare.hardware.sensors.encoder import counted_speeds, gate_uncertainty
+from simcompare.model.trajectory import Array
+
+TITLE = "Speed from a wheel and an accelerometer"
+SIGNALS = {
+    "marks": Role("marks of the wheel that have passed", "1", needed=False),
+    "wheel_rate": Role("rate of the wheel, in place of marks", "rad/s", needed=False),
+    "acceleration": Role("reading of the accelerometer along the way", "m/s**2", needed=False),
+}
+TRUTHS = {
+    "speed": Role("speed of the vehicle", "m/s", needed=False),
+    "acceleration": Role("acceleration of the vehicle", "m/s**2", needed=False),
+}
+OPTIONS = {
+    "diameter_m": Option("diameter of the wheel", least=1e-3),
+    "u_diameter_m": Option("standard uncertainty of the diameter", 0.0),
+    "marks": Option("marks in one turn of the wheel", 0.0),
+    "gate_s": Option("time in which marks are counted", 0.01, 1e-4),
+    "jerk_density_m2_s5": Option("density q of the white jerk", 1.0, 1e-12),
+    "bias": Option("1: the accelerometer's bias is a state", 0.0, 0.0, 1.0),
+    "u_bias_m_s2": Option("standard uncertainty of the bias at the start", 0.5, 1e-9),
+    "u_start_speed_m_s": Option("standard uncertainty of the speed at the start", 1.0, 1e-9),
+    "u_start_acceleration_m_s2": Option("the same of the acceleration", 3.0, 1e-9),
+}
+LABELS = {
+    "speed_m_s": "Speed",
+    "acceleration_m_s2": "Acceleration",
+    "bias_m_s2": "Bias of the accelerometer",
+}
+#: times that are nearer than this are one [s]
+_SAME_S = 1e-7
+
+
+def estimate(given: Given) -> Estimate:
+    """Filters, smooths, and tells beside it what each sensor says alone."""
+    wheel, gate_s = _wheel(given)
+    acceleration = given.signals.get("acceleration")
+    time_s = _merged(wheel, acceleration)
+    filtered = _filtered(given, time_s, wheel, acceleration, gate_s)
+    smoothed = smooth(filtered)
+    ways = [
+        _way(given, "filtered", time_s, filtered.means, filtered.uncertainties),
+        _way(given, "smoothed", time_s, smoothed.means, smoothed.uncertainties),
+        _alone(given, "wheel alone", wheel, "speed", gate_s / 2),
+    ]
+    if acceleration is not None:
+        ways += [
+            _integrated(given, acceleration),
+            _alone(given, "accelerometer alone", acceleration, "acceleration", 0.0),
+        ]
+    return Estimate(
+        tuple(ways),
+        {name: LABELS[name] for name in _names(given)},
+        _innovations(filtered, ways[0]),
+        _numbers(given, filtered),
+    )
+
+
+def matrices(step_s: float, jerk_density_m2_s5: float, bias: bool = False) -> tuple[Array, Array]:
+    """F and Q of one step under white jerk."""
+    t = step_s
+    size = 3 if bias else 2
+    transition, noise = np.eye(size), np.zeros((size, size))
+    transition[0, 1] = t
+    noise[:2, :2] = jerk_density_m2_s5 * np.array([[t**3 / 3, t**2 / 2], [t**2 / 2, t]])
+    return transition, noise
+
+
+def _wheel(given: Given) -> tuple[Signal, float]:
+    """Speeds that the wheel tells with their noise, and the gate that they are a mean of [s]."""
+    options, diameter_m = given.options, given.options["diameter_m"]
+    if "marks" in given.signals:
+        gate_s, marks = options["gate_s"], options["marks"]
+        if not marks:
+            fault = "option marks is missing: the marks in one turn; expected 1 or more"
+            raise InputError("estimate", [fault])
+        counts, per_turn = given.signals["marks"], int(marks)
+        gates = int(np.floor((counts.time_s[-1] - counts.time_s[0]) / gate_s + 1e-9))
+        if gates < 2:
+            fault = f"option gate_s: {gate_s:g} s leave {gates} gates; expected a shorter gate"
+            raise InputError("estimate", [fault])
+        ends = counts.time_s[0] + gate_s * np.arange(gates + 1)
+        # the counter holds its number until the next mark
+        held = np.searchsorted(counts.time_s, ends + _SAME_S, side="right") - 1
+        speeds = speed_from_rate(diameter_m, counted_speeds(counts.values[held], per_turn, gate_s))
+        noise = speed_from_rate(diameter_m, gate_uncertainty(per_turn, gate_s))
+        return Signal(ends[1:], speeds, noise), gate_s
+    if "wheel_rate" in given.signals:
+        rates = given.signals["wheel_rate"]
+        if rates.u is None:
+            raise InputError("estimate", ["the noise of wheel_rate is not known; expected its u"])
+        u = np.asarray(rates.u) * diameter_m / 2
+        return Signal(rates.time_s, speed_from_rate(diameter_m, rates.values), u), 0.0
+    raise InputError("estimate", ["no wheel is given; expected the signal marks or wheel_rate"])
+
+
+def _merged(wheel: Signal, acceleration: Signal | None) -> Array:
+    """All times at which something is read, from when both are there."""
+    if acceleration is None:
+        return wheel.time_s
+    every = np.sort(np.concatenate((wheel.time_s, acceleration.time_s)))
+    keep = np.concatenate(([True], np.diff(every) > _SAME_S))
+    return every[keep]
+
+
+def _placed(signal: Signal, time_s: Array) -> Array:
+    """Readings at their own times, NaN at those of the other sensor."""
+    found = np.full(len(time_s), np.nan)
+    found[np.searchsorted(time_s, signal.time_s - _SAME_S)] = signal.values
+    return found
+
+
+def _filtered(
+    given: Given, time_s: Array, wheel: Signal, acceleration: Signal | None, gate_s: float
+) -> Filtered:
+    options = given.options
+    bias = bool(options["bias"]) and acceleration is not None
+    signals = [wheel, *([] if acceleration is None else [acceleration])]
+    noise = np.diag([_variance(signal) for signal in signals])
+    seen = np.array([[1.0, -gate_s / 2, 0.0], [0.0, 1.0, 1.0]])
+    observation = seen[: len(signals), : 3 if bias else 2]
+    start = [options["u_start_speed_m_s"], options["u_start_acceleration_m_s2"]]
+    start += [options["u_bias_m_s2"]] if bias else []
+
+    def move(mean: Array, number: int) -> Motion:
+        step_s = float(time_s[number] - time_s[number - 1])
+        transition, open_ = matrices(step_s, options["jerk_density_m2_s5"], bias)
+        return Motion(transition @ mean, transition, open_)
+
+    def expect(mean: Array, number: int) -> Expected:
+        return Expected(observation @ mean, observation, noise)
+
+    measured = np.array([_placed(signal, time_s) for signal in signals]).T
+    belief = Belief(np.zeros(len(start)), np.diag(np.square(start)))
+    return kalman.run(belief, measured, move, expect)
+
+
+def _variance(signal: Signal) -> float:
+    if signal.u is None:
+        fault = "the noise of the accelerometer is not known; expected a data sheet, or its u"
+        raise InputError("estimate", [fault])
+    return float(np.mean(np.square(signal.u)))
+
+
+def _names(given: Given) -> list[str]:
+    with_bias = bool(given.options["bias"]) and "acceleration" in given.signals
+    return list(LABELS)[: 3 if with_bias else 2]
+
+
+def _way(given: Given, name: str, time_s: Array, means: Array, u: Array) -> Way:
+    truths = ["speed", "acceleration", ""]
+    return Way(
+        name,
+        time_s,
+        {
+            state: State(means[:, i], u[:, i], given.truth_at(truths[i], time_s))
+            for i, state in enumerate(_names(given))
+        },
+    )
+
+
+def _alone(given: Given, name: str, signal: Signal, truth: str, age_s: float) -> Way:
+    """What one sensor says of one state; a reading is so much older than its stamp."""
+    time_s = signal.time_s - age_s
+    state = "speed_m_s" if truth == "speed" else "acceleration_m_s2"
+    u = None if signal.u is None else np.broadcast_to(signal.u, time_s.shape)
+    return Way(name, time_s, {state: State(signal.values, u, given.truth_at(truth, time_s))})
+
+
+def _integrated(given: Given, acceleration: Signal) -> Way:
+    """The speed as the sum of accelerations, from rest."""
+    time_s, values = acceleration.time_s, acceleration.values
+    steps = np.diff(time_s) * (values[1:] + values[:-1]) / 2
+    speed = np.concatenate(([0.0], np.cumsum(steps)))
+    state = State(speed, None, given.truth_at("speed", time_s))
+    return Way("acceleration summed up", time_s, {"speed_m_s": state})
+
+
+def _innovations(filtered: Filtered, way: Way) -> Innovations:
+    names = ("wheel", "accelerometer")[: filtered.innovations.shape[1]]
+    ratios = filtered.innovations / filtered.innovation_u
+    whitened: Mapping[str, Array] = {
+        name: ratios[np.isfinite(ratios[:, i]), i] for i, name in enumerate(names)
+    }
+    refused = {name: int(filtered.refused[:, i].sum()) for i, name in enumerate(names)}
+    errors = [state.error for state in way.states.values()]
+    known = [i for i, error in enumerate(errors) if error is not None]
+    nees = None
+    if known:
+        part = filtered.covariances[np.ix_(range(len(way.time_s)), known, known)]
+        nees = consistency.nees_of(np.array([errors[i] for i in known]).T, part)
+    return Innovations(filtered.nis, filtered.used, whitened, refused, nees, len(known))
+
+
+def _numbers(given: Given, filtered: Filtered) -> dict[str, Number]:
+    """What the diameter leaves open, and the last value of every state."""
+    diameter_m, u_m = given.options["diameter_m"], given.options["u_diameter_m"]
+    speed = float(np.abs(filtered.means[-1, 0]))
+    numbers = {"speed_open_by_diameter": Number(speed * u_m / diameter_m, "m/s")} if u_m else {}
+    for i, name in enumerate(_names(given)):
+        unit = "m/s" if name == "speed_m_s" else "m/s**2"
+        u = float(filtered.uncertainties[-1, i])
+        numbers[f"last_{name}"] = Number(float(filtered.means[-1, i]), unit, u)
+    return numbers
