@@ -9,6 +9,7 @@ from simcompare.errors import SimcompareError, UnknownName
 from simcompare.hardware.sensors import data_sheet, drawn
 from simcompare.model import sensor_errors
 from simcompare.model.scenario import Joint, Measure, Probe, Scenario
+from simcompare.scenarios.estimate_checks import faults_of_estimates
 
 #: place and sentence of every fault
 Faults = Iterator[tuple[str, str]]
@@ -31,6 +32,7 @@ def faults_between_parts(scenario: Scenario) -> dict[str, str]:
         _unjudged_tolerances,
         _impossible_answer,
         _impossible_errors,
+        faults_of_estimates,
     ):
         faults.update(checked(scenario))
     return faults

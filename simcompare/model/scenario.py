@@ -13,6 +13,7 @@ from typing import Annotated, Literal
 from pydantic import Field, PositiveFloat, field_validator, model_validator
 
 from simcompare.model.answer import Answer
+from simcompare.model.estimate_plan import EstimatePlan
 from simcompare.model.sensor_errors import SensorErrors
 from simcompare.model.shapes import Frozen, Nonnegative, Pose, Shape, Vector, not_zero
 from simcompare.model.signals import Signal
@@ -338,6 +339,9 @@ class Scenario(Frozen):
     tolerances: Mapping[str, Tolerance] = Field(default_factory=dict)
     dither: Dither | None = None
     answer: Answer | None = None
+    estimate: Mapping[str, EstimatePlan] = Field(
+        default_factory=dict, description="estimator -> how it is used here; the first one leads"
+    )
     holds_while: tuple[Condition, ...] = Field((), description="where the truth holds")
 
     @property
