@@ -90,6 +90,8 @@ def fit(known: Known, readings: Array, noise: Array | None, noise_dof: float = n
     gain = _gain(values, _seen(known, np.eye(axes)), level)
     sensitivity, offset = _split(gain @ readings.ravel(), axes)
     parts = _seen(known, sensitivity)
+    if axes > 1:
+        parts = _seen(known, _without_scatter(sensitivity, gain, parts, level))
     shares = {NOISE: gain * np.square(level).ravel() @ gain.T}
     shares |= {name: gain @ part @ gain.T for name, part in parts.items()}
     chi2 = None if noise is None else _chi2(values, readings, parts, level)
@@ -125,6 +127,20 @@ def _seen(known: Known, sensitivity: Array) -> dict[str, Array]:
     """Errors of known values as they are seen in the readings."""
     through = np.kron(np.eye(len(known.values)), sensitivity)
     return {name: through @ part @ through.T for name, part in known.errors.items()}
+
+
+def _without_scatter(
+    sensitivity: Array, gain: Array, parts: Mapping[str, Array], noise: Array
+) -> Array:
+    """S whose cross-axis terms are as large as they are but for their own uncertainty.
+
+    The square of an uncertain term is too large by its variance, and squares are what counts where
+    errors of known values are seen through it.
+    """
+    variance = np.diag(gain @ _covariance(parts, noise) @ gain.T)[: sensitivity.size]
+    smaller = np.sqrt(np.maximum(sensitivity**2 - variance.reshape(sensitivity.shape), 0.0))
+    kept = np.eye(len(sensitivity), dtype=bool)
+    return np.where(kept, sensitivity, np.copysign(smaller, sensitivity))
 
 
 def _rows(values: Array) -> Array:
