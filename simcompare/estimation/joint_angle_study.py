@@ -1,0 +1,162 @@
+"""Can the angle of a joint be measured by two accelerometers? A study over data sheets.
+
+For each chip many pairs of devices are drawn. All pairs read the same motion, as they are bought
+and after a six-position calibration of each device. What is held against the truth is the angle at
+rest (the mean while nothing moves) and in motion (each sample). Beside the Monte Carlo stands the
+first order, which tells what the error is made of.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simcompare.errors import InputError
+from simcompare.estimation import joint_angle_first_order as first_order
+from simcompare.estimation.joint_angle import AS_READ, AT_AXIS, CORRECTED, angles, corrected_force
+from simcompare.estimation.joint_angle_pairs import SIDES, Motion, Pairs, drawn_pairs
+from simcompare.hardware.sensors import data_sheet
+from simcompare.measures.joint_angle_estimate import EDGE
+from simcompare.model.trajectory import Array
+
+BOUGHT, CALIBRATED = "as bought", "calibrated"
+#: samples in motion at which both sensors read g to within the gate, and so are often trusted
+TRUSTED = "as read, where both read g"
+PAIRS = 100
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """How well angles are told, over all pairs of devices.
+
+    Attributes:
+        u_rad: standard uncertainty: root of the mean squared error.
+        half_width_rad: 95 % of the errors are smaller than this.
+    """
+
+    u_rad: float
+    half_width_rad: float
+
+
+@dataclass(frozen=True)
+class Feasibility:
+    """One chip in one state.
+
+    Attributes:
+        sheet: name of its data sheet.
+        chip: name of the chip.
+        state: "as bought" or "calibrated".
+        pairs: number of pairs of devices.
+        rest: at rest, the mean of the time of rest.
+        first_order_rad: standard uncertainty at rest to first order.
+        shares_rad: term -> its part of that; their squares add up.
+        motion: way of telling the angle -> of one sample in motion.
+        notes: what the reader must know.
+    """
+
+    sheet: str
+    chip: str
+    state: str
+    pairs: int
+    rest: Accuracy
+    first_order_rad: float
+    shares_rad: Mapping[str, float]
+    motion: Mapping[str, Accuracy]
+    notes: tuple[str, ...] = ()
+
+
+def study(
+    motion: Motion, sheets: Sequence[str], *, pairs: int = PAIRS, seed: int = 0
+) -> tuple[Feasibility, ...]:
+    """How well each chip tells the angle, as bought and calibrated.
+
+    Args:
+        motion: what happens, without any error.
+        sheets: names of data sheets that have an accelerometer.
+        pairs: pairs of devices that are drawn of each.
+        seed: of all draws.
+
+    Raises:
+        UnknownName: no such sheet.
+        InputError: a sheet without an accelerometer, or an axis that stands upright.
+    """
+    motion.check()
+    return tuple(one for name in sheets for one in _of_sheet(motion, name, pairs, seed))
+
+
+def with_accelerometer() -> tuple[str, ...]:
+    """Names of the sheets of chips that have an accelerometer with three axes."""
+    loaded = {name: data_sheet.load(name) for name in data_sheet.names()}
+    return tuple(name for name, one in loaded.items() if "accelerometer" in one.parts)
+
+
+def _of_sheet(motion: Motion, name: str, pairs: int, seed: int) -> Iterator[Feasibility]:
+    sheet = data_sheet.load(name)
+    part = sheet.part_for("m/s**2")
+    if part is None:
+        known = ", ".join(with_accelerometer())
+        raise InputError(name, [f"{sheet.title} has no accelerometer; sheets that do: {known}"])
+    drawn = drawn_pairs(motion, sheet, part, pairs, seed)
+    at_rest = first_order.Rest.of(motion)
+    for state, shares in (
+        (BOUGHT, first_order.as_bought(at_rest, drawn)),
+        (CALIBRATED, first_order.calibrated(at_rest, drawn)),
+    ):
+        read = drawn.forces if state == BOUGHT else drawn.corrected
+        ways = dict(_ways(motion, drawn, read))
+        truth = np.interp(drawn.time_s, motion.time_s, motion.angle_rad)
+        errors = {way: _wrapped(told - truth) for way, told in ways.items()}
+        still = motion.still(drawn.time_s)
+        yield Feasibility(
+            name, sheet.title, state, pairs, _accuracy(errors[AS_READ][:, still].mean(axis=1)),
+            float(np.sqrt(sum(share**2 for share in shares.values()))), shares,
+            dict(_moving(motion, drawn, read, errors)), drawn.notes,
+        )  # fmt: skip
+
+
+def _ways(motion: Motion, drawn: Pairs, read: Mapping[str, Array]) -> Iterator[tuple[str, Array]]:
+    """Every way of telling the angle (d, n)."""
+    yield AS_READ, angles(read["first"], read["second"])
+    if drawn.rates:
+        corrected = [
+            np.stack([
+                corrected_force(force, rate, drawn.time_s, motion.levers_m[side])
+                for force, rate in zip(read[side], drawn.rates[side], strict=True)
+            ])
+            for side in SIDES
+        ]  # fmt: skip
+        yield CORRECTED, angles(*corrected)
+    if "first_axis" in read:
+        yield AT_AXIS, angles(read["first_axis"], read["second_axis"])
+
+
+def _moving(
+    motion: Motion, drawn: Pairs, read: Mapping[str, Array], errors: Mapping[str, Array]
+) -> Iterator[tuple[str, Accuracy]]:
+    moving = motion.moving(drawn.time_s)
+    moving[-EDGE:] = False
+    for way, error in errors.items():
+        yield way, _accuracy(error[:, moving])
+    trusted = _trusted(motion, read) & moving
+    if trusted.any():
+        yield TRUSTED, _accuracy(errors[AS_READ][trusted])
+
+
+def _trusted(motion: Motion, read: Mapping[str, Array]) -> NDArray[np.bool_]:
+    """Samples (d, n) at which both sensors read g to within the gate."""
+    g = motion.gravity_m_s2
+    sizes = [np.linalg.norm(read[side], axis=2) for side in SIDES]
+    near = [np.abs(size - g) < motion.gate * g for size in sizes]
+    return np.asarray(near[0] & near[1])
+
+
+def _accuracy(errors: Array) -> Accuracy:
+    sizes = np.abs(errors)
+    return Accuracy(float(np.sqrt(np.mean(sizes**2))), float(np.quantile(sizes, 0.95)))
+
+
+def _wrapped(angle: Array) -> Array:
+    return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi, dtype=float)
