@@ -15,6 +15,7 @@ from typing import Literal
 
 import numpy as np
 
+from simcompare.estimation.estimate import Way
 from simcompare.model.trajectory import Array
 
 #: probability of the bands
@@ -68,6 +69,23 @@ def nees_of(errors: Array, covariances: Array) -> Array:
     return np.asarray(np.einsum("ni,ni->n", errors, weighted))
 
 
+def nees_of_states(way: Way, covariances: Array) -> tuple[Array | None, int]:
+    """The NEES of all states whose truth is known (n,), and how many those are.
+
+    It is NaN where the truth is not known.
+    """
+    errors = [state.error for state in way.states.values()]
+    known = np.flatnonzero([error is not None for error in errors])
+    if not len(known):
+        return None, 0
+    rows = np.array([error for error in errors if error is not None]).T
+    there = np.isfinite(rows).all(axis=1)
+    found = np.full(len(rows), np.nan)
+    part = covariances[np.ix_(np.flatnonzero(there), known, known)]
+    found[there] = nees_of(rows[there], part)
+    return found, len(known)
+
+
 def nees(values: Array, states: int) -> Verdict:
     """The test of errors.
 
@@ -79,7 +97,7 @@ def nees(values: Array, states: int) -> Verdict:
     """
     runs = len(values)
     low, high = band(states, runs)
-    means = values.mean(axis=0)
+    means = values[:, np.isfinite(values).all(axis=0)].mean(axis=0)
     inside = float(np.mean((means >= low) & (means <= high)))
     mean = float(means.mean())
     return Verdict("NEES", mean, low, high, inside, states, runs, _outcome(mean, low, high))

@@ -18,7 +18,7 @@ from simcompare.errors import InputError, UnknownName
 from simcompare.estimation.estimate import Estimate, Given
 
 #: each is a module of this room; another one is a word more
-ESTIMATORS = ("speed_filter",)
+ESTIMATORS = ("speed_filter", "pose_filter")
 
 
 class Function(Protocol):

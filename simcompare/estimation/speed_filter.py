@@ -18,7 +18,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.estimation import consistency, kalman
+from simcompare.estimation import consistency, kalman, timing
 from simcompare.estimation.estimate import (
     Estimate,
     Given,
@@ -32,7 +32,6 @@ from simcompare.estimation.estimators import Option, Role
 from simcompare.estimation.kalman import Belief, Expected, Filtered, Motion
 from simcompare.estimation.smoother import smooth
 from simcompare.estimation.wheel import speed_from_rate
-from simcompare.hardware.sensors.encoder import counted_speeds, gate_uncertainty
 from simcompare.model.trajectory import Array
 
 TITLE = "Speed from a wheel and an accelerometer"
@@ -61,15 +60,13 @@ LABELS = {
     "acceleration_m_s2": "Acceleration",
     "bias_m_s2": "Bias of the accelerometer",
 }
-#: times that are nearer than this are one [s]
-_SAME_S = 1e-7
 
 
 def estimate(given: Given) -> Estimate:
     """Filters, smooths, and tells beside it what each sensor says alone."""
     wheel, gate_s = _wheel(given)
     acceleration = given.signals.get("acceleration")
-    time_s = _merged(wheel, acceleration)
+    time_s = timing.merged([wheel, *([] if acceleration is None else [acceleration])])
     filtered = _filtered(given, time_s, wheel, acceleration, gate_s)
     smoothed = smooth(filtered)
     ways = [
@@ -102,46 +99,17 @@ def matrices(step_s: float, jerk_density_m2_s5: float, bias: bool = False) -> tu
 
 def _wheel(given: Given) -> tuple[Signal, float]:
     """Speeds that the wheel tells with their noise, and the gate that they are a mean of [s]."""
-    options, diameter_m = given.options, given.options["diameter_m"]
+    options = given.options
     if "marks" in given.signals:
-        gate_s, marks = options["gate_s"], options["marks"]
-        if not marks:
-            fault = "option marks is missing: the marks in one turn; expected 1 or more"
-            raise InputError("estimate", [fault])
-        counts, per_turn = given.signals["marks"], int(marks)
-        gates = int(np.floor((counts.time_s[-1] - counts.time_s[0]) / gate_s + 1e-9))
-        if gates < 2:
-            fault = f"option gate_s: {gate_s:g} s leave {gates} gates; expected a shorter gate"
-            raise InputError("estimate", [fault])
-        ends = counts.time_s[0] + gate_s * np.arange(gates + 1)
-        # the counter holds its number until the next mark
-        held = np.searchsorted(counts.time_s, ends + _SAME_S, side="right") - 1
-        speeds = speed_from_rate(diameter_m, counted_speeds(counts.values[held], per_turn, gate_s))
-        noise = speed_from_rate(diameter_m, gate_uncertainty(per_turn, gate_s))
-        return Signal(ends[1:], speeds, noise), gate_s
-    if "wheel_rate" in given.signals:
-        rates = given.signals["wheel_rate"]
-        if rates.u is None:
-            raise InputError("estimate", ["the noise of wheel_rate is not known; expected its u"])
-        u = np.asarray(rates.u) * diameter_m / 2
-        return Signal(rates.time_s, speed_from_rate(diameter_m, rates.values), u), 0.0
-    raise InputError("estimate", ["no wheel is given; expected the signal marks or wheel_rate"])
-
-
-def _merged(wheel: Signal, acceleration: Signal | None) -> Array:
-    """All times at which something is read, from when both are there."""
-    if acceleration is None:
-        return wheel.time_s
-    every = np.sort(np.concatenate((wheel.time_s, acceleration.time_s)))
-    keep = np.concatenate(([True], np.diff(every) > _SAME_S))
-    return every[keep]
-
-
-def _placed(signal: Signal, time_s: Array) -> Array:
-    """Readings at their own times, NaN at those of the other sensor."""
-    found = np.full(len(time_s), np.nan)
-    found[np.searchsorted(time_s, signal.time_s - _SAME_S)] = signal.values
-    return found
+        gate_s = options["gate_s"]
+        rates = timing.counted(given.signals["marks"], options["marks"], gate_s)
+    elif "wheel_rate" in given.signals:
+        rates, gate_s = given.signals["wheel_rate"], 0.0
+    else:
+        raise InputError("estimate", ["no wheel is given; expected the signal marks or wheel_rate"])
+    radius_m = options["diameter_m"] / 2
+    u = None if rates.u is None else radius_m * np.asarray(rates.u)
+    return Signal(rates.time_s, speed_from_rate(options["diameter_m"], rates.values), u), gate_s
 
 
 def _filtered(
@@ -149,8 +117,10 @@ def _filtered(
 ) -> Filtered:
     options = given.options
     bias = bool(options["bias"]) and acceleration is not None
-    signals = [wheel, *([] if acceleration is None else [acceleration])]
-    noise = np.diag([_variance(signal) for signal in signals])
+    signals = {"the wheel": wheel}
+    if acceleration is not None:
+        signals["the accelerometer"] = acceleration
+    noise = np.diag([timing.variance_of(one, name) for name, one in signals.items()])
     seen = np.array([[1.0, -gate_s / 2, 0.0], [0.0, 1.0, 1.0]])
     observation = seen[: len(signals), : 3 if bias else 2]
     start = [options["u_start_speed_m_s"], options["u_start_acceleration_m_s2"]]
@@ -164,16 +134,9 @@ def _filtered(
     def expect(mean: Array, number: int) -> Expected:
         return Expected(observation @ mean, observation, noise)
 
-    measured = np.array([_placed(signal, time_s) for signal in signals]).T
+    measured = timing.placed(list(signals.values()), time_s)
     belief = Belief(np.zeros(len(start)), np.diag(np.square(start)))
     return kalman.run(belief, measured, move, expect)
-
-
-def _variance(signal: Signal) -> float:
-    if signal.u is None:
-        fault = "the noise of the accelerometer is not known; expected a data sheet, or its u"
-        raise InputError("estimate", [fault])
-    return float(np.mean(np.square(signal.u)))
 
 
 def _names(given: Given) -> list[str]:
@@ -217,13 +180,8 @@ def _innovations(filtered: Filtered, way: Way) -> Innovations:
         name: ratios[np.isfinite(ratios[:, i]), i] for i, name in enumerate(names)
     }
     refused = {name: int(filtered.refused[:, i].sum()) for i, name in enumerate(names)}
-    errors = [state.error for state in way.states.values()]
-    known = [i for i, error in enumerate(errors) if error is not None]
-    nees = None
-    if known:
-        part = filtered.covariances[np.ix_(range(len(way.time_s)), known, known)]
-        nees = consistency.nees_of(np.array([errors[i] for i in known]).T, part)
-    return Innovations(filtered.nis, filtered.used, whitened, refused, nees, len(known))
+    nees, states = consistency.nees_of_states(way, filtered.covariances)
+    return Innovations(filtered.nis, filtered.used, whitened, refused, nees, states)
 
 
 def _numbers(given: Given, filtered: Filtered) -> dict[str, Number]:

@@ -1,0 +1,263 @@
+"""Pose of a robot on two wheels: the extended Kalman filter with motors, wheels, gyroscope, ranges.
+
+``pose_model`` says how the five states move and what is read; here readings are put in order of
+time, filtered, and a reading that cannot be (beyond χ²₀.₉₉ of its own innovation) is refused.
+Without motors the speed and the rate are only kept; their noise must then allow for what changes.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from simcompare.errors import InputError
+from simcompare.estimation import consistency, kalman, pose_model, timing
+from simcompare.estimation.estimate import Estimate, Given, Innovations, Number, Signal, State, Way
+from simcompare.estimation.estimators import Option, Role
+from simcompare.estimation.kalman import Belief, Expected, Filtered, Motion
+from simcompare.estimation.pose_model import Ranger, Robot
+from simcompare.estimation.smoother import smooth
+from simcompare.model.trajectory import Array
+
+TITLE = "Pose of a robot on two wheels"
+SIGNALS = {
+    "left_marks": Role("marks of the left wheel that have passed", "1", needed=False),
+    "right_marks": Role("marks of the right wheel that have passed", "1", needed=False),
+    "left_rate": Role("rate of the left wheel, in place of marks", "rad/s", needed=False),
+    "right_rate": Role("rate of the right wheel, in place of marks", "rad/s", needed=False),
+    "turning_rate": Role("reading of the gyroscope about the vertical", "rad/s", needed=False),
+    "left_voltage": Role("voltage at the left motor", "V", needed=False),
+    "right_voltage": Role("voltage at the right motor", "V", needed=False),
+    "left_current": Role("current of the left motor, in place of the voltage", "A", needed=False),
+    "right_current": Role("current of the right motor, in place of the voltage", "A", needed=False),
+    "range": Role("range to a beacon", "m", needed=False),
+    "beacon_x": Role("place of that beacon along x", "m", needed=False),
+    "beacon_y": Role("place of that beacon along y", "m", needed=False),
+    "wall_range": Role("range to the wall", "m", needed=False),
+}
+TRUTHS = {
+    "x": Role("place of the middle of the axle along x", "m", needed=False),
+    "y": Role("place of the middle of the axle along y", "m", needed=False),
+    "heading": Role("heading", "rad", needed=False),
+    "speed": Role("speed along the heading", "m/s", needed=False),
+    "rate": Role("turning rate", "rad/s", needed=False),
+}
+OPTIONS = {
+    "radius_m": Option("radius of the wheels", least=1e-3),
+    "track_m": Option("distance of the wheels", least=1e-3),
+    "marks": Option("marks in one turn of a wheel", 0.0),
+    "gate_s": Option("time in which marks are counted", 0.01, 1e-4),
+    "inertia_kg": Option("mass with what wheels and rotors add", 1.0, 1e-9),
+    "turning_inertia_kg_m2": Option("the same about the vertical", 1.0, 1e-12),
+    "drive_N_V": Option("force of one motor for a volt, at rest", 0.0),
+    "damping_N_s_m": Option("what one motor brakes at a given voltage", 0.0),
+    "drive_N_A": Option("force of one motor for an ampere", 0.0),
+    "current_damping_N_s_m": Option("what one motor brakes at a given current", 0.0),
+    "friction_N": Option("friction of rolling and motors", 0.0),
+    "speed_noise_m2_s3": Option("density of unknown accelerations", 0.1, 1e-12),
+    "turn_noise_rad2_s3": Option("density of unknown angular accelerations", 1.0, 1e-12),
+    "start_x_m": Option("where it starts along x", 0.0, -math.inf),
+    "start_y_m": Option("where it starts along y", 0.0, -math.inf),
+    "start_heading_rad": Option("its heading there", 0.0, -math.inf),
+    "u_start_m": Option("standard uncertainty of that place", 0.001, 1e-9),
+    "u_start_heading_rad": Option("standard uncertainty of that heading", 0.001, 1e-9),
+    "u_start_speed_m_s": Option("standard uncertainty of the speed there", 0.1, 1e-9),
+    "u_start_rate_rad_s": Option("standard uncertainty of the rate there", 0.1, 1e-9),
+    "ranger_ahead_m": Option("place of the range sensor ahead of the axle", 0.0, -math.inf),
+    "ranger_left_m": Option("its place to the left", 0.0, -math.inf),
+    "beam_rad": Option("direction of its beam", 0.0, -math.inf),
+    "wall_normal_rad": Option("direction from the origin to the wall", 0.0, -math.inf),
+    "wall_m": Option("distance of the wall from the origin", 0.0, -math.inf),
+    "gate": Option("1: refuse readings beyond χ² of 99 %", 1.0, 0.0, 1.0),
+}
+LABELS = {
+    "x_m": "Place along x",
+    "y_m": "Place along y",
+    "heading_rad": "Heading",
+    "speed_m_s": "Speed",
+    "rate_rad_s": "Turning rate",
+}
+#: √χ²₀.₉₉ with one degree of freedom
+_GATE = 2.5758293035489
+_READINGS = ("left_rate", "right_rate", "turning_rate", "range", "wall_range")
+
+
+@dataclass(frozen=True, eq=False)
+class _Setting:
+    """Everything that the filter needs at a time."""
+
+    given: Given
+    robot: Robot
+    ranger: Ranger
+    gate_s: float
+    readings: dict[str, Signal]
+    time_s: Array
+    inputs: Array
+    beacons: Array
+
+
+def estimate(given: Given) -> Estimate:
+    """Filters, smooths, and tells beside it what the wheels say alone."""
+    setting = _setting(given)
+    filtered = _filtered(setting)
+    smoothed = smooth(filtered)
+    time_s = setting.time_s
+    ways = (
+        _way(given, "filtered", time_s, filtered.means, filtered.uncertainties),
+        _way(given, "smoothed", time_s, smoothed.means, smoothed.uncertainties),
+        _reckoned(setting),
+    )
+    return Estimate(ways, LABELS, _innovations(setting, filtered, ways[0]), _numbers(filtered))
+
+
+def _setting(given: Given) -> _Setting:
+    readings, gate_s = _readings(given)
+    time_s = timing.merged(list(readings.values()))
+    beacons = np.full((len(time_s), 2), np.nan)
+    if "range" in readings:
+        at = readings["range"].time_s
+        places = np.searchsorted(time_s, at - timing.SAME_S)
+        for i, role in enumerate(("beacon_x", "beacon_y")):
+            beacons[places, i] = given.signal(role).at(at)
+    kind, inputs = _inputs(given, time_s)
+    o = given.options
+    ranger = Ranger(o["ranger_ahead_m"], o["ranger_left_m"], o["beam_rad"])
+    return _Setting(given, _robot(given, kind), ranger, gate_s, readings, time_s, inputs, beacons)
+
+
+def _robot(given: Given, kind: str) -> Robot:
+    o = given.options
+    drive = {"voltage": o["drive_N_V"], "current": o["drive_N_A"]}.get(kind, 0.0)
+    damping = {"voltage": o["damping_N_s_m"], "current": o["current_damping_N_s_m"]}
+    return Robot(
+        o["radius_m"], o["track_m"], o["inertia_kg"], o["turning_inertia_kg_m2"], drive,
+        damping.get(kind, 0.0), o["friction_N"] if kind else 0.0, o["speed_noise_m2_s3"],
+        o["turn_noise_rad2_s3"],
+    )  # fmt: skip
+
+
+def _readings(given: Given) -> tuple[dict[str, Signal], float]:
+    """Role -> readings, marks counted; and the gate in which they were [s]."""
+    found, gate_s = {}, 0.0
+    for side in ("left", "right"):
+        if f"{side}_marks" in given.signals:
+            gate_s = given.options["gate_s"]
+            marks = given.signals[f"{side}_marks"]
+            found[f"{side}_rate"] = timing.counted(marks, given.options["marks"], gate_s)
+    for role in _READINGS:
+        if role in given.signals:
+            found.setdefault(role, given.signals[role])
+    if not {"left_rate", "right_rate"} <= set(found):
+        wanted = "expected left_marks and right_marks, or left_rate and right_rate"
+        raise InputError("estimate", [f"the wheels are not given; {wanted}"])
+    return {role: found[role] for role in _READINGS if role in found}, gate_s
+
+
+def _inputs(given: Given, time_s: Array) -> tuple[str, Array]:
+    """What the motors are driven by, and both inputs (n, 2); none where nothing is given."""
+    for kind in ("voltage", "current"):
+        roles = (f"left_{kind}", f"right_{kind}")
+        if all(role in given.signals for role in roles):
+            columns = [given.signals[role].at(time_s) for role in roles]
+            return kind, np.nan_to_num(np.array(columns).T)
+    return "", np.zeros((len(time_s), 2))
+
+
+def _filtered(setting: _Setting) -> Filtered:
+    o, time_s = setting.given.options, setting.time_s
+    mean = np.array([o["start_x_m"], o["start_y_m"], o["start_heading_rad"], 0.0, 0.0])
+    u = [o["u_start_m"]] * 2 + [
+        o["u_start_heading_rad"], o["u_start_speed_m_s"], o["u_start_rate_rad_s"]
+    ]  # fmt: skip
+    noise = np.diag([timing.variance_of(one, name) for name, one in setting.readings.items()])
+
+    def move(state: Array, number: int) -> Motion:
+        step_s = float(time_s[number] - time_s[number - 1])
+        return pose_model.move(setting.robot, state, step_s, *setting.inputs[number - 1])
+
+    def expect(state: Array, number: int) -> Expected:
+        return _expected(setting, state, number, noise)
+
+    measured = timing.placed(list(setting.readings.values()), time_s)
+    start = Belief(mean, np.diag(np.square(u)))
+    return kalman.run(start, measured, move, expect, gate=_GATE if o["gate"] else None)
+
+
+def _expected(setting: _Setting, state: Array, number: int, noise: Array) -> Expected:
+    """What every sensor should read, in the order of the readings."""
+    left, right = setting.inputs[max(number - 1, 0)]
+    rates, slopes = pose_model.wheel_rates(setting.robot, state, left, right, setting.gate_s)
+    values, rows = list(rates), list(slopes)
+    o = setting.given.options
+    if "turning_rate" in setting.readings:
+        values.append(state[pose_model.RATE])
+        rows.append(np.eye(5)[pose_model.RATE])
+    if "range" in setting.readings:
+        beacon = np.nan_to_num(setting.beacons[number])
+        value, row = pose_model.range_to_beacon(setting.ranger, state, beacon)
+        values.append(value)
+        rows.append(row)
+    if "wall_range" in setting.readings:
+        value, row = pose_model.range_to_wall(
+            setting.ranger, state, o["wall_normal_rad"], o["wall_m"]
+        )
+        values.append(value)
+        rows.append(row)
+    return Expected(np.array(values), np.array(rows), noise)
+
+
+def _reckoned(setting: _Setting) -> Way:
+    """Dead reckoning: what the rates of the wheels alone add up to, from the same start."""
+    left, right = setting.readings["left_rate"], setting.readings["right_rate"]
+    time_s, robot, o = left.time_s, setting.robot, setting.given.options
+    both = robot.radius_m * np.array([left.values, right.at(time_s)])
+    speed, rate = np.nan_to_num(both.mean(axis=0)), np.nan_to_num(both[1] - both[0]) / robot.track_m
+    steps = np.diff(time_s, prepend=time_s[0] - setting.gate_s)
+    turned = np.cumsum(steps * rate)
+    heading = o["start_heading_rad"] + turned
+    middle = heading - steps * rate / 2
+    means = np.array(
+        [
+            o["start_x_m"] + np.cumsum(steps * speed * np.cos(middle)),
+            o["start_y_m"] + np.cumsum(steps * speed * np.sin(middle)),
+            heading,
+            speed,
+            rate,
+        ]
+    ).T
+    return _way(setting.given, "wheels alone", time_s, means, None)
+
+
+def _way(given: Given, name: str, time_s: Array, means: Array, u: Array | None) -> Way:
+    states = {}
+    for i, (state, role) in enumerate(zip(LABELS, TRUTHS, strict=True)):
+        states[state] = State(
+            means[:, i], None if u is None else u[:, i], given.truth_at(role, time_s),
+            circular=role == "heading",
+        )  # fmt: skip
+    return Way(name, time_s, states)
+
+
+def _innovations(setting: _Setting, filtered: Filtered, way: Way) -> Innovations:
+    ratios = filtered.innovations / filtered.innovation_u
+    names = list(setting.readings)
+    nees, states = consistency.nees_of_states(way, filtered.covariances)
+    return Innovations(
+        filtered.nis,
+        filtered.used,
+        {name: ratios[np.isfinite(ratios[:, i]), i] for i, name in enumerate(names)},
+        {name: int(filtered.refused[:, i].sum()) for i, name in enumerate(names)},
+        nees,
+        states,
+    )
+
+
+def _numbers(filtered: Filtered) -> dict[str, Number]:
+    units = ("m", "m", "rad", "m/s", "rad/s")
+    return {
+        f"last_{name}": Number(float(filtered.means[-1, i]), units[i],
+                               float(filtered.uncertainties[-1, i]))
+        for i, name in enumerate(LABELS)
+    }  # fmt: skip

@@ -1,0 +1,61 @@
+"""Readings of several sensors on one row of times, and marks counted in gates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from simcompare.errors import InputError
+from simcompare.estimation.estimate import Signal
+from simcompare.hardware.sensors.encoder import counted_speeds, gate_uncertainty
+from simcompare.model.trajectory import Array
+
+#: times that are nearer than this are one [s]
+SAME_S = 1e-7
+
+
+def merged(signals: Sequence[Signal]) -> Array:
+    """All times at which something is read (n,) [s]."""
+    every = np.sort(np.concatenate([one.time_s for one in signals]))
+    return every[np.concatenate(([True], np.diff(every) > SAME_S))]
+
+
+def placed(signals: Sequence[Signal], time_s: Array) -> Array:
+    """Readings at their own times (n, m), NaN at those of the others."""
+    found = np.full((len(time_s), len(signals)), np.nan)
+    for i, one in enumerate(signals):
+        found[np.searchsorted(time_s, one.time_s - SAME_S), i] = one.values
+    return found
+
+
+def counted(counts: Signal, marks: float, gate_s: float) -> Signal:
+    """Rates of a wheel [rad/s] from the marks that pass in gates, stamped at the gates' ends.
+
+    Raises:
+        InputError: the marks of a turn are not known, or no two gates fit in.
+    """
+    if marks < 1:
+        fault = f"marks = {marks:g}; expected the marks in one turn of the wheel, 1 or more"
+        raise InputError("estimate", [fault])
+    gates = int(np.floor((counts.time_s[-1] - counts.time_s[0]) / gate_s + 1e-9))
+    if gates < 2:
+        fault = f"gate_s = {gate_s:g} leaves {gates} gates; expected a shorter gate"
+        raise InputError("estimate", [fault])
+    ends = counts.time_s[0] + gate_s * np.arange(gates + 1)
+    # the counter holds its number until the next mark
+    held = np.searchsorted(counts.time_s, ends + SAME_S, side="right") - 1
+    rates = counted_speeds(counts.values[held], int(marks), gate_s)
+    return Signal(ends[1:], rates, gate_uncertainty(int(marks), gate_s))
+
+
+def variance_of(signal: Signal, name: str) -> float:
+    """Variance of one reading by noise.
+
+    Raises:
+        InputError: it is not known.
+    """
+    if signal.u is None:
+        fault = f"the noise of {name} is not known; expected a data sheet, or its u"
+        raise InputError("estimate", [fault])
+    return float(np.mean(np.square(signal.u)))

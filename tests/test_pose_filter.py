@@ -1,0 +1,205 @@
+"""The extended filter: its derivatives, and its consistency on a truth that it knows."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from simcompare.errors import InputError
+from simcompare.estimation import consistency, estimators, pose_model
+from simcompare.estimation.estimate import Given, Signal
+from simcompare.estimation.pose_model import HEADING, RATE, SPEED, Ranger, Robot
+from simcompare.statistics.streams import stream
+
+#: the robot of the catalogue: η·N·k/(R·r) and η·N²·(k²/R + b)/r² of one motor
+ROBOT = Robot(0.0325, 0.12, 0.782691, 2.5e-3, 0.4738, 4.00178, 0.5, 0.02, 1.0)
+STATES = [
+    np.array([0.3, -0.2, 0.7, 0.15, -0.9]),
+    np.array([0.0, 0.0, -2.9, -0.3, 2.0]),
+    np.array([1.0, 2.0, 0.1, 0.4, 0.0]),
+]
+
+
+def differences(function, state, size):
+    """Central differences; each step is small beside the state and large beside rounding."""
+    columns = []
+    for i in range(5):
+        step = np.zeros(5)
+        step[i] = 1e-6
+        high, low = (np.atleast_1d(function(state + sign * step)) for sign in (1, -1))
+        columns.append((high - low) / 2e-6)
+    return np.array(columns).T.reshape(size, 5)
+
+
+#: rounding 1e-16 over a step of 1e-6, and its square times third derivatives of up to 100
+CLOSE = {"abs": 2e-8, "rel": 1e-7}
+
+
+@pytest.mark.parametrize("state", STATES)
+@pytest.mark.parametrize("step_s", [0.001, 0.128])
+def test_the_motion_is_differentiated_rightly(state, step_s):
+    found = pose_model.move(ROBOT, state, step_s, 1.0, 2.5).transition
+    by_steps = differences(lambda one: pose_model.move(ROBOT, one, step_s, 1.0, 2.5).mean, state, 5)
+    assert found == pytest.approx(by_steps, **CLOSE)
+
+
+def test_the_motion_begins_as_the_equations_say():
+    state = STATES[0]
+    theta, v = state[HEADING], state[SPEED]
+    step_s = 1e-7
+    rows = (pose_model.move(ROBOT, state, step_s, 1.0, 2.5).transition - np.eye(5)) / step_s
+    known = np.zeros((5, 5))
+    known[0, 2], known[0, 3] = -v * math.sin(theta), math.cos(theta)
+    known[1, 2], known[1, 3] = v * math.cos(theta), math.sin(theta)
+    known[2, 4] = 1.0
+    known[3, 3] = -2 * ROBOT.damping_N_s_m / ROBOT.inertia_kg
+    known[4, 4] = -ROBOT.damping_N_s_m * ROBOT.track_m**2 / (2 * ROBOT.turning_inertia_kg_m2)
+    # λ²·T/2 of the exponential, T = 1e-7 and λ = 12/s, and rounding 1e-16/T
+    assert rows == pytest.approx(known, abs=2e-5)
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_the_wheels_are_differentiated_rightly(state):
+    _, found = pose_model.wheel_rates(ROBOT, state, 1.0, 2.5, 0.01)
+    by_steps = differences(
+        lambda one: pose_model.wheel_rates(ROBOT, one, 1.0, 2.5, 0.01)[0], state, 2
+    )
+    assert found == pytest.approx(by_steps, **CLOSE)
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_ranges_are_differentiated_rightly(state):
+    ranger, beacon = Ranger(0.05, -0.02, 0.4), np.array([2.3, 0.1])
+    _, found = pose_model.range_to_beacon(ranger, state, beacon)
+    by_steps = differences(lambda one: pose_model.range_to_beacon(ranger, one, beacon)[0], state, 1)
+    assert found[None] == pytest.approx(by_steps, **CLOSE)
+    _, found = pose_model.range_to_wall(ranger, state, 0.2, 3.0)
+    by_steps = differences(lambda one: pose_model.range_to_wall(ranger, one, 0.2, 3.0)[0], state, 1)
+    assert found[None] == pytest.approx(by_steps, **CLOSE)
+
+
+def test_a_range_to_a_wall_is_how_far_the_beam_goes():
+    state = np.array([0.5, 0.0, 0.0, 0.0, 0.0])
+    found, _ = pose_model.range_to_wall(Ranger(0.1, 0.0, math.pi / 3), state, 0.0, 1.0)
+    assert found == pytest.approx(0.4 / math.cos(math.pi / 3))
+
+
+def test_a_motor_speeds_a_robot_up_as_its_closed_form_says():
+    state = np.zeros(5)
+    for _ in range(50):
+        state = pose_model.move(ROBOT, state, 0.01, 2.0, 2.0).mean
+    push = (2 * 2 * ROBOT.drive - ROBOT.friction_N) / ROBOT.inertia_kg
+    closed = push / ROBOT.decay_1_s * -math.expm1(-ROBOT.decay_1_s * 0.5)
+    assert state[SPEED] == pytest.approx(closed, rel=1e-12)
+
+
+def test_friction_alone_moves_nothing():
+    state = pose_model.move(ROBOT, np.zeros(5), 0.01, 0.2, 0.2).mean
+    assert state == pytest.approx(np.zeros(5), abs=0)
+
+
+COUNT, STEP_S = 80, 0.02
+OPTIONS = {
+    "radius_m": ROBOT.radius_m, "track_m": ROBOT.track_m, "inertia_kg": ROBOT.inertia_kg,
+    "turning_inertia_kg_m2": ROBOT.turning_inertia_kg_m2, "drive_N_V": ROBOT.drive,
+    "damping_N_s_m": ROBOT.damping_N_s_m, "friction_N": ROBOT.friction_N,
+    "speed_noise_m2_s3": ROBOT.speed_noise_m2_s3, "turn_noise_rad2_s3": ROBOT.turn_noise_rad2_s3,
+    "u_start_m": 0.005, "u_start_heading_rad": 0.02, "u_start_speed_m_s": 0.02,
+    "u_start_rate_rad_s": 0.1, "gate": 0.0,
+}  # fmt: skip
+U = {"wheel": 0.15, "gyroscope": 0.05, "range": 0.03}
+BEACON = np.array([1.0, 0.8])
+
+
+def driven(run, *, spoilt=False):
+    """A run whose truth is as the filter's model says, with white noise of known size."""
+    generator = stream(3, "extended", run)
+    time_s = STEP_S * np.arange(COUNT)
+    inputs = 2.0 + np.array([np.sin(2 * time_s), np.cos(3 * time_s)]).T
+    names = ("u_start_m", "u_start_m", "u_start_heading_rad", "u_start_speed_m_s")
+    start_u = [OPTIONS[name] for name in names] + [OPTIONS["u_start_rate_rad_s"]]
+    # the robot drives already, so that its friction does not change sides
+    state = np.array([0, 0, 0, 0.0, 0]) + start_u * generator.standard_normal(5)
+    state[SPEED] = abs(state[SPEED])
+    states, wheels, ranges = [], [], []
+    for number in range(COUNT):
+        if number:
+            moved = pose_model.move(ROBOT, state, STEP_S, *inputs[number - 1])
+            # of the noise, rank 4 of 5: by its eigenvectors
+            values, vectors = np.linalg.eigh(moved.noise)
+            shake = vectors @ (np.sqrt(np.clip(values, 0, None)) * generator.standard_normal(5))
+            state = moved.mean + shake
+        states.append(state)
+        rates, _ = pose_model.wheel_rates(ROBOT, state, 0, 0)
+        wheels.append(rates + U["wheel"] * generator.standard_normal(2))
+        distance, _ = pose_model.range_to_beacon(Ranger(), state, BEACON)
+        ranges.append(distance + U["range"] * generator.standard_normal())
+    truth, wheels, ranges = np.array(states), np.array(wheels), np.array(ranges)
+    gyroscope = truth[:, RATE] + U["gyroscope"] * generator.standard_normal(COUNT)
+    if spoilt:
+        ranges[40] += 2.0
+    signals = {
+        "left_rate": Signal(time_s, wheels[:, 0], U["wheel"]),
+        "right_rate": Signal(time_s, wheels[:, 1], U["wheel"]),
+        "turning_rate": Signal(time_s, gyroscope, U["gyroscope"]),
+        "left_voltage": Signal(time_s, inputs[:, 0]),
+        "right_voltage": Signal(time_s, inputs[:, 1]),
+        "range": Signal(time_s, ranges, U["range"]),
+        "beacon_x": Signal(time_s, np.full(COUNT, BEACON[0])),
+        "beacon_y": Signal(time_s, np.full(COUNT, BEACON[1])),
+    }
+    roles = ("x", "y", "heading", "speed", "rate")
+    true = {role: Signal(time_s, truth[:, i]) for i, role in enumerate(roles)}
+    return Given(signals, true, dict(OPTIONS))
+
+
+@pytest.fixture(scope="module")
+def runs():
+    estimator = estimators.load("pose_filter")
+    return [estimators.apply(estimator, driven(run)) for run in range(60)]
+
+
+def test_the_extended_filter_is_consistent_on_a_truth_that_it_knows(runs):
+    found = consistency.nees(np.array([one.innovations.nees for one in runs]), 5)
+    assert found.outcome == "consistent", found
+    nis = consistency.nis(
+        np.array([one.innovations.nis for one in runs]),
+        np.array([one.innovations.used for one in runs]),
+    )
+    assert nis.outcome == "consistent", nis
+
+
+def test_the_smoother_errs_less_than_the_filter_and_that_less_than_the_wheels(runs):
+    for state in ("x_m", "y_m", "heading_rad"):
+        errors = {
+            way: np.mean([one.ways[way].states[state].rms_error for one in runs])
+            for way in (0, 1, 2)
+        }
+        assert errors[1] < errors[0] < errors[2]
+
+
+def test_a_range_that_cannot_be_is_refused():
+    estimator = estimators.load("pose_filter")
+    given = driven(0, spoilt=True)
+    options = {**OPTIONS, "gate": 1.0}
+    found = estimators.apply(estimator, Given(given.signals, given.truth, options))
+    assert found.innovations.refused["range"] >= 1
+    assert found.best.states["x_m"].rms_error < 0.05
+
+
+def test_all_that_is_missing_is_told_at_once():
+    estimator = estimators.load("pose_filter")
+    with pytest.raises(InputError) as told:
+        estimators.apply(estimator, Given({"wheel": Signal(np.arange(3.0), np.zeros(3))}))
+    text = str(told.value)
+    for word in ("wheel", "radius_m is missing", "track_m is missing"):
+        assert word in text
+
+
+def test_a_filter_without_wheels_is_refused():
+    estimator = estimators.load("pose_filter")
+    signals = {"turning_rate": Signal(np.arange(3.0), np.zeros(3), 0.1)}
+    with pytest.raises(InputError, match="the wheels are not given; expected left_marks"):
+        estimators.apply(estimator, Given(signals, {}, {"radius_m": 0.03, "track_m": 0.1}))
