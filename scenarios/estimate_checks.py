@@ -8,6 +8,7 @@ from simcompare import units
 from simcompare.errors import UnknownName
 from simcompare.estimation import estimators
 from simcompare.estimation.estimators import Estimator, Role
+from simcompare.estimation.observing import ORIENTATION, observed
 from simcompare.model.estimate_plan import EstimatePlan
 from simcompare.model.scenario import Scenario
 
@@ -48,18 +49,17 @@ def _of_roles(
 
 def _fault(name: str, role: Role, scenario: Scenario) -> str:
     """What is wrong with the probe or signal in a role; empty where nothing is."""
-    if name in scenario.probes:
-        unit, components = scenario.probes[name].unit, 1
-    elif name in scenario.signals():
-        unit = units.symbol(units.unit_of(name.rpartition(".")[2]))
-        components = scenario.signals()[name]
-    else:
-        return str(UnknownName("probe or signal", name, [*scenario.probes, *scenario.signals()]))
-    wanted = units.symbol(role.unit)
+    try:
+        found = observed(name, scenario)
+    except UnknownName as error:
+        return str(error)
+    unit, wanted = (units.symbol(one) for one in (found.unit, role.unit))
+    if found.part == ORIENTATION and role.unit == "rad":  # its heading
+        return ""
     if unit != wanted:
         return f"{name} is in {unit}; expected {role.text}, in {wanted}"
-    if components != role.components:
-        return f"{name} has {components} components; expected {role.components}: {role.text}"
+    if found.components != role.components:
+        return f"{name} has {found.components} components; expected {role.components}: {role.text}"
     return ""
 
 

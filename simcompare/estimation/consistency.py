@@ -121,22 +121,27 @@ def nis(values: Array, used: Array) -> Verdict:
                 _outcome(mean, low, high))  # fmt: skip
 
 
-def whiteness(innovations: Sequence[Array]) -> Verdict:
+def whiteness(innovations: Sequence[Array]) -> Verdict | None:
     """The test that no innovation tells of later ones: |ρ| < 1.96/√n at 95 % of 20 lags.
 
     Args:
         innovations: of each run and each reading, in units of their uncertainty (n,) without gaps.
+
+    Returns:
+        What was found; ``None`` where hardly anything was read.
     """
     from scipy.stats import binom
 
     counted, first = [], []
-    for row in innovations:
+    for row in (row for row in innovations if len(row) > 2):
         rho = autocorrelation(row)
         counted += list(np.abs(rho) < 1.96 / math.sqrt(len(row)))
         first.append(rho[0])
+    if not counted:
+        return None
     share = float(np.mean(counted))
-    # of 20 lags of one row, fewer inside than this happen once in a hundred
-    least = float(binom.ppf(0.01, LAGS, SHARE)) / LAGS
+    # of so many lags, fewer inside than this happen once in a hundred
+    least = float(binom.ppf(0.01, len(counted), SHARE)) / len(counted)
     outcome: Outcome = "consistent" if share >= least else "not white"
     return Verdict("whiteness", share, least, 1.0, None, LAGS, len(innovations), outcome,
                 float(np.mean(first)))  # fmt: skip

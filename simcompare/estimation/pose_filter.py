@@ -70,6 +70,8 @@ OPTIONS = {
     "beam_rad": Option("direction of its beam", 0.0, -math.inf),
     "wall_normal_rad": Option("direction from the origin to the wall", 0.0, -math.inf),
     "wall_m": Option("distance of the wall from the origin", 0.0, -math.inf),
+    "bias": Option("1: the gyroscope's bias is a state", 0.0, 0.0, 1.0),
+    "u_bias_rad_s": Option("standard uncertainty of the bias at the start", 0.35, 1e-9),
     "gate": Option("1: refuse readings beyond χ² of 99 %", 1.0, 0.0, 1.0),
 }
 LABELS = {
@@ -78,6 +80,7 @@ LABELS = {
     "heading_rad": "Heading",
     "speed_m_s": "Speed",
     "rate_rad_s": "Turning rate",
+    "bias_rad_s": "Bias of the gyroscope",
 }
 #: √χ²₀.₉₉ with one degree of freedom
 _GATE = 2.5758293035489
@@ -109,7 +112,8 @@ def estimate(given: Given) -> Estimate:
         _way(given, "smoothed", time_s, smoothed.means, smoothed.uncertainties),
         _reckoned(setting),
     )
-    return Estimate(ways, LABELS, _innovations(setting, filtered, ways[0]), _numbers(filtered))
+    labels = {name: LABELS[name] for name in ways[0].states}
+    return Estimate(ways, labels, _innovations(setting, filtered, ways[0]), _numbers(filtered))
 
 
 def _setting(given: Given) -> _Setting:
@@ -171,11 +175,15 @@ def _filtered(setting: _Setting) -> Filtered:
     u = [o["u_start_m"]] * 2 + [
         o["u_start_heading_rad"], o["u_start_speed_m_s"], o["u_start_rate_rad_s"]
     ]  # fmt: skip
+    if _has_bias(setting):
+        mean, u = np.append(mean, 0.0), [*u, o["u_bias_rad_s"]]
     noise = np.diag([timing.variance_of(one, name) for name, one in setting.readings.items()])
 
     def move(state: Array, number: int) -> Motion:
         step_s = float(time_s[number] - time_s[number - 1])
-        return pose_model.move(setting.robot, state, step_s, *setting.inputs[number - 1])
+        left, right = setting.inputs[number - 1]
+        motion = pose_model.move(setting.robot, state[:5], step_s, left, right)
+        return _with_bias(motion, state) if len(state) > 5 else motion
 
     def expect(state: Array, number: int) -> Expected:
         return _expected(setting, state, number, noise)
@@ -185,6 +193,17 @@ def _filtered(setting: _Setting) -> Filtered:
     return kalman.run(start, measured, move, expect, gate=_GATE if o["gate"] else None)
 
 
+def _has_bias(setting: _Setting) -> bool:
+    return bool(setting.given.options["bias"]) and "turning_rate" in setting.readings
+
+
+def _with_bias(motion: Motion, state: Array) -> Motion:
+    """The same motion with a bias that stays as it is."""
+    transition, noise = np.eye(6), np.zeros((6, 6))
+    transition[:5, :5], noise[:5, :5] = motion.transition, motion.noise
+    return Motion(np.append(motion.mean, state[5]), transition, noise)
+
+
 def _expected(setting: _Setting, state: Array, number: int, noise: Array) -> Expected:
     """What every sensor should read, in the order of the readings."""
     left, right = setting.inputs[max(number - 1, 0)]
@@ -192,7 +211,7 @@ def _expected(setting: _Setting, state: Array, number: int, noise: Array) -> Exp
     values, rows = list(rates), list(slopes)
     o = setting.given.options
     if "turning_rate" in setting.readings:
-        values.append(state[pose_model.RATE])
+        values.append(state[pose_model.RATE] + state[5:].sum())
         rows.append(np.eye(5)[pose_model.RATE])
     if "range" in setting.readings:
         beacon = np.nan_to_num(setting.beacons[number])
@@ -205,7 +224,11 @@ def _expected(setting: _Setting, state: Array, number: int, noise: Array) -> Exp
         )
         values.append(value)
         rows.append(row)
-    return Expected(np.array(values), np.array(rows), noise)
+    slopes = np.zeros((len(rows), len(state)))
+    slopes[:, :5] = rows
+    if "turning_rate" in setting.readings:
+        slopes[2, 5:] = 1.0
+    return Expected(np.array(values), slopes, noise)
 
 
 def _reckoned(setting: _Setting) -> Way:
@@ -232,7 +255,9 @@ def _reckoned(setting: _Setting) -> Way:
 
 def _way(given: Given, name: str, time_s: Array, means: Array, u: Array | None) -> Way:
     states = {}
-    for i, (state, role) in enumerate(zip(LABELS, TRUTHS, strict=True)):
+    roles = [*TRUTHS, ""]
+    for i, state in enumerate(list(LABELS)[: means.shape[1]]):
+        role = roles[i]
         states[state] = State(
             means[:, i], None if u is None else u[:, i], given.truth_at(role, time_s),
             circular=role == "heading",
@@ -255,9 +280,9 @@ def _innovations(setting: _Setting, filtered: Filtered, way: Way) -> Innovations
 
 
 def _numbers(filtered: Filtered) -> dict[str, Number]:
-    units = ("m", "m", "rad", "m/s", "rad/s")
+    units = ("m", "m", "rad", "m/s", "rad/s", "rad/s")
     return {
         f"last_{name}": Number(float(filtered.means[-1, i]), units[i],
                                float(filtered.uncertainties[-1, i]))
-        for i, name in enumerate(LABELS)
+        for i, name in enumerate(list(LABELS)[: filtered.means.shape[1]])
     }  # fmt: skip

@@ -4,25 +4,40 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from pydantic import Field
+from pydantic import Field, PositiveFloat
 
 from simcompare.model.shapes import Frozen
+
+
+class Sheet(Frozen):
+    """The data sheet that a sensor follows, and what the chip is set to.
+
+    Attributes:
+        sheet: name or file of a data sheet.
+        range: name of its full scale; the usual one where left out.
+        rate_Hz: samples in a second; the usual ones where left out.
+        bandwidth_Hz: -3 dB; the usual one where left out.
+    """
+
+    sheet: str
+    range: str | None = None
+    rate_Hz: PositiveFloat | None = None
+    bandwidth_Hz: PositiveFloat | None = None
 
 
 class EstimatePlan(Frozen):
     """How one estimator is used on a scenario.
 
     Attributes:
-        signals: role -> what is measured: a probe, or a signal of a sensor such as
-            ``imu.specific_force_m_s2``.
-        truth: role -> what it is judged by: a probe or a signal.
+        signals: role -> what is measured: a probe, a signal of a sensor such as
+            ``imu.specific_force_m_s2``, or one component of it such as
+            ``imu.specific_force_m_s2.x``.
+        truth: role -> what it is judged by, named alike; an orientation stands for its heading.
         options: numbers of the estimator.
         sensors: sensor -> data sheet that it follows where the user names none.
-        text: one sentence on what is estimated.
     """
 
     signals: Mapping[str, str] = Field(min_length=1)
     truth: Mapping[str, str] = Field(default_factory=dict)
     options: Mapping[str, float] = Field(default_factory=dict)
-    sensors: Mapping[str, str] = Field(default_factory=dict)
-    text: str = ""
+    sensors: Mapping[str, Sheet] = Field(default_factory=dict)

@@ -1,0 +1,140 @@
+"""A simulated motion as its sensors would have measured it, beside what was true of it.
+
+Each sensor that follows a data sheet is drawn anew for each draw, by its own stream of numbers. An
+encoder that follows none counts whole marks, whose first one lies anywhere.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from functools import cache
+
+import numpy as np
+
+from simcompare import units
+from simcompare.errors import InputError
+from simcompare.estimation.estimate import Given, Signal
+from simcompare.estimation.observing import ORIENTATION, Observed, observed
+from simcompare.hardware.sensors import data_sheet
+from simcompare.hardware.sensors.data_sheet import DataSheet
+from simcompare.hardware.sensors.device import Device
+from simcompare.hardware.sensors.error_model import measured
+from simcompare.hardware.sensors.sheet_parts import noise_bandwidth
+from simcompare.measures.heading import yaw_of
+from simcompare.model.estimate_plan import EstimatePlan, Sheet
+from simcompare.model.scenario import Scenario
+from simcompare.model.trajectory import Array, Trajectory
+from simcompare.statistics.streams import stream
+
+#: signals whose samples belong to another time than positions, in some engines
+_VELOCITIES = ("velocity_m_s", "rate_rad_s")
+
+
+def given_of(scenario: Scenario, plan: EstimatePlan, trajectory: Trajectory, seed: int) -> Given:
+    """What an estimator is given of one simulation.
+
+    Args:
+        scenario: the scene.
+        plan: roles, options and data sheets.
+        trajectory: the motion.
+        seed: of the devices and of their noise; another one is another draw.
+
+    Raises:
+        InputError: a sheet has nothing that measures so, or the source lacks a signal.
+    """
+    signals = {
+        role: _measured(scenario, plan, observed(name, scenario), trajectory, seed)
+        for role, name in plan.signals.items()
+    }
+    truth = {
+        role: _true(scenario, observed(name, scenario), trajectory)
+        for role, name in plan.truth.items()
+    }
+    return Given(signals, truth, plan.options, seed)
+
+
+def device_of(sheet: Sheet, sensor: str, part: str, seed: int) -> Device:
+    """The device of one sensor for one of its signals, such as ``rate_rad_s``.
+
+    Raises:
+        InputError: the sheet has nothing that measures so.
+    """
+    chip = _chip(sheet.sheet)
+    unit = units.unit_of(part)
+    found = chip.part_for(unit)
+    if found is None:
+        have = ", ".join(
+            f"{one.measures} ({units.symbol(one.unit)})" for one in chip.parts.values()
+        )
+        fault = f"{chip.title} measures {have}; expected something in {units.symbol(unit)}"
+        raise InputError(f"--sensors {sensor}={sheet.sheet}", [fault])
+    return found.drawn(
+        seed, sensor, range=sheet.range, rate_Hz=sheet.rate_Hz, bandwidth_Hz=sheet.bandwidth_Hz
+    )
+
+
+@cache
+def _chip(name: str) -> DataSheet:
+    """A data sheet; it is read once, also for many draws."""
+    return data_sheet.load(name)
+
+
+def noise_of(device: Device, component: int) -> float:
+    """Standard uncertainty of one reading by noise and rounding, along one axis."""
+    rate = device.rate_Hz or math.inf
+    width = noise_bandwidth(device.bandwidth_Hz, device.poles, rate)
+    white = device.noise_density[component] * math.sqrt(width) if width < math.inf else 0.0
+    return float(math.hypot(white, device.resolution / math.sqrt(12)))
+
+
+def _measured(
+    scenario: Scenario, plan: EstimatePlan, what: Observed, trajectory: Trajectory, seed: int
+) -> Signal:
+    sensor = scenario.sensors.get(what.owner)
+    sheet = plan.sensors.get(what.owner)
+    if sheet is not None:
+        device = device_of(sheet, what.owner, what.part, seed)
+        ideal = _values(trajectory, what.signal)
+        noise = stream(seed, what.owner, what.part, "noise")
+        held = sensor is not None and sensor.type == "encoder"
+        reading = measured(device, trajectory.time_s, ideal, noise, held=held)
+        values = _component(reading.measured, what)
+        axes = range(device.axes) if what.component is None else [what.component]
+        u = np.array([noise_of(device, axis) for axis in axes])
+        return Signal(reading.time_s, values, u if what.component is None else float(u[0]))
+    if sensor is not None and sensor.type == "encoder":
+        return Signal(trajectory.time_s, _counts(scenario, what.owner, trajectory, seed))
+    return Signal(trajectory.time_s, _component(_values(trajectory, what.signal), what))
+
+
+def _counts(scenario: Scenario, name: str, trajectory: Trajectory, seed: int) -> Array:
+    """Whole marks that have passed, the first of which lies anywhere."""
+    sensor = scenario.sensors[name]
+    assert sensor.marks is not None
+    turns = _values(trajectory, f"{sensor.joint}.angle_rad") / (2 * math.pi)
+    phase = float(stream(seed, name, "phase").uniform())
+    return np.asarray(np.floor(turns * sensor.marks + phase), dtype=float)
+
+
+def _true(scenario: Scenario, what: Observed, trajectory: Trajectory) -> Signal:
+    values = _values(trajectory, what.signal)
+    sensed = what.owner in scenario.sensors
+    late_s = trajectory.velocity_offset_s if what.part in _VELOCITIES and not sensed else 0.0
+    time_s = trajectory.time_s + late_s
+    if what.part == ORIENTATION:
+        return Signal(time_s, yaw_of(values) + what.offset)
+    return Signal(time_s, _component(values, what))
+
+
+def _component(values: Array, what: Observed) -> Array:
+    one = values if what.component is None or values.ndim == 1 else values[:, what.component]
+    return np.asarray(one + what.offset)
+
+
+def _values(trajectory: Trajectory, signal: str) -> Array:
+    if signal not in trajectory.signals:
+        known: Mapping[str, str] = trajectory.lacks
+        reason = known.get(signal, "it is not among its signals")
+        raise InputError(trajectory.source, [f"{signal} is missing: {reason}"])
+    return trajectory.signals[signal]

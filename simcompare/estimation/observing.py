@@ -1,0 +1,64 @@
+"""What a name under ``estimate:`` stands for: a probe, a signal, or one component of a signal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from simcompare import units
+from simcompare.errors import UnknownName
+from simcompare.model.scenario import Scenario
+
+_LETTERS = {3: "xyz", 4: "wxyz"}
+#: an orientation may stand for the heading, its angle about the vertical
+ORIENTATION = "orientation_wxyz"
+
+
+@dataclass(frozen=True)
+class Observed:
+    """Where values come from.
+
+    Attributes:
+        signal: such as ``imu.specific_force_m_s2``.
+        component: one of it, ``None`` for all.
+        offset: is added.
+        components: how many there are.
+        unit: SI unit.
+    """
+
+    signal: str
+    component: int | None
+    offset: float
+    components: int
+    unit: str
+
+    @property
+    def owner(self) -> str:
+        """Body, joint, actuator or sensor."""
+        return self.signal.partition(".")[0]
+
+    @property
+    def part(self) -> str:
+        """The signal without its owner."""
+        return self.signal.partition(".")[2]
+
+
+def observed(name: str, scenario: Scenario) -> Observed:
+    """What a name stands for: ``speed_m_s``, ``imu.rate_rad_s`` or ``imu.rate_rad_s.z``.
+
+    Raises:
+        UnknownName: no probe and no signal is called so.
+    """
+    signals = scenario.signals()
+    if name in scenario.probes:
+        probe = scenario.probes[name]
+        unit = units.unit_of(probe.observe.partition(".")[2])
+        return Observed(probe.observe, probe.component, probe.offset, 1, unit)
+    whole, _, letter = name.rpartition(".")
+    if name in signals:
+        unit = units.unit_of(name.partition(".")[2])
+        return Observed(name, None, 0.0, signals[name], unit)
+    letters = _LETTERS.get(signals.get(whole, 1), "")
+    if len(letter) == 1 and letter in letters:
+        unit = units.unit_of(whole.partition(".")[2])
+        return Observed(whole, letters.index(letter), 0.0, 1, unit)
+    raise UnknownName("probe or signal", name, [*scenario.probes, *signals])
