@@ -21,6 +21,7 @@ _PUBLIC = {
     "tune": "simcompare.verbs.tune",
     "characterize": "simcompare.verbs.characterize",
     "sensor": "simcompare.verbs.sensor",
+    "estimate": "simcompare.verbs.estimate",
     "control": "simcompare.verbs.control",
     "compare": "simcompare.verbs.compare",
     "runs": "simcompare.verbs.runs",

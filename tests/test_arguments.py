@@ -83,11 +83,13 @@ def test_arguments_that_there_are_not_and_that_are_missing(given, fault):
     assert str(caught.value).startswith(fault)
 
 
-@pytest.mark.parametrize("verb", ["run", "fit", "validate", "tune", "characterize", "control"])
+@pytest.mark.parametrize(
+    "verb", ["run", "fit", "validate", "tune", "characterize", "control", "estimate"]
+)
 def test_verbs_refuse_arguments_of_another_type(verb):
     with pytest.raises(InputError, match=f"^{verb}: .*engine=3"):
         getattr(simcompare, verb)(
-            *{"control": ["ball", print], "validate": ["ball"]}.get(verb, []),
+            *{"control": ["ball", print], "validate": ["ball"], "estimate": ["ball"]}.get(verb, []),
             engine=3,
             **{"fit": {"recordings": ["a"]}, "validate": {"recording": "a"}}.get(verb, {}),
         )

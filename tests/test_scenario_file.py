@@ -299,3 +299,27 @@ def test_a_fault_of_a_variant_is_told_with_its_own_line(write):
     write("toy.yaml", TOY)
     with pytest.raises(InputError, match=r"line 9, bodies\.ball\.mass_kg: expected a number gr"):
         read(write("toy_high.yaml", VARIANT.replace("mass_kg: 5", "mass_kg: -5")))
+
+
+ESTIMATE = """
+estimate:
+  speed_filter:
+    signals: {marks: height}
+    truth: {speed: speed_of_ball}
+    options: {diameter_m: 0.1, gates: 3}
+    sensors: {imu: {sheet: mpu6050}}
+  speed_flter:
+    signals: {marks: height}
+"""
+
+
+def test_every_fault_of_an_estimate_is_told(fault):
+    message = fault(text=TOY + ESTIMATE)
+    for part in (
+        "estimate.speed_filter.signals.marks: ",
+        "estimate.speed_filter.truth.speed: no probe or signal is called 'speed_of_ball'",
+        "estimate.speed_filter.options.gates: no option of the estimator is called 'gates'",
+        "estimate.speed_filter.sensors.imu: no sensor is called 'imu'",
+        "estimate.speed_flter: no estimator is called 'speed_flter'; did you mean speed_filter or",
+    ):
+        assert part in message

@@ -119,6 +119,7 @@ def register() -> None:
         compare,
         data,
         doctor,
+        estimate,
         explain,
         export,
         fit,
@@ -143,6 +144,7 @@ def register() -> None:
     _verb("runs", runs.runs)
     _verb("characterize", characterize.characterize)
     _verb("sensor", sensor.sensor)
+    _verb("estimate", estimate.estimate)
     _verb("export", export.export)
     _verb("import", import_.import_)
     _verb("fit", fit.fit)

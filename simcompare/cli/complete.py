@@ -61,6 +61,13 @@ def experiments(incomplete: str) -> list[str]:
     return [f"{before}{comma}{name}" for name in free if name.startswith(last)]
 
 
+def estimators(incomplete: str) -> list[str]:
+    """Estimators."""
+    from simcompare.estimation.estimators import ESTIMATORS
+
+    return [name for name in ESTIMATORS if name.startswith(incomplete)]
+
+
 def words(incomplete: str) -> list[str]:
     """Words that are explained."""
     from simcompare import glossary

@@ -26,6 +26,10 @@ EXAMPLES = {
         "simcompare sensor mpu6050 --part gyroscope --draw 5",
         "simcompare sensor --template",
     ),
+    "estimate": (
+        "simcompare estimate robot_motor --engine mujoco",
+        "simcompare estimate robot_motor --sensors imu=adxl345 --option bias=0",
+    ),
     "export": (
         "simcompare export robot --format urdf -o robot.urdf",
         "simcompare export ball --format script --engine mujoco -o ball.py",

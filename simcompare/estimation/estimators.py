@@ -1,8 +1,9 @@
 """The estimators by name: a module each, which declares what it needs.
 
 A module of an estimator has ``estimate(given) -> Estimate`` and declares in capitals ``SIGNALS``,
-what it must be given, role -> :class:`Role`, and ``OPTIONS``, name -> :class:`Option`. It may
-declare ``TRUTHS``, what it is judged by. A scenario names it under ``estimate:``, and says there
+what it must be given, role -> :class:`Role`, ``LABELS``, state -> what it is, the one that leads
+first, and ``TITLE``. It may declare ``OPTIONS``, name -> :class:`Option`, and ``TRUTHS``, what it
+is judged by. A scenario names it under ``estimate:``, and says there
 which probe or sensor plays which role; nothing else knows of both.
 """
 
@@ -59,12 +60,14 @@ class Option:
         default: used where nothing is said; ``None``: the scenario must say it.
         least: smallest value that makes sense.
         most: largest.
+        loosens: whether a larger one lets the motion differ more from its model.
     """
 
     text: str
     default: float | None = None
     least: float = 0.0
     most: float = float("inf")
+    loosens: bool = False
 
 
 @dataclass(frozen=True)
@@ -78,6 +81,7 @@ class Estimator:
         signals: role -> what is measured.
         truths: role -> what it is judged by.
         options: name -> number.
+        labels: state, with its unit -> what it is, the one that leads first.
     """
 
     name: str
@@ -86,6 +90,7 @@ class Estimator:
     signals: Mapping[str, Role]
     truths: Mapping[str, Role] = field(default_factory=dict)
     options: Mapping[str, Option] = field(default_factory=dict)
+    labels: Mapping[str, str] = field(default_factory=dict)
 
     def with_defaults(self, options: Mapping[str, float]) -> dict[str, float]:
         """All its options, those that are not said at their defaults."""
@@ -110,6 +115,7 @@ def load(name: str) -> Estimator:
         module.SIGNALS,
         getattr(module, "TRUTHS", {}),
         getattr(module, "OPTIONS", {}),
+        module.LABELS,
     )
 
 

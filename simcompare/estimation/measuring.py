@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -43,6 +44,7 @@ def given_of(scenario: Scenario, plan: EstimatePlan, trajectory: Trajectory, see
     Raises:
         InputError: a sheet has nothing that measures so, or the source lacks a signal.
     """
+    trajectory = _from(trajectory, plan.start_s)
     signals = {
         role: _measured(scenario, plan, observed(name, scenario), trajectory, seed)
         for role, name in plan.signals.items()
@@ -52,6 +54,16 @@ def given_of(scenario: Scenario, plan: EstimatePlan, trajectory: Trajectory, see
         for role, name in plan.truth.items()
     }
     return Given(signals, truth, plan.options, seed)
+
+
+def _from(trajectory: Trajectory, start_s: float) -> Trajectory:
+    """The same from a time on."""
+    kept = trajectory.time_s >= start_s - 1e-9
+    if np.count_nonzero(kept) < 3:
+        fault = f"start_s = {start_s:g} leaves nothing of {trajectory.time_s[-1]:g} s"
+        raise InputError("estimate", [f"{fault}; expected an earlier start"])
+    signals = {name: values[kept] for name, values in trajectory.signals.items()}
+    return replace(trajectory, time_s=trajectory.time_s[kept], signals=signals)
 
 
 def device_of(sheet: Sheet, sensor: str, part: str, seed: int) -> Device:

@@ -56,8 +56,10 @@ OPTIONS = {
     "drive_N_A": Option("force of one motor for an ampere", 0.0),
     "current_damping_N_s_m": Option("what one motor brakes at a given current", 0.0),
     "friction_N": Option("friction of rolling and motors", 0.0),
-    "speed_noise_m2_s3": Option("density of unknown accelerations", 0.1, 1e-12),
-    "turn_noise_rad2_s3": Option("density of unknown angular accelerations", 1.0, 1e-12),
+    "speed_noise_m2_s3": Option("density of unknown accelerations", 0.1, 1e-12, loosens=True),
+    "turn_noise_rad2_s3": Option(
+        "density of unknown angular accelerations", 1.0, 1e-12, loosens=True
+    ),
     "start_x_m": Option("where it starts along x", 0.0, -math.inf),
     "start_y_m": Option("where it starts along y", 0.0, -math.inf),
     "start_heading_rad": Option("its heading there", 0.0, -math.inf),
@@ -112,8 +114,7 @@ def estimate(given: Given) -> Estimate:
         _way(given, "smoothed", time_s, smoothed.means, smoothed.uncertainties),
         _reckoned(setting),
     )
-    labels = {name: LABELS[name] for name in ways[0].states}
-    return Estimate(ways, labels, _innovations(setting, filtered, ways[0]), _numbers(filtered))
+    return Estimate(ways, _innovations(setting, filtered, ways[0]), _numbers(filtered))
 
 
 def _setting(given: Given) -> _Setting:

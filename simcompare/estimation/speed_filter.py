@@ -49,7 +49,7 @@ OPTIONS = {
     "u_diameter_m": Option("standard uncertainty of the diameter", 0.0),
     "marks": Option("marks in one turn of the wheel", 0.0),
     "gate_s": Option("time in which marks are counted", 0.01, 1e-4),
-    "jerk_density_m2_s5": Option("density q of the white jerk", 1.0, 1e-12),
+    "jerk_density_m2_s5": Option("density q of the white jerk", 1.0, 1e-12, loosens=True),
     "bias": Option("1: the accelerometer's bias is a state", 0.0, 0.0, 1.0),
     "u_bias_m_s2": Option("standard uncertainty of the bias at the start", 0.5, 1e-9),
     "u_start_speed_m_s": Option("standard uncertainty of the speed at the start", 1.0, 1e-9),
@@ -67,6 +67,8 @@ def estimate(given: Given) -> Estimate:
     wheel, gate_s = _wheel(given)
     acceleration = given.signals.get("acceleration")
     time_s = timing.merged([wheel, *([] if acceleration is None else [acceleration])])
+    # before the wheel has told a speed there is nothing to filter
+    time_s = time_s[time_s >= wheel.time_s[0] - timing.SAME_S]
     filtered = _filtered(given, time_s, wheel, acceleration, gate_s)
     smoothed = smooth(filtered)
     ways = [
@@ -76,15 +78,11 @@ def estimate(given: Given) -> Estimate:
     ]
     if acceleration is not None:
         ways += [
-            _integrated(given, acceleration),
+            _integrated(given, acceleration, float(wheel.values[0])),
             _alone(given, "accelerometer alone", acceleration, "acceleration", 0.0),
         ]
-    return Estimate(
-        tuple(ways),
-        {name: LABELS[name] for name in _names(given)},
-        _innovations(filtered, ways[0]),
-        _numbers(given, filtered),
-    )
+    innovations = _innovations(filtered, ways[0])
+    return Estimate(tuple(ways), innovations, _numbers(given, filtered))
 
 
 def matrices(step_s: float, jerk_density_m2_s5: float, bias: bool = False) -> tuple[Array, Array]:
@@ -164,11 +162,11 @@ def _alone(given: Given, name: str, signal: Signal, truth: str, age_s: float) ->
     return Way(name, time_s, {state: State(signal.values, u, given.truth_at(truth, time_s))})
 
 
-def _integrated(given: Given, acceleration: Signal) -> Way:
-    """The speed as the sum of accelerations, from rest."""
+def _integrated(given: Given, acceleration: Signal, first_m_s: float) -> Way:
+    """The speed as the sum of accelerations, from the first one that the wheel tells."""
     time_s, values = acceleration.time_s, acceleration.values
     steps = np.diff(time_s) * (values[1:] + values[:-1]) / 2
-    speed = np.concatenate(([0.0], np.cumsum(steps)))
+    speed = first_m_s + np.concatenate(([0.0], np.cumsum(steps)))
     state = State(speed, None, given.truth_at("speed", time_s))
     return Way("acceleration summed up", time_s, {"speed_m_s": state})
 

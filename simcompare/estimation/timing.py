@@ -22,10 +22,11 @@ def merged(signals: Sequence[Signal]) -> Array:
 
 
 def placed(signals: Sequence[Signal], time_s: Array) -> Array:
-    """Readings at their own times (n, m), NaN at those of the others."""
+    """Readings at their own times (n, m), NaN at those of the others; earlier ones are left out."""
     found = np.full((len(time_s), len(signals)), np.nan)
     for i, one in enumerate(signals):
-        found[np.searchsorted(time_s, one.time_s - SAME_S), i] = one.values
+        late = one.time_s >= time_s[0] - SAME_S
+        found[np.searchsorted(time_s, one.time_s[late] - SAME_S), i] = one.values[late]
     return found
 
 

@@ -35,9 +35,51 @@ class EstimatePlan(Frozen):
         truth: role -> what it is judged by, named alike; an orientation stands for its heading.
         options: numbers of the estimator.
         sensors: sensor -> data sheet that it follows where the user names none.
+        start_s: from when on it is measured [s].
     """
 
     signals: Mapping[str, str] = Field(min_length=1)
     truth: Mapping[str, str] = Field(default_factory=dict)
     options: Mapping[str, float] = Field(default_factory=dict)
     sensors: Mapping[str, Sheet] = Field(default_factory=dict)
+    start_s: float = Field(0.0, ge=0)
+
+
+class RecordedSignal(Frozen):
+    """A channel of a recording that plays a role.
+
+    Attributes:
+        channel: its name, with or without unit, or stream/channel.
+        u: standard uncertainty of one sample by noise; the channel's own where left out.
+        scale: values are multiplied by it, such as 1/radius from m/s to rad/s.
+        offset: is added afterwards.
+    """
+
+    channel: str
+    u: PositiveFloat | None = None
+    scale: float = 1.0
+    offset: float = 0.0
+
+
+class RecordedPlan(Frozen):
+    """How one estimator is used on a recording.
+
+    Attributes:
+        scenario: whose estimator it is.
+        estimator: its name.
+        signals: role -> channel.
+        truth: role -> channel that it is judged by.
+        options: its numbers, in place of those of the scenario.
+        start_s: the part of the recording that is looked at begins there [s].
+        duration_s: and is so long [s]; to the end where left out.
+        note: what the reader must know.
+    """
+
+    scenario: str
+    estimator: str
+    signals: Mapping[str, RecordedSignal] = Field(min_length=1)
+    truth: Mapping[str, RecordedSignal] = Field(default_factory=dict)
+    options: Mapping[str, float] = Field(default_factory=dict)
+    start_s: float = Field(0.0, ge=0)
+    duration_s: PositiveFloat | None = None
+    note: str = ""

@@ -1,0 +1,1 @@
+"""Estimations as sentences, figures, tables and a page."""

@@ -1,0 +1,179 @@
+"""What an estimation says, in sentences: how far off, whether the filter knows it, what to change.
+
+A filter that is not consistent is told with the test that shows it.
+"""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
+
+from simcompare import units
+from simcompare.estimation.consistency import Verdict
+from simcompare.reports.characterization.words import rounded
+from simcompare.reports.estimation import units_of
+from simcompare.reports.run.listing import joined
+from simcompare.results.records.estimation import Estimation, SourceEstimate
+
+#: correlation of neighbouring innovations that is worth a sentence
+_CLEAR = 0.2
+
+
+def sentences(result: Estimation) -> Iterator[str]:
+    """The answer, the verdict, its cause, and what to change."""
+    if not result.done:
+        yield from (f"{one.source}: {one.reason}" for one in result.sources if one.reason)
+        return
+    state = lead_state(result)
+    yield from _errors(result, state)
+    yield from _verdicts(result)
+    yield from _diameter(result)
+    refused = [(r.name, r.refused, one.source) for one in result.done for r in one.readings]
+    for name, count, source in refused:
+        if count >= 1:
+            yield f"{source}: {rounded(count)} readings of {name} were refused, they could not be."
+
+
+def lead_state(result: Estimation) -> str:
+    """The state that leads: the first of which the truth is known, else the first."""
+    known = [
+        one.state for source in result.done for one in source.errors if one.rms_error is not None
+    ]
+    ranked = [state for state in result.labels if state in known]
+    return (ranked or list(result.labels))[0]
+
+
+def ways_of(result: Estimation, state: str) -> list[str]:
+    """Ways that tell a state: what sensors say alone, then the filter and the smoother."""
+    told = [one.way for source in result.done for one in source.errors if one.state == state]
+    mended = [way for way in (*result.done[0].ways[:1], "smoothed") if way in told]
+    return [*(way for way in dict.fromkeys(told) if way not in mended), *mended]
+
+
+def _errors(result: Estimation, state: str) -> Iterator[str]:
+    """How far each way is off, over all sources."""
+    ways = {way: _rms(result, way, state) for way in ways_of(result, state)}
+    ways = {way: errors for way, errors in ways.items() if errors}
+    label = result.labels[state].lower()
+    if not ways:
+        yield f"Nobody knows the true {label}, so no error is told."
+        return
+    factor, unit = units_of.scale(state, [one for row in ways.values() for one in row])
+    said = [f"{way} {_span(row, factor)} {unit}" for way, row in ways.items()]
+    whose = joined([one.source for one in result.done])
+    often = f", {result.draws} draws of the sensors" if result.draws > 1 else ""
+    yield f"Error of the {label} (rms): {joined(said)} ({whose}{often})."
+
+
+def _rms(result: Estimation, way: str, state: str) -> list[float]:
+    found = [one.error_of(way, state) for one in result.done]
+    return [one.rms_error for one in found if one is not None and one.rms_error is not None]
+
+
+def _span(values: Sequence[float], factor: float) -> str:
+    low, high = (units_of.text(one, factor) for one in (min(values), max(values)))
+    return low if low == high else f"{low} to {high}"
+
+
+def _verdicts(result: Estimation) -> Iterator[str]:
+    """What NEES, or NIS where nobody knows the truth, say; sources that say the same together."""
+    groups: dict[str, list[SourceEstimate]] = {}
+    for one in result.done:
+        verdict = leading(one)
+        if verdict is not None:
+            groups.setdefault(verdict.outcome, []).append(one)
+    for outcome, sources in groups.items():
+        verdicts = [found for one in sources if (found := leading(one)) is not None]
+        whose = "" if len(groups) == 1 else f"{joined([one.source for one in sources])}: "
+        yield whose + _said(outcome, verdicts)
+        yield from _causes(result, outcome, sources)
+
+
+def leading(source: SourceEstimate) -> Verdict | None:
+    """The test that judges a source: NEES where the truth is known, else NIS."""
+    return source.nees or source.nis
+
+
+def _said(outcome: str, verdicts: Sequence[Verdict]) -> str:
+    first = verdicts[0]
+    values = [one.value for one in verdicts]
+    low, high = rounded(min(values), 3), rounded(max(values), 3)
+    value = low if low == high else f"{low} to {high}"
+    band = f"{rounded(first.low, 3)} … {rounded(first.high, 3)}"
+    match outcome:
+        case "consistent":
+            return f"The filter errs as much as it says: {first.name} {value}, within {band}."
+        case "too careful":
+            return f"The filter errs less than it says: {first.name} {value}, below {band}."
+        case "too sure":
+            return f"The filter errs more than it says: {first.name} {value}, above {band}."
+    return (
+        f"The filter has diverged: its errors are far larger than it says, {first.name} {value}"
+        f" where {band} is expected."
+    )
+
+
+def _causes(result: Estimation, outcome: str, sources: Sequence[SourceEstimate]) -> Iterator[str]:
+    """What the innovations say of it, and the command that changes it."""
+    if outcome == "consistent":
+        return
+    lags = {
+        reading.name: reading.whiteness.lag_1
+        for reading in sources[0].readings
+        if reading.whiteness is not None and reading.whiteness.lag_1 is not None
+    }
+    against = [name for name, lag in lags.items() if lag < -_CLEAR]
+    along = [name for name, lag in lags.items() if lag > _CLEAR]
+    if against:
+        least = min(lags[name] for name in against)
+        yield (
+            f"Neighbouring innovations of {joined(against)} cancel (correlation"
+            f" {rounded(least)}): what one count has too much, the next has too little. So errors"
+            " add up to less than those of white noise would."
+        )
+    if along:
+        most = max(lags[name] for name in along)
+        yield (
+            f"Neighbouring innovations of {joined(along)} agree (correlation {rounded(most)}):"
+            " something that lasts is not in the model."
+        )
+    if outcome in ("too sure", "diverged"):
+        yield from _cures(result)
+
+
+def _cures(result: Estimation) -> Iterator[str]:
+    if result.options.get("bias") == 0:
+        command = with_options(result.command, {"bias": 1.0})
+        yield f"A constant error of a sensor is no noise; make it a state: {command}"
+        return
+    looser = {name: 10 * result.options[name] for name in result.loosen}
+    if looser:
+        command = with_options(result.command, looser)
+        yield f"Let the motion differ more from the model: {command}"
+
+
+def with_options(command: Sequence[str], options: Mapping[str, float]) -> str:
+    """The same command with other options."""
+    kept: list[str] = []
+    words = iter(command)
+    for word in words:
+        value = next(words, "") if word == "--option" else ""
+        if word != "--option":
+            kept.append(word)
+        elif units.find_name(value.partition("=")[0], options) is None:
+            kept += [word, value]
+    assigned = [f"{name}={value:g}" for name, value in options.items()]
+    changed = [word for one in assigned for word in ("--option", one)]
+    return shlex.join([*kept, *changed])
+
+
+def _diameter(result: Estimation) -> Iterator[str]:
+    """What is systematic, and in no filter."""
+    found = [one.numbers.get("speed_open_by_diameter") for one in result.done]
+    values = [one.value for one in found if one is not None]
+    if values:
+        size = units_of.text(max(values), 1e3)
+        yield (
+            f"The wheel's diameter leaves {size} mm/s open besides: it is the same in every"
+            " reading, so no filter averages it out."
+        )

@@ -1,0 +1,172 @@
+"""What estimate.json says of an estimation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from simcompare.estimation.consistency import Verdict
+from simcompare.estimation.estimate import Number
+from simcompare.model.estimate_plan import Sheet
+from simcompare.model.plain import Finite
+from simcompare.results.records.run import Software
+from simcompare.running.jobs import FAILED, OK
+
+#: version of what is stored
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class WayError:
+    """How far one way of telling a state is from the truth, over all draws.
+
+    Attributes:
+        way: such as "filtered".
+        state: name with its unit.
+        rms_error: root of the mean squared error [unit of the state]; ``None`` where nobody knows
+            the truth.
+        u: median of the standard uncertainties that this way states; ``None`` where it states none.
+    """
+
+    way: str
+    state: str
+    rms_error: float | None
+    u: float | None
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One state over time, as one way tells it in the first draw.
+
+    Attributes:
+        way: such as "filtered".
+        state: name with its unit.
+        time_s: (n,) [s].
+        values: (n,).
+        u: standard uncertainty (n,), ``None`` where none is stated.
+        truth: (n,), ``None`` where nobody knows.
+    """
+
+    way: str
+    state: str
+    time_s: tuple[float, ...]
+    values: tuple[Finite, ...]
+    u: tuple[Finite, ...] | None
+    truth: tuple[Finite, ...] | None
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What is known of the innovations of one reading.
+
+    Attributes:
+        name: such as "wheel".
+        whiteness: the test; ``None`` where hardly anything was read.
+        refused: how many the gate kept out, in a draw.
+    """
+
+    name: str
+    whiteness: Verdict | None
+    refused: float
+
+
+@dataclass(frozen=True)
+class SourceEstimate:
+    """What was estimated of one source: an engine, or a recording.
+
+    Attributes:
+        source: its name.
+        version: of the engine, ``None`` where it is not known.
+        status: "ok", "unsupported", "missing" or "failed".
+        reason: one sentence where the status is not "ok".
+        errors: of each way and state.
+        nees: test of the errors; ``None`` where nobody knows the truth, or nothing is filtered.
+        nis: test of the innovations.
+        nees_over_time: times [s] and NEES, its mean over the draws.
+        readings: what is known of each of them.
+        numbers: key numbers of the first draw.
+        notes: what the reader must know.
+        curves: of the first draw.
+    """
+
+    source: str
+    version: str | None
+    status: str
+    reason: str | None = None
+    errors: tuple[WayError, ...] = ()
+    nees: Verdict | None = None
+    nis: Verdict | None = None
+    nees_over_time: tuple[tuple[float, ...], tuple[Finite, ...]] = ((), ())
+    readings: tuple[Reading, ...] = ()
+    numbers: Mapping[str, Number] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    curves: tuple[Curve, ...] = ()
+
+    def error_of(self, way: str, state: str) -> WayError | None:
+        """The error of one way and state."""
+        return next((e for e in self.errors if (e.way, e.state) == (way, state)), None)
+
+    def curve_of(self, way: str, state: str) -> Curve | None:
+        """The curve of one way and state."""
+        return next((c for c in self.curves if (c.way, c.state) == (way, state)), None)
+
+    @property
+    def ways(self) -> list[str]:
+        """Ways, the estimator's own first."""
+        return list(dict.fromkeys(one.way for one in self.errors))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Estimation:
+    """What sensors told of a motion.
+
+    Attributes:
+        format: version of what is stored.
+        created: date and time, ISO 8601.
+        title: of the page.
+        question: that is asked.
+        scenario: its name.
+        estimator: its name.
+        labels: state -> what it is.
+        sensors: sensor -> data sheet that it follows.
+        options: numbers of the estimator.
+        loosen: options that say what a motion does besides its model.
+        draws: how often each motion was measured.
+        seed: of the draws.
+        recording: name of it; empty where engines were measured.
+        sentences: what there is to see.
+        sources: what was estimated of each.
+        command: words of the command line that do the same again.
+        software: versions.
+        folder: where it is stored, ``None`` where it is not.
+    """
+
+    format: int = FORMAT
+    created: str
+    title: str
+    question: str
+    scenario: str
+    estimator: str
+    labels: Mapping[str, str]
+    sensors: Mapping[str, Sheet]
+    options: Mapping[str, float]
+    loosen: tuple[str, ...] = ()
+    draws: int
+    seed: int
+    recording: str = ""
+    sentences: tuple[str, ...] = ()
+    sources: tuple[SourceEstimate, ...]
+    command: tuple[str, ...]
+    software: Software
+    folder: Path | None = None
+
+    @property
+    def done(self) -> list[SourceEstimate]:
+        """Sources of which something was estimated."""
+        return [one for one in self.sources if one.status == OK]
+
+    @property
+    def exit_code(self) -> int:
+        """0 fine, 3 where an engine broke."""
+        return 3 if any(one.status == FAILED for one in self.sources) else 0

@@ -1,0 +1,184 @@
+"""The verb ``estimate``: what sensors tell of a motion, with its uncertainty, beside the truth."""
+
+from __future__ import annotations
+
+import datetime
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from simcompare.arguments import checked
+from simcompare.comparison.repeats import one_step_s
+from simcompare.engine import engines
+from simcompare.errors import InputError, UnknownName
+from simcompare.estimation import estimators, measuring
+from simcompare.estimation.estimate import Estimate
+from simcompare.estimation.estimators import Estimator
+from simcompare.model import plain
+from simcompare.model.estimate_plan import EstimatePlan
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, Settings
+from simcompare.reports.estimation import words
+from simcompare.results import store
+from simcompare.results.records.estimation import SourceEstimate
+from simcompare.results.run_record import software
+from simcompare.running.jobs import Job, Outcome
+from simcompare.running.runner import TIME_LIMIT_S, Progress, run_jobs
+from simcompare.scenarios import catalogue
+from simcompare.verbs import estimate_request as requests
+from simcompare.verbs import estimating
+from simcompare.verbs.estimate_request import EstimateRequest
+from simcompare.verbs.estimated import Estimated
+from simcompare.verbs.notebook_line import with_line
+
+FILE = "estimate.json"
+#: draws of the sensors beyond which nothing new is seen
+MAX_DRAWS = 10_000
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """All that is estimated, by whom and how often."""
+
+    scenario: Scenario
+    estimator: Estimator
+    plan: EstimatePlan
+    draws: int
+    seed: int
+
+
+@checked
+@with_line
+def estimate(
+    scenario: str | Path,
+    *,
+    estimator: str | None = None,
+    engine: str | Sequence[str] = "all",
+    contact: str = ASSISTED,
+    sensors: str | Mapping[str, str] | None = None,
+    options: Mapping[str, str | float] | None = None,
+    set: Mapping[str, str | float] | None = None,
+    preset: str | None = None,
+    step: str | float | None = None,
+    draws: int = 40,
+    seed: int = 0,
+    out: str | Path | None = None,
+    time_limit_s: float = TIME_LIMIT_S,
+    progress: Progress | None = None,
+) -> Estimated:
+    """Measures each engine's motion with sensors that are not ideal, and filters what they say.
+
+    ::
+
+        found = simcompare.estimate("robot_motor", engine="mujoco", sensors="imu=mpu6050")
+        found.table()
+        found.plot()
+
+    Args:
+        scenario: name, folder or file; its ``estimate:`` says what is measured.
+        estimator: one of those that the scenario names there; the first where ``None``.
+        engine: "all", names with commas or a list of names.
+        contact: contact level.
+        sensors: data sheets, such as "imu=mpu6050"; the scenario's own where left out.
+        options: numbers of the estimator that differ, such as ``{"bias": 0}``.
+        set: parameters that differ from the file; text may carry a unit.
+        preset: named set of parameters, applied first.
+        step: the engine's step, "1ms" or in seconds.
+        draws: how often each motion is measured, each time with other devices and other noise.
+        seed: of the draws.
+        out: folder for the folder of the results; nothing is stored where ``None``.
+        time_limit_s: longest time for one simulation [s].
+        progress: called as ``progress(engine, done, total)``.
+
+    Returns:
+        What was estimated, and how far it is from the truth.
+
+    Raises:
+        SimcompareError: faults of the arguments or of a file, or nowhere to store the results.
+    """
+    scenario, engine = str(scenario), engines.listed(engine)
+    if contact not in CONTACT_LEVELS:
+        raise UnknownName("contact level", contact, CONTACT_LEVELS)
+    chosen = engines.select(engine)
+    file = catalogue.load(scenario)
+    step_s = None if step is None else one_step_s(step)
+    scene = file.resolve(file.read_settings(set or {}), preset=preset, step_s=step_s)
+    asked = _asked(scene, estimator, requests.sheets_of(sensors), options or {}, draws, seed)
+    if out is not None:
+        store.check_writable(Path(out))
+    jobs = [Job(name, scene, Settings(contact)) for name in chosen]
+    outcomes = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
+    request = EstimateRequest(
+        scenario=scenario, engine=engine, contact=contact, estimator=estimator, set=set,
+        preset=preset, step=step, options=options, draws=draws, seed=seed,
+        sensors=tuple(f"{k}={v}" for k, v in requests.sheets_of(sensors).items()),
+    )  # fmt: skip
+    sources = tuple(_of_engine(asked, outcome) for outcome in outcomes)
+    return _saved(_result(asked, sources, request), out)
+
+
+def _asked(
+    scene: Scenario,
+    estimator: str | None,
+    sheets: Mapping[str, str],
+    options: Mapping[str, str | float],
+    draws: int,
+    seed: int,
+) -> _Asked:
+    if not 1 <= draws <= MAX_DRAWS:
+        raise InputError("--draws", [f"{draws} is no number of draws; expected 1 to {MAX_DRAWS}"])
+    if seed < 0:
+        raise InputError("--seed", [f"{seed} is below 0; expected 0 or more"])
+    found, plan = requests.plan_of(scene, estimator)
+    plan = requests.with_sheets(plan, sheets, scene)
+    numbers = requests.options_of(found, plan.options, options)
+    return _Asked(scene, found, plan.model_copy(update={"options": numbers}), draws, seed)
+
+
+def _of_engine(asked: _Asked, outcome: Outcome) -> SourceEstimate:
+    """What was estimated of the motion of one engine, over all draws."""
+    name, version = outcome.job.engine, outcome.facts.version
+    if outcome.trajectory is None:
+        return SourceEstimate(name, version, outcome.status, outcome.reason)
+    draws: list[Estimate] = []
+    for number in range(asked.draws):
+        seed = asked.seed * MAX_DRAWS + number
+        given = measuring.given_of(asked.scenario, asked.plan, outcome.trajectory, seed)
+        draws.append(estimators.apply(asked.estimator, given))
+    found = estimating.of_source(name, version, draws)
+    return replace(found, notes=(*outcome.trajectory.notes, *found.notes))
+
+
+def _result(
+    asked: _Asked, sources: tuple[SourceEstimate, ...], request: EstimateRequest
+) -> Estimated:
+    scene, estimator = asked.scenario, asked.estimator
+    states = {curve.state for one in sources for curve in one.curves}
+    result = Estimated(
+        created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        title=f"{estimator.title}: {scene.title}",
+        question="How well do its sensors tell the motion, and does the filter know how well?",
+        scenario=scene.name,
+        estimator=estimator.name,
+        labels={k: text for k, text in estimator.labels.items() if k in states},
+        sensors=asked.plan.sensors,
+        options=asked.plan.options,
+        loosen=tuple(name for name, one in estimator.options.items() if one.loosens),
+        draws=asked.draws,
+        seed=asked.seed,
+        sources=sources,
+        command=request.command(),
+        software=software(),
+    )
+    return replace(result, sentences=tuple(words.sentences(result)))
+
+
+def _saved(result: Estimated, out: str | Path | None) -> Estimated:
+    if out is None:
+        return result
+    name = f"{result.scenario}-{result.estimator}"
+    with store.new_folder(Path(out), result.created, name, "results") as (place, partial):
+        stored = replace(result, folder=place)
+        text = plain.text(stored, indent=1)
+        (partial / FILE).write_text(text + "\n", encoding="utf-8")
+    return stored

@@ -1,0 +1,120 @@
+"""From the estimates of many draws to what is stored and shown of one source."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from simcompare.estimation import consistency
+from simcompare.estimation.consistency import Verdict
+from simcompare.estimation.estimate import Estimate, Innovations, State, Way
+from simcompare.model.trajectory import Array
+from simcompare.results.records.estimation import Curve, Reading, SourceEstimate, WayError
+from simcompare.running.jobs import OK
+
+#: points of a stored curve at most
+_POINTS = 2000
+
+
+def of_source(source: str, version: str | None, draws: Sequence[Estimate]) -> SourceEstimate:
+    """What the draws of one source say together; curves and numbers are those of the first."""
+    first = draws[0]
+    return SourceEstimate(
+        source,
+        version,
+        OK,
+        errors=tuple(_errors(draws)),
+        nees=_nees(draws),
+        nis=_nis(draws),
+        nees_over_time=_over_time(draws),
+        readings=_readings(draws),
+        numbers=first.numbers,
+        notes=first.notes,
+        curves=tuple(_curve(way, name, one) for way in first.ways for name, one in _states(way)),
+    )
+
+
+def _states(way: Way) -> list[tuple[str, State]]:
+    return list(way.states.items())
+
+
+def _errors(draws: Sequence[Estimate]) -> list[WayError]:
+    found = []
+    for number, way in enumerate(draws[0].ways):
+        for name in way.states:
+            states = [one.ways[number].states[name] for one in draws]
+            errors = [one.rms_error for one in states if one.rms_error is not None]
+            rms = float(np.sqrt(np.mean(np.square(errors)))) if errors else None
+            u = [np.median(one.u) for one in states if one.u is not None]
+            found.append(WayError(way.name, name, rms, float(np.median(u)) if u else None))
+    return found
+
+
+def _nees(draws: Sequence[Estimate]) -> Verdict | None:
+    rows = _nees_rows(draws)
+    known = rows.size > 0 and bool(np.isfinite(rows).all(axis=0).any())
+    return consistency.nees(rows, _innovations(draws)[0].states) if known else None
+
+
+def _innovations(draws: Sequence[Estimate]) -> list[Innovations]:
+    return [one.innovations for one in draws if one.innovations is not None]
+
+
+def _nees_rows(draws: Sequence[Estimate]) -> Array:
+    """NEES of each draw (draws, n), as many instants as all of them have; none where unknown."""
+    rows = [one.nees for one in _innovations(draws) if one.nees is not None]
+    count = min(map(len, rows), default=0)
+    return np.array([row[:count] for row in rows])
+
+
+def _nis(draws: Sequence[Estimate]) -> Verdict | None:
+    found = _innovations(draws)
+    if not found:
+        return None
+    count = min(len(one.nis) for one in found)
+    return consistency.nis(
+        np.array([one.nis[:count] for one in found]), np.array([one.used[:count] for one in found])
+    )
+
+
+def _over_time(draws: Sequence[Estimate]) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    rows = _nees_rows(draws)
+    if not rows.size:
+        return (), ()
+    every = _every(rows.shape[1])
+    time_s = draws[0].best.time_s[: rows.shape[1]]
+    return tuple(time_s[::every].tolist()), tuple(rows.mean(axis=0)[::every].tolist())
+
+
+def _readings(draws: Sequence[Estimate]) -> tuple[Reading, ...]:
+    found = _innovations(draws)
+    names = found[0].whitened if found else ()
+    return tuple(
+        Reading(
+            name,
+            consistency.whiteness([one.whitened[name] for one in found]),
+            float(np.mean([one.refused.get(name, 0) for one in found])),
+        )
+        for name in names
+    )
+
+
+def _every(count: int) -> int:
+    return max(1, -(-count // _POINTS))
+
+
+def _curve(way: Way, name: str, state: State) -> Curve:
+    every = _every(len(way.time_s))
+
+    def kept(values: Array | None) -> tuple[float, ...] | None:
+        return None if values is None else tuple(np.asarray(values)[::every].tolist())
+
+    return Curve(
+        way.name,
+        name,
+        kept(way.time_s) or (),
+        kept(state.values) or (),
+        kept(state.u),
+        kept(state.truth),
+    )

@@ -1,0 +1,174 @@
+"""The verb estimate: engines measured with drawn sensors, filtered, and judged by their truth."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import simcompare
+from simcompare import cli
+from simcompare.errors import InputError, UnknownName
+from simcompare.estimation.consistency import Verdict
+from simcompare.reports.estimation import figures, page, words
+
+SCENARIO = "robot_motor"
+needs_mujoco = pytest.mark.engines("mujoco")
+
+
+@pytest.fixture(scope="module")
+def found():
+    return simcompare.estimate(SCENARIO, engine="mujoco", draws=20)
+
+
+def rms(result, way, state="speed_m_s"):
+    return result.done[0].error_of(way, state).rms_error
+
+
+@needs_mujoco
+def test_the_filter_is_better_than_each_sensor_and_the_smoother_better_still(found):
+    assert rms(found, "smoothed") < rms(found, "filtered") < rms(found, "wheel alone") / 2
+    assert rms(found, "wheel alone") < rms(found, "acceleration summed up")
+    acceleration = "acceleration_m_s2"
+    alone = rms(found, "accelerometer alone", acceleration)
+    assert rms(found, "filtered", acceleration) < alone / 2
+
+
+@needs_mujoco
+def test_counting_errs_as_a_triangle_says(found):
+    # one count of 960 marks in 10 ms, over √6; 20 draws of 48 gates tell it to 3 %
+    mark_m = np.pi * 0.065 / 960
+    assert rms(found, "wheel alone") == pytest.approx(mark_m / 0.01 / np.sqrt(6), rel=0.1)
+
+
+@needs_mujoco
+def test_errors_of_neighbouring_counts_cancel_and_that_is_said(found):
+    reading = found.done[0].readings[0]
+    assert reading.name == "wheel"
+    assert reading.whiteness.outcome == "not white"
+    # two neighbours share one end of a gate: -1/2, a little less after filtering
+    assert -0.55 < reading.whiteness.lag_1 < -0.3
+    assert any("Neighbouring innovations of wheel cancel" in one for one in found.sentences)
+
+
+@needs_mujoco
+def test_a_bias_that_is_no_state_makes_the_filter_diverge_and_the_cure_is_said():
+    found = simcompare.estimate(SCENARIO, engine="mujoco", draws=10, options={"bias": 0})
+    assert found.done[0].nees.outcome == "diverged"
+    assert rms(found, "filtered") > rms(found, "wheel alone")
+    text = "\n".join(found.sentences)
+    assert "The filter has diverged: its errors are far larger than it says, NEES" in text
+    cure = next(one for one in found.sentences if "make it a state" in one)
+    command = cure.partition("state: ")[2].split()
+    assert command == [
+        "simcompare", "estimate", SCENARIO, "--engine", "mujoco", "--draws", "10", "--option",
+        "bias=1",
+    ]  # fmt: skip
+
+
+@needs_mujoco
+def test_the_same_seed_draws_the_same_and_another_one_others(found):
+    again = simcompare.estimate(SCENARIO, engine="mujoco", draws=20)
+    other = simcompare.estimate(SCENARIO, engine="mujoco", draws=20, seed=1)
+    assert again.done[0].curves == found.done[0].curves
+    assert other.done[0].curves != found.done[0].curves
+
+
+@needs_mujoco
+def test_another_data_sheet_is_another_noise():
+    options = {"engine": "mujoco", "draws": 5}
+    noisy = simcompare.estimate(SCENARIO, sensors={"imu": "adxl345"}, **options)
+    assert noisy.sensors["imu"].sheet == "adxl345"
+    assert noisy.command[-2:] == ("imu=adxl345", "5") or "imu=adxl345" in noisy.command
+
+
+@needs_mujoco
+def test_the_pose_filter_knows_the_turning_rate_better_than_the_wheels():
+    found = simcompare.estimate(SCENARIO, estimator="pose_filter", engine="mujoco", draws=5)
+    assert rms(found, "filtered", "rate_rad_s") < rms(found, "wheels alone", "rate_rad_s") / 3
+    assert "path" in [figure.name for figure in figures.figures(found)]
+
+
+@needs_mujoco
+def test_an_estimation_shows_itself(found, tmp_path):
+    table = found.table()
+    assert list(table.columns)[-2:] == ["NEES", "Filter"]
+    assert "filtered" in repr(found)
+    assert "<img" in found._repr_html_()
+    assert found.plot("nees") is not None
+    with pytest.raises(UnknownName, match="no figure is called 'speed'"):
+        found.plot("speed")
+    text = page.write_html(found, tmp_path / "report.html").read_text(encoding="utf-8")
+    for word in ("Tests of consistency", "NEES", "imu mpu6050 at 100 Hz", "bias = 1"):
+        assert word in text
+
+
+@needs_mujoco
+def test_the_command_line_prints_what_python_gives(tmp_path, found):
+    cli.register()
+    words_ = ["estimate", SCENARIO, "--engine", "mujoco", "--draws", "20", "--json", "--no-report"]
+    done = CliRunner().invoke(cli.app, [*words_, "--out", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.output)
+    assert set(told) == {
+        "format", "created", "title", "question", "scenario", "estimator", "labels", "sensors",
+        "options", "loosen", "draws", "seed", "recording", "sentences", "sources", "command",
+        "software", "folder", "exit_code",
+    }  # fmt: skip
+    assert told["sentences"] == list(found.sentences)
+    stored = next(tmp_path.glob("*/estimate.json"))
+    assert json.loads(stored.read_text(encoding="utf-8"))["sources"] == told["sources"]
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"scenario": "ball"}, "ball: nothing is estimated of it; .*has it: .*robot_motor"),
+        ({"estimator": "speed"}, "no estimator of robot_motor is called 'speed'"),
+        ({"sensors": "imu"}, "'imu' is not of the form sensor=sheet, such as imu=mpu6050"),
+        ({"sensors": {"gyro": "mpu6050"}}, "no sensor of this estimate is called 'gyro'"),
+        ({"sensors": {"imu": "mpu6051"}}, "no data sheet is called 'mpu6051'; did you mean mpu60"),
+        ({"options": {"jerk": 1}}, "no option of the estimator is called 'jerk'"),
+        ({"options": {"gate_s": -1}}, "gate_s = -1 is not within"),
+        ({"options": {"diameter": "1 kg"}}, "diameter_m"),
+        ({"draws": 0}, "0 is no number of draws; expected 1 to 10000"),
+        ({"seed": -1}, "-1 is below 0"),
+        ({"contact": "exact"}, "no contact level is called 'exact'"),
+    ],
+)
+def test_what_cannot_be_estimated_is_said(given, told):
+    arguments = {"scenario": SCENARIO, "engine": "mujoco", **given}
+    with pytest.raises((InputError, UnknownName), match=told):
+        simcompare.estimate(arguments.pop("scenario"), **arguments)
+
+
+@needs_mujoco
+def test_a_chip_that_does_not_measure_so_is_said():
+    with pytest.raises(InputError, match=r"imu=bmp280: .* measures .*expected something in m/s²"):
+        simcompare.estimate(SCENARIO, engine="mujoco", sensors="imu=bmp280")
+
+
+@pytest.mark.parametrize(
+    ("outcome", "said"),
+    [
+        ("consistent", "The filter errs as much as it says: NEES 2, within 1.7 … 2.3."),
+        ("too careful", "The filter errs less than it says: NEES 2, below 1.7 … 2.3."),
+        ("too sure", "The filter errs more than it says: NEES 2, above 1.7 … 2.3."),
+        (
+            "diverged",
+            "The filter has diverged: its errors are far larger than it says, NEES 2 where 1.7 … 2"
+            ".3 is expected.",
+        ),
+    ],
+)
+def test_every_outcome_has_its_sentence(outcome, said):
+    verdict = Verdict("NEES", 2.0, 1.7, 2.3, 0.9, 2, 200, outcome)
+    assert words._said(outcome, [verdict]) == said
+
+
+def test_a_cure_replaces_the_option_that_it_changes():
+    command = ("simcompare", "estimate", "robot", "--option", "bias=0", "--option", "gate=0.02")
+    cured = words.with_options(command, {"bias": 1.0})
+    assert cured == "simcompare estimate robot --option gate=0.02 --option bias=1"
