@@ -7,7 +7,7 @@ same seed gives the same device for every engine, and adding a sensor changes no
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from simcompare.hardware.sensors.data_sheet import DataSheet, Part
 from simcompare.hardware.sensors.device import Device, perfect
 from simcompare.hardware.sensors.drawn_terms import DrawnTerm, of_sheet, with_own_terms
 from simcompare.hardware.sensors.sheet_parts import Settings
+from simcompare.hardware.sensors.signals import axis_of, owner_of, part_of, unit_of
 from simcompare.model.sensor_errors import SensorErrors
 
 
@@ -62,7 +63,7 @@ def drawn(errors: SensorErrors, signals: Mapping[str, int], seed: int) -> tuple[
     """
     sheet = None if errors.sheet is None else data_sheet.load(errors.sheet)
     parts = {} if sheet is None else parts_of(sheet, errors, signals)
-    named = [signal for signal in signals if errors.names_unit_of(_part(signal))]
+    named = [signal for signal in signals if errors.names_unit_of(part_of(signal))]
     chosen = {*parts, *named} or {*signals}
     return tuple(
         _one(errors, signal, width, seed, sheet, parts.get(signal))
@@ -83,7 +84,7 @@ def parts_of(
     found = {
         signal: part
         for signal, width in signals.items()
-        if (part := sheet.part_for(units.unit_of(signal))) and len(part.axes) == width
+        if (part := sheet.part_for(unit_of(signal))) and len(part.axes) >= width
     }
     if not found:
         raise InputError(f"sheet {sheet.name}", [_no_part(sheet, signals)])
@@ -121,25 +122,21 @@ def _no_part(sheet: DataSheet, signals: Mapping[str, int]) -> str:
         f" {'axes' if len(part.axes) > 1 else 'axis'})"
         for part in sheet.parts.values()
     )
-    named = ", ".join(f"{name} ({width} components)" for name, width in signals.items())
+    named = ", ".join(signals)
     hint = ""
     wide = [name for name, width in signals.items() if width > 1]
     units_of_one = {part.unit for part in sheet.parts.values() if len(part.axes) == 1}
-    fitting = [name for name in wide if units.unit_of(name) in units_of_one]
+    fitting = [name for name in wide if unit_of(name) in units_of_one]
     if fitting:
         hint = f"; name one component, such as {fitting[0]}.x"
-    return f"it measures {measured}, which is none of: {named}{hint}"
-
-
-def _part(signal: str) -> str:
-    return signal.partition(".")[2]
+    return f"it measures {measured}, not {named}{hint}"
 
 
 def _one(
     errors: SensorErrors, signal: str, width: int, seed: int,
     sheet: DataSheet | None, chosen: tuple[Part, Settings] | None,
 ) -> DrawnSensor:  # fmt: skip
-    owner = signal.partition(".")[0]
+    owner = owner_of(signal)
     if sheet is None or chosen is None:
         device, about = perfect(owner, width), {}
         terms: tuple[DrawnTerm, ...] = ()
@@ -151,10 +148,25 @@ def _one(
             temperature_C=at.temperature_C,
         )  # fmt: skip
         terms = of_sheet(part, at, device)
+        if width < device.axes:
+            device, terms = _alone(device, terms, axis_of(signal) or "x")
         about = {
             "sheet": sheet.name, "chip": sheet.title, "part": part.name, "source": sheet.document
         }  # fmt: skip
     device, terms = with_own_terms(device, terms, errors, signal, seed)
-    return DrawnSensor(
-        signal, units.unit_of(signal), "xyz"[:width] if width > 1 else "", device, terms, **about
-    )
+    axes = "xyz" if width > 1 else axis_of(signal)
+    return DrawnSensor(signal, unit_of(signal), axes, device, terms, **about)
+
+
+def _alone(
+    device: Device, terms: tuple[DrawnTerm, ...], axis: str
+) -> tuple[Device, tuple[DrawnTerm, ...]]:
+    """One axis of a device; what the others would add to it is not known and left out."""
+    i = "xyz".index(axis)
+    one = {
+        name: value[i : i + 1]
+        for name, value in vars(device).items()
+        if isinstance(value, np.ndarray) and value.ndim == 1
+    }
+    one["sensitivity"] = device.sensitivity[i : i + 1, i : i + 1]
+    return replace(device, **one), tuple(row for row in terms if row.axis == axis)  # type: ignore[arg-type]

@@ -14,6 +14,7 @@ from simcompare.hardware.sensors.sheet_parts import PartData, Settings
 from simcompare.hardware.sensors.sheet_rules import RULE_OF_KIND, RULES, Stated
 from simcompare.hardware.sensors.sheet_terms import TERMS
 from simcompare.hardware.sensors.sheet_units import written
+from simcompare.hardware.sensors.signals import axis_of, owner_of, part_of
 from simcompare.model.rotations import multiply, quaternions_of
 from simcompare.model.sensor_errors import SINGLE, SensorErrors, Spread, Term, Value
 from simcompare.model.trajectory import Array
@@ -120,10 +121,10 @@ def with_own_terms(
     device: Device, terms: tuple[DrawnTerm, ...], errors: SensorErrors, signal: str, seed: int
 ) -> tuple[Device, tuple[DrawnTerm, ...]]:
     """The device with what a user says of it; that takes the place of what a sheet says."""
-    owner, _, part = signal.partition(".")
+    owner, part = owner_of(signal), part_of(signal)
     device = _timed(device, errors)
     own, drawn = errors.terms_of(part), []
-    axes = "xyz" if device.axes == 3 else "x"
+    axes = "xyz" if device.axes == 3 else axis_of(signal) or "x"
     for term, stated in own.items():
         pairs = list(_pairs(term, axes))
         values = []

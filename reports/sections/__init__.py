@@ -11,6 +11,7 @@ from simcompare.reports.sections.headline import headline
 from simcompare.reports.sections.limits import limits
 from simcompare.reports.sections.measurement import measurement
 from simcompare.reports.sections.scores import scores
+from simcompare.reports.sections.sensing import sensing
 from simcompare.reports.sections.setup import setup
 from simcompare.reports.sections.tuning import tuning
 from simcompare.results.records.run import Record
@@ -21,6 +22,7 @@ _LAST: tuple[Section, ...] = (given, limits, setup)
 SECTIONS: tuple[Section, ...] = (
     headline,
     measurement,
+    sensing,
     pictures.drive,
     assistance,
     pictures.curves,

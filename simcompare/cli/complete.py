@@ -46,6 +46,12 @@ def sheets(incomplete: str) -> list[str]:
     return [name for name in known.names() if name.startswith(incomplete)]
 
 
+def sensors(incomplete: str) -> list[str]:
+    """Data sheets behind the name of a sensor and =."""
+    name, equals, begun = incomplete.partition("=")
+    return [f"{name}={sheet}" for sheet in sheets(begun)] if equals else []
+
+
 def recordings(incomplete: str) -> list[str]:
     """Public recordings."""
     from simcompare.hardware.recordings import registry

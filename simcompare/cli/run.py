@@ -50,6 +50,13 @@ def run(
         help="Measured bounces: a CSV file or a published table.",
         autocompletion=complete.tables,
     ),
+    sensor: list[str] = typer.Option(
+        [],
+        metavar="NAME=SHEET",
+        help="Read a sensor or signal as a real one does, such as imu=mpu6050.",
+        autocompletion=complete.sensors,
+    ),
+    seed: int = typer.Option(0, help="Of all that is drawn for sensors."),
     out: Path = typer.Option(Path("runs"), "--out", "-o", help="Folder for the run's own folder."),
     report: bool = typer.Option(True, help="Write report.html into the run's folder."),
     opened: bool = opening.OPTION,
@@ -73,6 +80,8 @@ def run(
             step=step,
             seeds=seeds,
             against=against,
+            sensor={name: str(sheet) for name, sheet in console.pairs(sensor, "--sensor").items()},
+            seed=seed,
             out=out,
             time_limit_s=time_limit,
             progress=progress,
@@ -109,6 +118,7 @@ def _show(result: Run, page: Path | None, *, details: bool) -> None:
     if against is not None:
         _show_against(against)
         console.print_wrapped(sentences(result))
+    _show_sensing(result)
     typer.echo()
     words = lead_table.legend_words(tables)
     console.print_wrapped(glossary.legend([*words, "E_n"] if against else words))
@@ -119,6 +129,17 @@ def _show(result: Run, page: Path | None, *, details: bool) -> None:
     else:
         console.print_wrapped(remarks.failures(result))
     ending.show_end(result, page)
+
+
+def _show_sensing(result: Run) -> None:
+    """What sensors that are not ideal read."""
+    from simcompare.reports.run import runs
+    from simcompare.reports.sensing import words
+
+    sensing = runs.run_record(result).sensing
+    if sensing is not None:
+        typer.echo()
+        console.print_wrapped(words.lines(sensing))
 
 
 def _show_not_run(result: Run) -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from simcompare.comparison.comparison import FAIL
+from simcompare.hardware.sensors.error_model import Reading
 from simcompare.model.trajectory import Trajectory
 from simcompare.results.records.run import Record
 from simcompare.running.jobs import exit_code_of
@@ -32,6 +33,23 @@ class Stored:
     segment: int = 0
 
 
+@dataclass(frozen=True, eq=False)
+class StoredReading:
+    """What one device read of one source.
+
+    Attributes:
+        source: name of the source.
+        contact: its contact level, empty where it has none.
+        signal: such as "imu.rate_rad_s".
+        reading: measured beside ideal.
+    """
+
+    source: str
+    contact: str
+    signal: str
+    reading: Reading
+
+
 @dataclass(frozen=True)
 class Run:
     """Everything that one ``run`` found.
@@ -40,11 +58,13 @@ class Run:
         record: what run.json holds.
         trajectories: every trajectory that came out, the truth's included.
         folder: where it is stored, ``None`` where it is not.
+        stored_readings: what sensors that are not ideal read of the nominal repeats.
     """
 
     record: Record
     trajectories: tuple[Stored, ...]
     folder: Path | None = None
+    stored_readings: tuple[StoredReading, ...] = ()
 
     @property
     def exit_code(self) -> int:

@@ -26,4 +26,4 @@ def load_run(place: str | Path) -> Result:
         InputError: there is none, or its files are damaged; names the file.
     """
     found = store.load(place)
-    return Result(found.record, found.trajectories, found.folder)
+    return Result(found.record, found.trajectories, found.folder, found.stored_readings)

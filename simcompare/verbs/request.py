@@ -74,6 +74,8 @@ class RunRequest(Request):
     preset: Annotated[str | None, Option("--preset")] = None
     seeds: Annotated[int | None, Option("--seeds")] = None
     against: Annotated[Place | None, Option("--against")] = None
+    sensor: Annotated[Values, Option("--sensor")] = None
+    seed: Annotated[int, Option("--seed")] = 0
 
 
 @dataclass(frozen=True, kw_only=True)

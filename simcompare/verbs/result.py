@@ -12,6 +12,7 @@ from simcompare.reports.render import frames, matplotlib_
 from simcompare.reports.render.glance import Glance
 from simcompare.reports.render.shown import Shown
 from simcompare.results import frames as run_frames
+from simcompare.results import sensing_frames
 from simcompare.results.run import Run
 from simcompare.verbs import report
 
@@ -87,6 +88,28 @@ class Result(Shown, Run):
             InputError: it did not run; says why.
         """
         return run_frames.samples(self, engine, contact, repeat)
+
+    @property
+    def sensors(self) -> pd.DataFrame:
+        """What was drawn for every sensor that is not ideal, one row a number."""
+        return sensing_frames.sensors(self)
+
+    @checked
+    def readings(
+        self, signal: str | None = None, engine: str | None = None, contact: str | None = None
+    ) -> pd.DataFrame:
+        """What sensors read, one row a sample: whose it is, time, ideal, measured, saturated.
+
+        Args:
+            signal: sensor or signal, such as "imu" or "imu.rate_rad_s"; every one where ``None``.
+            engine: its name, or "closed form"; every one where ``None``.
+            contact: contact level; every one where ``None``.
+
+        Raises:
+            UnknownName: no such signal, engine or level was read.
+            InputError: the run has only ideal sensors; says how to ask for others.
+        """
+        return sensing_frames.readings(self, signal, engine, contact)
 
     def report(
         self, out: str | Path | None = None, *, format: str = "html", open: bool = False

@@ -19,10 +19,12 @@ from simcompare.engine.helps import known
 from simcompare.errors import InputError, SimcompareError
 from simcompare.hardware.recordings import bounce_table
 from simcompare.hardware.recordings.bounce_table import BounceTable
+from simcompare.hardware.sensors.drawn import DrawnSensor
 from simcompare.model.scenario import Scenario
+from simcompare.model.sensor_errors import SensorErrors
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, DEFAULT, TUNED, Settings
 from simcompare.model.trajectory import TRUTH
-from simcompare.results import run_record, store
+from simcompare.results import run_record, sensing, store
 from simcompare.results.records.run import Measurement, RunRecord
 from simcompare.results.run import Stored
 from simcompare.running.jobs import FAILED, OK, Job, Outcome
@@ -52,6 +54,8 @@ def run(
     step: str | float | Sequence[str | float] | None = None,
     seeds: int | None = None,
     against: str | Path | None = None,
+    sensor: Mapping[str, str | Path] | None = None,
+    seed: int = 0,
     out: str | Path | None = None,
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
@@ -78,6 +82,10 @@ def run(
             or a text with commas, each makes a source of its own, such as "pymunk@2ms".
         seeds: number of dithered repeats; the scenario's own where ``None``.
         against: table of measured bounces: a file or the name of a published one.
+        sensor: sensor, joint, actuator or body, or one of their signals -> data sheet of a real
+            one, in place of the scenario's ``errors``. Engines and scores stay ideal; what it reads
+            is in ``readings``.
+        seed: of all that is drawn for sensors.
         out: folder in which the run's own folder is made; nothing is stored where ``None``.
         time_limit_s: longest time for one simulation [s].
         progress: called as ``progress(engine, done, total)``.
@@ -97,7 +105,7 @@ def run(
     request = RunRequest(
         scenario=scenario, engine=engine, contact=levels.names(contact),
         assist=levels.names(assist), judge=levels.names(judge), set=set, preset=preset, step=step,
-        seeds=seeds, against=against,
+        seeds=seeds, against=against, sensor=_plain(sensor), seed=seed,
     )  # fmt: skip
     file = catalogue.load(scenario)
     table = _table(file, against)
@@ -112,6 +120,7 @@ def run(
     usual_s = None if fit is None else fit.usual_step_s
     sources = len(chosen) * len(modes)
     steps = at_steps(file, values, preset, steps_s or [usual_s], seeds, sources)
+    devices = _devices(steps[0].nominal, sensor or {}, seed)
     if out is not None:
         store.check_writable(Path(out))
     jobs = [
@@ -144,8 +153,46 @@ def run(
         interrupted=interrupted,
         command=request.command(),
     )
-    done = replace(done, record=record)
+    done = _sensed(replace(done, record=record), devices, seed)
     return done if out is None else store.save(done, Path(out))
+
+
+def _plain(sensor: Mapping[str, str | Path] | None) -> dict[str, str | float] | None:
+    return None if sensor is None else {name: str(sheet) for name, sheet in sensor.items()}
+
+
+def _devices(
+    scene: Scenario, sensor: Mapping[str, str | Path], seed: int
+) -> tuple[DrawnSensor, ...]:
+    """One device for each signal that a real sensor is to read.
+
+    Raises:
+        InputError: unknown sensors, and sheets that do not exist or do not fit; all of them.
+    """
+    if seed < 0:
+        raise InputError("--seed", [f"{seed} is below 0; expected a whole number from 0 on"])
+    faults, found = [], {}
+    for name, sheet in sensor.items():
+        errors = SensorErrors.model_validate({"sheet": str(sheet)})
+        try:
+            sensing.devices_of(scene, {name: errors}, seed)
+        except SimcompareError as error:
+            faults.append(f"{name}={sheet}: {error}")
+            continue
+        found[name] = errors
+    if faults:
+        raise InputError("--sensor", faults)
+    return sensing.devices_of(scene, found, seed)
+
+
+def _sensed(done: Result, devices: Sequence[DrawnSensor], seed: int) -> Result:
+    """The run with what sensors read of its nominal repeats; its scores stay as they are."""
+    assert isinstance(done.record, RunRecord)
+    middle = done.record.repeats // 2
+    nominal = (one for one in done.trajectories if one.repeat == middle)
+    read = sensing.read_all(devices, nominal, seed)
+    record = replace(done.record, sensing=sensing.record_of(devices, read, seed))
+    return replace(done, record=record, stored_readings=read)
 
 
 def with_conditions(

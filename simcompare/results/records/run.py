@@ -17,6 +17,7 @@ from simcompare.model.answer import Answer
 from simcompare.model.audit import AuditRow
 from simcompare.model.scenario import Dither, Probe, Tolerance
 from simcompare.model.tuning import TuningRow
+from simcompare.results.records.sensing import Sensing
 from simcompare.running.jobs import OK
 
 #: version of what is stored
@@ -246,6 +247,7 @@ class RunRecord(Record):
         fit_asked: the fit with which engines ran.
         cautions: where that fit is used outside of what it was made for.
         beyond: why the truth does not hold for these parameters, so that nothing is judged.
+        sensing: sensors that are not ideal; no score is made of what they read.
     """
 
     kind: Literal["run"] = "run"
@@ -255,3 +257,4 @@ class RunRecord(Record):
     fit_asked: str | None = None
     cautions: tuple[str, ...] = ()
     beyond: tuple[str, ...] = ()
+    sensing: Sensing | None = None

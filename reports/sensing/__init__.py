@@ -1,0 +1,1 @@
+"""What sensors that are not ideal read: words, tables and figures."""

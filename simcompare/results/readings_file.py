@@ -1,0 +1,104 @@
+"""What sensors read, on disk: one table, a row for each sample of each signal of each source."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+import numpy as np
+
+from simcompare.errors import InputError
+from simcompare.hardware.sensors.error_model import Reading
+from simcompare.model import parquet
+from simcompare.model.trajectory import Array
+from simcompare.results.run import StoredReading
+
+READINGS = "readings.parquet"
+#: columns that say whose sample a row is
+_INDEX = ("source", "contact", "signal")
+_AXES = "xyz"
+_KINDS = ("ideal", "measured", "saturated")
+
+
+def write(path: Path, readings: tuple[StoredReading, ...]) -> str:
+    """Writes the table; returns its digest, empty where there is nothing to write.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    if not readings:
+        return ""
+    blocks = [_columns(one.reading) for one in readings]
+    lengths = [len(one.reading.time_s) for one in readings]
+    table = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
+    numbers = np.repeat(np.arange(len(readings)), lengths)
+    labels = [(i, *(getattr(one, name) for name in _INDEX)) for i, one in enumerate(readings)]
+    index = ", ".join(_INDEX)
+    with parquet.connect() as connection:
+        _, *columns = parquet.register(connection, "samples", {"entry": numbers, **table})
+        row = f"({', '.join('?' * (1 + len(_INDEX)))})"
+        connection.execute(
+            f"create table labels as from (values {', '.join([row] * len(labels))})"
+            f" t(entry, {index})",
+            [value for label in labels for value in label],
+        )
+        query = (
+            f"select {index}, {', '.join(columns)} from samples join labels"
+            " on samples.c0 = labels.entry order by entry, time_s"
+        )
+        parquet.copy(connection, query, path)
+    return _digest(path)
+
+
+def read(path: Path, sha256: str, again: str) -> tuple[StoredReading, ...]:
+    """The readings of a file; none where there is no file.
+
+    Args:
+        path: the file.
+        sha256: digest that it must have.
+        again: what makes it anew.
+
+    Raises:
+        InputError: it is damaged, or another file.
+    """
+    if not path.is_file():
+        return ()
+    if _digest(path) != sha256:
+        raise InputError(str(path), [f"is damaged, or not the file that was written; {again}"])
+    columns = parquet.read(path, again)
+    keys = list(zip(*(columns[name].tolist() for name in _INDEX), strict=True))
+    starts = [i for i, key in enumerate(keys) if i == 0 or key != keys[i - 1]]
+    return tuple(
+        _stored(keys[start], {name: values[start:end] for name, values in columns.items()})
+        for start, end in zip(starts, [*starts[1:], len(keys)], strict=True)
+    )
+
+
+def _stored(key: tuple[str, ...], columns: dict[str, Array]) -> StoredReading:
+    source, contact, signal = key
+    return StoredReading(source, contact, signal, _reading(columns))
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _columns(reading: Reading) -> dict[str, Array]:
+    """Time, and ideal, measured and saturated of x, y and z; of one axis x alone."""
+    count = len(reading.time_s)
+    table = {"time_s": reading.time_s}
+    for kind in _KINDS:
+        values = np.asarray(getattr(reading, kind), dtype=float).reshape(count, -1)
+        for i, axis in enumerate(_AXES):
+            there = i < values.shape[1]
+            table[f"{kind}.{axis}"] = values[:, i].copy() if there else np.full(count, np.nan)
+    return table
+
+
+def _reading(columns: dict[str, Array]) -> Reading:
+    one = bool(np.isnan(columns["ideal.y"]).all())
+    ideal, measured, saturated = (
+        columns[f"{kind}.x"] if one else np.column_stack([columns[f"{kind}.{a}"] for a in _AXES])
+        for kind in _KINDS
+    )
+    return Reading(columns["time_s"], ideal, measured, saturated > 0)
