@@ -20,6 +20,7 @@ _PUBLIC = {
     "validate": "simcompare.verbs.validate",
     "tune": "simcompare.verbs.tune",
     "characterize": "simcompare.verbs.characterize",
+    "sense": "simcompare.verbs.sense",
     "sensor": "simcompare.verbs.sensor",
     "estimate": "simcompare.verbs.estimate",
     "control": "simcompare.verbs.control",

@@ -163,10 +163,10 @@ def test_the_terminal_tells_each_signal_in_a_line(call):
     assert code == 0
     text = " ".join(out.split())
     assert (
-        "imu.specific_force_m_s2, read by one MPU-6050 accelerometer: off by x +0.279, y +0.133,"
+        "imu.specific_force_m_s2, read by one MPU-6050 (accelerometer): off by x +0.279, y +0.133,"
         " z −0.55 m/s² in the mean, scatter up to 0.035 m/s²." in text
     )
-    assert "imu.rate_rad_s, read by one MPU-6050 gyroscope: off by" in text
+    assert "imu.rate_rad_s, read by one MPU-6050 (gyroscope): off by" in text
     assert "nothing that a sensor reads goes into a score. Another device: --seed 1." in text
 
 

@@ -38,8 +38,9 @@ def lead(sensor: SensorRecord) -> SourceDeviation | None:
 
 def device_words(sensor: SensorRecord) -> str:
     """Which device it is."""
-    part = f" {sensor.part}" if len(sensor.part.split()) == 1 else ""
-    return f"one {sensor.chip}{part}" if sensor.chip else "one device of the scenario's own terms"
+    if sensor.chip:
+        return f"one {sensor.chip} ({sensor.part.replace('_', ' ')})"
+    return "one device with the terms that were given"
 
 
 def off_words(sensor: SensorRecord, one: SourceDeviation) -> str:

@@ -1,0 +1,148 @@
+"""The function ``sense``: what a real sensor would read of a trajectory, a run or a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from simcompare.arguments import checked
+from simcompare.errors import InputError, UnknownName
+from simcompare.hardware.sensors import signals as names
+from simcompare.hardware.sensors.device import Device
+from simcompare.hardware.sensors.drawn import DrawnSensor, drawn
+from simcompare.model import sensor_errors
+from simcompare.model.recording import Recording
+from simcompare.model.sensor_errors import SensorErrors
+from simcompare.model.trajectory import Array, Trajectory
+from simcompare.model.yaml_file import describe, faults_of
+from simcompare.results import sensing
+from simcompare.results.run import Run, Stored
+from simcompare.verbs.sensed import Sensed
+
+Thing = Trajectory | Run | Recording
+
+
+@checked
+def sense(
+    thing: Thing,
+    signal: str | Sequence[str],
+    device: str | Path | Device | Mapping[str, Any],
+    *,
+    seed: int = 0,
+    engine: str | None = None,
+    contact: str | None = None,
+) -> Sensed:
+    """What a real sensor would read, beside the ideal signal.
+
+    ::
+
+        run = simcompare.run("robot", engine="mujoco")
+        read = simcompare.sense(run, "imu", "mpu6050")
+        read.samples("imu.rate_rad_s")           # time, ideal, measured, saturated
+        read.plot().savefig("imu.pdf")
+        simcompare.sense(run, "left.angle_rad", {"rate_Hz": 100, "noise_rad_per_rtHz": 0.001})
+
+    Args:
+        thing: a trajectory, a run or a recording.
+        signal: sensor or signal, such as "imu", "imu.rate_rad_s" or "chassis.position_m.x"; of a
+            recording a channel, or three for the axes x, y, z.
+        device: name or file of a data sheet, a device, or terms as under ``errors`` of a scenario.
+        seed: of the device that is drawn, and of its noise.
+        engine: of a run; the truth where there is one, where ``None``.
+        contact: contact level of that engine; the last one where ``None``.
+
+    Raises:
+        UnknownName: no such signal, sheet, engine or level.
+        InputError: what the device cannot be, or what does not fit the signal.
+    """
+    if seed < 0:
+        raise InputError("seed", [f"{seed} is below 0; expected a whole number from 0 on"])
+    if isinstance(thing, Recording):
+        whose, moved = _of_recording(thing, signal)
+        wanted = names.widths(moved.signals)
+    else:
+        if not isinstance(signal, str):
+            raise InputError("signal", ["only a recording has its axes in channels; give one name"])
+        whose, moved = _moved(thing, engine, contact)
+        wanted = names.chosen(signal, names.widths(moved.signals), whose)
+    devices = _devices(device, wanted, moved.time_s, seed)
+    read = sensing.read_all(devices, [Stored(whose, "", 0, moved)], seed)
+    found = sensing.record_of(devices, read, seed)
+    assert found is not None
+    return Sensed(whose, found, devices, {one.signal: one.reading for one in read})
+
+
+def _moved(
+    thing: Trajectory | Run, engine: str | None, contact: str | None
+) -> tuple[str, Trajectory]:
+    """A trajectory, and whose it is."""
+    if isinstance(thing, Trajectory):
+        return thing.source, thing
+    middle = thing.record.repeats // 2
+    nominal = [one for one in thing.trajectories if one.repeat == middle]
+    sources = dict.fromkeys(one.source for one in nominal)
+    if engine is not None and engine not in sources:
+        raise UnknownName("source of this run", engine, sources)
+    levels = dict.fromkeys(one.contact for one in nominal if one.contact)
+    if contact is not None and contact not in levels:
+        raise UnknownName("contact level of this run", contact, levels)
+    wanted = [
+        one for one in nominal if engine in (None, one.source) and contact in (None, one.contact)
+    ]
+    if not wanted:
+        raise InputError("sense", ["there are no samples of what was asked for"])
+    true = [one for one in wanted if not one.contact]
+    one = (true or wanted)[0 if true else -1]
+    return " ".join(filter(None, (one.source, one.contact))), one.trajectory
+
+
+def _of_recording(recording: Recording, signal: str | Sequence[str]) -> tuple[str, Trajectory]:
+    """Channels as one signal; samples without a value are left out."""
+    asked = [signal] if isinstance(signal, str) else list(signal)
+    if len(asked) not in (1, 3):
+        raise InputError("signal", [f"{len(asked)} channels; expected one, or three for x, y, z"])
+    places = [recording.find(name) for name in asked]
+    streams = dict.fromkeys(stream for stream, _ in places)
+    if len(streams) > 1:
+        fault = f"the channels are of several streams ({', '.join(streams)}); expected one"
+        raise InputError("signal", [fault])
+    stream = recording.streams[places[0][0]]
+    values = np.column_stack([stream.channels[name].values for _, name in places])
+    known = np.isfinite(values).all(axis=1)
+    block: Array = values[known] if len(asked) == 3 else values[known, 0]
+    whose = recording.provenance.file
+    name = f"{places[0][0].replace('.', '_')}.{places[0][1]}"
+    return whose, Trajectory(whose, stream.time_s[known], {name: block})
+
+
+def _devices(
+    device: str | Path | Device | Mapping[str, Any],
+    wanted: Mapping[str, int],
+    time_s: Array,
+    seed: int,
+) -> tuple[DrawnSensor, ...]:
+    if isinstance(device, Device):
+        return tuple(
+            DrawnSensor(name, names.unit_of(name), "xyz" if width == 3 else "", device, ())
+            for name, width in wanted.items()
+        )
+    said = device if isinstance(device, Mapping) else {"sheet": str(device)}
+    return drawn(_errors(said, wanted, time_s), wanted, seed)
+
+
+def _errors(said: Mapping[str, Any], wanted: Mapping[str, int], time_s: Array) -> SensorErrors:
+    """Terms that were given as a mapping, checked as those of a scenario's file are."""
+    try:
+        errors = SensorErrors.model_validate(dict(said))
+    except ValidationError as error:
+        raise InputError("device", describe(faults_of(error, SensorErrors), {})) from None
+    parts = {names.part_of(name): width for name, width in wanted.items()}
+    rate_Hz = (len(time_s) - 1) / float(time_s[-1] - time_s[0]) if len(time_s) > 1 else 1.0
+    faults = dict(sensor_errors.faults_of(errors, parts, rate_Hz))
+    if faults:
+        raise InputError("device", describe(faults, {}))
+    return errors
