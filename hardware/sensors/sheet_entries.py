@@ -86,11 +86,8 @@ def faults_of_kind(given: EntryFile) -> Iterator[tuple[str, str]]:
     if not given.kind:
         yield "", f"expected one value or a pair: {_KINDS_WANTED}"
     elif given.kind not in term.kinds:
-        wanted = " or ".join(term.kinds)
-        yield (
-            "",
-            f"a value of the kind {given.kind} says nothing of {given.term}; expected {wanted}",
-        )
+        wanted = " or ".join(kind.replace("_", " and ") for kind in term.kinds)
+        yield "", f"{given.kind} says nothing of {given.term}; expected {wanted}"
     if given.rule is not None and given.rule not in RULES:
         yield "rule", f"no rule is called {given.rule!r}; known: {', '.join(RULES)}"
     if given.over_C is not None and term.per != "K":

@@ -58,7 +58,7 @@ class _Reader:
         reading = self._try(f"{place}.reading", lambda: sheet_units.amount(given.reading, unit))
         counted = ranges.get(given.usual.range)
         terms = self._terms(place, given, unit, axes, counted.count if counted else 0.0)
-        usual = self._usual(place, given)
+        usual = self._usual(place, given, rates, bandwidths)
         if len(self.faults) > before or usual is None or reading is None:
             return None
         return PartData(
@@ -128,7 +128,9 @@ class _Reader:
             found[entry.name] = entry
         return found
 
-    def _usual(self, place: str, given: PartFile) -> tuple[str, float, float] | None:
+    def _usual(
+        self, place: str, given: PartFile, rates: Sequence[float], bandwidths: Sequence[float]
+    ) -> tuple[str, float, float] | None:
         usual = given.usual
         here = f"{place}.usual"
         if usual.range not in given.ranges:
@@ -144,9 +146,21 @@ class _Reader:
             width = self._try(f"{here}.bandwidth", lambda: _frequency(text))
         if width is None:
             return None
-        if width > rate / 2 and math.isfinite(width):
-            self.faults[f"{here}.bandwidth"] = _above_nyquist(width, rate)
+        self._check_usual(here, rate, width, rates, bandwidths, given)
         return usual.range, rate, width
+
+    def _check_usual(
+        self, here: str, rate: float, width: float,
+        rates: Sequence[float], bandwidths: Sequence[float], given: PartFile,
+    ) -> None:  # fmt: skip
+        """Usual settings are settings that the sensor has."""
+        is_there = min(rates, default=0) <= rate <= max(rates, default=0)
+        if rates and not (is_there if given.rates_between else rate in rates):
+            self.faults[f"{here}.rate"] = f"{rate:g} Hz is none of the rates above"
+        if math.isfinite(width) and width > rate / 2 * (1 + 1e-9):
+            self.faults[f"{here}.bandwidth"] = _above_nyquist(width, rate)
+        elif bandwidths and width not in bandwidths:
+            self.faults[f"{here}.bandwidth"] = f"{width:g} Hz is none of the bandwidths above"
 
 
 def _page(page: int | str) -> str:

@@ -65,16 +65,22 @@ def step(text: str | float, unit: str) -> float:
     Raises:
         ValueError: it is none of these, or not above 0.
     """
-    match = _NUMBER.match(str(text))
-    if match is not None and match[2].startswith("LSB/"):
-        counts = amount(f"{match[1]} {match[2].removeprefix('LSB/').strip('()')}", unit)
-        one = amount(f"1 {match[2].removeprefix('LSB/').strip('()')}", unit)
-        size = one * one / counts if counts > 0 else 0.0
-    else:
-        size = amount(str(text).removesuffix("/LSB"), unit)
+    try:
+        size = _step(str(text), unit)
+    except ValueError:
+        size = 0.0
     if not size > 0:
-        raise ValueError(f"{text!r} is no size of one count; expected a number above 0")
+        base = EXAMPLES.get(unit, units.symbol(unit))
+        expected = f"expected one such as 100 LSB/{base} or 0.01 {base}/LSB"
+        raise ValueError(f"{text!r} is no size of one count; {expected}")
     return size
+
+
+def _step(text: str, unit: str) -> float:
+    match = _NUMBER.match(text)
+    if match is None or not match[2].startswith("LSB/"):
+        return amount(text.removesuffix("/LSB"), unit)
+    return amount(f"1 {match[2].removeprefix('LSB/').strip('()')}", unit) / float(match[1])
 
 
 def is_counts(text: str | float) -> bool:

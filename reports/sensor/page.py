@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from simcompare import glossary
 from simcompare.reports import builder
 from simcompare.reports.render import output
 from simcompare.reports.render.parts import Block, Part, part_of
@@ -44,7 +45,7 @@ def _answer(found: SensorReading) -> Part:
 def _lines(found: SensorReading) -> Part:
     return part_of(
         "What the sheet says", "sheet", tables=[tables.of_entries(found)._replace(title="")],
-        notes=words.notes(found),
+        notes=[*words.notes(found), *glossary.legend(tables.WORDS)],
     )  # fmt: skip
 
 

@@ -38,10 +38,15 @@ def _sheet(row: SheetRow) -> tuple[str, ...]:
     )  # fmt: skip
 
 
+#: words of the table that a legend explains
+WORDS = ("typical value", "distribution", "u", "noise density", "confirmed")
+
+
 def of_entries(found: SensorReading) -> Table:
     """The lines of one sheet, and what each adds to the uncertainty."""
     columns = (
-        Column("Term", text=True), Column("Axes", text=True), Column("The sheet says", text=True),
+        Column("Term", text=True), Column("Axes", text=True),
+        Column("Name in the sheet", text=True, spare=True), Column("The sheet says", text=True),
         Column("Kind", text=True, spare=True), Column("Page", text=True, nowrap=True),
         Column("Rule", text=True, spare=True), Column("Distribution", text=True),
         Column("u of the term", text=True, spare=True),
@@ -59,7 +64,7 @@ def of_entries(found: SensorReading) -> Table:
 def _entry(row: EntryRow) -> tuple[str, ...]:
     one = row.distribution
     return (
-        row.title, row.axes, row.text, row.kind.replace("_", " and "), row.page, row.rule,
+        row.title, row.axes, row.says, row.text, row.kind.replace("_", " and "), row.page, row.rule,
         _DISTRIBUTIONS.get(one, one),
         f"{numbers.plain(row.u, 3)} {row.unit}".strip(),
         numbers.plain(row.contribution, 2) if row.used else "–",

@@ -41,14 +41,10 @@ def answer(found: SensorReading) -> str:
     """The answer in one sentence."""
     axis = f" on the {found.axis} axis" if found.axis else ""
     return (
-        f"A reading of {found.reading_text}{axis} of {_article(found.chip)} {found.chip}"
+        f"A reading of {found.reading_text}{axis} of any {found.chip}"
         f" ({found.part.replace('_', ' ')}), as it leaves the factory, is uncertain by"
         f" u = {amount(found.u, found.unit)}; {_most(found)}."
     )
-
-
-def _article(chip: str) -> str:
-    return "an" if chip[0] in "AEFHILMNORSX" else "a"
 
 
 def _most(found: SensorReading) -> str:
@@ -75,8 +71,7 @@ def further(found: SensorReading) -> Iterator[str]:
         )
     if found.axis and not found.across:
         yield (
-            "The other axes feel nothing here, so cross-axis sensitivity adds nothing; --across"
-            " says what they feel."
+            "The other axes feel nothing here (across = 0), so cross-axis sensitivity adds nothing."
         )
     yield from map(_checked, found.checks)
     yield _confirmed(found)

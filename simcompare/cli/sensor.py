@@ -92,6 +92,7 @@ def _show_sheets(found: SensorSheets, *, rules: bool) -> None:
 
 
 def _show(found: SensorAnswer, page: Path | None, *, rules: bool) -> None:
+    from simcompare import glossary
     from simcompare.reports.render import numbers
     from simcompare.reports.sensor import tables, words
 
@@ -102,7 +103,7 @@ def _show(found: SensorAnswer, page: Path | None, *, rules: bool) -> None:
     typer.echo("")
     console.print_wrapped(map(numbers.tied, words.further(found)))
     if manner.is_verbose():
-        console.print_wrapped(words.notes(found))
+        console.print_wrapped([*words.notes(found), *glossary.legend(tables.WORDS)])
     if found.devices:
         typer.echo("\nDrawn devices")
         console.show_table(tables.of_devices(found)._replace(title=""))
