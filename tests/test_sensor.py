@@ -51,8 +51,8 @@ def test_what_must_be_said_besides():
         " u = 0.18 rad/s (10 °/s).",
         "The other axes feel nothing here (across = 0), so cross-axis sensitivity adds nothing.",
         "The sheet states noise twice: 0.005 °/s/√Hz, and 0.05 °/s at 100 Hz (p. 12). From the"
-        " first and one pole one expects 25 % more than the second; they agree for a filter that ends"
-        " sharply at its bandwidth.",
+        " first and one pole one expects 25 % more than the second; they agree for a filter that"
+        " ends sharply at its bandwidth.",
         "All 8 lines in use were read in the maker's own text.",
     ]
     last = list(words.further(told("bmp280")))[-1]
