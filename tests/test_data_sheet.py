@@ -29,7 +29,7 @@ FAULTS = (
     "line 32, parts.accelerometer.entries.0.max: 3 % is below the typical 4 %; expected more",
     "line 33, parts.accelerometer.entries.1.term: no term is called 'crossaxis'; known: "
     "sensitivity, cross_axis, offset, nonlinearity, sensitivity_per_K, offset_per_K, noise,"
-    " noise_per_reading, bias_instability, random_walk, rate, resolution",
+    " noise_per_reading, bias_instability, random_walk, rate",
     "line 34, parts.accelerometer.entries.2.rule: no rule is called 'gaussian'; known: "
     "rectangular, normal, truncated_normal, rms, density, alike, resolution, triangular, "
     "u_shaped, normal_95",

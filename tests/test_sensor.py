@@ -6,12 +6,14 @@ import functools
 import json
 import math
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 import simcompare
 from simcompare import cli
 from simcompare.errors import InputError, UnknownName
+from simcompare.hardware.sensors import data_sheet
 from simcompare.reports.sensor import page, words
 from simcompare.verbs import sensor as verb
 
@@ -83,6 +85,23 @@ def test_a_reading_at_the_end_of_the_range_is_said_to_be_cut_off():
     text = " ".join(words.further(found))
     assert "of them are cut off at the end of the range" in text
     assert "trust the draws" in text
+
+
+def test_what_grows_with_time_is_left_out_of_one_reading(tmp_path):
+    lines = (
+        "      - {term: bias_instability, says: in-run, typ: 40 µg, page: 1, confirmed: true}\n"
+        "      - {term: random_walk, says: ramp, typ: 2 µg/√s, page: 1, confirmed: true}\n"
+    )
+    path = tmp_path / "slow.yaml"
+    path.write_text(verb.template() + lines, encoding="utf-8")
+    found = simcompare.sensor(path)
+    assert "Bias instability and random walk grow with time and are left out of one reading." in (
+        words.further(found)
+    )
+    assert found.agrees
+    device = data_sheet.load(path).part().drawn(0)
+    assert device.bias_instability == pytest.approx(np.full(3, 40e-6 * G))
+    assert device.random_walk == pytest.approx(np.full(3, 2e-6 * G))
 
 
 def test_devices_are_those_of_the_same_seed():

@@ -24,7 +24,7 @@ class Entry:
         title: the term in words.
         says: what the sheet calls it.
         text: the value as the sheet states it.
-        kind: typ, max, min_max, typ_max, rms, density or resolution.
+        kind: typ, max, min_max, typ_max, rms or density.
         unit: SI unit of the distribution.
         axes: letters of its axes.
         ranges: names of the ranges for which it holds; empty: all.
@@ -96,13 +96,10 @@ def faults_of_kind(given: EntryFile) -> Iterator[tuple[str, str]]:
         yield "bandwidth", "only an rms was stated at a bandwidth; leave it out"
     for name in ("within", "about"):
         if getattr(given, name) is not None and given.term != "sensitivity":
-            yield (
-                name,
-                "only a sensitivity is stated within a span or about a reading; leave it out",
-            )
+            yield name, "only a sensitivity is stated so; leave it out"
 
 
-_KINDS_WANTED = "typ, max, min and max, typ and max, rms, density or resolution"
+_KINDS_WANTED = "typ, max, min and max, typ and max, rms or density"
 
 
 def entry(
@@ -181,7 +178,7 @@ class _Amounts:
             ValueError: one cannot be read, or no sensor has it.
         """
         given = self.given
-        if given.kind in ("rms", "density", "resolution"):
+        if given.kind in ("rms", "density"):
             return Stated(given.kind, typ=self._size(given.kind))
         typ = math.nan if given.typ is None else self._size("typ")
         if given.max is None:

@@ -78,7 +78,6 @@ class EntryFile(_Strict):
     max: Value | None = None
     rms: Value | None = None
     density: Value | None = None
-    resolution: Value | None = None
     over_C: tuple[float, float] | None = None
     within: Value | None = None
     about: Value | None = None
@@ -95,7 +94,7 @@ class EntryFile(_Strict):
         """Kind of its value; empty where its values do not go together."""
         stated = {
             name
-            for name in ("typ", "min", "max", "rms", "density", "resolution")
+            for name in ("typ", "min", "max", "rms", "density")
             if getattr(self, name) is not None
         }
         return _KINDS.get(frozenset(stated), "")
@@ -109,7 +108,6 @@ _KINDS = {
     frozenset({"typ", "min", "max"}): "typ_max",
     frozenset({"rms"}): "rms",
     frozenset({"density"}): "density",
-    frozenset({"resolution"}): "resolution",
 }
 
 

@@ -14,24 +14,13 @@ from dataclasses import dataclass
 from simcompare.statistics import distributions
 from simcompare.statistics.distributions import Distribution
 
-#: kinds of values -> what a sheet says by them, in words
-KINDS = {
-    "typ": "typical, without a limit",
-    "max": "largest, without a typical value",
-    "min_max": "between two limits",
-    "typ_max": "typical, and a limit",
-    "rms": "standard deviation of noise",
-    "density": "density of noise",
-    "resolution": "size of one count",
-}
-
 
 @dataclass(frozen=True)
 class Stated:
     """The numbers of one entry in SI, deviations from what an ideal device has.
 
     Attributes:
-        kind: what the sheet states, one of ``KINDS``.
+        kind: what the sheet states: typ, max, min_max, typ_max, rms, density or resolution.
         typ: typical size of the deviation; rms, density or size of one count of these kinds.
         low, high: limits of the deviation; infinite where none is stated.
         typ_is_sigma: which part of a typical value is one standard deviation.

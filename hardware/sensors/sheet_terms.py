@@ -50,5 +50,4 @@ TERMS = {
     "bias_instability": Term("bias instability", is_noise=True, kinds=("typ",), rule="alike"),
     "random_walk": Term("random walk", per="√s", is_noise=True, kinds=("typ",), rule="alike"),
     "rate": Term("output data rate", relative=True),
-    "resolution": Term("resolution", is_noise=True, kinds=("resolution",)),
 }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from simcompare.notation import fixed, sentence
+from simcompare.notation import capital, fixed, sentence
 from simcompare.reports.render import numbers
 from simcompare.reports.run.listing import joined
 from simcompare.results.records.sensor import CheckRow, SensorReading
@@ -20,6 +20,8 @@ _SPOKEN = {
     "A": ("mA", 1e-3),
     "V": ("mV", 1e-3),
 }
+#: terms that one reading does not show
+_SLOW = ("bias_instability", "random_walk")
 #: a density and an rms that are apart by less say the same
 _SAME = 0.1
 
@@ -73,6 +75,9 @@ def further(found: SensorReading) -> Iterator[str]:
         yield (
             "The other axes feel nothing here (across = 0), so cross-axis sensitivity adds nothing."
         )
+    slow = [row.title for row in found.entries if row.used and row.term in _SLOW]
+    if slow:
+        yield f"{capital(joined(slow))} grow with time and are left out of one reading."
     yield from map(_checked, found.checks)
     yield _confirmed(found)
 
