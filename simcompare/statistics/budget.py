@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from simcompare.errors import InputError
+from simcompare.model.plain import Finite
 from simcompare.statistics.distributions import Distribution, Kind
 from simcompare.statistics.joint import Correlation, correlation_matrix
 
@@ -37,7 +38,7 @@ class Row:
     estimate: float
     u: float
     distribution: Kind
-    degrees_of_freedom: float
+    degrees_of_freedom: Finite
     sensitivity: float
     contribution: float
     share: float
@@ -59,7 +60,7 @@ class Budget:
 
     estimate: float
     u: float
-    degrees_of_freedom: float
+    degrees_of_freedom: Finite
     probability: float
     k: float
     expanded: float
