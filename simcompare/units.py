@@ -10,7 +10,7 @@ import difflib
 import functools
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from simcompare.errors import InputError
@@ -150,6 +150,19 @@ def to_si(text: str | float, unit: str, where: str) -> float:
     return _converted(number, given_unit, unit, where)
 
 
+def quantity(text: str | float, where: str) -> tuple[float, str]:
+    """Reads ``"20 mN*m"`` as the value in SI and its SI unit, ``"1"`` where there is no unit.
+
+    Raises:
+        InputError: not a number, or what is no unit.
+    """
+    match = _QUANTITY.match(text) if isinstance(text, str) else None
+    if match is None or not match[2]:
+        return to_si(text, "1", where), "1"
+    factor, offset, unit = si_of(match[2], where)
+    return factor * float(match[1]) + offset, unit
+
+
 def with_point(text: str) -> str | None:
     """``"0,5m"`` as it is written here, ``"0.5m"``; ``None`` where there is no decimal comma."""
     match = _COMMA.match(text)
@@ -212,6 +225,28 @@ def _meaning(text: str) -> tuple[float, float, str] | str:
     target = "" if si_unit == "1" else si_unit
     zero, one = (float(_registry().Quantity(x, unit).to(target).magnitude) for x in (0.0, 1.0))
     return one - zero, zero, si_unit
+
+
+def unit_of_result(
+    formula: Callable[[Mapping[str, Any]], Any], values: Mapping[str, float], of: Mapping[str, str]
+) -> str:
+    """SI unit of what a formula makes of quantities with units, ``"1"`` for a plain number.
+
+    Args:
+        formula: called with quantities of pint by name; may raise what pint raises.
+        values: of the quantities [SI].
+        of: their SI units.
+    """
+    registry = _registry()
+    quantities = {
+        name: registry.Quantity(value, "" if of[name] == "1" else of[name])
+        for name, value in values.items()
+    }
+    unit = registry.Quantity(formula(quantities)).to_base_units().units
+    if unit.dimensionality == registry.Unit("Hz").dimensionality:
+        return "1/s"  # a rate of turning or of events: nothing tells which
+    known = _si_unit(unit, is_angle=False, is_energy=False)
+    return known or f"{unit:~C}"
 
 
 def not_a_unit(text: str) -> str:
