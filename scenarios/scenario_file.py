@@ -17,11 +17,13 @@ from simcompare.model.fittable import Fittable
 from simcompare.model.plain import Plain
 from simcompare.model.scenario import Scenario
 from simcompare.model.signals import Signal
+from simcompare.model.uncertain import Uncertain
 from simcompare.model.yaml_file import describe, faults_of, read_yaml
 from simcompare.scenarios.scenario_checks import faults_between_parts
+from simcompare.scenarios.uncertain_faults import inherited, uncertain_faults
 
 #: keys of the file that describe it rather than the scene
-HEAD_KEYS = ("parameters", "presets", "fit")
+HEAD_KEYS = ("parameters", "presets", "fit", "uncertainty")
 #: names a scenario that this one is a variant of
 EXTENDS = "extends"
 #: what expressions call the time between samples
@@ -69,6 +71,7 @@ class _Head(BaseModel):
     parameters: Mapping[str, Parameter] = Field(default_factory=dict)
     presets: Mapping[str, Preset] = Field(default_factory=dict)
     fit: Fittable | None = None
+    uncertainty: Uncertain | None = None
 
 
 @dataclass(frozen=True)
@@ -83,6 +86,7 @@ class ScenarioFile:
         lines: dotted place -> line number, for messages.
         extends: files that this one is a variant of, the nearest first.
         fit: what of it can be fitted, ``None`` where nothing is named.
+        uncertainty: how well its parameters are known, ``None`` where nothing is said.
     """
 
     path: Path
@@ -92,6 +96,7 @@ class ScenarioFile:
     lines: Mapping[str, int] = field(repr=False)
     extends: tuple[Path, ...] = ()
     fit: Fittable | None = None
+    uncertainty: Uncertain | None = None
 
     @property
     def name(self) -> str:
@@ -148,11 +153,18 @@ class ScenarioFile:
         Raises:
             InputError: the scene cannot be built with that value.
         """
-        parameters = {**scenario.parameters, name: value}
-        varied = self._build(parameters, scenario.world.step_s)
+        varied = self.moved(scenario, {name: value})
         # as long as the original, so that samples line up
         world = varied.world.model_copy(update={"duration_s": scenario.world.duration_s})
         return varied.model_copy(update={"world": world})
+
+    def moved(self, scenario: Scenario, values: Mapping[str, float]) -> Scenario:
+        """A scenario of its own with some parameters changed, also a little beyond their bounds.
+
+        Raises:
+            InputError: the scene cannot be built with these values.
+        """
+        return self._build({**scenario.parameters, **values}, scenario.world.step_s)
 
     def read_settings(
         self, settings: Mapping[str, str | float], where: str = "--set"
@@ -259,7 +271,9 @@ def read(path: Path) -> ScenarioFile:
     faults.update(build(scene, values, None)[1])
     if faults:
         raise InputError(str(path), describe(faults, lines))
-    return ScenarioFile(path, head.parameters, head.presets, scene, lines, extended, head.fit)
+    return ScenarioFile(
+        path, head.parameters, head.presets, scene, lines, extended, head.fit, head.uncertainty
+    )
 
 
 def _read_with_bases(
@@ -288,7 +302,7 @@ def _read_with_bases(
     if below:
         raise InputError(str(base), describe(below, {}))
     faults.update(_taken_from_nothing(merged, tree, ""))
-    return _merged(merged, tree), lines, faults, (base, *bases)
+    return _merged(inherited(merged, tree), tree), lines, faults, (base, *bases)
 
 
 def _taken_from_nothing(base: Any, change: Any, place: str) -> dict[str, str]:  # noqa: ANN401
@@ -323,6 +337,8 @@ def _head_faults(head: _Head, bodies: Collection[str]) -> dict[str, str]:
             faults[f"parameters.{name}"] = f"{name!r} cannot be the name of a parameter"
     wrong = {} if head.fit is None else head.fit.faults(head.parameters, bodies)
     faults.update({f"fit.{place}": sentence for place, sentence in wrong.items()})
+    values = {name: parameter.value for name, parameter in head.parameters.items()}
+    faults.update(uncertain_faults(head.uncertainty or Uncertain(), values))
     for name, preset in head.presets.items():
         for parameter, sentence in out_of_bounds(preset.set, head.parameters).items():
             faults[f"presets.{name}.set.{parameter}"] = sentence

@@ -11,6 +11,7 @@ from typing import Any
 from simcompare.model.fittable import Fittable
 from simcompare.model.plain import Plain
 from simcompare.model.scenario import Scenario
+from simcompare.model.uncertain import Uncertain
 from simcompare.scenarios.scenario_file import SCHEMA_PATH, Parameter, Preset
 
 _EXPRESSION = {"type": "string", "pattern": r"^\s*\$\{.*\}\s*$"}
@@ -25,9 +26,13 @@ def build() -> Plain:
     fittable = Fittable.model_json_schema()
     definitions.update(fittable.pop("$defs"))
     definitions["Fittable"] = fittable
+    uncertain = Uncertain.model_json_schema()
+    definitions.update(uncertain.pop("$defs"))
+    definitions["Uncertain"] = uncertain
     schema["properties"]["parameters"] = _mapping_of("Parameter")
     schema["properties"]["presets"] = _mapping_of("Preset")
     schema["properties"]["fit"] = {"$ref": "#/$defs/Fittable"}
+    schema["properties"]["uncertainty"] = {"$ref": "#/$defs/Uncertain"}
     schema["properties"]["extends"] = {"type": "string"}
     schema["title"] = "simcompare scenario"
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
@@ -44,7 +49,7 @@ def build() -> Plain:
     return {**schema, "if": {"required": ["extends"]}, "then": variant, "else": whole}
 
 
-_PLAIN = ("Parameter", "Preset", "Fittable", "Grid")
+_PLAIN = ("Parameter", "Preset", "Fittable", "Grid", "Uncertain", "KnownBy")
 
 
 def _mapping_of(name: str) -> Plain:
