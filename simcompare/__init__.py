@@ -23,6 +23,7 @@ _PUBLIC = {
     "sense": "simcompare.verbs.sense",
     "sensor": "simcompare.verbs.sensor",
     "estimate": "simcompare.verbs.estimate",
+    "uncertainty": "simcompare.verbs.uncertainty",
     "control": "simcompare.verbs.control",
     "compare": "simcompare.verbs.compare",
     "runs": "simcompare.verbs.runs",

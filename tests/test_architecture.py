@@ -27,7 +27,7 @@ FLOORS = (
     ("scenarios",),
     ("comparison",),
     ("inference",),
-    ("tuning", "characterization", "uncertainty", "gauging"),
+    ("tuning", "characterization", "propagation", "gauging"),
     ("results",),
     ("exporters", "reports"),
     ("fitting", "validation"),

@@ -131,6 +131,7 @@ def register() -> None:
         sensor,
         show,
         tune,
+        uncertainty,
         validate,
     )
 
@@ -152,6 +153,7 @@ def register() -> None:
     foreign = {"allow_extra_args": True, "ignore_unknown_options": True}
     _verb("tune", tune.tune, context_settings=foreign)
     _verb("validate", validate.validate)
+    _verb("uncertainty", uncertainty.uncertainty)
     app.add_typer(data.data, name="data")
 
 

@@ -51,6 +51,11 @@ EXAMPLES = {
         "simcompare data fetch pendulum_free_swing",
         "simcompare validate pendulum --recording pendulum_free_swing",
     ),
+    "uncertainty": (
+        "simcompare uncertainty robot --of acceleration --engine mujoco",
+        'simcompare uncertainty robot --u torque=1% --u "wheel_radius=±0.1mm"',
+        'simcompare uncertainty --of "m*g*h" --set m=0.2kg --set g=9.81 --set h=1m --u h=2mm',
+    ),
 }
 
 

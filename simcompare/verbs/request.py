@@ -107,6 +107,29 @@ class ValidateRequest(Request):
     strict: Annotated[bool, Option("--strict")] = False
 
 
+@dataclass(frozen=True, kw_only=True)
+class UncertaintyRequest(Request):
+    """What ``uncertainty`` is asked; the options are those of ``simcompare.uncertainty``."""
+
+    verb: ClassVar[str] = "uncertainty"
+    scenario: str = ""
+    engine: Annotated[str, Option("--engine")] = ""
+    of: Annotated[str | None, Option("--of")] = None
+    u: Annotated[Values, Option("--u")] = None
+    inputs: Annotated[Place | None, Option("--inputs")] = None
+    correlation: Annotated[Values, Option("--correlation")] = None
+    contact: Annotated[str, Option("--contact")] = ASSISTED
+    preset: Annotated[str | None, Option("--preset")] = None
+    seeds: Annotated[int | None, Option("--seeds")] = None
+    trials: Annotated[int | None, Option("--trials")] = None
+    probability: Annotated[float, Option("--probability")] = 0.95
+    seed: Annotated[int, Option("--seed")] = 1
+
+    def command(self) -> tuple[str, ...]:
+        """The words of the command line that ask the same; a formula has no scenario."""
+        return tuple(filter(None, super().command()))
+
+
 def options(kind: type[Request]) -> Mapping[str, Option]:
     """Field -> its option."""
     hints = get_type_hints(kind, include_extras=True)

@@ -1,0 +1,150 @@
+"""The uncertainty of a formula: traced by GTC, and by a million trials."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from simcompare import units
+from simcompare.errors import InputError
+from simcompare.model.expressions import ExpressionError
+from simcompare.model.formula import Formula, read
+from simcompare.propagation.propagated import Asked, Propagated, traced, with_trials
+from simcompare.statistics.budget import Budget
+
+#: trials of a formula at least: they take less than two seconds
+TRIALS = 1_000_000
+
+
+def formula_of(text: str, where: str = "--of") -> Formula:
+    """Reads a formula.
+
+    Raises:
+        InputError: it is more than arithmetic, or none.
+    """
+    try:
+        return read(text)
+    except ExpressionError as error:
+        raise InputError(where, [str(error)]) from None
+
+
+def propagated(formula: Formula, values: Mapping[str, float], asked: Asked) -> Propagated:
+    """Budget and Monte Carlo of a formula.
+
+    Args:
+        formula: the formula.
+        values: of all its quantities [SI].
+        asked: those that are uncertain.
+
+    Raises:
+        InputError: it has no finite value at the estimates, or for some draws.
+    """
+    exact = {name: np.float64(value) for name, value in values.items() if name in formula.names}
+
+    def model(**drawn: Any) -> Any:  # noqa: ANN401
+        return formula.at({**exact, **drawn})
+
+    return with_trials(
+        asked, first_order(formula, exact, asked), model, max(asked.trials or 0, TRIALS)
+    )
+
+
+def first_order(formula: Formula, exact: Mapping[str, float], asked: Asked) -> Budget:
+    """The budget alone.
+
+    Raises:
+        InputError: the formula has no finite value at the estimates.
+    """
+    known = {name: one.center for name, one in asked.inputs.items()}
+    value_of(formula, {**exact, **known})
+    functions = _functions()
+    plain = {name: float(value) for name, value in exact.items()}
+
+    def model(**numbers: Any) -> Any:  # noqa: ANN401
+        return formula.at({**plain, **numbers}, functions)
+
+    try:
+        return traced(asked, model)
+    except ExpressionError as error:
+        raise InputError("--of", [str(error)]) from None
+
+
+def value_of(formula: Formula, values: Mapping[str, float]) -> float:
+    """The formula's value.
+
+    Raises:
+        InputError: it is no finite number.
+    """
+    try:
+        with np.errstate(all="ignore"):
+            value = float(formula.at({name: np.float64(one) for name, one in values.items()}))
+    except ExpressionError as error:
+        raise InputError("--of", [str(error)]) from None
+    if not math.isfinite(value):
+        told = ", ".join(f"{name} = {values[name]:.6g}" for name in formula.names)
+        raise InputError("--of", [f"{formula.text!r} gives no finite number at {told}"])
+    return value
+
+
+def unit_of(formula: Formula, values: Mapping[str, float], units_of: Mapping[str, str]) -> str:
+    """SI unit of the result, "1" where no quantity has a unit.
+
+    Raises:
+        InputError: units that cannot be added, such as m + kg.
+    """
+    if all(unit == "1" for unit in units_of.values()):
+        return "1"
+    try:
+        return units.unit_of_result(lambda of: formula.at(of, _OF_UNITS), values, units_of)
+    # pint raises many kinds for what does not fit
+    except Exception as error:  # noqa: BLE001
+        raise InputError(
+            "--of", [f"the units do not fit: {error}; give each quantity its unit, or none to all"]
+        ) from None
+
+
+def unit_of_names(formula: Formula, values: Mapping[str, float]) -> str:
+    """SI unit of a formula whose quantities have theirs in their names."""
+    return unit_of(formula, values, {name: units.unit_of(name) for name in values})
+
+
+@functools.cache
+def _functions() -> Mapping[str, Callable[..., Any]]:
+    """What a formula may call, for numbers of GTC and plain ones."""
+    import GTC
+
+    names = ("sqrt", "exp", "log", "sin", "cos", "tan", "atan2")
+    return {
+        **{name: _of_both(getattr(GTC, name), name) for name in names},
+        "abs": lambda a: a if _number(a) >= 0 else -a,
+        "min": lambda a, b: a if _number(a) <= _number(b) else b,
+        "max": lambda a, b: a if _number(a) >= _number(b) else b,
+    }
+
+
+def _of_both(traced_one: Callable[..., Any], name: str) -> Callable[..., Any]:
+    plain = getattr(np, {"atan2": "arctan2"}.get(name, name))
+
+    def called(*values: Any) -> Any:  # noqa: ANN401
+        is_plain = all(isinstance(value, float) for value in values)
+        return plain(*values) if is_plain else traced_one(*values)
+
+    return called
+
+
+def _number(value: Any) -> float:  # noqa: ANN401
+    return float(getattr(value, "x", value))
+
+
+_OF_UNITS: Mapping[str, Callable[..., Any]] = {
+    "sqrt": lambda a: a**0.5,
+    **{name: getattr(np, name) for name in ("exp", "log", "sin", "cos", "tan")},
+    "atan2": np.arctan2,
+    "abs": abs,
+    "min": lambda a, b: min(a, b),
+    "max": lambda a, b: max(a, b),
+}
