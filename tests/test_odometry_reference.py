@@ -148,11 +148,11 @@ def test_speed_and_turn_lag_behind_their_goals_in_closed_form():
     goals = (Constant(signal="constant", value=6.0), Constant(signal="constant", value=10.0))
     times = np.linspace(0, 0.5, 11)
     *_, v, w, way = driven(parameters, robot, times, goals)
-    assert robot.speed_lag_s == pytest.approx(parameters["lag_s"], rel=1e-12)
+    assert robot.lags_s[0] == pytest.approx(parameters["lag_s"], rel=1e-12)
     v_end, w_end = 0.1 * 8.0, 0.1 * 4.0 / 0.5
-    np.testing.assert_allclose(v, v_end * -np.expm1(-times / robot.speed_lag_s), atol=1e-13)
-    np.testing.assert_allclose(w, w_end * -np.expm1(-times / robot.turn_lag_s), atol=1e-13)
-    lag = robot.speed_lag_s
+    np.testing.assert_allclose(v, v_end * -np.expm1(-times / robot.lags_s[0]), atol=1e-13)
+    np.testing.assert_allclose(w, w_end * -np.expm1(-times / robot.lags_s[1]), atol=1e-13)
+    lag = robot.lags_s[0]
     np.testing.assert_allclose(way, v_end * (times + lag * np.expm1(-times / lag)), atol=1e-13)
 
 

@@ -1,21 +1,23 @@
 """The robot whose servos hold its wheels at given rates: two first-order lags, and where it goes.
 
-With v the speed of the axle's middle, where the centre of mass is, ω the yaw rate, c the servos'
-gain, g_L and g_R their goals, r the radius, W the track, and wheels that roll without slip:
+With φ' the rates of the wheels, r their radii, W the track, M the mass and I the yaw inertia of all
+without the spin of the wheels, J their spin, c the servos' gain and g their goals, wheels that roll
+without slip and the centre of mass in the middle of the axle:
 
-    M·dv/dt = c·(g_L + g_R - 2v/r)/r                   M = m + 2J/r²
-    I·dω/dt = c·(g_R - g_L - W·ω/r)·W/(2r)             I = I_z + J·W²/(2r²)
+    A·dφ'/dt = c·(g - φ')         v = (r_L·φ'_L + r_R·φ'_R)/2,  ω = (r_R·φ'_R - r_L·φ'_L)/W
+    A_LL = r_L²·(M/4 + I/W²) + J_L,  A_LR = r_L·r_R·(M/4 - I/W²),  A_RR like A_LL
     dx/dt = v·cos ψ,  dy/dt = v·sin ψ,  dψ/dt = ω
 
-(Newton and Euler for the whole robot in the plane.) So v follows r·(g_L + g_R)/2 with the time
-constant T_v = M·r²/(2c), and ω follows r·(g_R - g_L)/W with T_ω = 2·I·r²/(c·W²). On a straight
-piece of a goal, u(t) = u_0 + s·t, the response is closed,
+(Newton and Euler for the whole robot in the plane.) A/c is symmetric: its eigenvalues are two time
+constants, and along its eigenvectors the rates follow their goals apart from each other. Of equal
+wheels these are speed, T_v = (M + 2J/r²)·r²/(2c), and turn, T_ω = 2·(I + J·W²/(2r²))·r²/(c·W²). On
+a straight piece of a goal, u(t) = u_0 + s·t, the response is closed,
 
     y(t) = u_0 + s·(t - T) + (y_0 - u_0 + s·T)·exp(-t/T)
 
 and so is its integral. Only the place needs a quadrature, by Gauss on short pieces; a goal that is
 curved (a sine) is taken by the polynomial through the same points. A mark ahead of the axle, of one
-gram, is left out of m and I_z as far as it shifts the centre of mass.
+gram, is left out of M and I as far as it shifts the centre of mass.
 """
 
 from __future__ import annotations
@@ -41,30 +43,42 @@ class Robot:
     """The robot's constants.
 
     Attributes:
-        radius_m: r.
+        left_radius_m: r_L.
+        right_radius_m: r_R.
         track_m: W.
-        speed_lag_s: T_v.
-        turn_lag_s: T_ω.
+        lags_s: both time constants, speed first where the wheels are equal.
+        modes: eigenvectors in columns (2, 2), of the rates of the left and the right wheel.
     """
 
-    radius_m: float
+    left_radius_m: float
+    right_radius_m: float
     track_m: float
-    speed_lag_s: float
-    turn_lag_s: float
+    lags_s: tuple[float, float]
+    modes: Array
 
 
-def robot_of(p: Mapping[str, float]) -> Robot:
-    """The robot of a scenario's parameters."""
+def robot_of(p: Mapping[str, float], right_larger: float = 0.0) -> Robot:
+    """The robot of a scenario's parameters.
+
+    Args:
+        p: parameters of the scenario.
+        right_larger: by what part the radius of the right wheel is larger than the left one's.
+    """
     r, track, wheel, caster = (
         p[k] for k in ("wheel_radius_m", "track_m", "wheel_mass_kg", "caster_mass_kg")
     )
-    spin = 2 * wheel * r**2 / 3
-    mass = p["body_mass_kg"] + 2 * wheel + 2 * caster + MARK_KG + 2 * spin / r**2
-    gain = mass * r**2 / (2 * p["lag_s"])
-    yaw = p["body_yaw_inertia_kg_m2"] + 2 * (spin + wheel * (track / 2) ** 2)
+    radii = np.array([r, r * (1 + right_larger)])
+    spins = 2 * wheel * radii**2 / 3
+    mass = p["body_mass_kg"] + 2 * wheel + 2 * caster + MARK_KG
+    gain = (mass * r**2 + 2 * spins[0]) / (2 * p["lag_s"])
+    yaw = p["body_yaw_inertia_kg_m2"] + float(spins.sum()) + 2 * wheel * (track / 2) ** 2
     yaw += 2 * caster * (1e-4 + p["caster_m"] ** 2) + MARK_KG_M2
-    inertia = yaw + spin * track**2 / (2 * r**2)
-    return Robot(r, track, p["lag_s"], 2 * inertia * r**2 / (gain * track**2))
+    felt = np.outer(radii, radii) * (mass / 4 + yaw / track**2 * np.array([[1, -1], [-1, 1]]))
+    lags, modes = np.linalg.eigh((felt + np.diag(spins)) / gain)
+    # the mode of speed has both rates of one sign
+    order = np.argsort(-modes[0] * modes[1])
+    first, second = (float(lags[k]) for k in order)
+    return Robot(r, float(radii[1]), track, (first, second), modes[:, order])
 
 
 def reference(
@@ -77,16 +91,23 @@ def reference(
         time_s: times from the start on (n,) [s], increasing.
         inputs: signals of ``left_rate`` and ``right_rate`` [rad/s].
     """
-    robot = robot_of(parameters)
+    return signals_of(parameters, robot_of(parameters), time_s, inputs)
+
+
+def signals_of(
+    parameters: Mapping[str, float], robot: Robot, time_s: Array, inputs: Mapping[str, Signal]
+) -> dict[str, Array]:
+    """The same for a robot whose wheels may be unequal."""
     goals = (inputs["left_rate"], inputs["right_rate"])
     x, y, heading, speed, yaw_rate, way = driven(parameters, robot, time_s, goals)
     vehicle = Vehicle(x, y, heading, speed, yaw_rate)
-    signals = vehicle.body("chassis", 0.0, 0.0, robot.radius_m)
-    signals |= vehicle.body("mark", parameters["mark_ahead_m"], 0.0, robot.radius_m)
+    signals = vehicle.body("chassis", 0.0, 0.0, robot.left_radius_m)
+    signals |= vehicle.body("mark", parameters["mark_ahead_m"], 0.0, robot.left_radius_m)
     turned_by = heading - parameters["start_heading_rad"]
-    for side, half in (("left", -robot.track_m / 2), ("right", robot.track_m / 2)):
-        signals[f"{side}.angle_rad"] = (way + half * turned_by) / robot.radius_m
-        signals[f"{side}.rate_rad_s"] = (speed + half * yaw_rate) / robot.radius_m
+    half = robot.track_m / 2
+    for side, sign, r in (("left", -1, robot.left_radius_m), ("right", 1, robot.right_radius_m)):
+        signals[f"{side}.angle_rad"] = (way + sign * half * turned_by) / r
+        signals[f"{side}.rate_rad_s"] = (speed + sign * half * yaw_rate) / r
     return signals
 
 
@@ -94,20 +115,26 @@ def driven(
     parameters: Mapping[str, float], robot: Robot, time_s: Array, goals: Sequence[Signal]
 ) -> tuple[Array, ...]:
     """x, y, heading, speed, yaw rate and way of the axle's middle at the given times, (n,) each."""
-    r, track = robot.radius_m, robot.track_m
-    first, second = parameters["start_left_rate_rad_s"], parameters["start_right_rate_rad_s"]
-    longest_s = LONGEST_IN_LAGS * min(robot.speed_lag_s, robot.turn_lag_s)
-    edges, at = edges_of(time_s, goals, longest_s)
+    first = (parameters["start_left_rate_rad_s"], parameters["start_right_rate_rad_s"])
+    edges, at = edges_of(time_s, goals, LONGEST_IN_LAGS * min(robot.lags_s))
     pieces = Pieces(edges)
-    left, right = (goal.at(pieces.inside.ravel()).reshape(pieces.inside.shape) for goal in goals)
-    speed, speed_at = pieces.lagged(
-        r * (left + right) / 2, robot.speed_lag_s, r * (first + second) / 2
-    )
-    turn, turn_at = pieces.lagged(
-        r * (right - left) / track, robot.turn_lag_s, r * (second - first) / track
-    )
+    wanted = np.array([g.at(pieces.inside.ravel()).reshape(pieces.inside.shape) for g in goals])
+    followed = [
+        pieces.lagged(np.tensordot(mode, wanted, 1), lag_s, float(mode @ first))
+        for mode, lag_s in zip(robot.modes.T, robot.lags_s, strict=True)
+    ]
+    inside, ends = (np.array(part) for part in zip(*followed, strict=True))
+    speed, turn = _of_modes(robot, inside)
+    speed_at, turn_at = _of_modes(robot, ends)
     heading, heading_at = pieces.integral(turn, parameters["start_heading_rad"])
     _, x = pieces.integral(speed * np.cos(heading), parameters["start_x_m"])
     _, y = pieces.integral(speed * np.sin(heading), parameters["start_y_m"])
     _, way = pieces.integral(speed, 0.0)
     return tuple(values[at] for values in (x, y, heading_at, speed_at, turn_at, way))
+
+
+def _of_modes(robot: Robot, modes: Array) -> tuple[Array, Array]:
+    """Speed and yaw rate from both modes of the wheels' rates (2, …)."""
+    rates = np.tensordot(robot.modes, modes, 1)
+    left, right = robot.left_radius_m * rates[0], robot.right_radius_m * rates[1]
+    return (left + right) / 2, (right - left) / robot.track_m
