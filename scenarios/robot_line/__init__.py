@@ -1,0 +1,1 @@
+"""Scenario: a robot with unequal wheels on a line that its odometry believes straight."""
