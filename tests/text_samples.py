@@ -205,6 +205,16 @@ def _scope() -> list[Log]:
     ]  # fmt: skip
 
 
+def _librsf() -> list[Log]:
+    """Odometry of two wheels and a place, one line each."""
+    lines = "".join(
+        f"odom2diff {t:.6f} {a:.6f} {b:.6f} 0 0.15 0.0001 0.0001 0.0001\n"
+        f"point2 {t:.6f} {a:.6f} {c:.6f} 0 0 0 0\n"
+        for t, (a, b, c) in zip(times(), motion(), strict=True)
+    )
+    return [Log("librsf", {"drive.txt": lines.encode()})]
+
+
 def _json() -> list[Log]:
     units = {"time": {"column": "t", "unit": "s"}, "channels": {
         "x": {"column": "x", "unit": "m"}, "a": {"column": "p[0]", "unit": "m"},
@@ -225,4 +235,4 @@ def _json() -> list[Log]:
 
 def text_logs() -> list[Log]:
     """Logs of all formats of text."""
-    return [*_csv(), *_phyphox(), *_tracker(), *_lvm(), *_scope(), *_json()]
+    return [*_csv(), *_phyphox(), *_tracker(), *_lvm(), *_scope(), *_librsf(), *_json()]
