@@ -13,7 +13,7 @@ import numpy as np
 from simcompare.engine.library import installed_version
 from simcompare.errors import InputError
 from simcompare.hardware import joints
-from simcompare.hardware.conditioning import derived_channels
+from simcompare.hardware.conditioning import derived_channels, drive
 from simcompare.hardware.conditioning.condition import condition
 from simcompare.hardware.logs import importers
 from simcompare.hardware.logs import template as templates
@@ -56,7 +56,8 @@ def read(
             "strict" if strict else "repair", about=about or {},
         )  # fmt: skip
         recording = condition(raw, mapping, provenance, assume_units=assume_units)
-    return derived_channels.add(recording, mapping.derive, f"{path.name}, derive")
+    recording = derived_channels.add(recording, mapping.derive, f"{path.name}, derive")
+    return drive.noted(recording, mapping.drive, f"{path.name}, drive")
 
 
 @contextmanager

@@ -26,6 +26,7 @@ from pydantic import (
 )
 
 from simcompare.errors import InputError
+from simcompare.hardware.conditioning.drive import Drive
 from simcompare.model.yaml_file import describe, faults_of, read_yaml
 
 #: kinds of joints: what turns, and what slides
@@ -129,6 +130,7 @@ class Mapping(_Part):
         joints: whether joints, whose unit that decides, turn ("revolute") or slide ("prismatic");
             one word for all of them, or name -> kind.
         derive: channels that follow from others: name of a new stream -> function and its needs.
+        drive: the wheels of a robot and where it was, to be held against each other.
         validate: how a scenario is held against the recording.
     """
 
@@ -143,6 +145,7 @@ class Mapping(_Part):
     wheel_diameter_m: PositiveFloat | None = None
     joints: str | MappingOf[str, str] | None = None
     derive: MappingOf[str, Any] = Field(default_factory=dict)
+    drive: Drive | None = None
     validate_: Any = Field(None, alias="validate")
 
     @field_validator("joints", mode="before")

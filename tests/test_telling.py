@@ -245,6 +245,14 @@ def test_defects_of_the_log_are_told():
     assert "harmless" not in found
 
 
+def test_what_contradicts_the_log_is_told_in_full():
+    found = text(
+        record(provenance=replace(LOG, repairs=(Repair("drive", "warning", "it misses"),)))
+    )
+    assert "What is said of the log contradicts it: it misses." in found
+    assert "had defects" not in found
+
+
 def test_an_ambiguous_alignment_is_told_first():
     sure = Alignment(0.0, 0.0, 0.0, 0.0, "events")
     unsure = replace(sure, ambiguous=True)

@@ -15,6 +15,9 @@ from simcompare.reports.validation import (
 )
 from simcompare.results.records.validation import SAME, Validation, ValueRecord
 
+#: rules by which what is said of a log contradicts it: the reader has to decide
+CONTRADICTIONS = ("drive",)
+
 
 def with_words(validation: Validation) -> Validation:
     """The record with a verdict on every value and the answer in sentences.
@@ -89,12 +92,15 @@ def _cut(validation: Validation) -> Iterator[str]:
 
 def _log(validation: Validation) -> Iterator[str]:
     """Defects of the log that a reader of the answer must know of."""
+    for one in validation.provenance.repairs:
+        if one.rule in CONTRADICTIONS:
+            yield f"What is said of the log contradicts it: {one.text}."
     defects = []
     for severity, words in ((REPAIR, "repaired"), (WARNING, "left and marked")):
         rules = dict.fromkeys(
             phrases.spaced(one.rule)
             for one in validation.provenance.repairs
-            if one.severity == severity
+            if one.severity == severity and one.rule not in CONTRADICTIONS
         )
         if rules:
             defects.append(f"{words}: {', '.join(rules)}")
