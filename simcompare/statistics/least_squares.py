@@ -33,6 +33,8 @@ _DOWN, _UP = 1 / 30, 3.0
 _PROBE = 0.1
 #: part of a step that the correction for that bend may have
 _MAX_BENT = 0.75
+#: that of the first step
+_DAMPING = 1e-3
 #: a fit has ended when the next step would lower chi squared by less than this part
 _ENOUGH = 1e-9
 
@@ -61,7 +63,16 @@ class Solution:
         return np.asarray(np.sum(self.residuals**2, axis=-1))
 
 
-def solve(residuals: Residuals, start: Array, low: Array, high: Array, size: Array) -> Solution:
+def solve(
+    residuals: Residuals,
+    start: Array,
+    low: Array,
+    high: Array,
+    size: Array,
+    *,
+    enough: float = _ENOUGH,
+    damping: float = _DAMPING,
+) -> Solution:
     """Minimises the sum of squared residuals of every problem.
 
     Args:
@@ -70,18 +81,20 @@ def solve(residuals: Residuals, start: Array, low: Array, high: Array, size: Arr
         low: lower bounds (p,).
         high: upper bounds (p,).
         size: usual size of each unknown (p,).
+        enough: part of chi squared that a further step would have to bring.
+        damping: of the first step; little where the answer is near.
     """
     x = np.clip(start, low, high)
     r = residuals(x)
     chi2 = np.sum(r**2, axis=-1)
-    damping = np.full(len(x), 1e-3)
+    firm = np.full(len(x), damping)
     done = np.zeros(len(x), dtype=bool)
     jacobian = jacobian_of(residuals, x, size)
     for _ in range(MAX_STEPS):
         slope = np.einsum("bnp,bn->bp", jacobian, r)
         outward = _outward(x, slope, low, high)
-        damped, gain = _damped(jacobian, slope, outward != 0, damping)
-        done |= gain < _ENOUGH * (1e-3 + chi2)
+        damped, gain = _damped(jacobian, slope, outward != 0, firm)
+        done |= gain < enough * (1e-3 + chi2)
         if done.all():
             break
         step = damped(slope)
@@ -95,8 +108,8 @@ def solve(residuals: Residuals, start: Array, low: Array, high: Array, size: Arr
         chi2_moved = np.nan_to_num(np.sum(r_moved**2, axis=-1), nan=np.inf)
         better = (chi2_moved < chi2) & ~done
         # no step of any length helps any more: rounding is reached
-        done |= ~better & (damping > 1e9)
-        damping = np.where(better, np.maximum(damping * _DOWN, 1e-14), damping * _UP)
+        done |= ~better & (firm > 1e9)
+        firm = np.where(better, np.maximum(firm * _DOWN, 1e-14), firm * _UP)
         if better.any():
             x = np.where(better[:, None], moved, x)
             r = np.where(better[:, None], r_moved, r)
