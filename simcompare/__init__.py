@@ -24,6 +24,7 @@ _PUBLIC = {
     "sensor": "simcompare.verbs.sensor",
     "estimate": "simcompare.verbs.estimate",
     "uncertainty": "simcompare.verbs.uncertainty",
+    "gauge": "simcompare.verbs.gauge",
     "control": "simcompare.verbs.control",
     "compare": "simcompare.verbs.compare",
     "runs": "simcompare.verbs.runs",

@@ -123,6 +123,7 @@ def register() -> None:
         explain,
         export,
         fit,
+        gauge,
         import_,
         list_,
         report,
@@ -146,6 +147,7 @@ def register() -> None:
     _verb("characterize", characterize.characterize)
     _verb("sensor", sensor.sensor)
     _verb("estimate", estimate.estimate)
+    _verb("gauge", gauge.gauge)
     _verb("export", export.export)
     _verb("import", import_.import_)
     _verb("fit", fit.fit)

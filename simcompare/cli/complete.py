@@ -79,3 +79,10 @@ def words(incomplete: str) -> list[str]:
     from simcompare import glossary
 
     return [one.word for one in glossary.terms() if one.word.startswith(incomplete)]
+
+
+def worked_examples(incomplete: str) -> list[str]:
+    """Worked examples that are recomputed."""
+    from simcompare.gauging import registry
+
+    return [name for name in registry.names() if name.startswith(incomplete)]

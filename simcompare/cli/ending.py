@@ -19,14 +19,14 @@ INTERRUPTED = 130
 
 
 def finish(
-    plain: Callable[[], Plain],
+    plain: Callable[[], Plain | list[Plain]],
     show: Callable[[], None],
     exit_code: int,
     *,
     as_json: bool,
     page: Path | None = None,
 ) -> NoReturn:
-    """Prints the answer, as one JSON object or for people, and ends the command.
+    """Prints the answer, as JSON or for people, and ends the command.
 
     Args:
         plain: gives what ``--json`` prints.

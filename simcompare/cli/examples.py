@@ -30,6 +30,7 @@ EXAMPLES = {
         "simcompare estimate robot_motor --engine mujoco",
         "simcompare estimate robot_motor --sensors imu=adxl345 --option bias=0",
     ),
+    "gauge": ("simcompare gauge", "simcompare gauge gum_h1 jcgm_101_mass -v"),
     "export": (
         "simcompare export robot --format urdf -o robot.urdf",
         "simcompare export ball --format script --engine mujoco -o ball.py",

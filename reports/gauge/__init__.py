@@ -1,0 +1,1 @@
+"""Published examples, recomputed: sentences and the table."""

@@ -1,0 +1,44 @@
+"""What is said of published examples that were recomputed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+
+from simcompare import glossary
+from simcompare.gauging.gauge import Outcome
+
+_LEGEND = ("PASS", "NOTE", "DIFF", "digits")
+
+
+def answer(outcomes: Sequence[Outcome]) -> str:
+    """How many published numbers are met, in a sentence."""
+    count = Counter(check.verdict for one in outcomes for check in one.checks)
+    total, examples = sum(count.values()), sum(1 for one in outcomes if one.checks)
+    if not total:
+        return "Nothing was recomputed."
+    tail = f"{count['PASS']} PASS, {count['NOTE']} NOTE, {count['DIFF']} DIFF"
+    met = total - count["DIFF"]
+    share = f"All {total}" if met == total else f"{met} of {total}"
+    return f"{share} reference numbers of {examples} worked examples are met: {tail}."
+
+
+def notes(outcomes: Sequence[Outcome]) -> Iterator[str]:
+    """Why some numbers are off, and what was skipped."""
+    for one in outcomes:
+        if one.missing:
+            yield f"{one.name}, skipped: {one.missing}"
+        noted = [check for check in one.checks if check.verdict == "NOTE"]
+        for remark, checks in groupby(noted, key=lambda check: check.remark):
+            yield f"{one.name}, NOTE at {'; '.join(c.quantity for c in checks)}: {remark}"
+
+
+def legend() -> list[str]:
+    """What the verdicts mean."""
+    return list(glossary.legend(_LEGEND))
+
+
+def sources(outcomes: Sequence[Outcome]) -> Iterator[str]:
+    """Where the published numbers are from."""
+    return (f"{one.name}: {one.source}" for one in outcomes)

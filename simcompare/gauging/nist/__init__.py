@@ -1,0 +1,1 @@
+"""NIST's reference problems of nonlinear regression (StRD), fitted by our own least squares."""

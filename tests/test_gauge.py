@@ -1,0 +1,134 @@
+"""Published worked examples are met, and the judge of them can say no."""
+
+import json
+import math
+
+import pytest
+
+import simcompare
+from simcompare.cli import main
+from simcompare.errors import UnknownName
+from simcompare.gauging import registry
+from simcompare.gauging.check import Check, last_digit
+from simcompare.gauging.example import Example
+from simcompare.gauging.nist import files
+
+
+@pytest.mark.parametrize("name", registry.names())
+def test_a_worked_example_is_met(name):
+    (outcome,) = simcompare.gauge(name).outcomes
+    if outcome.missing:
+        pytest.skip(outcome.missing)
+    off = [check for check in outcome.checks if check.verdict == "DIFF"]
+    assert not off
+    assert outcome.checks
+    assert outcome.source.endswith(".")
+
+
+def test_nist_fits_are_right_in_all_sets():
+    if files.folder() is None:
+        pytest.skip("SIMCOMPARE_DATA holds no nist_strd")
+    rows = simcompare.gauge("nist_strd").rows
+    assert len({row.quantity.partition(":")[0] for row in rows}) == 27
+    values = [row.digits for row in rows if ": b" in row.quantity]
+    deviations = {
+        row.quantity.partition(":")[0]: row.digits for row in rows if ": s" in row.quantity
+    }
+    assert min(values) >= 6
+    # its data have no noise, so its residuals are the rounding of 64-bit numbers
+    assert deviations.pop("Lanczos1") >= 2
+    assert min(deviations.values()) >= 4
+
+
+def test_what_is_not_on_this_machine_is_skipped_and_says_how_to_get_it(monkeypatch):
+    monkeypatch.delenv("SIMCOMPARE_DATA", raising=False)
+    found = simcompare.gauge("nist_strd")
+    (row,) = found.rows
+    assert row.verdict == "SKIPPED"
+    assert row.published is row.computed is row.digits is None
+    assert "itl.nist.gov" in row.quantity
+    assert "SIMCOMPARE_DATA" in row.quantity
+    assert found.passed
+
+
+@pytest.mark.parametrize(
+    ("published", "computed", "digits", "verdict"),
+    [
+        ("1.234", 1.23449, 4.0, "PASS"),
+        ("1.234", 1.23451, -math.log10(0.00051 / 1.234), "DIFF"),
+        ("-0.511", -0.51083, 3.0, "PASS"),
+        ("2.943883e-01", 0.29438834, 7.0, "PASS"),
+        ("32", 31.66, 2.0, "PASS"),
+        ("32", 31.4, -math.log10(0.6 / 32), "DIFF"),
+        ("0.00", 0.004, 1.0, "PASS"),
+        ("0.00", 0.006, 0.0, "DIFF"),
+        ("5.0", -5.0, 0.0, "DIFF"),
+        ("5.0", math.nan, 0.0, "DIFF"),
+    ],
+)
+def test_a_number_is_met_where_it_rounds_to_the_published_one(published, computed, digits, verdict):
+    check = Check("x", published, computed)
+    assert check.digits == pytest.approx(digits, abs=1e-9)
+    assert check.verdict == verdict
+
+
+def test_chance_passes_and_a_known_reason_is_noted():
+    assert Check("x", "2.00", 2.01, chance=0.01).verdict == "PASS"
+    assert Check("x", "2.00", 2.03, chance=0.01).verdict == "DIFF"
+    assert Check("x", "2.00", 2.01, allowed=0.01, remark="rounded twice").verdict == "NOTE"
+    # what is off needs a reason that is told
+    assert Check("x", "2.00", 2.01, allowed=0.01).verdict == "DIFF"
+
+
+def test_digits_that_are_enough_pass_where_more_are_published():
+    assert Check("x", "1.0000000000", 1.0000005, wanted=6).verdict == "PASS"
+    assert Check("x", "1.0000000000", 1.000002, wanted=6).verdict == "DIFF"
+
+
+def test_a_cut_last_digit_is_noted():
+    assert last_digit(Check("x", "3.910860", 3.9108606)).verdict == "NOTE"
+    assert last_digit(Check("x", "3.910860", 3.9108616)).verdict == "DIFF"
+
+
+def test_a_number_that_is_off_ends_with_exit_code_1(monkeypatch, capsys):
+    wrong = Example("Two and two", "Any school book.", lambda: [Check("2 + 2", "5", 4.0)])
+    monkeypatch.setattr(registry, "load", lambda name: wrong)
+    code, out = command(monkeypatch, capsys, "gauge", "ball")
+    assert code == 1
+    assert "0 of 1" in out
+    assert "DIFF" in out
+
+
+def test_json_is_a_list_of_rows(monkeypatch, capsys):
+    code, out = command(monkeypatch, capsys, "gauge", "gum_h1", "ball", "--json")
+    assert code == 0
+    rows = json.loads(out)
+    keys = {"example", "quantity", "published", "computed", "digits", "verdict"}
+    assert all(set(row) == keys for row in rows)
+    assert {row["example"] for row in rows} == {"gum_h1", "ball"}
+
+
+def test_an_unknown_example_is_named_with_its_like(monkeypatch, capsys):
+    with pytest.raises(UnknownName, match="did you mean gum_h"):
+        simcompare.gauge("gum_h3")
+    assert command(monkeypatch, capsys, "gauge", "gum_h3")[0] == 2
+
+
+def test_it_shows_itself():
+    found = simcompare.gauge(["gum_h1", "gum_h2"])
+    assert found.passed
+    assert "the GUM cuts" in repr(found)
+    assert list(found.table()["Verdict"]).count("NOTE") == 3
+    assert found.plot().axes
+
+
+def test_sources_are_told_when_asked(monkeypatch, capsys):
+    assert "JCGM 100:2008, H.1" not in command(monkeypatch, capsys, "gauge", "gum_h1")[1]
+    assert "JCGM 100:2008, H.1" in command(monkeypatch, capsys, "-v", "gauge", "gum_h1")[1]
+
+
+def command(monkeypatch, capsys, *words):
+    monkeypatch.setattr("sys.argv", ["simcompare", *words])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    return ended.value.code, capsys.readouterr().out
