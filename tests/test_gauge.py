@@ -99,6 +99,10 @@ def test_a_number_that_is_off_ends_with_exit_code_1(monkeypatch, capsys):
     assert "DIFF" in out
 
 
+def test_publications_come_before_closed_forms():
+    assert [one.name for one in simcompare.gauge("ball,gum_h2").outcomes] == ["gum_h2", "ball"]
+
+
 def test_json_is_a_list_of_rows(monkeypatch, capsys):
     code, out = command(monkeypatch, capsys, "gauge", "gum_h1", "ball", "--json")
     assert code == 0

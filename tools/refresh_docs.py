@@ -28,7 +28,8 @@ SHOWN = re.compile(
 
 def main() -> None:
     """Refreshes the pages that are named, or all."""
-    pages = [Path(name) for name in sys.argv[1:]] or [ROOT / "README.md", *ROOT.glob("docs/*.md")]
+    every = [ROOT / "README.md", *ROOT.glob("docs/*.md"), *ROOT.glob("docs/lab/*.md")]
+    pages = [Path(name) for name in sys.argv[1:]] or every
     for page in pages:
         text = page.read_text(encoding="utf-8")
         page.write_text(SHOWN.sub(refreshed, text), encoding="utf-8")

@@ -72,7 +72,5 @@ class Check:
 
 
 def last_digit(check: Check) -> Check:
-    """The same where the source may have cut, not rounded, or rounded twice."""
-    return replace(
-        check, allowed=2 * check.rounding, remark="the last digit is not rounded in the source"
-    )
+    """The same where the source may be off by one in its last digit, cut or rounded twice."""
+    return replace(check, allowed=2 * check.rounding, remark="the last published digit is off by 1")

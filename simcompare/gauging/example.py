@@ -25,9 +25,11 @@ class Example:
         source: where its numbers are published, or who else computed them.
         checks: computes all of its numbers.
         missing: says what is not on this machine and how to get it; empty where nothing lacks.
+        closed_form: whether it is of a scenario and no publication; these come last.
     """
 
     title: str
     source: str
     checks: Callable[[], Iterable[Check]]
     missing: Callable[[], str] = _nothing
+    closed_form: bool = False

@@ -61,8 +61,10 @@ class Outcome:
 
 
 def gauged(names: Iterable[str]) -> tuple[Outcome, ...]:
-    """Recomputes the examples of these names, which exist."""
-    return tuple(_outcome(name, registry.load(name)) for name in names)
+    """Recomputes the examples of these names, which exist; closed forms come last."""
+    examples = {name: registry.load(name) for name in names}
+    order = sorted(examples, key=lambda name: examples[name].closed_form)
+    return tuple(_outcome(name, examples[name]) for name in order)
 
 
 def _outcome(name: str, example: Example) -> Outcome:

@@ -16,12 +16,12 @@ CHANCE, SLIDES = 0.01, 0.03
 
 def estimate(found: MonteCarlo, published: str, unit: str) -> Check:
     """The mean of the trials."""
-    return Check(f"Monte Carlo ({unit})", published, found.estimate, CHANCE * found.u)
+    return Check(_named("Monte Carlo", unit), published, found.estimate, CHANCE * found.u)
 
 
 def uncertainty(found: MonteCarlo, published: str, unit: str) -> Check:
     """The standard deviation of the trials."""
-    return Check(f"Monte Carlo, u ({unit})", published, found.u, CHANCE * found.u)
+    return Check(_named("Monte Carlo, u", unit), published, found.u, CHANCE * found.u)
 
 
 def interval(
@@ -33,5 +33,10 @@ def interval(
     ends = found.shortest if shortest else found.symmetric
     for published, end, name in ((low, ends[0], "low"), (high, ends[1], "high")):
         if published is not None:
-            quantity = f"{kind} {100 * found.probability:g} %, {name} ({unit})"
+            quantity = _named(f"{kind} {100 * found.probability:g} %, {name}", unit)
             yield Check(quantity, published, end, chance)
+
+
+def _named(quantity: str, unit: str) -> str:
+    """A quantity with its unit; "1" is none."""
+    return quantity if unit == "1" else f"{quantity} ({unit})"

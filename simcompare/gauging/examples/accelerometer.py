@@ -39,4 +39,5 @@ EXAMPLE = Example(
     "√(1 - 2ζ² + √(4ζ⁴ - 4ζ² + 2)) of the oscillator (any text on vibration); numbers computed"
     " independently.",
     _checks,
+    closed_form=True,
 )

@@ -27,4 +27,5 @@ EXAMPLE = Example(
     "Standard atmosphere: pressure over height",
     "ISO 2533:1975 with the molar gas constant of the SI; numbers computed independently.",
     _checks,
+    closed_form=True,
 )

@@ -34,4 +34,5 @@ EXAMPLE = Example(
     "Newton's restitution and quadratic drag (Timmerman and van der Weele, Am. J. Phys. 67, 1999);"
     " numbers computed independently and held against an integration of the motion.",
     _checks,
+    closed_form=True,
 )

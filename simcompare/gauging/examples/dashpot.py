@@ -25,4 +25,5 @@ EXAMPLE = Example(
     "Formula of Schwager and Pöschel, Granular Matter 9 (2007) 465; solved independently with"
     " scipy's brentq.",
     _checks,
+    closed_form=True,
 )

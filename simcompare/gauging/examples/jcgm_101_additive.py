@@ -40,7 +40,7 @@ def _checks() -> Iterator[Check]:
             monte_carlo.uncertainty(found, u, "1"),
             *monte_carlo.interval(found, f"-{trials}", trials, "1"),
         ):
-            yield replace(check, quantity=f"{name}: {check.quantity.removesuffix(' (1)')}")
+            yield replace(check, quantity=f"{name}: {check.quantity}")
 
 
 EXAMPLE = Example(

@@ -33,4 +33,5 @@ EXAMPLE = Example(
     "Joint angle from two accelerometers, each axis with noise of 0.02 g",
     "First order: u = √2·s/g = 28.28 mrad.",
     _checks,
+    closed_form=True,
 )

@@ -31,4 +31,5 @@ EXAMPLE = Example(
     "Closed forms such as (1 - √(I0/Is))² (Hughes and Drury, Electric Motors and Drives); numbers"
     " computed independently.",
     _checks,
+    closed_form=True,
 )

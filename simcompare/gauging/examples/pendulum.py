@@ -43,4 +43,5 @@ EXAMPLE = Example(
     "Complete elliptic integral, T/T0 = 2·K(sin²(a/2))/π (Landau and Lifshitz, Mechanics, §11);"
     " computed independently with scipy.",
     _checks,
+    closed_form=True,
 )

@@ -37,4 +37,5 @@ EXAMPLE = Example(
     "Newton and Euler for the three bodies, solved independently with sympy; the accelerations with"
     " a sliding caster agree with PyBullet to the digits that are given.",
     _checks,
+    closed_form=True,
 )

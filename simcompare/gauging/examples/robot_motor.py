@@ -30,4 +30,5 @@ EXAMPLE = Example(
     "Robot with gear motors at 2 V: final speed and time constant",
     "Equations of motor and robot, solved independently with sympy and integrated with scipy.",
     _checks,
+    closed_form=True,
 )

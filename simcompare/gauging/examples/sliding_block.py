@@ -28,4 +28,5 @@ EXAMPLE = Example(
     "Block on a plane of 20°, friction 0.2",
     "Coulomb's law; numbers computed independently.",
     _checks,
+    closed_form=True,
 )
