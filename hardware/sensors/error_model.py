@@ -111,11 +111,12 @@ def measured_by(
     values = _columns(ideal)
     stamps = _stamps(devices, one, time_s)
     smooth = _smooth(one, time_s, values)
-    blocks = [
-        _block(devices[i : i + _AT_ONCE], stamps[i : i + _AT_ONCE], time_s, smooth, generator, held)
-        for i in range(0, len(devices), _AT_ONCE)
-    ]
-    read, cut = (np.concatenate(part).transpose(0, 2, 1) for part in zip(*blocks, strict=True))
+    read = np.empty((len(devices), stamps.shape[1], values.shape[1]))
+    cut = np.zeros(read.shape, dtype=bool)
+    for first in range(0, len(devices), _AT_ONCE):
+        some = slice(first, first + _AT_ONCE)
+        block = _block(devices[some], stamps[some], time_s, smooth, generator, held)
+        read[some], cut[some] = (part.transpose(0, 2, 1) for part in block)
     return Readings(stamps, read, cut)
 
 
@@ -155,6 +156,8 @@ def _stamps(devices: Sequence[Device], one: Device, time_s: Array) -> Array:
         return np.broadcast_to(time_s, (len(devices), len(time_s)))
     rates = one.rate_Hz * (1 + np.array([device.rate_error for device in devices]))
     count = 1 + math.floor((time_s[-1] - time_s[0]) * rates.min() * (1 + 1e-12) + 1e-9)
+    if np.all(rates == rates[0]):
+        return np.broadcast_to(time_s[0] + np.arange(count) / rates[0], (len(devices), count))
     return np.asarray(time_s[0] + np.arange(count) / rates[:, None], dtype=float)
 
 
@@ -210,7 +213,8 @@ def _felt(
     if jitter.any():
         taken = taken + jitter[:, None] * generator.standard_normal(taken.shape)
     if (taken[1:] == taken[:1]).all():  # all at the same times
-        felt = np.repeat(_at(time_s, smooth, taken[:1], held=held), len(devices), axis=0)
+        once = _at(time_s, smooth, taken[:1], held=held)
+        felt = np.broadcast_to(once, (len(devices), *once.shape[1:]))
     else:
         felt = _at(time_s, smooth, taken, held=held)
     turned = np.array([device.mounting_wxyz for device in devices])
@@ -231,7 +235,7 @@ def _systematic(devices: Sequence[Device], felt: Array) -> Array:
     if bent.any():
         scale = devices[0].full_scale
         u = np.clip(felt / scale, -1.0, 1.0)
-        read += (scale * bent)[..., None] * (4 * u**3 - 3 * u)
+        read += (scale * bent)[..., None] * ((4 * u * u - 3) * u)
     return np.asarray(read, dtype=float)
 
 
