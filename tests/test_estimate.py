@@ -113,8 +113,8 @@ def test_the_command_line_prints_what_python_gives(tmp_path, found):
     assert done.exit_code == 0, done.output
     told = json.loads(done.output)
     assert set(told) == {
-        "format", "created", "title", "question", "scenario", "estimator", "labels", "sensors",
-        "options", "loosen", "draws", "seed", "recording", "sentences", "sources", "command",
+        "format", "created", "title", "question", "scenario", "estimator", "sensors", "options",
+        "loosen", "draws", "seed", "recording", "sentences", "sources", "command",
         "software", "folder", "exit_code",
     }  # fmt: skip
     assert told["sentences"] == list(found.sentences)

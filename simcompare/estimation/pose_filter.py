@@ -114,7 +114,8 @@ def estimate(given: Given) -> Estimate:
         _way(given, "smoothed", time_s, smoothed.means, smoothed.uncertainties),
         _reckoned(setting),
     )
-    return Estimate(ways, _innovations(setting, filtered, ways[0]), _numbers(filtered))
+    labels = {name: LABELS[name] for name in ways[0].states}
+    return Estimate(ways, labels, _innovations(setting, filtered, ways[0]), _numbers(filtered))
 
 
 def _setting(given: Given) -> _Setting:
