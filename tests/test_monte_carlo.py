@@ -176,9 +176,9 @@ def test_tolerance_is_half_a_unit_in_the_last_digit(u, digits, expected):
         ),
         (
             {"trials": 10},
-            "propagate: 10 trials cannot tell an interval of 95 %; expected at least 40",
+            "Monte Carlo: 10 trials cannot tell an interval of 95 %; expected at least 40",
         ),
-        ({"probability": 1.0}, "propagate: probability 1 is none; expected one between 0 and 1"),
+        ({"probability": 1.0}, "Monte Carlo: probability 1 is none; expected one between 0 and 1"),
     ],
 )
 def test_what_cannot_be_is_refused(asked, text):

@@ -9,6 +9,7 @@ from simcompare import units
 from simcompare.propagation.engine_runs import NUMERICAL
 from simcompare.propagation.propagated import Propagated
 from simcompare.reports.render import numbers
+from simcompare.reports.run.listing import joined
 from simcompare.results.records.uncertainty import CLOSED_FORM, Uncertainty, Way
 from simcompare.statistics.budget import Budget
 
@@ -29,8 +30,9 @@ def sentences(result: Uncertainty) -> list[str]:
     way, found = result.known[0]
     said = [_value(result, way, found.budget) + _most(found.budget)]
     said += _doubt(result, found)
+    said += _bent(result)
     said += _engines(result)
-    said += [f"The closed form does not hold here: {why}." for why in result.beyond]
+    said += [f"The closed form does not hold here: {why.rstrip('.')}." for why in result.beyond]
     return said
 
 
@@ -68,11 +70,10 @@ def degrees(budget: Budget) -> str:
 
 
 def count_of(degrees_of_freedom: float) -> str:
-    """Degrees of freedom, rounded down (JCGM 100:2008, G.4.1); with many of them k is that of ∞."""
+    """Degrees of freedom; with many of them k is that of ∞."""
     if not math.isfinite(degrees_of_freedom):
         return "∞"
-    whole = math.floor(degrees_of_freedom + 1e-9)
-    return f"{whole}" if whole <= _MANY else f"> {_MANY}"
+    return f"> {_MANY}" if degrees_of_freedom > _MANY else numbers.plain(degrees_of_freedom, 2)
 
 
 def _most(budget: Budget) -> str:
@@ -95,12 +96,16 @@ def _doubt(result: Uncertainty, found: Propagated) -> Iterable[str]:
     trials, checked = found.monte_carlo, found.validation
     if trials is None or checked is None or checked.passed:
         return
-    low, high = (beside(end, trials.u)[0] for end in trials.shortest)
-    unit = "" if result.unit == "1" else f" {units.symbol(result.unit)}"
+    width = trials.shortest[1] - trials.shortest[0]
+    low, high = (beside(end, width / 4)[0] for end in trials.shortest)
+    unit = units.symbol(result.unit)
+    mean = f"with the mean {numbers.with_u(trials.estimate, trials.u, unit)} (u)"
+    if trials.u > width:
+        mean = "and its mean does not settle: far values are too likely"
     yield (
         f"First order is not enough here: by Monte Carlo the value lies between {low} and {high}"
-        f"{unit} ({100 * trials.probability:g} %, shortest interval), with the mean"
-        f" {numbers.with_u(trials.estimate, trials.u, units.symbol(result.unit))} (u)."
+        f"{'' if unit == '1' else f' {unit}'} ({100 * trials.probability:g} %, shortest interval),"
+        f" {mean}."
     )
 
 
@@ -113,6 +118,16 @@ def beside(value: float, u: float) -> tuple[str, str]:
         return numbers.plain(value), numbers.plain(u, 2)
     left, _, right = text.partition(" ± ")
     return left, right
+
+
+def _bent(result: Uncertainty) -> Iterable[str]:
+    """That first order says little of an engine without trials, and how to do better."""
+    for way, found in result.known:
+        if found.bent and found.monte_carlo is None:
+            yield (
+                f"On {way.source} first order says little: the result bends or jumps within the"
+                f" uncertainty of {joined(found.bent)}. Trials tell more: --trials 200."
+            )
 
 
 def _engines(result: Uncertainty) -> Iterable[str]:

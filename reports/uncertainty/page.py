@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from simcompare import glossary
@@ -61,8 +62,6 @@ def _inputs(result: Uncertainty) -> Part:
 
 def _how(result: Uncertainty) -> Part:
     words = [*tables.BUDGET_WORDS, *tables.WAYS_WORDS]
-    notes = [*answer.notes(result), *glossary.legend(words)]
-    notes.append(
-        f"Made on {result.created} with simcompare {result.software.simcompare}: {result.command}"
-    )
-    return part_of("How it was made", "how", notes=notes)
+    made = f"Made on {result.created} with simcompare {result.software.simcompare}"
+    notes = [*answer.notes(result), *glossary.legend(words), made]
+    return replace(part_of("How it was made", "how", notes=notes), code=result.command)

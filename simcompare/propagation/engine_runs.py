@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,16 +20,17 @@ from simcompare.model.settings import Settings
 from simcompare.model.trajectory import Array
 from simcompare.propagation import results
 from simcompare.propagation.propagated import Asked, Propagated, linear, with_trials
-from simcompare.propagation.steps import Steps
+from simcompare.propagation.steps import Ends, Steps
 from simcompare.running.jobs import OK, Job, Outcome
 from simcompare.scenarios.scenario_file import ScenarioFile
+from simcompare.statistics.budget import u_of
 from simcompare.statistics.distributions import Distribution, student_t
 from simcompare.statistics.joint import joint
 
 #: what the budget calls the scatter between an engine's dithered repeats
 NUMERICAL = "numerical scatter"
-#: repeats with which an input is moved
-_MOVED = 3
+#: part of u that the middle of both ends of an input may be off a straight line
+_BENT = 0.25
 #: scatter below this part of the result is rounding
 _ROUNDING = 1e-12
 
@@ -78,11 +79,14 @@ class Runs:
         return self.repeats[len(self.repeats) // 2]
 
     @property
-    def _moved(self) -> Sequence[Scenario]:
-        """The repeats with which inputs are moved: both ends and the middle."""
+    def _places(self) -> list[int]:
+        """Places of the repeats with which inputs are moved: both ends and the middle."""
         count = len(self.repeats)
-        places = {round(i * (count - 1) / max(1, _MOVED - 1)) for i in range(min(_MOVED, count))}
-        return [self.repeats[i] for i in sorted(places | {count // 2})][:_MOVED]
+        return sorted({0, count // 2, count - 1})
+
+    @property
+    def _moved(self) -> Sequence[Scenario]:
+        return [self.repeats[i] for i in self._places]
 
 
 def draws(asked: Asked, trials: int) -> dict[str, Array]:
@@ -97,18 +101,33 @@ def propagated(runs: Runs, asked: Asked, outcomes: Sequence[Outcome]) -> Propaga
         InputError: some run has no result.
     """
     values = iter([_value(outcome, runs.of) for outcome in outcomes])
-    estimate, scatter = _mean(runs, list(itertools.islice(values, len(runs.repeats))))
+    known = list(itertools.islice(values, len(runs.repeats)))
+    estimate, scatter = _mean(runs, known)
     moved = len(runs._moved)
-    slopes = {}
+    middles = np.array([known[i] for i in runs._places])
+    slopes, bends = {}, {}
     for name, ends in runs.steps.items():
         pairs = np.array(list(itertools.islice(values, 2 * moved))).reshape(moved, 2)
         slopes[name] = float((pairs[:, 1] - pairs[:, 0]).mean() / (ends.high - ends.low))
+        bends[name] = _bend(pairs, middles, ends, asked.inputs[name])
     first = linear(asked, estimate, slopes, scatter)
+    bent = tuple(name for name, size in bends.items() if size > _BENT * first.u)
     rest = np.array(list(values))
     if not len(rest):
-        return Propagated(first)
+        return Propagated(first, bent=bent)
     # the runs are done already: the draws only ask for them
-    return with_trials(asked, first, lambda **_: rest, len(rest))
+    return replace(with_trials(asked, first, lambda **_: rest, len(rest)), bent=bent)
+
+
+def _bend(pairs: Array, middles: Array, ends: Ends, known: Distribution) -> float:
+    """How far a result is off a straight line at ± u, from both ends and its middle.
+
+    It is 0 where one of the ends is a bound of the parameter.
+    """
+    if abs((ends.low + ends.high) / 2 - known.center) > _ROUNDING * abs(known.center):
+        return 0.0
+    step = (ends.high - ends.low) / 2
+    return abs(float((pairs.mean(axis=1) - middles).mean())) * (u_of(known) / step) ** 2
 
 
 def _mean(runs: Runs, values: Sequence[float]) -> tuple[float, dict[str, Distribution]]:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, RootModel, ValidationError, model_validator
 
 from simcompare import units
 from simcompare.errors import InputError, UnknownName
@@ -20,6 +20,8 @@ from simcompare.statistics.stated import stated
 
 #: what is taken as exact
 EXACT = "exact"
+#: key of a file that is no input
+_CORRELATION = "correlation"
 #: the reason of what the user gives
 GIVEN = "as given"
 
@@ -68,10 +70,18 @@ class _Entry(BaseModel):
     u: str | float | None = None
     reason: str = GIVEN
 
+    @model_validator(mode="before")
+    @classmethod
+    def _alone(cls, given: object) -> object:
+        """An uncertainty alone needs no braces."""
+        return {"u": given} if isinstance(given, str | int | float) else given
 
-class _Content(BaseModel):
-    model_config = ConfigDict(extra="forbid")
-    inputs: Mapping[str, _Entry | str | float]
+
+class _Content(RootModel[dict[str, _Entry]]):
+    pass
+
+
+class _Pairs(BaseModel):
     correlation: tuple[tuple[str, str, float], ...] = ()
 
 
@@ -80,9 +90,8 @@ def read_file(path: Path) -> InputsFile:
 
     Such as::
 
-        inputs:
-          wheel_radius_m: {u: ±0.05mm, reason: "Calliper with a resolution of 0.1 mm."}
-          torque_N_m: 2%
+        wheel_radius_m: {u: ±0.05mm, reason: "Calliper with a resolution of 0.1 mm."}
+        torque_N_m: 2%
         correlation:
           - [wheel_radius_m, torque_N_m, 0.5]
 
@@ -90,21 +99,26 @@ def read_file(path: Path) -> InputsFile:
         InputError: it cannot be read, or what is wrong in it, all at once.
     """
     tree, lines, faults = read_yaml(path)
+    if not isinstance(tree, dict):
+        raise InputError(str(path), ["is no mapping; expected lines such as torque_N_m: 2%"])
+    pairs = {key: tree.pop(key) for key in [_CORRELATION] if key in tree}
+    entries: Mapping[str, _Entry] = {}
+    correlation = _Pairs()
     try:
-        content = _Content.model_validate(tree)
+        entries = _Content.model_validate(tree).root
     except ValidationError as error:
-        raise InputError(str(path), describe({**faults_of(error), **faults}, lines)) from None
+        faults = {**faults_of(error), **faults}
+    try:
+        correlation = _Pairs.model_validate(pairs)
+    except ValidationError as error:
+        faults = {**faults_of(error), **faults}
     if faults:
         raise InputError(str(path), describe(faults, lines))
-    entries = {
-        name: one if isinstance(one, _Entry) else _Entry(u=one)
-        for name, one in content.inputs.items()
-    }
     return InputsFile(
         {name: one.value for name, one in entries.items() if one.value is not None},
         {name: one.u for name, one in entries.items() if one.u is not None},
         {name: one.reason for name, one in entries.items()},
-        {(one, other): r for one, other, r in content.correlation},
+        {(one, other): r for one, other, r in correlation.correlation},
     )
 
 
@@ -204,6 +218,15 @@ def _read(
         degrees = found.degrees_of_freedom
         known.append(Known(name, _shown(text), why, unit, found.distribution, degrees))
     return tuple(known)
+
+
+def named(correlation: Correlation, known: Sequence[Known]) -> Correlation:
+    """The same with the whole names of the inputs, which were given with or without their unit."""
+    names = [one.name for one in known]
+    return {
+        (units.find_name(one, names) or one, units.find_name(other, names) or other): r
+        for (one, other), r in correlation.items()
+    }
 
 
 def _shown(text: Any) -> str:  # noqa: ANN401

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -47,6 +48,17 @@ class Asked:
         return {one.name: one.distribution for one in self.known}
 
     @property
+    def ensembles(self) -> list[set[str]]:
+        """Inputs that are correlated were read together: with as few degrees as the least has."""
+        found: list[set[str]] = []
+        for pair in self.correlation:
+            joined = [one for one in found if one & set(pair)]
+            found = [one for one in found if one not in joined]
+            found.append(set(pair).union(*joined))
+        finite = {name for name, degrees in self.degrees.items() if math.isfinite(degrees)}
+        return [one for one in found if one & finite]
+
+    @property
     def degrees(self) -> dict[str, float]:
         """Their degrees of freedom."""
         return {one.name: one.degrees_of_freedom for one in self.known}
@@ -60,18 +72,21 @@ class Propagated:
         budget: of first order.
         monte_carlo: ``None`` where no trials were made.
         validation: of the first order by Monte Carlo, ``None`` without that.
+        bent: inputs over which an engine's result bends or jumps within their uncertainty, so that
+            first order says little.
     """
 
     budget: Budget
     monte_carlo: MonteCarlo | None = None
     validation: Validation | None = None
+    bent: tuple[str, ...] = ()
 
 
 def traced(asked: Asked, model: Callable[..., Any]) -> Budget:
     """The budget of a model that GTC can trace."""
     return budget(
         model, asked.inputs, degrees=asked.degrees, correlation=asked.correlation,
-        probability=asked.probability,
+        ensembles=asked.ensembles, probability=asked.probability,
     )  # fmt: skip
 
 
@@ -92,7 +107,8 @@ def linear(
     more = more or {}
     return linear_budget(
         estimate, {**slopes, **dict.fromkeys(more, 1.0)}, {**asked.inputs, **more},
-        degrees=asked.degrees, correlation=asked.correlation, probability=asked.probability,
+        degrees=asked.degrees, correlation=asked.correlation, ensembles=asked.ensembles,
+        probability=asked.probability,
     )  # fmt: skip
 
 

@@ -23,6 +23,8 @@ BLOCK = 10_000
 LEAST_BLOCKS = 10
 #: trials after which an adaptive run gives up
 MOST_TRIALS = 5_000_000
+#: relative width below which results differ by rounding alone
+_ROUNDING = 1e-12
 #: bars of the stored histogram
 _BARS = 120
 
@@ -161,7 +163,7 @@ def _check(trials: int | None, probability: float) -> None:
             f"expected at least {least}"
         )
     if faults:
-        raise InputError("propagate", faults)
+        raise InputError("Monte Carlo", faults)
 
 
 def _results(model: Model, drawn: Mapping[str, Array], count: int) -> Array:
@@ -176,7 +178,7 @@ def _results(model: Model, drawn: Mapping[str, Array], count: int) -> Array:
     if len(bad):
         at = ", ".join(f"{name} = {each[bad[0]]:.6g}" for name, each in drawn.items())
         raise InputError(
-            "propagate",
+            "Monte Carlo",
             [
                 f"{len(bad)} of {count} draws give no finite number, such as {at}; "
                 "make the inputs' uncertainties smaller or bound their distributions"
@@ -248,7 +250,7 @@ def _shortest(ordered: Array, probability: float) -> tuple[float, float]:
 def _histogram(ordered: Array) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Between the values that leave out a thousandth: far ends would flatten all bars."""
     ends = np.quantile(ordered, [0.0005, 0.9995])
-    if not ends[0] < ends[1]:
+    if not ends[1] - ends[0] > _ROUNDING * np.abs(ends).max():
         return (), ()
     bars = min(_BARS, max(5, math.isqrt(len(ordered))))
     counts, edges = np.histogram(ordered, bins=bars, range=(float(ends[0]), float(ends[1])))

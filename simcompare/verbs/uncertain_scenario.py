@@ -43,7 +43,7 @@ def of_scenario(
     repeats = repeats_of(file, values, request.preset, step_s, request.seeds)
     nominal = repeats[len(repeats) // 2]
     known = inputs.of_scenario(file, nominal.parameters, stated, reasons)
-    asked = replace(asked, known=known)
+    asked = replace(asked, known=known, correlation=inputs.named(asked.correlation, known))
     if request.of is not None and not request.of.strip().isidentifier():
         return _of_parameters(request, asked, nominal.parameters)
     of = results.chosen(nominal, request.of)
@@ -58,7 +58,7 @@ def of_scenario(
         runs = Runs(file, of, repeats, steps, drawn)
         ways += _engines(request, runs, asked, time_limit_s, progress)
     if not ways:
-        why = "; ".join(nominal.beyond) or f"{file.name} has none"
+        why = "; ".join(nominal.beyond).rstrip(".") or f"{file.name} has none"
         raise InputError("--engine", [f"no closed form: {why}; name an engine, such as all"])
     return record_of(
         request, asked, known, subject=file.name, of=of, unit=results.units_of(nominal)[of],
