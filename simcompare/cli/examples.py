@@ -31,6 +31,10 @@ EXAMPLES = {
         "simcompare estimate robot_motor --sensors imu=adxl345 --option bias=0",
     ),
     "gauge": ("simcompare gauge", "simcompare gauge gum_h1 jcgm_101_mass -v"),
+    "calibrate": (
+        "simcompare calibrate --simulate mpu6050",
+        "simcompare calibrate examples/six_positions.csv --gravity 9.8128 --open",
+    ),
     "export": (
         "simcompare export robot --format urdf -o robot.urdf",
         "simcompare export ball --format script --engine mujoco -o ball.py",
