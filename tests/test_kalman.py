@@ -7,7 +7,8 @@ import pytest
 
 from simcompare.errors import InputError
 from simcompare.estimation import consistency, kalman
-from simcompare.estimation.kalman import Belief, Expected, Linear
+from simcompare.estimation.kalman import Belief, Expected
+from simcompare.estimation.linear import Linear, steady_gain
 from simcompare.estimation.smoother import smooth
 from simcompare.estimation.speed_filter import matrices
 from simcompare.statistics.streams import stream
@@ -43,7 +44,7 @@ def filtered(linear, measured, start=START):
 def test_the_gain_settles_at_the_known_one():
     # the eight printed digits of a gain that 2000 iterations gave independently
     known = [[0.02827884, 0.00565889], [0.03536806, 0.82821491]]
-    assert kalman.steady_gain(model()) == pytest.approx(np.array(known), abs=5e-9)
+    assert steady_gain(model()) == pytest.approx(np.array(known), abs=5e-9)
 
 
 def test_the_filter_settles_at_the_gain_of_the_riccati_equation():
@@ -52,7 +53,7 @@ def test_the_filter_settles_at_the_gain_of_the_riccati_equation():
     before = found.predicted_covariances[-1]
     gain = before @ np.linalg.inv(before + linear.measurement_noise)
     # both are algebra in double precision; the slowest eigenvalue 0.97 is 1e-25 after 2000 steps
-    assert gain == pytest.approx(kalman.steady_gain(linear), abs=1e-12)
+    assert gain == pytest.approx(steady_gain(linear), abs=1e-12)
     known = [[1.13115374e-5, 1.41472243e-5], [1.41472243e-5, 2.07053727e-3]]
     assert found.covariances[-1] == pytest.approx(np.array(known), rel=1e-8)
 
@@ -73,7 +74,7 @@ def test_josephs_form_is_the_short_one_for_the_best_gain():
 def test_josephs_form_stays_positive_with_a_wrong_gain(factor):
     linear = model()
     before = Belief(np.zeros(2), np.array([[4e-4, 1e-4], [1e-4, 9e-3]]))
-    gain = factor * kalman.steady_gain(linear)
+    gain = factor * steady_gain(linear)
     joseph = kalman.joseph(before, gain, linear.expect(before.mean, 0))
     assert np.linalg.eigvalsh(joseph)[0] > 0
     if factor == 40.0:  # where the short form claims a negative variance
@@ -228,7 +229,7 @@ def test_a_state_that_no_sensor_sees_has_no_steady_gain():
     transition, noise = np.diag([1.0, 2.0]), np.eye(2)
     linear = Linear(transition, noise, np.array([[1.0, 0.0]]), np.eye(1))
     with pytest.raises(InputError, match="not seen by any sensor"):
-        kalman.steady_gain(linear)
+        steady_gain(linear)
 
 
 def test_a_filter_that_runs_away_says_so():

@@ -75,28 +75,6 @@ class Expected:
 
 
 @dataclass(frozen=True, eq=False)
-class Linear:
-    """Motion and sensors with constant matrices.
-
-    Attributes:
-        transition: F. noise: Q. observation: H. measurement_noise: R.
-    """
-
-    transition: Array
-    noise: Array
-    observation: Array
-    measurement_noise: Array
-
-    def move(self, mean: Array, step: int) -> Motion:
-        """The motion of any step."""
-        return Motion(self.transition @ mean, self.transition, self.noise)
-
-    def expect(self, mean: Array, step: int) -> Expected:
-        """What is read after any step."""
-        return Expected(self.observation @ mean, self.observation, self.measurement_noise)
-
-
-@dataclass(frozen=True, eq=False)
 class Filtered:
     """Everything that a filter went through; n instants, k states, m readings.
 
@@ -273,30 +251,6 @@ def _gathered(steps: Sequence[_Step]) -> Filtered:
         used=np.array([one.used for one in steps]),
         refused=np.array([one.refused for one in steps]),
     )
-
-
-def steady_gain(model: Linear) -> Array:
-    """The gain at which a filter with constant matrices settles, from the Riccati equation.
-
-    Raises:
-        InputError: there is none, such as where a state is never seen.
-    """
-    from scipy.linalg import solve_discrete_are
-
-    try:
-        before = solve_discrete_are(
-            model.transition.T, model.observation.T, model.noise, model.measurement_noise
-        )
-    except np.linalg.LinAlgError:
-        raise InputError(
-            "filter",
-            [
-                "the gain does not settle: a state is not seen by any sensor, or a noise is 0;"
-                " expected a state that the measurements tell, and a measurement noise above 0"
-            ],
-        ) from None
-    s = model.observation @ before @ model.observation.T + model.measurement_noise
-    return np.asarray(np.linalg.solve(s, model.observation @ before).T)
 
 
 def _refuse_singular(covariance: Array, whose: str) -> None:

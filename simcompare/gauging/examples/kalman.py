@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from simcompare.estimation import consistency, kalman, speed_filter
+from simcompare.estimation import consistency, kalman, linear, speed_filter
 from simcompare.gauging.check import Check
 from simcompare.gauging.example import Example
 from simcompare.model.trajectory import Array
@@ -22,8 +22,8 @@ _STEPS = 2000
 
 def _checks() -> Iterator[Check]:
     transition, noise = speed_filter.matrices(_STEP_S, _JERK)
-    model = kalman.Linear(transition, noise, np.eye(2), _NOISE)
-    gain = kalman.steady_gain(model)
+    model = linear.Linear(transition, noise, np.eye(2), _NOISE)
+    gain = linear.steady_gain(model)
     yield from _matrix("K", _GAIN, gain)
     belief = kalman.Belief(np.zeros(2), np.eye(2))
     for step in range(_STEPS):
