@@ -27,6 +27,7 @@ from pydantic import (
 
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning.drive import Drive
+from simcompare.model.estimate_plan import RecordedPlan
 from simcompare.model.yaml_file import describe, faults_of, read_yaml
 
 #: kinds of joints: what turns, and what slides
@@ -132,6 +133,7 @@ class Mapping(_Part):
         derive: channels that follow from others: name of a new stream -> function and its needs.
         drive: the wheels of a robot and where it was, to be held against each other.
         validate: how a scenario is held against the recording.
+        estimate: how estimators are used on the recording.
     """
 
     format: str | None = None
@@ -147,6 +149,7 @@ class Mapping(_Part):
     derive: MappingOf[str, Any] = Field(default_factory=dict)
     drive: Drive | None = None
     validate_: Any = Field(None, alias="validate")
+    estimate: tuple[RecordedPlan, ...] = ()
 
     @field_validator("joints", mode="before")
     @classmethod

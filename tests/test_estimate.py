@@ -116,7 +116,7 @@ def test_the_command_line_prints_what_python_gives(tmp_path, found):
     told = json.loads(done.output)
     assert set(told) == {
         "format", "created", "title", "question", "scenario", "estimator", "sensors", "options",
-        "loosen", "draws", "seed", "recording", "sentences", "sources", "command",
+        "loosen", "biases", "draws", "seed", "recording", "sentences", "sources", "command",
         "software", "folder", "exit_code",
     }  # fmt: skip
     assert told["sentences"] == list(found.sentences)

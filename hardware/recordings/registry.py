@@ -17,6 +17,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from simcompare.errors import EngineMissing, InputError, OutputError, UnknownName
+from simcompare.model.estimate_plan import RecordedPlan
 from simcompare.model.yaml_file import describe, faults_of, read_yaml
 
 #: environment variable with a folder that holds the recordings
@@ -63,6 +64,7 @@ class DataSet(_Part):
         files: the first one is the log that is imported.
         read: mapping for the importer.
         validation: how scenarios are held against it, one entry for each.
+        estimate: how estimators are used on it, one entry for each scenario and estimator.
     """
 
     title: str
@@ -73,6 +75,7 @@ class DataSet(_Part):
     files: tuple[File, ...] = Field(min_length=1)
     read: Mapping[str, Any] = Field(default_factory=dict)
     validation: tuple[Mapping[str, Any], ...] = Field((), alias="validate")
+    estimate: tuple[RecordedPlan, ...] = ()
 
     def url(self, file: File) -> str | None:
         """Where a file is fetched from."""

@@ -17,6 +17,8 @@ from simcompare.results.records.estimation import Estimation, SourceEstimate
 
 #: correlation of neighbouring innovations that is worth a sentence
 _CLEAR = 0.2
+#: part of readings beyond which it is not the readings that are wrong
+_MANY = 0.2
 
 
 def sentences(result: Estimation) -> Iterator[str]:
@@ -28,10 +30,11 @@ def sentences(result: Estimation) -> Iterator[str]:
     yield from _errors(result, state)
     yield from _verdicts(result)
     yield from _diameter(result)
-    refused = [(r.name, r.refused, one.source) for one in result.done for r in one.readings]
-    for name, count, source in refused:
-        if count >= 1:
-            yield f"{source}: {rounded(count)} readings of {name} were refused, they could not be."
+    for one in result.done:
+        for row in one.readings:
+            if row.refused >= 1:
+                part = f"{row.refused:.0f} of {row.count:.0f} readings of {row.name}"
+                yield f"{one.source}: {part} could not be, and were refused."
 
 
 def lead_state(result: Estimation) -> str:
@@ -140,9 +143,17 @@ def _causes(result: Estimation, outcome: str, sources: Sequence[SourceEstimate])
 
 
 def _cures(result: Estimation) -> Iterator[str]:
-    if result.options.get("bias") == 0:
-        command = with_options(result.command, {"bias": 1.0})
+    biases = {name: 1.0 for name in result.biases if not result.options[name]}
+    if biases:
+        command = with_options(result.command, biases)
         yield f"A constant error of a sensor is no noise; make it a state: {command}"
+        return
+    refused = [r.name for one in result.done for r in one.readings if r.refused > _MANY * r.count]
+    if refused:
+        yield (
+            f"Many readings of {joined(list(dict.fromkeys(refused)))} do not fit the motion: a"
+            " number of the model, or what a channel means, may be wrong."
+        )
         return
     looser = {name: 10 * result.options[name] for name in result.loosen}
     if looser:

@@ -17,6 +17,12 @@ def estimate(
     scenario: str = typer.Argument(
         help="Name, folder or file of a scenario.", autocompletion=complete.scenarios
     ),
+    recording: str = typer.Option(
+        None,
+        help="A public recording, an imported one, or a log, in place of engines.",
+        autocompletion=complete.recordings,
+    ),
+    mapping: Path = typer.Option(None, "--map", help="Mapping file with estimate:."),
     estimator: str = typer.Option(
         None,
         help="One that the scenario is prepared for; the first where left out.",
@@ -56,6 +62,8 @@ def estimate(
     with console.progress_bar(scenario) as progress:
         result = verb.estimate(
             scenario,
+            recording=recording,
+            mapping=mapping,
             estimator=estimator,
             engine=engine,
             contact=contact,

@@ -29,6 +29,7 @@ EXAMPLES = {
     "estimate": (
         "simcompare estimate robot_motor --engine mujoco",
         "simcompare estimate robot_motor --sensors imu=adxl345 --option bias=0",
+        "simcompare estimate odometry --recording robot_labyrinth_exchanged",
     ),
     "gauge": ("simcompare gauge", "simcompare gauge gum_h1 jcgm_101_mass -v"),
     "calibrate": (

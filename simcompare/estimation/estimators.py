@@ -9,7 +9,7 @@ says there which probe or sensor plays which role; nothing else knows of both.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Protocol
@@ -59,6 +59,7 @@ class Option:
         default: used where nothing is said; ``None``: the scenario must say it.
         least: smallest value that makes sense.
         most: largest.
+        bias_of: signal whose constant error it makes a state where it is 1; empty for none.
         loosens: whether a larger one lets the motion differ more from its model.
     """
 
@@ -67,6 +68,7 @@ class Option:
     least: float = 0.0
     most: float = float("inf")
     loosens: bool = False
+    bias_of: str = ""
 
 
 @dataclass(frozen=True)
@@ -88,6 +90,15 @@ class Estimator:
     signals: Mapping[str, Role]
     truths: Mapping[str, Role] = field(default_factory=dict)
     options: Mapping[str, Option] = field(default_factory=dict)
+
+    @property
+    def loosening(self) -> tuple[str, ...]:
+        """Options that let the motion differ more from its model."""
+        return tuple(name for name, one in self.options.items() if one.loosens)
+
+    def biases(self, signals: Collection[str]) -> tuple[str, ...]:
+        """Options that make a constant error of one of these signals a state."""
+        return tuple(name for name, one in self.options.items() if one.bias_of in signals)
 
     def with_defaults(self, options: Mapping[str, float]) -> dict[str, float]:
         """All its options, those that are not said at their defaults."""

@@ -7,83 +7,21 @@ Without motors the speed and the rate are only kept; their noise must then allow
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from simcompare import units
 from simcompare.errors import InputError
 from simcompare.estimation import consistency, kalman, pose_model, timing
 from simcompare.estimation.estimate import Estimate, Given, Innovations, Number, Signal, State, Way
-from simcompare.estimation.estimators import Option, Role
 from simcompare.estimation.kalman import Belief, Expected, Filtered, Motion
 from simcompare.estimation.pose_model import Ranger, Robot
+from simcompare.estimation.pose_roles import LABELS, OPTIONS, SIGNALS, TITLE, TRUTHS
 from simcompare.estimation.smoother import smooth
 from simcompare.model.trajectory import Array
 
-TITLE = "Pose of a robot on two wheels"
-SIGNALS = {
-    "left_marks": Role("marks of the left wheel that have passed", "1", needed=False),
-    "right_marks": Role("marks of the right wheel that have passed", "1", needed=False),
-    "left_rate": Role("rate of the left wheel, in place of marks", "rad/s", needed=False),
-    "right_rate": Role("rate of the right wheel, in place of marks", "rad/s", needed=False),
-    "turning_rate": Role("reading of the gyroscope about the vertical", "rad/s", needed=False),
-    "left_voltage": Role("voltage at the left motor", "V", needed=False),
-    "right_voltage": Role("voltage at the right motor", "V", needed=False),
-    "left_current": Role("current of the left motor, in place of the voltage", "A", needed=False),
-    "right_current": Role("current of the right motor, in place of the voltage", "A", needed=False),
-    "range": Role("range to a beacon", "m", needed=False),
-    "beacon_x": Role("place of that beacon along x", "m", needed=False),
-    "beacon_y": Role("place of that beacon along y", "m", needed=False),
-    "wall_range": Role("range to the wall", "m", needed=False),
-}
-TRUTHS = {
-    "x": Role("place of the middle of the axle along x", "m", needed=False),
-    "y": Role("place of the middle of the axle along y", "m", needed=False),
-    "heading": Role("heading", "rad", needed=False),
-    "speed": Role("speed along the heading", "m/s", needed=False),
-    "rate": Role("turning rate", "rad/s", needed=False),
-}
-OPTIONS = {
-    "radius_m": Option("radius of the wheels", least=1e-3),
-    "track_m": Option("distance of the wheels", least=1e-3),
-    "marks": Option("marks in one turn of a wheel", 0.0),
-    "gate_s": Option("time in which marks are counted", 0.01, 1e-4),
-    "inertia_kg": Option("mass with what wheels and rotors add", 1.0, 1e-9),
-    "turning_inertia_kg_m2": Option("the same about the vertical", 1.0, 1e-12),
-    "drive_N_V": Option("force of one motor for a volt, at rest", 0.0),
-    "damping_N_s_m": Option("what one motor brakes at a given voltage", 0.0),
-    "drive_N_A": Option("force of one motor for an ampere", 0.0),
-    "current_damping_N_s_m": Option("what one motor brakes at a given current", 0.0),
-    "friction_N": Option("friction of rolling and motors", 0.0),
-    "speed_noise_m2_s3": Option("density of unknown accelerations", 0.1, 1e-12, loosens=True),
-    "turn_noise_rad2_s3": Option(
-        "density of unknown angular accelerations", 1.0, 1e-12, loosens=True
-    ),
-    "start_x_m": Option("where it starts along x", 0.0, -math.inf),
-    "start_y_m": Option("where it starts along y", 0.0, -math.inf),
-    "start_heading_rad": Option("its heading there", 0.0, -math.inf),
-    "u_start_m": Option("standard uncertainty of that place", 0.001, 1e-9),
-    "u_start_heading_rad": Option("standard uncertainty of that heading", 0.001, 1e-9),
-    "u_start_speed_m_s": Option("standard uncertainty of the speed there", 0.1, 1e-9),
-    "u_start_rate_rad_s": Option("standard uncertainty of the rate there", 0.1, 1e-9),
-    "ranger_ahead_m": Option("place of the range sensor ahead of the axle", 0.0, -math.inf),
-    "ranger_left_m": Option("its place to the left", 0.0, -math.inf),
-    "beam_rad": Option("direction of its beam", 0.0, -math.inf),
-    "wall_normal_rad": Option("direction from the origin to the wall", 0.0, -math.inf),
-    "wall_m": Option("distance of the wall from the origin", 0.0, -math.inf),
-    "bias": Option("1: the gyroscope's bias is a state", 0.0, 0.0, 1.0),
-    "u_bias_rad_s": Option("standard uncertainty of the bias at the start", 0.35, 1e-9),
-    "gate": Option("1: refuse readings beyond χ² of 99 %", 1.0, 0.0, 1.0),
-}
-LABELS = {
-    "x_m": "Place along x",
-    "y_m": "Place along y",
-    "heading_rad": "Heading",
-    "speed_m_s": "Speed",
-    "rate_rad_s": "Turning rate",
-    "bias_rad_s": "Bias of the gyroscope",
-}
+__all__ = ["LABELS", "OPTIONS", "SIGNALS", "TITLE", "TRUTHS", "estimate"]
 #: √χ²₀.₉₉ with one degree of freedom
 _GATE = 2.5758293035489
 _READINGS = ("left_rate", "right_rate", "turning_rate", "range", "wall_range")
@@ -115,7 +53,8 @@ def estimate(given: Given) -> Estimate:
         _reckoned(setting),
     )
     labels = {name: LABELS[name] for name in ways[0].states}
-    return Estimate(ways, labels, _innovations(setting, filtered, ways[0]), _numbers(filtered))
+    innovations = _innovations(setting, filtered, ways[0])
+    return Estimate(ways, labels, innovations, _numbers(given, filtered))
 
 
 def _setting(given: Given) -> _Setting:
@@ -177,15 +116,15 @@ def _filtered(setting: _Setting) -> Filtered:
     u = [o["u_start_m"]] * 2 + [
         o["u_start_heading_rad"], o["u_start_speed_m_s"], o["u_start_rate_rad_s"]
     ]  # fmt: skip
-    if _has_bias(setting):
-        mean, u = np.append(mean, 0.0), [*u, o["u_bias_rad_s"]]
+    u += [o[f"u_{name}"] for name in _biases(setting.given)]
+    mean = np.append(mean, [0.0] * (len(u) - 5))
     noise = np.diag([timing.variance_of(one, name) for name, one in setting.readings.items()])
 
     def move(state: Array, number: int) -> Motion:
         step_s = float(time_s[number] - time_s[number - 1])
         left, right = setting.inputs[number - 1]
         motion = pose_model.move(setting.robot, state[:5], step_s, left, right)
-        return _with_bias(motion, state) if len(state) > 5 else motion
+        return _with_biases(motion, state)
 
     def expect(state: Array, number: int) -> Expected:
         return _expected(setting, state, number, noise)
@@ -195,15 +134,27 @@ def _filtered(setting: _Setting) -> Filtered:
     return kalman.run(start, measured, move, expect, gate=_GATE if o["gate"] else None)
 
 
-def _has_bias(setting: _Setting) -> bool:
-    return bool(setting.given.options["bias"]) and "turning_rate" in setting.readings
+#: bias that can be a state -> the option that makes it one, and the reading that has it
+_BIASES = {
+    "bias_rad_s": ("bias", "turning_rate"),
+    "range_bias_m": ("range_bias", "range"),
+}
 
 
-def _with_bias(motion: Motion, state: Array) -> Motion:
-    """The same motion with a bias that stays as it is."""
-    transition, noise = np.eye(6), np.zeros((6, 6))
+def _biases(given: Given) -> list[str]:
+    """Constant errors of sensors that are states here."""
+    return [
+        name
+        for name, (option, role) in _BIASES.items()
+        if given.options[option] and role in given.signals
+    ]
+
+
+def _with_biases(motion: Motion, state: Array) -> Motion:
+    """The same motion with biases that stay as they are."""
+    transition, noise = np.eye(len(state)), np.zeros((len(state), len(state)))
     transition[:5, :5], noise[:5, :5] = motion.transition, motion.noise
-    return Motion(np.append(motion.mean, state[5]), transition, noise)
+    return Motion(np.append(motion.mean, state[5:]), transition, noise)
 
 
 def _expected(setting: _Setting, state: Array, number: int, noise: Array) -> Expected:
@@ -213,7 +164,7 @@ def _expected(setting: _Setting, state: Array, number: int, noise: Array) -> Exp
     values, rows = list(rates), list(slopes)
     o = setting.given.options
     if "turning_rate" in setting.readings:
-        values.append(state[pose_model.RATE] + state[5:].sum())
+        values.append(state[pose_model.RATE])
         rows.append(np.eye(5)[pose_model.RATE])
     if "range" in setting.readings:
         beacon = np.nan_to_num(setting.beacons[number])
@@ -226,11 +177,12 @@ def _expected(setting: _Setting, state: Array, number: int, noise: Array) -> Exp
         )
         values.append(value)
         rows.append(row)
-    slopes = np.zeros((len(rows), len(state)))
-    slopes[:, :5] = rows
-    if "turning_rate" in setting.readings:
-        slopes[2, 5:] = 1.0
-    return Expected(np.array(values), slopes, noise)
+    both = np.zeros((len(rows), len(state)))
+    both[:, :5] = rows
+    names = list(setting.readings)
+    for place, name in enumerate(_biases(setting.given), start=5):
+        both[names.index(_BIASES[name][1]), place] = 1.0
+    return Expected(np.array(values) + both[:, 5:] @ state[5:], both, noise)
 
 
 def _reckoned(setting: _Setting) -> Way:
@@ -257,8 +209,8 @@ def _reckoned(setting: _Setting) -> Way:
 
 def _way(given: Given, name: str, time_s: Array, means: Array, u: Array | None) -> Way:
     states = {}
-    roles = [*TRUTHS, ""]
-    for i, state in enumerate(list(LABELS)[: means.shape[1]]):
+    roles = [*TRUTHS, "", ""]
+    for i, state in enumerate(_names(given)[: means.shape[1]]):
         role = roles[i]
         states[state] = State(
             means[:, i], None if u is None else u[:, i], given.truth_at(role, time_s),
@@ -281,10 +233,15 @@ def _innovations(setting: _Setting, filtered: Filtered, way: Way) -> Innovations
     )
 
 
-def _numbers(filtered: Filtered) -> dict[str, Number]:
-    units = ("m", "m", "rad", "m/s", "rad/s", "rad/s")
+def _names(given: Given) -> list[str]:
+    """States, those of the robot first."""
+    return [*list(LABELS)[:5], *_biases(given)]
+
+
+def _numbers(given: Given, filtered: Filtered) -> dict[str, Number]:
+    """Every state at the end."""
+    last, u = filtered.means[-1], filtered.uncertainties[-1]
     return {
-        f"last_{name}": Number(float(filtered.means[-1, i]), units[i],
-                               float(filtered.uncertainties[-1, i]))
-        for i, name in enumerate(list(LABELS)[: filtered.means.shape[1]])
-    }  # fmt: skip
+        f"last_{name}": Number(float(last[i]), units.unit_of(name), float(u[i]))
+        for i, name in enumerate(_names(given))
+    }

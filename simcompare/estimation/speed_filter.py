@@ -50,7 +50,7 @@ OPTIONS = {
     "marks": Option("marks in one turn of the wheel", 0.0),
     "gate_s": Option("time in which marks are counted", 0.01, 1e-4),
     "jerk_density_m2_s5": Option("density q of the white jerk", 1.0, 1e-12, loosens=True),
-    "bias": Option("1: the accelerometer's bias is a state", 0.0, 0.0, 1.0),
+    "bias": Option("1: the accelerometer's bias is a state", 0.0, 0.0, 1.0, bias_of="acceleration"),
     "u_bias_m_s2": Option("standard uncertainty of the bias at the start", 0.5, 1e-9),
     "u_start_speed_m_s": Option("standard uncertainty of the speed at the start", 1.0, 1e-9),
     "u_start_acceleration_m_s2": Option("the same of the acceleration", 3.0, 1e-9),

@@ -12,6 +12,7 @@ from simcompare.hardware import mapping as mappings
 from simcompare.hardware.recordings import registry
 from simcompare.inference.plan import Entries
 from simcompare.model import recording_store
+from simcompare.model.estimate_plan import RecordedPlan
 from simcompare.model.recording import Recording
 from simcompare.model.yaml_file import read_yaml
 
@@ -25,12 +26,14 @@ class Source:
         recording: the recording.
         plans: entries of ``validate:``, unread.
         about: title, citation, licence and so on of a public data set.
+        estimates: entries of ``estimate:``.
     """
 
     name: str
     recording: Recording
     plans: Entries
     about: Mapping[str, str]
+    estimates: tuple[RecordedPlan, ...] = ()
 
 
 def find(name: str, *, mapping: str | Path | None = None, strict: bool = False) -> Source:
@@ -59,7 +62,7 @@ def find(name: str, *, mapping: str | Path | None = None, strict: bool = False) 
         recording = recording_store.load(path)
     else:
         recording = importing.read(path, reading or mappings.NOTHING, strict=strict)
-    return Source(name, recording, plans, {})
+    return Source(name, recording, plans, {}, () if reading is None else reading.estimate)
 
 
 def _exists(path: Path) -> bool:
@@ -81,7 +84,8 @@ def _public(name: str, reading: mappings.Mapping | None, plans: Entries, strict:
         "source": f"github.com/{data_set.source.repository} at {data_set.source.commit}",
     }
     recording = importing.read(paths[0], reading, strict=strict, about=about)
-    return Source(name, recording, plans or Entries(data_set.validation, name), about)
+    plans = plans or Entries(data_set.validation, name)
+    return Source(name, recording, plans, about, reading.estimate or data_set.estimate)
 
 
 def digest(name: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Annotated
 
 from pydantic import Field, PositiveFloat
 
@@ -34,16 +35,22 @@ class RecordedSignal(Frozen):
     """A channel of a recording that plays a role.
 
     Attributes:
-        channel: its name, with or without unit, or stream/channel.
+        channel: its name, with or without unit, or stream/channel; several of as many streams are
+            put in order of time.
         u: standard uncertainty of one sample by noise; the channel's own where left out.
         scale: values are multiplied by it, such as 1/radius from m/s to rad/s.
         offset: is added afterwards.
     """
 
-    channel: str
+    channel: str | Annotated[tuple[str, ...], Field(min_length=1)]
     u: PositiveFloat | None = None
     scale: float = 1.0
     offset: float = 0.0
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Every channel."""
+        return (self.channel,) if isinstance(self.channel, str) else self.channel
 
 
 class RecordedPlan(Frozen):

@@ -19,15 +19,14 @@ from simcompare.model import plain
 from simcompare.model.estimate_plan import EstimatePlan
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, Settings
-from simcompare.reports.estimation import words
 from simcompare.results import store
 from simcompare.results.records.estimation import SourceEstimate
 from simcompare.results.run_record import software
 from simcompare.running.jobs import Job, Outcome
 from simcompare.running.runner import TIME_LIMIT_S, Progress, run_jobs
 from simcompare.scenarios import catalogue
+from simcompare.verbs import estimate_recorded, estimating
 from simcompare.verbs import estimate_request as requests
-from simcompare.verbs import estimating
 from simcompare.verbs.estimate_request import EstimateRequest
 from simcompare.verbs.estimated import Estimated
 from simcompare.verbs.notebook_line import with_line
@@ -54,6 +53,8 @@ class _Asked:
 def estimate(
     scenario: str | Path,
     *,
+    recording: str | Path | None = None,
+    mapping: str | Path | None = None,
     estimator: str | None = None,
     engine: str | Sequence[str] = "all",
     contact: str = ASSISTED,
@@ -68,16 +69,20 @@ def estimate(
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
 ) -> Estimated:
-    """Measures each engine's motion with sensors that are not ideal, and filters what they say.
+    """Filters what sensors tell of a motion: of each engine's, or of a recorded one.
 
     ::
 
         found = simcompare.estimate("robot_motor", engine="mujoco", sensors="imu=mpu6050")
         found.table()
         found.plot()
+        simcompare.estimate("odometry", recording="robot_labyrinth_exchanged")
 
     Args:
         scenario: name, folder or file; its ``estimate:`` says what is measured.
+        recording: a public data set, the folder of an imported recording, or a log; then nothing is
+            simulated.
+        mapping: mapping file, whose ``estimate:`` says which channel is what.
         estimator: one of those that the scenario names there; the first where ``None``.
         engine: "all", names with commas or a list of names.
         contact: contact level.
@@ -99,6 +104,14 @@ def estimate(
         SimcompareError: faults of the arguments or of a file, or nowhere to store the results.
     """
     scenario, engine = str(scenario), engines.listed(engine)
+    if recording is not None:
+        if sensors:
+            raise InputError("--sensors", ["a recording has sensors of its own; leave this out"])
+        request = EstimateRequest(
+            scenario=scenario, recording=str(recording), mapping=mapping, estimator=estimator,
+            options=options,
+        )  # fmt: skip
+        return _saved(estimate_recorded.estimated(request), out)
     if contact not in CONTACT_LEVELS:
         raise UnknownName("contact level", contact, CONTACT_LEVELS)
     chosen = engines.select(engine)
@@ -162,22 +175,24 @@ def _result(
     asked: _Asked, sources: tuple[SourceEstimate, ...], request: EstimateRequest
 ) -> Estimated:
     scene, estimator = asked.scenario, asked.estimator
-    result = Estimated(
-        created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-        title=f"{estimator.title}: {scene.title}",
-        question="How well do its sensors tell the motion, and does the filter know how well?",
-        scenario=scene.name,
-        estimator=estimator.name,
-        sensors=asked.plan.sensors,
-        options=asked.plan.options,
-        loosen=tuple(name for name, one in estimator.options.items() if one.loosens),
-        draws=asked.draws,
-        seed=asked.seed,
-        sources=sources,
-        command=request.command(),
-        software=software(),
+    return estimating.with_words(
+        Estimated(
+            created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+            title=f"{estimator.title}: {scene.title}",
+            question=estimating.QUESTION,
+            scenario=scene.name,
+            estimator=estimator.name,
+            sensors=asked.plan.sensors,
+            options=asked.plan.options,
+            loosen=estimator.loosening,
+            biases=estimator.biases(asked.plan.signals),
+            draws=asked.draws,
+            seed=asked.seed,
+            sources=sources,
+            command=request.command(),
+            software=software(),
+        )
     )
-    return replace(result, sentences=tuple(words.sentences(result)))
 
 
 def _saved(result: Estimated, out: str | Path | None) -> Estimated:

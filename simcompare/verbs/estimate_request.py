@@ -12,11 +12,12 @@ from simcompare.estimation import estimators
 from simcompare.estimation.estimators import Estimator
 from simcompare.estimation.observing import observed
 from simcompare.hardware.sensors import data_sheet
-from simcompare.model.estimate_plan import EstimatePlan
+from simcompare.inference.sources import Source
+from simcompare.model.estimate_plan import EstimatePlan, RecordedPlan
 from simcompare.model.scenario import Scenario
 from simcompare.model.sensor_errors import SensorErrors
 from simcompare.scenarios import catalogue
-from simcompare.verbs.request import Option, Request, Values
+from simcompare.verbs.request import Option, Place, Request, Values
 
 Sheets = str | Mapping[str, str]
 
@@ -26,6 +27,8 @@ class EstimateRequest(Request):
     """What ``estimate`` is asked; the options are those of ``simcompare.estimate``."""
 
     verb: ClassVar[str] = "estimate"
+    recording: Annotated[Place | None, Option("--recording")] = None
+    mapping: Annotated[Place | None, Option("--map")] = None
     estimator: Annotated[str | None, Option("--estimator")] = None
     contact: Annotated[str, Option("--contact")] = "assisted"
     sensors: Annotated[tuple[str, ...], Option("--sensors", commas=True)] = ()
@@ -33,6 +36,14 @@ class EstimateRequest(Request):
     preset: Annotated[str | None, Option("--preset")] = None
     draws: Annotated[int, Option("--draws")] = 40
     seed: Annotated[int, Option("--seed")] = 0
+
+    def command(self) -> tuple[str, ...]:
+        """The words of the command line that ask the same; a recording needs no engine."""
+        words = super().command()
+        if self.recording is None:
+            return words
+        at = words.index("--engine")
+        return (*words[:at], *words[at + 2 :])
 
 
 def plan_of(scenario: Scenario, estimator: str | None) -> tuple[Estimator, EstimatePlan]:
@@ -50,6 +61,22 @@ def plan_of(scenario: Scenario, estimator: str | None) -> tuple[Estimator, Estim
     if name not in scenario.estimate:
         raise UnknownName(f"estimator of {scenario.name}", name, scenario.estimate)
     return estimators.load(name), scenario.estimate[name]
+
+
+def recorded_plan_of(source: Source, scenario: str, estimator: str | None) -> RecordedPlan:
+    """How an estimator is used on a recording; the first one for that scenario where none is named.
+
+    Raises:
+        InputError: the recording is not prepared for it; says what it is prepared for.
+    """
+    fitting = [one for one in source.estimates if one.scenario == scenario]
+    for one in fitting:
+        if estimator in (None, one.estimator):
+            return one
+    have = ", ".join(f"{one.scenario} by {one.estimator}" for one in source.estimates) or "none"
+    by = "" if estimator is None else f" by {estimator}"
+    fault = f"nothing is estimated of it for {scenario}{by} (prepared: {have}); a mapping file"
+    raise InputError(source.name, [f"{fault} (--map) says under estimate: which channel is what"])
 
 
 def prepared() -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,9 +11,12 @@ from simcompare.estimation import consistency
 from simcompare.estimation.consistency import Verdict
 from simcompare.estimation.estimate import Estimate, Innovations, State, Way
 from simcompare.model.trajectory import Array
+from simcompare.reports.estimation import words
 from simcompare.results.records.estimation import Curve, Reading, SourceEstimate, WayError
 from simcompare.running.jobs import OK
+from simcompare.verbs.estimated import Estimated
 
+QUESTION = "How well do its sensors tell the motion, and does the filter know how well?"
 #: points of a stored curve at most
 _POINTS = 2000
 
@@ -34,6 +38,11 @@ def of_source(source: str, version: str | None, draws: Sequence[Estimate]) -> So
         notes=first.notes,
         curves=tuple(_curve(way, name, one) for way in first.ways for name, one in _states(way)),
     )
+
+
+def with_words(result: Estimated) -> Estimated:
+    """The same with its sentences."""
+    return replace(result, sentences=tuple(words.sentences(result)))
 
 
 def _states(way: Way) -> list[tuple[str, State]]:
@@ -95,7 +104,8 @@ def _readings(draws: Sequence[Estimate]) -> tuple[Reading, ...]:
         Reading(
             name,
             consistency.whiteness([one.whitened[name] for one in found]),
-            float(np.mean([one.refused.get(name, 0) for one in found])),
+            refused := float(np.mean([one.refused.get(name, 0) for one in found])),
+            refused + float(np.mean([len(one.whitened[name]) for one in found])),
         )
         for name in names
     )

@@ -64,11 +64,13 @@ class Reading:
         name: such as "wheel".
         whiteness: the test; ``None`` where hardly anything was read.
         refused: how many the gate kept out, in a draw.
+        count: how many were read, in a draw.
     """
 
     name: str
     whiteness: Verdict | None
     refused: float
+    count: float
 
 
 @dataclass(frozen=True)
@@ -133,6 +135,7 @@ class Estimation:
         sensors: sensor -> data sheet, or own errors, that it has.
         options: numbers of the estimator.
         loosen: options that say what a motion does besides its model.
+        biases: options that make a constant error of a sensor a state.
         draws: how often each motion was measured.
         seed: of the draws.
         recording: name of it; empty where engines were measured.
@@ -152,6 +155,7 @@ class Estimation:
     sensors: Mapping[str, SensorErrors]
     options: Mapping[str, float]
     loosen: tuple[str, ...] = ()
+    biases: tuple[str, ...] = ()
     draws: int
     seed: int
     recording: str = ""

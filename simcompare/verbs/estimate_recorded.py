@@ -1,0 +1,52 @@
+"""The verb ``estimate`` on a recording: no engine, one draw, and the truth that was recorded."""
+
+from __future__ import annotations
+
+import datetime
+from dataclasses import replace
+
+from simcompare.estimation import estimators, recorded
+from simcompare.inference import sources
+from simcompare.results.run_record import software
+from simcompare.scenarios import catalogue
+from simcompare.verbs import estimate_request as requests
+from simcompare.verbs import estimating
+from simcompare.verbs.estimate_request import EstimateRequest
+from simcompare.verbs.estimated import Estimated
+
+
+def estimated(request: EstimateRequest) -> Estimated:
+    """What the sensors of a real device tell of its motion.
+
+    Raises:
+        SimcompareError: faults of the arguments or of a file, or a recording that is not prepared.
+    """
+    name = catalogue.load(request.scenario).name
+    assert request.recording is not None
+    source = sources.find(str(request.recording), mapping=request.mapping)
+    plan = requests.recorded_plan_of(source, name, request.estimator)
+    estimator = estimators.load(plan.estimator)
+    options = requests.options_of(estimator, plan.options, request.options or {})
+    plan = plan.model_copy(update={"options": options})
+    given = recorded.given_of(source.recording, plan, estimator, source.name)
+    found = estimating.of_source(source.name, None, [estimators.apply(estimator, given)])
+    found = replace(found, notes=(*found.notes, *filter(None, [plan.note])))
+    return estimating.with_words(
+        Estimated(
+            created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+            title=f"{estimator.title}: {source.about.get('title', source.name)}",
+            question=estimating.QUESTION,
+            scenario=name,
+            estimator=estimator.name,
+            sensors={},
+            options=options,
+            loosen=estimator.loosening,
+            biases=estimator.biases(plan.signals),
+            draws=1,
+            seed=0,
+            recording=source.name,
+            sources=(found,),
+            command=request.command(),
+            software=software(),
+        )
+    )
