@@ -11,6 +11,7 @@ from simcompare.errors import InputError
 from simcompare.hardware.sensors import low_pass, noise
 from simcompare.hardware.sensors.device import perfect
 from simcompare.hardware.sensors.error_model import measured, measured_by
+from simcompare.statistics import allan_terms
 from simcompare.statistics.streams import stream
 
 TIME = np.arange(1001) * 0.001
@@ -25,14 +26,6 @@ def three(**terms):
 
 def read(device, ideal=WAVES, seed=1, **manner):
     return measured(device, TIME[: len(ideal)], ideal, stream(seed), **manner)
-
-
-def allan_deviation(values, step_s, gate_s):
-    """Overlapping Allan deviation, IEEE 952."""
-    size = round(gate_s / step_s)
-    phase = np.concatenate(([0.0], np.cumsum(values) * step_s))
-    second = phase[2 * size :] - 2 * phase[size:-size] + phase[: -2 * size]
-    return math.sqrt(np.mean(second**2) / 2) / (size * step_s)
 
 
 # --- systematic terms -----------------------------------------------------------------------------
@@ -167,20 +160,44 @@ def test_the_mpu6050_at_44_hertz():
 
 
 @pytest.mark.parametrize(
-    ("term", "expected"),
+    ("term", "name", "expected"),
     [
-        ("noise_density", lambda gate_s: 1 / math.sqrt(2 * gate_s)),
-        ("bias_instability", lambda gate_s: math.sqrt(2 * math.log(2) / math.pi)),
-        ("random_walk", lambda gate_s: math.sqrt(gate_s / 3)),
+        ("noise_density", "N", math.sqrt(0.5)),
+        ("bias_instability", "B", 1.0),
+        ("random_walk", "K", 1.0),
     ],
 )
-def test_each_noise_has_the_allan_deviation_of_its_name(term, expected):
-    device = replace(perfect("imu", 3), **{term: np.ones(3)}, rate_Hz=100.0)
-    found = measured(device, np.array([0.0, 10_000.0]), np.zeros((2, 3)), stream(2)).measured
-    for gate_s in (0.2, 1.0, 4.0):
-        deviation = np.mean([allan_deviation(axis, 0.01, gate_s) for axis in found.T])
-        # the worst has 3 axes of 2,500 gates: 0.8 %; four per cent are five times that
-        assert deviation == pytest.approx(expected(gate_s), rel=0.04)
+def test_each_noise_is_found_again_by_its_allan_deviation(term, name, expected):
+    device = replace(perfect("imu", 1), **{term: np.ones(1)}, rate_Hz=20.0)
+    found = measured(device, np.array([0.0, 1000.0]), np.zeros(2), stream(2)).measured
+    terms = allan_terms.fitted(found, 20.0)
+    # 20,000 samples: its own u is below 0.7 %, so that 4 % are five times that
+    assert terms[name].value == pytest.approx(expected, rel=0.04)
+    assert 5 * terms[name].u < 0.04 * expected
+    assert [one for one in "NBK" if terms[one].seen] == [name]
+
+
+def test_all_noises_together_are_found_again():
+    terms = {"noise_density": 0.1, "bias_instability": 0.05, "random_walk": 0.02}
+    arrays = {name: np.array([size]) for name, size in terms.items()}
+    device = replace(perfect("imu", 1), **arrays, rate_Hz=20.0)
+    found = measured(device, np.array([0.0, 4000.0]), np.zeros(2), stream(2)).measured
+    fit = allan_terms.fitted(found, 20.0)
+    for name, expected in (("N", 0.1 / math.sqrt(2)), ("B", 0.05), ("K", 0.02)):
+        assert abs(fit[name].value - expected) < 3 * fit[name].u
+        assert fit[name].u < 0.25 * expected
+
+
+def test_bias_instability_has_a_flat_allan_deviation_from_first_to_last():
+    devices = [replace(perfect("imu", 1), bias_instability=np.ones(1), rate_Hz=1.0)] * 3000
+    found = measured_by(devices, np.array([0.0, 255.0]), np.zeros(2), stream(3)).measured[..., 0]
+    for size in (8, 32, 64):
+        means = found.reshape(3000, -1, size).mean(axis=2)
+        deviation = math.sqrt(np.mean(np.diff(means, axis=1) ** 2) / 2)
+        # 9,000 differences, of which neighbours share a mean: five times their 1 %
+        assert deviation == pytest.approx(math.sqrt(2 * math.log(2) / math.pi), rel=0.05)
+    # as uncertain at the first sample as at the last
+    assert found[:, 0].std() == pytest.approx(found[:, -1].std(), rel=0.1)
 
 
 def test_noise_that_grows_with_the_reading():

@@ -255,8 +255,7 @@ def _noise(
     total = noise.white(
         _stacked(devices, "noise_density"), step_s, count, generator, one.bandwidth_Hz, one.poles
     )
-    mean_s = float(step_s.mean())
-    total += noise.flicker(_stacked(devices, "bias_instability"), mean_s, count, generator)
+    total += noise.flicker(_stacked(devices, "bias_instability"), count, generator)
     total += noise.random_walk(_stacked(devices, "random_walk"), step_s, count, generator)
     growing = _stacked(devices, "noise_per_reading")
     if growing.any():

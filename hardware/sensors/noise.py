@@ -4,10 +4,9 @@ White noise of a one-sided density n [unit/√Hz] has the Allan deviation N/√�
 Bias instability B is flicker noise: its power density is B²/(π·f), one-sided, and its Allan
 deviation flat at √(2·ln 2/π)·B = 0.664·B. A random walk K [unit/√s] has K·√(τ/3).
 
-Flicker noise is made of Gauss-Markov processes of equal variance B²·ln(r)/π whose correlation times
-grow by a factor r = 4 from one sample to four times the whole record; the sum of their spectra is
-1/f to 0.2 % between. All are in their steady state at the first sample. The random walk begins
-at 0: what it did before is part of the offset.
+Flicker noise is white noise that is summed up half (N. J. Kasdin and T. Walter, 1992), over as many
+samples as the record has, so it is in its steady state from the first sample on. The random walk
+begins at 0: what it did before is part of the offset.
 """
 
 from __future__ import annotations
@@ -18,9 +17,6 @@ import numpy as np
 
 from simcompare.hardware.sensors.low_pass import noise_filter, through
 from simcompare.model.trajectory import Array
-
-#: ratio of neighbouring correlation times of flicker noise
-_RATIO = 4.0
 
 
 def white(
@@ -49,23 +45,23 @@ def white(
     return size[..., None] * through(numbers, b, a, first)
 
 
-def flicker(instability: Array, step_s: float, count: int, generator: np.random.Generator) -> Array:
+def flicker(instability: Array, count: int, generator: np.random.Generator) -> Array:
     """Bias instability of devices and axes (d, k, n); ``instability`` is B (d, k) [unit]."""
-    total: Array = np.zeros((*instability.shape, count))
     if not np.any(instability):
-        return total
-    for time_s in correlation_times_s(step_s, count):
-        kept = math.exp(-step_s / time_s)
-        b, a = np.array([math.sqrt(1 - kept**2)]), np.array([1.0, -kept])
-        first = generator.standard_normal((*instability.shape, 1))
-        total += through(np.asarray(generator.standard_normal(total.shape)), b, a, first)
-    return instability[..., None] * math.sqrt(math.log(_RATIO) / math.pi) * total
+        return np.zeros((*instability.shape, count))
+    from scipy import fft
+
+    # as many samples before the first one as there are: none of the sums wraps around
+    size = fft.next_fast_len(2 * count, real=True)
+    numbers = fft.rfft(generator.standard_normal((*instability.shape, size)), axis=-1)
+    summed = fft.irfft(numbers * fft.rfft(_half_sum(count), size), size, axis=-1)
+    return np.asarray(instability[..., None] * summed[..., size - count :], dtype=float)
 
 
-def correlation_times_s(step_s: float, count: int) -> Array:
-    """Correlation times of the Gauss-Markov processes of flicker noise [s]."""
-    processes = 2 + math.ceil(math.log(max(count, 2), _RATIO))
-    return np.asarray(step_s * _RATIO ** np.arange(processes), dtype=float)
+def _half_sum(count: int) -> Array:
+    """What is left after 0, 1, 2, … samples of a number that is summed up half."""
+    k = np.arange(1, count)
+    return np.concatenate(([1.0], np.cumprod((k - 0.5) / k)))
 
 
 def random_walk(walk: Array, step_s: Array, count: int, generator: np.random.Generator) -> Array:
