@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 from simcompare.errors import InputError
+from simcompare.hardware.sensors import sheets
 from simcompare.hardware.sensors.drawn import drawn
 from simcompare.model.sensor_errors import SensorErrors
 from simcompare.scenarios import scenario_file
@@ -134,6 +135,17 @@ def test_cross_axis_terms_stand_beside_the_diagonal():
     assert force.device.sensitivity.tolist() == [
         [1.0, 0.01, 0.01], [0.02, 1.0, 0.02], [0.03, 0.03, 1.0]
     ]  # fmt: skip
+
+
+def test_a_signal_that_the_sheet_does_not_measure_takes_own_terms_and_settings(tmp_path):
+    path = tmp_path / "force.yaml"
+    sheet = yaml.safe_load(sheets.files()["mpu6050"].read_text(encoding="utf-8"))
+    del sheet["parts"]["gyroscope"]
+    path.write_text(yaml.safe_dump(sheet), encoding="utf-8")
+    force, rate = one({"sheet": str(path), "rate_Hz": 200, "noise_rad_s_per_rtHz": 0.1})
+    assert (force.part, rate.part) == ("accelerometer", "")
+    assert rate.device.rate_Hz == force.device.rate_Hz == 200.0
+    assert rate.device.noise_density.tolist() == [0.1] * 3
 
 
 def test_a_setting_is_taken_by_the_part_that_has_it():

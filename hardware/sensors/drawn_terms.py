@@ -199,8 +199,8 @@ def _with_term(
 
 
 def _timed(device: Device, errors: SensorErrors) -> Device:
-    """Clock, low-pass and temperature; those of a sheet were chosen with it."""
-    if errors.sheet is None:
+    """Clock, low-pass and temperature; a device of a sheet has them by its settings."""
+    if not device.rate_Hz:
         device = replace(
             device,
             rate_Hz=errors.rate_Hz or 0.0,
