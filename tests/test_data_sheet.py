@@ -260,6 +260,7 @@ def test_a_relative_accuracy_turns_about_its_reading():
 def test_settings_are_those_of_the_chip():
     part = data_sheet.load("mpu6050").part("accelerometer")
     assert part.settings("±4g").range.name == "4 g"
+    assert data_sheet.load("mpu6050").part("gyroscope").settings("500").range.name == "500 °/s"
     # where the rate is too low for the usual bandwidth, the widest that fits is taken
     assert part.settings(rate_Hz=50.0).bandwidth_Hz == 21.0
     assert data_sheet.load("adxl345").part().settings(rate_Hz=800.0).bandwidth_Hz == 400.0
@@ -285,6 +286,8 @@ def test_unknown_sheets_and_parts_are_named():
         data_sheet.load("mpu60")
     with pytest.raises(NoSuchFile):
         data_sheet.load("mine.yaml")
+    with pytest.raises(NoSuchFile, match="is a folder; expected a data sheet in YAML"):
+        data_sheet.load(Path(__file__).parent)
     with pytest.raises(UnknownName, match="no part of MPU-6050 is called 'magnetometer'"):
         data_sheet.load("mpu6050").part("magnetometer")
 

@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from simcompare.errors import UnknownName, unknown_or_missing
+from simcompare.errors import NoSuchFile, UnknownName, unknown_or_missing
 from simcompare.hardware.sensors import drawing, sheet_reading, sheets
 from simcompare.hardware.sensors.device import REFERENCE_C, Device
 from simcompare.hardware.sensors.drawing import Devices
@@ -166,6 +166,8 @@ def load(name_or_path: str | Path, *, typ_is_sigma: float = 1.0) -> DataSheet:
     """
     known = sheets.files()
     path = known.get(str(name_or_path).lower(), Path(name_or_path))
+    if path.is_dir():
+        raise NoSuchFile(path, "a data sheet in YAML")
     if not path.is_file():
         raise unknown_or_missing("data sheet", str(name_or_path), known)
     content, lines = sheet_reading.read(path)

@@ -228,15 +228,18 @@ def settings(
 
 
 def _range_name(part: PartData, given: str) -> str:
-    """The name of a range, however its sign and spaces are written."""
+    """The name of a range, however its sign, spaces and unit are written."""
+    wanted = _plain(given)
+    alike = [name for name in part.ranges if _plain(name) == wanted]
+    # a number alone says enough where only one range begins with it
+    alike = alike or [name for name in part.ranges if name.split()[0] == wanted]
+    if len(alike) != 1:
+        raise UnknownName(f"range of {part.chip} {part.name}", given, part.ranges)
+    return alike[0]
 
-    def plain(text: str) -> str:
-        return text.replace(" ", "").replace("±", "").lower()
 
-    for name in part.ranges:
-        if plain(name) == plain(given):
-            return name
-    raise UnknownName(f"range of {part.chip} {part.name}", given, part.ranges)
+def _plain(text: str) -> str:
+    return text.replace(" ", "").replace("±", "").lower()
 
 
 def _width(part: PartData, rate: float, given: float | None, where: str) -> float:

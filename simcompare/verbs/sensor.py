@@ -86,15 +86,15 @@ def sensor(
     sheet = data_sheet.load(name, typ_is_sigma=typ_is_sigma)
     one = sheet.part(part)
     settings = one.settings(
-        range, _hertz("rate", rate), _hertz("bandwidth", bandwidth), temperature
+        range, _hertz("--rate", rate), _hertz("--bandwidth", bandwidth), temperature
     )
     told = one.reading_text if reading is None else _told(reading, one.unit)
-    value = one.reading if reading is None else _amount("reading", reading, one.unit)
+    value = one.reading if reading is None else _amount("--reading", reading, one.unit)
     if abs(value) > settings.range.full_scale:
         raise InputError(
-            "reading", [f"{told} is beyond the range {settings.range.name}; choose another range"]
+            "--reading", [f"{told} is beyond the range {settings.range.name}; choose another range"]
         )
-    beside = _amount("across", across, one.unit)
+    beside = _amount("--across", across, one.unit)
     axis = _worst(one, value, beside, settings) if axis is None else _axis(one, axis)
     now = Situation(axis, value, beside, settings)
     return _answer(sheet, one, now, told, draw, seed, typ_is_sigma)
@@ -138,11 +138,13 @@ def _sheets() -> list[SheetRow]:
 def _check(draw: int, temperature: float, typ_is_sigma: float) -> None:
     faults = []
     if not 0 <= draw <= MAX_DEVICES:
-        faults.append(f"draw={draw}: expected 0 to {MAX_DEVICES} devices")
+        faults.append(f"--draw {draw}: expected 0 to {MAX_DEVICES} devices")
     if not _COLDEST <= temperature <= _HOTTEST:
-        faults.append(f"temperature={temperature:g}: expected {_COLDEST:g} to {_HOTTEST:g}, in °C")
+        faults.append(
+            f"--temperature {temperature:g}: expected {_COLDEST:g} to {_HOTTEST:g}, in °C"
+        )
     if not 0 < typ_is_sigma <= 3:
-        faults.append(f"typ_is_sigma={typ_is_sigma:g}: expected a number above 0 and up to 3")
+        faults.append(f"--typ-is-sigma {typ_is_sigma:g}: expected a number above 0 and up to 3")
     if faults:
         raise InputError("sensor", faults)
 
