@@ -14,7 +14,7 @@ import simcompare
 from simcompare import cli
 from simcompare.errors import InputError, UnknownName
 from simcompare.hardware.sensors import data_sheet
-from simcompare.reports.sensor import page, words
+from simcompare.reports.sensor import figures, page, words
 from simcompare.verbs import sensor as verb
 
 G = 9.80665
@@ -102,6 +102,24 @@ def test_what_grows_with_time_is_left_out_of_one_reading(tmp_path):
     device = data_sheet.load(path).part().drawn(0)
     assert device.bias_instability == pytest.approx(np.full(3, 40e-6 * G))
     assert device.random_walk == pytest.approx(np.full(3, 2e-6 * G))
+
+
+def test_a_few_cut_off_are_told_where_both_ways_agree():
+    found = told("mpu6050", reading="1.8 g")
+    assert found.agrees
+    assert "1.9 % of them are cut off at the end of the range." in " ".join(words.further(found))
+
+
+def test_the_figures_show_what_was_counted():
+    found = told("mpu6050")
+    assert sum(found.counts) == found.draws
+    shares, drawn = figures.shares(found), figures.readings(found)
+    assert shares.panels[0].bars[0].heights.sum() == pytest.approx(100.0)
+    bell, points = drawn.panels[0].series
+    # the same density, within five standard deviations of the counts in the fullest bin
+    assert points.y.max() == pytest.approx(bell.y.max(), rel=5 / math.sqrt(max(found.counts)))
+    with pytest.raises(UnknownName, match="no figure is called 'share'; did you mean shares"):
+        found.plot("share")
 
 
 def test_devices_are_those_of_the_same_seed():

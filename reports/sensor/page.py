@@ -39,7 +39,9 @@ def block_of(found: SensorReading, rules: tuple[RuleRow, ...]) -> Block:
 
 def _answer(found: SensorReading) -> Part:
     sentences = [words.answer(found), *words.further(found)]
-    return part_of("Answer", "answer", [figures.shares(found)], answer=sentences)
+    return part_of(
+        "Answer", "answer", [figures.shares(found), figures.readings(found)], answer=sentences
+    )
 
 
 def _lines(found: SensorReading) -> Part:

@@ -35,8 +35,13 @@ def amount(value: float, unit: str, digits: int = 2) -> str:
 
 def told(value: float, unit: str, digits: int = 2) -> str:
     """An amount as sheets state it: ``86 mg``."""
-    name, size = _SPOKEN.get(unit, (symbol(unit), 1.0))
+    name, size = spoken(unit)
     return f"{numbers.plain(value / size, digits)} {name}"
+
+
+def spoken(unit: str) -> tuple[str, float]:
+    """The unit in which sheets speak of an SI unit, and its size."""
+    return _SPOKEN.get(unit, (symbol(unit), 1.0))
 
 
 def answer(found: SensorReading) -> str:
@@ -97,12 +102,12 @@ def settings(found: SensorReading) -> str:
 
 
 def _drawn(found: SensorReading) -> str:
-    how = f"{found.draws:,} devices drawn from the sheet".replace(",", " ")
+    how = f"{thousands(found.draws)} devices drawn from the sheet"
     ends = _ends(found)
     if found.agrees:
         return (
             f"{how} give u = {amount(found.u_drawn, found.unit)}, as the first order does within"
-            f" what so many can tell; 95 % of them read between {ends}."
+            f" what so many can tell; 95 % of them read between {ends}.{_cut_off(found)}"
         )
     why = (
         f"{numbers.percent(found.saturated)} of them are cut off at the end of the range"
@@ -115,9 +120,20 @@ def _drawn(found: SensorReading) -> str:
     )
 
 
+def thousands(count: int) -> str:
+    """A whole number with a space before each thousand."""
+    return f"{count:,}".replace(",", " ")
+
+
+def _cut_off(found: SensorReading) -> str:
+    if not found.saturated:
+        return ""
+    return f" {numbers.percent(found.saturated)} of them are cut off at the end of the range."
+
+
 def _ends(found: SensorReading) -> str:
     """Ends of the middle 95 %, to the second digit of u."""
-    name, size = _SPOKEN.get(found.unit, (symbol(found.unit), 1.0))
+    name, size = spoken(found.unit)
     place = max(0, 1 - math.floor(math.log10(found.u / size)))
     low, high = (fixed(value / size, place) for value in (found.low, found.high))
     return f"{low} and {high} {name}"

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from simcompare import units
 from simcompare.arguments import checked
 from simcompare.errors import InputError, UnknownName
@@ -26,6 +28,8 @@ from simcompare.verbs.sensor_shown import SensorAnswer, SensorSheets
 
 #: devices that are drawn to find the uncertainty a second time
 DRAWS = 10_000
+#: bins of the histogram of what they read
+BINS = 40
 #: devices that can be asked for as a table
 MAX_DEVICES = 100_000
 #: temperatures that make sense for electronics [°C]
@@ -214,6 +218,7 @@ def _answer(
 
 
 def _of_draws(drawn: Drawn, u: float) -> dict[str, Any]:
+    counts, edges = np.histogram(drawn.values, BINS)
     return {
         "u_drawn": drawn.u,
         "draws": len(drawn.values),
@@ -222,6 +227,8 @@ def _of_draws(drawn: Drawn, u: float) -> dict[str, Any]:
         "low": drawn.low,
         "high": drawn.high,
         "saturated": drawn.saturated,
+        "edges": tuple(edges.tolist()),
+        "counts": tuple(counts.tolist()),
     }
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from simcompare.errors import UnknownName
 from simcompare.reports.render import frames, matplotlib_
 from simcompare.reports.render.glance import Glance
 from simcompare.reports.render.shown import Shown
@@ -44,9 +45,16 @@ class SensorAnswer(Shown, SensorReading):
         """The drawn devices, a row for each axis; empty where none were asked for."""
         return frames.frame(tables.of_devices(self))
 
-    def plot(self) -> Figure:
-        """The share of each term."""
-        return matplotlib_.canvas(figures.shares(self))
+    def plot(self, name: str = "shares") -> Figure:
+        """A figure: "shares" of the terms, or the "readings" of drawn devices.
+
+        Raises:
+            UnknownName: another one.
+        """
+        known = {"shares": figures.shares, "readings": figures.readings}
+        if name not in known:
+            raise UnknownName("figure", name, known)
+        return matplotlib_.canvas(known[name](self))
 
     def _glance(self) -> Glance:
         return Glance(
@@ -55,5 +63,5 @@ class SensorAnswer(Shown, SensorReading):
             sentences=(words.answer(self), *words.further(self)),
             table=tables.of_entries(self),
             figure=figures.shares(self),
-            more="More: .u, .table(), .plot(), .entries, .devices, .drawn()",
+            more="More: .u, .table(), .plot(name), .entries, .devices, .drawn()",
         )

@@ -192,6 +192,8 @@ class SensorReading:
         mean_error: of the drawn readings, SI.
         low, high: ends of the middle 95 % of the drawn readings, SI.
         saturated: part of the drawn readings that is cut off.
+        edges: of the bins of a histogram of the drawn readings (n + 1), SI.
+        counts: drawn readings in each bin (n).
         u_if_two_sigma: combined standard uncertainty where a typical value is two standard
             deviations.
         checks: lines that state noise twice.
@@ -232,6 +234,8 @@ class SensorReading:
     low: float
     high: float
     saturated: float
+    edges: tuple[float, ...]
+    counts: tuple[int, ...]
     u_if_two_sigma: float
     checks: tuple[CheckRow, ...]
     devices: tuple[DeviceRow, ...] = ()
