@@ -30,9 +30,9 @@ FAULTS = (
     "line 33, parts.accelerometer.entries.1.term: no term is called 'crossaxis'; known: "
     "sensitivity, cross_axis, offset, nonlinearity, sensitivity_per_K, offset_per_K, noise,"
     " noise_per_reading, bias_instability, random_walk, rate",
-    "line 34, parts.accelerometer.entries.2.rule: no rule is called 'gaussian'; known: "
-    "rectangular, normal, truncated_normal, rms, density, alike, resolution, triangular, "
-    "u_shaped, normal_95",
+    "line 34, parts.accelerometer.entries.2.rule: no rule is called 'gaussian' that can be "
+    "chosen; known: rectangular, normal, truncated_normal, triangular, u_shaped, three_sigma, "
+    "normal_95",
     "line 36, parts.accelerometer.entries.3.typ: 'mm' is no unit that fits; expected a "
     "number with a unit, such as 1 mg",
     "line 37, parts.accelerometer.entries.4.typ: '60' has no unit; expected a number with a"
@@ -142,7 +142,7 @@ def test_each_kind_of_value_has_its_rule(stated, shape, u):
 @pytest.mark.parametrize(
     ("rule", "u"),
     [("triangular", 6 / math.sqrt(6)), ("u_shaped", 6 / math.sqrt(2)), ("normal_95", 6 / 1.96),
-     ("rectangular", 6 / math.sqrt(3))],
+     ("three_sigma", 2.0), ("rectangular", 6 / math.sqrt(3))],
 )  # fmt: skip
 def test_a_sheet_can_ask_for_another_rule(tmp_path, rule, u):
     path = written(tmp_path, ("max: 0.5 % FS,", f"max: 6 % FS, rule: {rule},"))
@@ -333,6 +333,9 @@ def test_all_faults_of_a_sheet_are_told_at_once(tmp_path):
         ("rms: 1.2 mg,", "rms: 1.2 mg, typ: 1 mg,", "expected one value or a pair: typ, max"),
         ("count: 16384 LSB/g", "count: 3 g", "one count, 3 g, is more than the full scale 2 g"),
         ("typ: 30 mg, over_C: [0, 70]", "typ: 30 mg", "the unit of '30 mg' does not fit"),
+        ("FS, page: 12", "FS, rule: normal, page: 12", "rule: normal needs a typical value"),
+        ("typ: 40 mg,", "typ: 40 mg, rule: truncated_normal,", "truncated_normal needs limits"),
+        ("µg/√Hz, page", "µg/√Hz, rule: normal, page", "noise has the rule of its kind"),
         ("poles: 1  ", "poles: 9  ", "poles: expected a number of at most 4, found 9"),
     ],
 )

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from simcompare.hardware.sensors import sheet_units
 from simcompare.hardware.sensors.device import REFERENCE_C
 from simcompare.hardware.sensors.sheet_file import EntryFile
-from simcompare.hardware.sensors.sheet_rules import RULE_OF_KIND, RULES, Rule, Stated
-from simcompare.hardware.sensors.sheet_terms import TERMS
+from simcompare.hardware.sensors.sheet_rules import CHOICES, RULE_OF_KIND, RULES, Rule, Stated
+from simcompare.hardware.sensors.sheet_terms import TERMS, Term
 from simcompare.statistics.distributions import Distribution
 
 
@@ -88,8 +88,8 @@ def faults_of_kind(given: EntryFile) -> Iterator[tuple[str, str]]:
     elif given.kind not in term.kinds:
         wanted = " or ".join(kind.replace("_", " and ") for kind in term.kinds)
         yield "", f"{given.kind} says nothing of {given.term}; expected {wanted}"
-    if given.rule is not None and given.rule not in RULES:
-        yield "rule", f"no rule is called {given.rule!r}; known: {', '.join(RULES)}"
+    if given.rule is not None:
+        yield from (("rule", fault) for fault in _faults_of_rule(given.rule, given.kind, term))
     if given.over_C is not None and term.per != "K":
         yield "over_C", "only what changes with temperature has a range of temperatures"
     if given.bandwidth is not None and given.rms is None:
@@ -97,6 +97,17 @@ def faults_of_kind(given: EntryFile) -> Iterator[tuple[str, str]]:
     for name in ("within", "about"):
         if getattr(given, name) is not None and given.term != "sensitivity":
             yield name, "only a sensitivity is stated so; leave it out"
+
+
+def _faults_of_rule(name: str, kind: str, term: Term) -> Iterator[str]:
+    if name not in CHOICES:
+        yield f"no rule is called {name!r} that can be chosen; known: {', '.join(CHOICES)}"
+    elif term.is_noise:
+        yield "noise has the rule of its kind; leave it out"
+    elif "typ" in RULES[name].needs and kind in ("max", "min_max"):
+        yield f"{name} needs a typical value; state typ, or choose another rule"
+    elif name == "truncated_normal" and kind == "typ":
+        yield f"{name} needs limits; state max, or choose another rule"
 
 
 _KINDS_WANTED = "typ, max, min and max, typ and max, rms or density"

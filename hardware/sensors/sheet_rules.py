@@ -46,7 +46,8 @@ class Rule:
         name: by which a sheet can state it.
         source: where it is written.
         words: the rule in one sentence.
-        needs: what must be stated for it, "typ", "limits" or both.
+        needs: what must be stated for it, "typ", "limits" or both; limits alone can be ± a typical
+            value, where a sheet asks for the rule.
         known: makes the distribution.
     """
 
@@ -86,6 +87,11 @@ def _normal(stated: Stated) -> Distribution:
 def _normal_95(stated: Stated) -> Distribution:
     low, high = _limits(stated)
     return distributions.normal((low + high) / 2, (high - low) / 2 / 1.96)
+
+
+def _three_sigma(stated: Stated) -> Distribution:
+    low, high = _limits(stated)
+    return distributions.normal((low + high) / 2, (high - low) / 6)
 
 
 def _truncated(stated: Stated) -> Distribution:
@@ -168,6 +174,13 @@ RULES = {
             _u_shaped,
         ),
         Rule(
+            "three_sigma",
+            "JCGM 100:2008, 4.3.3",
+            "The sheet says that its limits are three standard deviations: normal, u = a/3.",
+            ("limits",),
+            _three_sigma,
+        ),
+        Rule(
             "normal_95",
             "JCGM 100:2008, 4.3.4",
             "The sheet says that 95 % of the devices are within the limits: normal, u = a/1.96.",
@@ -186,3 +199,8 @@ RULE_OF_KIND = {
     "density": "density",
     "resolution": "resolution",
 }
+#: rules that a sheet can ask for, of what is drawn once for a device
+CHOICES = (
+    "rectangular", "normal", "truncated_normal", "triangular", "u_shaped", "three_sigma",
+    "normal_95",
+)  # fmt: skip
