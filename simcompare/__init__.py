@@ -25,7 +25,6 @@ _PUBLIC = {
     "estimate": "simcompare.verbs.estimate",
     "uncertainty": "simcompare.verbs.uncertainty",
     "gauge": "simcompare.verbs.gauge",
-    "calibrate": "simcompare.verbs.calibrate",
     "control": "simcompare.verbs.control",
     "compare": "simcompare.verbs.compare",
     "runs": "simcompare.verbs.runs",

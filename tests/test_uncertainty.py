@@ -255,7 +255,8 @@ def test_unknown_names_are_listed_all_at_once():
     assert str(error.value) == (
         "robot, u: 2 faults\n"
         "  - no parameter is called 'torqe'; did you mean torque_N_m?\n"
-        "  - no parameter is called 'wheel_mas'; did you mean wheel_mass_kg?"
+        "  - no parameter is called 'wheel_mas'; did you mean wheel_mass_kg"
+        " or wheel_radius_m or wheel_width_m?"
     )
     with pytest.raises(UnknownName, match="no result of robot is called 'accelration'"):
         simcompare.uncertainty("robot", of="accelration")

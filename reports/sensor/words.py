@@ -144,12 +144,13 @@ def _checked(check: CheckRow) -> str:
     ratio = check.expected / check.rms
     both = f"The sheet states noise twice: {check.stated}, and {check.other} ({check.page})."
     if abs(ratio - 1) <= _SAME:
-        return f"{both} With the filter that is assumed here both say the same, within 10 %."
+        return f"{both} With the filter that is assumed here both say the same."
     more = f"{numbers.percent(abs(ratio - 1))} {'more' if ratio > 1 else 'less'}"
     expected = f"{both} From the first and one pole one expects {more} than the second"
     if abs(check.sharp / check.rms - 1) <= _SAME:
         return f"{expected}; they agree for a filter that ends sharply at its bandwidth."
-    return f"{expected}; the sheet does not say why."
+    why = check.note or "the sheet does not say why"
+    return f"{expected} ({why})."
 
 
 def _confirmed(found: SensorReading) -> str:

@@ -115,7 +115,6 @@ def _verb(name: str, function: Callable[..., None], **settings: Any) -> None:  #
 def register() -> None:
     """Names the verbs; a verb more is a line more."""
     from simcompare.cli import (
-        calibrate,
         characterize,
         compare,
         data,
@@ -145,7 +144,6 @@ def register() -> None:
     _verb("report", report.report)
     _verb("compare", compare.compare)
     _verb("runs", runs.runs)
-    _verb("calibrate", calibrate.calibrate)
     _verb("characterize", characterize.characterize)
     _verb("sensor", sensor.sensor)
     _verb("estimate", estimate.estimate)

@@ -1,9 +1,10 @@
 """The estimators by name: a module each, which declares what it needs.
 
 A module of an estimator has ``estimate(given) -> Estimate`` and declares in capitals ``SIGNALS``,
-what it must be given, role -> :class:`Role`, and ``TITLE``. It may declare ``OPTIONS``, name ->
-:class:`Option`, and ``TRUTHS``, what it is judged by. A scenario names it under ``estimate:``, and
-says there which probe or sensor plays which role; nothing else knows of both.
+what it must be given, role -> :class:`Role`, ``LABELS``, state -> what it is, the one that leads
+first, and ``TITLE``. It may declare ``OPTIONS``, name -> :class:`Option`, and ``TRUTHS``, what it
+is judged by. A scenario names it under ``estimate:``, and says there
+which probe or sensor plays which role; nothing else knows of both.
 """
 
 from __future__ import annotations
@@ -82,6 +83,7 @@ class Estimator:
         signals: role -> what is measured.
         truths: role -> what it is judged by.
         options: name -> number.
+        labels: state, with its unit -> what it is, the one that leads first.
     """
 
     name: str
@@ -90,6 +92,7 @@ class Estimator:
     signals: Mapping[str, Role]
     truths: Mapping[str, Role] = field(default_factory=dict)
     options: Mapping[str, Option] = field(default_factory=dict)
+    labels: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def loosening(self) -> tuple[str, ...]:
@@ -123,6 +126,7 @@ def load(name: str) -> Estimator:
         module.SIGNALS,
         getattr(module, "TRUTHS", {}),
         getattr(module, "OPTIONS", {}),
+        module.LABELS,
     )
 
 

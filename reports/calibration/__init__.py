@@ -1,1 +1,0 @@
-"""What a report says of the calibration of a sensor."""
