@@ -23,8 +23,9 @@ _COLUMNS = (
     Column("Mode", text=True), Column("value ± s"), Column("E_n"), Column("Inside", text=True),
 )  # fmt: skip
 _NOTE = (
-    "E_n is the difference over its expanded uncertainty (k = 2; ISO 13528:2022, 9.7). A value is"
-    " inside when it lies within the stated limits or, where there are none, when |E_n| ≤ 1."
+    "E_n is the difference over its expanded uncertainty (ISO 13528:2022, 9.7); k = 2, and more for"
+    " the scatter of few repeats, such as 2.4 for nine. A value is inside when it lies within the"
+    " stated limits or, where there are none, when |E_n| ≤ 1."
 )
 
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from simcompare.comparison.comparison import Score
 from simcompare.hardware.recordings.bounce_table import BounceTable, Quantity
-from simcompare.statistics.agreement import COVERAGE_FACTOR, e_n
+from simcompare.statistics.agreement import COVERAGE_FACTOR, COVERAGE_PROBABILITY, e_n
+from simcompare.statistics.budget import coverage_factor
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,8 @@ class Match:
         high: upper stated limit.
         unit: unit of all of these.
         e_n: E_n number (ISO 13528:2022, 9.7): deviation over the root sum of squares of both
-            expanded uncertainties, k = 2; ``None`` without an uncertainty, and for limits.
+            expanded uncertainties, k = 2, larger for the scatter of few repeats; ``None`` without
+            an uncertainty, and for limits.
         inside: whether the value is within the stated limits, or |E_n| ≤ 1 where there are none;
             ``None`` where it cannot be told.
     """
@@ -71,12 +73,18 @@ def _match(
     value, scatter = (score.value, score.scatter) if score is not None else (None, None)
     found = None
     if value is not None and quantity.u is not None and quantity.low is None:
-        expanded = (COVERAGE_FACTOR * (scatter or 0.0), COVERAGE_FACTOR * quantity.u)
-        found = e_n(value, quantity.value, *expanded)
+        found = e_n(value, quantity.value, _expanded(score), COVERAGE_FACTOR * quantity.u)
     return Match(
         *source, quantity.name, quantity.bounce, value, scatter, quantity.value, quantity.u,
         quantity.low, quantity.high, units[quantity.name], found, _inside(quantity, value, found),
     )  # fmt: skip
+
+
+def _expanded(score: Score | None) -> float:
+    """U of a source: so few repeats tell their scatter (JCGM 100:2008, G.3)."""
+    if score is None or not score.scatter:
+        return 0.0
+    return coverage_factor(score.repeats - 1, COVERAGE_PROBABILITY) * score.scatter
 
 
 def _inside(quantity: Quantity, value: float | None, number: float | None) -> bool | None:

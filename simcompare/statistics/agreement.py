@@ -12,6 +12,8 @@ from simcompare.errors import InputError
 
 #: coverage factor of expanded uncertainties (JCGM 100:2008, 6)
 COVERAGE_FACTOR = 2.0
+#: that a normal error is within twice its standard deviation
+COVERAGE_PROBABILITY = 0.9544997361036416
 #: a sample's median absolute deviation times this is the standard deviation of normal noise
 MAD_TO_SD = 1.482602218505602
 

@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import special, stats
 
 from simcompare.errors import InputError
 from simcompare.model.trajectory import Array
@@ -110,6 +109,8 @@ def at_deviates(known: Distribution, deviates: Array) -> Array:
     """The values of a distribution at the probabilities of standard normal deviates."""
     if known.kind in ("fixed", "normal"):
         return np.asarray(known.center + known.scale * deviates, dtype=float)
+    from scipy import special
+
     return np.asarray(known.center + _QUANTILES[known.kind](known, special.ndtr(deviates)))
 
 
@@ -119,8 +120,16 @@ def _triangular(known: Distribution, chance: Array) -> Array:
 
 
 def _truncated(known: Distribution, chance: Array) -> Array:
+    from scipy import special
+
     edge = special.ndtr(known.half_width / known.scale)
     return np.asarray(known.scale * special.ndtri(1 - edge + chance * (2 * edge - 1)))
+
+
+def _student(known: Distribution, chance: Array) -> Array:
+    from scipy import stats
+
+    return np.asarray(known.scale * stats.t.ppf(chance, known.degrees_of_freedom), dtype=float)
 
 
 #: kind -> deviation from the centre at a probability
@@ -129,5 +138,5 @@ _QUANTILES: Mapping[str, Callable[[Distribution, Array], Array]] = {
     "triangular": _triangular,
     "u_shaped": lambda known, chance: known.half_width * np.sin(math.pi * (chance - 0.5)),
     "truncated_normal": _truncated,
-    "student_t": lambda known, chance: known.scale * stats.t.ppf(chance, known.degrees_of_freedom),
+    "student_t": _student,
 }
