@@ -27,7 +27,7 @@ def budget_of(result: Uncertainty, number: int = 0) -> Table:
     columns = (
         Column("Input", text=True, nowrap=True),
         Column("Estimate"),
-        Column("Stated", text=True),
+        Column("Stated", text=True, nowrap=True),
         Column("u"),
         Column("Distribution", text=True),
         Column("Degrees of freedom"),
@@ -50,10 +50,10 @@ def budget_of(result: Uncertainty, number: int = 0) -> Table:
 
 
 def _row(row: Row, stated: str, unit: str) -> tuple[str, ...]:
-    symbol = "" if unit == "1" else f" {units.symbol(unit)}"
+    symbol = "" if unit == "1" else f"\u00a0{units.symbol(unit)}"
     return (
         row.name, f"{numbers.plain(row.estimate)}{symbol}", stated,
-        f"{numbers.plain(row.u, 2)}{symbol}", _SHAPES.get(row.distribution, row.distribution),
+        numbers.plain(row.u, 2), _SHAPES.get(row.distribution, row.distribution),
         count_of(row.degrees_of_freedom), *_effect(row),
     )  # fmt: skip
 
@@ -72,7 +72,7 @@ def ways_of(result: Uncertainty) -> Table:
     columns = (
         Column("By", text=True, nowrap=True),
         Column(f"Value{unit}"),
-        Column("− closed form"),
+        Column("Off the closed form"),
         Column("U"),
         Column("k"),
         Column("Degrees of freedom"),
@@ -88,7 +88,9 @@ def ways_of(result: Uncertainty) -> Table:
     known = [_way(way, found, true) for way, found in result.known]
     missing = [(way.source, *["–"] * 8, way.status) for way in result.ways if way.found is None]
     made = Table("", columns, (Group("", (*known, *missing)),))
-    return made if true is not None and len(result.ways) > 1 else made.without(["− closed form"])
+    return (
+        made if true is not None and len(result.ways) > 1 else made.without(["Off the closed form"])
+    )
 
 
 def _way(way: Way, found: Propagated, true: float | None) -> tuple[str, ...]:
@@ -114,9 +116,9 @@ def _intervals(trials: MonteCarlo | None) -> tuple[str, str, str]:
         return "–", "–", "–"
     width = (trials.symmetric[1] - trials.symmetric[0]) / 2
     return (
-        " … ".join(beside(end, width)[0] for end in trials.symmetric),
-        " … ".join(beside(end, width)[0] for end in trials.shortest),
-        f"{trials.trials:,}".replace(",", " "),
+        "\u00a0…\u00a0".join(beside(end, width)[0] for end in trials.symmetric),
+        "\u00a0…\u00a0".join(beside(end, width)[0] for end in trials.shortest),
+        f"{trials.trials:,}".replace(",", "\u00a0"),
     )
 
 
