@@ -159,6 +159,9 @@ def quantity(text: str | float, where: str) -> tuple[float, str]:
     match = _QUANTITY.match(text) if isinstance(text, str) else None
     if match is None or not match[2]:
         return to_si(text, "1", where), "1"
+    pointed = with_point(str(text))
+    if pointed is not None:
+        raise InputError(where, [f"{str(text).strip()!r} has a decimal comma; write {pointed}"])
     factor, offset, unit = si_of(match[2], where)
     return factor * float(match[1]) + offset, unit
 

@@ -147,6 +147,10 @@ def test_a_formula_in_the_parameters_of_a_scenario():
             "u: no quantity of the formula is called 'c'; known: a, b",
         ),
         (
+            {"of": "a*b", "set": {"a": "0,5m", "b": 2}, "u": {"a": 1}},
+            "set: a: '0,5m' has a decimal comma; write 0.5m",
+        ),
+        (
             {"of": "a/b", "set": {"a": 1, "b": 0}, "u": {"a": 1}},
             "of: 'a/b' gives no finite number at a = 1, b = 0",
         ),
@@ -260,6 +264,11 @@ def test_unknown_names_are_listed_all_at_once():
     )
     with pytest.raises(UnknownName, match="no result of robot is called 'accelration'"):
         simcompare.uncertainty("robot", of="accelration")
+
+
+def test_an_input_is_given_once():
+    with pytest.raises(InputError, match="torque_N_m is given twice, with and without its unit"):
+        simcompare.uncertainty("robot", u={"torque": "2%", "torque_N_m": "1%"})
 
 
 def test_beyond_the_closed_form_an_engine_is_wanted():

@@ -6,8 +6,9 @@ import numpy as np
 
 from simcompare import units
 from simcompare.propagation.propagated import Propagated
-from simcompare.reports.render.figures import Bars, Figure, Panel, Series
+from simcompare.reports.render.figures import Bars, Figure, Note, Panel, Series
 from simcompare.reports.render.styles import Style
+from simcompare.reports.uncertainty import tables
 from simcompare.reports.uncertainty.answer import words
 from simcompare.results.records.uncertainty import Uncertainty, Way
 from simcompare.statistics.budget import Budget
@@ -18,6 +19,8 @@ _TRIALS = Style("#56B4E9", width=2.0)
 _FIRST = Style("#D55E00", "dash", "square")
 _SYMMETRIC = Style("#009E73", "solid", "circle")
 _SHORTEST = Style("#CC79A7", "dot", "diamond")
+#: of the axis of shares, so that their numbers stand beside the bars
+_ROOM = 1.25
 #: most inputs that are drawn, the largest
 _MOST = 10
 
@@ -57,10 +60,17 @@ def _caption(found: Propagated) -> str:
 def _shares(budget: Budget) -> Panel:
     rows = budget.largest_first[:_MOST]
     heights = np.array([max(0.0, 100 * row.share) for row in rows])
-    texts = tuple(f"{height:.2g} %" for height in heights)
-    bars = (Bars("share", heights, _SHARES, texts=texts),)
+    bars = (Bars("share", heights, _SHARES),)
     names = tuple(row.name for row in rows)
-    return Panel("Share of the variance", "share (%)", "", (), bars=bars, y_ticks=names)
+    notes = tuple(
+        Note(float(height), i, f" {tables.share_of(row)}")
+        for i, (row, height) in enumerate(zip(rows, heights, strict=True))
+    )
+    limits = (0.0, _ROOM * max(100.0, float(heights.max())))
+    return Panel(
+        "Share of the variance", "share (%)", "", (), bars=bars, y_ticks=names, x_limits=limits,
+        notes=notes,
+    )  # fmt: skip
 
 
 def _distribution(result: Uncertainty, found: Propagated) -> Panel:

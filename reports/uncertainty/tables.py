@@ -42,8 +42,8 @@ def budget_of(result: Uncertainty, number: int = 0) -> Table:
     )  # fmt: skip
     budget = found.budget
     whole = (
-        "combined", numbers.plain(budget.estimate), "", numbers.plain(budget.u, 2), "",
-        count_of(budget.degrees_of_freedom), "", numbers.plain(budget.u, 2), "100 %",
+        "combined", numbers.plain(budget.estimate), "", _two(budget.u), "",
+        count_of(budget.degrees_of_freedom), "", _two(budget.u), "100 %",
     )  # fmt: skip
     title = f"Budget of first order, {way.source}"
     return Table(title, columns, (Group("", (*rows, whole)),))
@@ -53,7 +53,7 @@ def _row(row: Row, stated: str, unit: str) -> tuple[str, ...]:
     symbol = "" if unit == "1" else f"\u00a0{units.symbol(unit)}"
     return (
         row.name, f"{numbers.plain(row.estimate)}{symbol}", stated,
-        numbers.plain(row.u, 2), _SHAPES.get(row.distribution, row.distribution),
+        _two(row.u), _SHAPES.get(row.distribution, row.distribution),
         count_of(row.degrees_of_freedom), *_effect(row),
     )  # fmt: skip
 
@@ -62,8 +62,22 @@ def _effect(row: Row) -> tuple[str, str, str]:
     """Sensitivity, contribution and share; what rounding alone makes is nothing."""
     if abs(row.share) < _ROUNDING:
         return "0", "0", "0 %"
-    share = "< 0.01 %" if abs(row.share) < _SMALL else numbers.percent(row.share)
-    return numbers.plain(row.sensitivity, 3), numbers.plain(row.contribution, 2), share
+    return numbers.plain(row.sensitivity, 3), _two(row.contribution), share_of(row)
+
+
+def _two(u: float) -> str:
+    """An uncertainty in two digits, the second also where it is 0."""
+    mantissa, dot, power = numbers.plain(u, 2).partition("·")
+    if len(mantissa.replace(".", "").lstrip("0")) == 1:
+        mantissa += "0" if "." in mantissa else ".0"
+    return f"{mantissa}{dot}{power}"
+
+
+def share_of(row: Row) -> str:
+    """The part of the variance that an input makes, in per cent."""
+    if abs(row.share) < _ROUNDING:
+        return "0 %"
+    return "< 0.01 %" if abs(row.share) < _SMALL else numbers.percent(row.share)
 
 
 def ways_of(result: Uncertainty) -> Table:
@@ -118,7 +132,7 @@ def _intervals(trials: MonteCarlo | None) -> tuple[str, str, str]:
     return (
         "\u00a0…\u00a0".join(beside(end, width)[0] for end in trials.symmetric),
         "\u00a0…\u00a0".join(beside(end, width)[0] for end in trials.shortest),
-        f"{trials.trials:,}".replace(",", "\u00a0"),
+        numbers.plain(trials.trials),
     )
 
 

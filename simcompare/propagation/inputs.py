@@ -145,12 +145,16 @@ def of_scenario(
     said = {} if file.uncertainty is None else file.uncertainty.inputs
     texts: dict[str, str | float] = {name: one.u for name, one in said.items()}
     why = {name: one.reason for name, one in said.items()}
-    faults = []
+    faults: list[str] = []
+    taken: set[str] = set()
     for name, text in given.items():
         found = units.find_name(name, file.parameters)
         if found is None:
             faults.append(str(UnknownName("parameter", name, file.parameters)))
+        elif found in taken:
+            faults.append(f"{found} is given twice, with and without its unit")
         else:
+            taken.add(found)
             texts[found], why[found] = text, reasons.get(name, GIVEN)
     known = _read(texts, why, values, {n: units.unit_of(n) for n in texts}, faults)
     if faults:

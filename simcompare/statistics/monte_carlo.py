@@ -252,7 +252,7 @@ def _histogram(ordered: Array) -> tuple[tuple[float, ...], tuple[float, ...]]:
     ends = np.quantile(ordered, [0.0005, 0.9995])
     if not ends[1] - ends[0] > _ROUNDING * np.abs(ends).max():
         return (), ()
-    bars = min(_BARS, max(5, math.isqrt(len(ordered))))
+    bars = min(_BARS, round(2 * len(ordered) ** (1 / 3)))  # by Rice's rule
     counts, edges = np.histogram(ordered, bins=bars, range=(float(ends[0]), float(ends[1])))
     density = counts / len(ordered) / np.diff(edges)
     return tuple(edges.tolist()), tuple(density.tolist())

@@ -9,6 +9,7 @@ from dataclasses import replace
 from simcompare.propagation import formulas, inputs, quantities
 from simcompare.propagation.inputs import Known
 from simcompare.propagation.propagated import Asked
+from simcompare.reports.uncertainty.answer import words
 from simcompare.results.records.uncertainty import FORMULA, Input, Way
 from simcompare.results.run_record import software
 from simcompare.verbs.request import UncertaintyRequest
@@ -55,10 +56,11 @@ def record_of(
     beyond: tuple[str, ...] = (),
 ) -> Uncertain:
     """What was found, with all that it was asked with."""
+    what = words(of) if of else subject
     return Uncertain(
         created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-        title=f"Uncertainty of {of or subject}{f' of {subject}' if of else ''}",
-        question=f"How well is {of or subject} known, and which input matters most?",
+        title=f"Uncertainty of {what}{f' of {subject}' if of else ''}",
+        question=f"How well is {what} known, and which input matters most?",
         subject=subject, of=of, unit=unit,
         inputs=tuple(Input(one.name, one.stated, one.reason, one.unit) for one in known),
         correlation=tuple((*pair, r) for pair, r in asked.correlation.items()),
