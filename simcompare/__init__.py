@@ -25,6 +25,8 @@ _PUBLIC = {
     "estimate": "simcompare.verbs.estimate",
     "uncertainty": "simcompare.verbs.uncertainty",
     "gauge": "simcompare.verbs.gauge",
+    "calibrate": "simcompare.verbs.calibrate",
+    "allan": "simcompare.verbs.allan",
     "control": "simcompare.verbs.control",
     "compare": "simcompare.verbs.compare",
     "runs": "simcompare.verbs.runs",

@@ -115,6 +115,8 @@ def _verb(name: str, function: Callable[..., None], **settings: Any) -> None:  #
 def register() -> None:
     """Names the verbs; a verb more is a line more."""
     from simcompare.cli import (
+        allan,
+        calibrate,
         characterize,
         compare,
         data,
@@ -148,6 +150,7 @@ def register() -> None:
     _verb("sensor", sensor.sensor)
     _verb("estimate", estimate.estimate)
     _verb("gauge", gauge.gauge)
+    _verb("allan", allan.allan)
     _verb("export", export.export)
     _verb("import", import_.import_)
     _verb("fit", fit.fit)

@@ -20,6 +20,10 @@ EXAMPLES = {
         "simcompare characterize bounce --engine mujoco,ode",
         "simcompare characterize --step 2ms --details",
     ),
+    "allan": (
+        "simcompare allan imu_broad_translation --sheet mpu6050",
+        "simcompare allan imu_xio --channel gyr --from 1s --until 12s",
+    ),
     "sensor": (
         "simcompare sensor",
         "simcompare sensor mpu6050 --bandwidth 94Hz --open",

@@ -19,6 +19,10 @@ NAMES = ("Q", "N", "B", "K")
 #: a noise is told as a number where twice the logarithm of the likelihood falls by more than this
 #: without it, and a ramp where it is the root of this from 0, in standard uncertainties
 SEEN = 12.0
+#: chance below which a fit does not describe the variances
+_CHANCE = 1e-3
+#: octaves of short averaging times that a filter may smooth, and that are kept at least
+_MOST_SKIPPED, _LEAST_KEPT = 7, 6
 #: by how much a Gauss-Markov noise must raise twice the logarithm of the likelihood
 _WORTH = 15.0
 
@@ -44,6 +48,13 @@ class Fit:
     chi_squared: float
     length: float = math.nan
     u_length: float = math.nan
+
+    @property
+    def describes(self) -> bool:
+        """Whether chi-squared is not larger than chance makes it once in a thousand records."""
+        from scipy import stats
+
+        return bool(stats.chi2.sf(self.chi_squared, self.degrees_of_freedom) > _CHANCE)
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -92,15 +103,28 @@ class Observed:
 
 
 def fit_of(rates: Array, order: int) -> Fit:
-    """The noises that are seen in a record, without any Gauss-Markov noise."""
+    """The noises that are seen in a record, without any Gauss-Markov noise.
+
+    A filter in the sensor smooths what is faster than itself. So the shortest averaging times are
+    left out, one octave after the other, until the noises describe the rest; where they never do,
+    all are kept.
+    """
     found = allan.deviations(rates, kind="oadev" if order == ALLAN else "ohdev")
-    factors, noises = found.m.tolist(), cov.kernels()
-    observed = Observed(
-        order, found.values**2, found.m.astype(float), found.samples,
-        cov.products(factors, found.samples, noises, order),
-        {name: cov.shape(one, found.m.astype(float), order) for name, one in noises.items()},
+    whole = _kept(_observed(found, order, 0), [*cov.kernels()])
+    fit, skipped = whole, 0
+    while not fit.describes and skipped < min(_MOST_SKIPPED, len(found.m) - _LEAST_KEPT):
+        skipped += 1
+        fit = _kept(_observed(found, order, skipped), ["N", "B", "K"])
+    return fit if fit.describes else whole
+
+
+def _observed(found: allan.Deviations, order: int, skipped: int) -> Observed:
+    factors, noises = found.m[skipped:], cov.kernels()
+    return Observed(
+        order, found.values[skipped:] ** 2, factors.astype(float), found.samples,
+        cov.products(factors.tolist(), found.samples, noises, order),
+        {name: cov.shape(one, factors.astype(float), order) for name, one in noises.items()},
     )  # fmt: skip
-    return _kept(observed, [*noises])
 
 
 def _kept(observed: Observed, names: list[str]) -> Fit:

@@ -73,6 +73,9 @@ class Terms:
         gauss_markov: where the record shows one.
         chi_squared: of the Allan variances about the fit.
         degrees_of_freedom: of it.
+        from_s: shortest averaging time that was fitted; shorter ones are smoothed by a filter [s].
+        widened: factor on all standard uncertainties, above 1 where the noises do not describe the
+            variances: the root of chi-squared over its degrees of freedom.
         order: 2 where Allan variances were fitted, 3 for Hadamard variances.
     """
 
@@ -81,6 +84,8 @@ class Terms:
     gauss_markov: GaussMarkov | None
     chi_squared: float
     degrees_of_freedom: int
+    from_s: float
+    widened: float
     order: int
 
     def __getitem__(self, name: str) -> Term:
@@ -131,29 +136,32 @@ def _noise(fit: Fit, interval_s: float) -> Mapping[str, float]:
 
 def _told(fit: Fit, interval_s: float, ramp: Ramp) -> Terms:
     """As coefficients."""
-    terms = [_term(fit, name, interval_s) for name in ("N", "B", "K", "Q")]
+    wider = 1.0 if fit.describes else math.sqrt(fit.chi_squared / fit.degrees_of_freedom)
+    terms = [_term(fit, name, interval_s, wider) for name in ("N", "B", "K", "Q")]
     order = fit.observed.order
-    slope, u = (ramp.slope, ramp.u) if order == HADAMARD else (math.nan, math.nan)
-    terms.append(Term("R", slope, u, abs(ramp.slope) + _LIMIT * ramp.u))
-    return Terms(interval_s, tuple(terms), _markov(fit, interval_s), fit.chi_squared,
-                 fit.degrees_of_freedom, order)  # fmt: skip
+    slope, u = (ramp.slope, ramp.u * wider) if order == HADAMARD else (math.nan, math.nan)
+    terms.append(Term("R", slope, u, abs(ramp.slope) + _LIMIT * ramp.u * wider))
+    return Terms(interval_s, tuple(terms), _markov(fit, interval_s, wider), fit.chi_squared,
+                 fit.degrees_of_freedom, float(fit.observed.factors[0]) * interval_s, wider,
+                 order)  # fmt: skip
 
 
-def _term(fit: Fit, name: str, interval_s: float) -> Term:
+def _term(fit: Fit, name: str, interval_s: float, wider: float) -> Term:
     unit = _unit(name, interval_s)
     if name in fit.variances:
         value = math.sqrt(fit.variances[name])
-        u = fit.u[name] / (2 * value)
+        u = fit.u[name] / (2 * value) * wider
         return Term(name, value * unit, u * unit, (value + _LIMIT * u) * unit)
-    return Term(name, math.nan, math.nan, fit.limit(name, _LIMIT**2) * unit)
+    # twice the fall of the log-likelihood grows with the square of the factor
+    return Term(name, math.nan, math.nan, fit.limit(name, (_LIMIT * wider) ** 2) * unit)
 
 
-def _markov(fit: Fit, interval_s: float) -> GaussMarkov | None:
+def _markov(fit: Fit, interval_s: float, wider: float) -> GaussMarkov | None:
     if "GM" not in fit.variances:
         return None
     sigma = math.sqrt(fit.variances["GM"])
-    return GaussMarkov(sigma, fit.u["GM"] / (2 * sigma),
-                       fit.length * interval_s, fit.u_length * interval_s)  # fmt: skip
+    return GaussMarkov(sigma, wider * fit.u["GM"] / (2 * sigma),
+                       fit.length * interval_s, wider * fit.u_length * interval_s)  # fmt: skip
 
 
 def _unit(name: str, interval_s: float) -> float:

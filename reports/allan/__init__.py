@@ -1,0 +1,1 @@
+"""What a report says of the noise of a sensor at rest."""

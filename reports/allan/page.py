@@ -1,0 +1,50 @@
+"""The page of an Allan analysis: the answer, the plot, the noises, and all deviations."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from simcompare.reports import builder
+from simcompare.reports.allan import figures, tables, words
+from simcompare.reports.render import output
+from simcompare.reports.render.parts import Block, Part, part_of
+from simcompare.results.records.allan import NoiseAnalysis
+
+
+def write_html(found: NoiseAnalysis, path: Path) -> Path:
+    """Writes the page as one HTML file that needs no network and nothing beside it.
+
+    Raises:
+        OutputError: it cannot be written, or plotly's script is not installed.
+    """
+    page = builder.html_of([block_of(found)])
+    return output.write(Path(path), page.encode("utf-8"), output.MARKS["html"])
+
+
+def block_of(found: NoiseAnalysis) -> Block:
+    """What the page shows."""
+    return Block(
+        "a1", "allan", f"Noise at rest: {found.title}", words.QUESTION, found.created,
+        found.software.simcompare or "", (_answer(found), _numbers(found), _all(found)),
+    )  # fmt: skip
+
+
+def _answer(found: NoiseAnalysis) -> Part:
+    said = [*words.answer(found), *words.against(found)]
+    return part_of("Answer", "answer", [figures.plot(found)], answer=said, notes=words.notes(found))
+
+
+def _numbers(found: NoiseAnalysis) -> Part:
+    made = [tables.of_terms(found), tables.of_walks(found), tables.of_sheet(found)]
+    return part_of("Noises", "noises", tables=made)
+
+
+def _all(found: NoiseAnalysis) -> Part:
+    return part_of(
+        "All deviations", "deviations", tables=[tables.of_deviations(found)],
+        notes=[
+            "Degrees of freedom of the bounds: Greenhall and Riley, for the noise type told at each"
+            " τ by the autocorrelation at lag 1 (NIST SP 1065). The noises were fitted by"
+            " generalised least squares with the covariance of the Allan variances."
+        ],
+    )  # fmt: skip

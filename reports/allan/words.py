@@ -1,0 +1,173 @@
+"""Sentences about the noise of a sensor at rest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from simcompare import units
+from simcompare.hardware.sensors import noise_units
+from simcompare.reports.render import numbers
+from simcompare.reports.run.listing import joined
+from simcompare.results.records.allan import AgainstSheet, AxisNoise, NoiseAnalysis
+
+#: what a sensor with readings in a unit is called
+_SENSORS = {"m/s**2": "accelerometer", "rad/s": "gyroscope"}
+#: a ratio that is as good as 1: data sheets round
+_SAME = 0.15
+QUESTION = "How noisy is the sensor at rest, and over which time should it be averaged?"
+
+
+def answer(found: NoiseAnalysis) -> list[str]:
+    """White noise and the best averaging time, a sentence for each kind of sensor."""
+    said = []
+    for unit, axes in by_unit(found).items():
+        said += [_white(unit, axes), _best(unit, axes)]
+    return said
+
+
+def by_unit(found: NoiseAnalysis) -> dict[str, list[AxisNoise]]:
+    """Channels by the unit of their readings."""
+    groups: dict[str, list[AxisNoise]] = {}
+    for axis in found.axes:
+        groups.setdefault(axis.unit, []).append(axis)
+    return groups
+
+
+def sensor(unit: str) -> str:
+    """What a sensor is called."""
+    return _SENSORS.get(unit, "signal")
+
+
+def _white(unit: str, axes: Sequence[AxisNoise]) -> str:
+    name, size = noise_units.of_sheets("N", unit)
+    white = [(axis, axis.term("N")) for axis in axes]
+    seen = [(axis, term) for axis, term in white if term.value is not None]
+    if not seen:
+        return f"The {sensor(unit)} shows no white noise."
+    told = [
+        numbers.with_u(2**0.5 * (term.value or 0.0) / size, 2**0.5 * (term.u or 0.0) / size)
+        for _, term in seen
+    ]
+    whose = f" ({joined([short(axis.channel) for axis, _ in seen])})" if len(axes) > 1 else ""
+    return f"White noise of the {sensor(unit)}: {joined(told)} {name}{whose}, one-sided density."
+
+
+def _best(unit: str, axes: Sequence[AxisNoise]) -> str:
+    told = []
+    for axis in axes:
+        name, size = noise_units.of_sheets("B", unit)
+        value = f"{numbers.plain(axis.best / size, 2)} {name} at {seconds(axis.best_tau_s)}"
+        told.append(f"{short(axis.channel)} {value}" if len(axes) > 1 else value)
+    rest = [axis for axis in axes if axis.still_falls]
+    more = "" if not rest else (
+        "; a longer record would show how far it falls"
+        if len(rest) == len(axes)
+        else f"; {joined([short(axis.channel) for axis in rest])} may fall further"
+    )  # fmt: skip
+    return f"Lowest deviation of its averages: {joined(told)}{more}."
+
+
+def against(found: NoiseAnalysis) -> list[str]:
+    """The noise beside a data sheet."""
+    said = []
+    for part in dict.fromkeys(row.part for row in found.against):
+        rows = [row for row in found.against if row.part == part]
+        by_verdict: dict[str, list[str]] = {}
+        for row in rows:
+            told = f"{short(row.channel)} {numbers.plain(row.ratio, 2)}"
+            by_verdict.setdefault(_verdict(row), []).append(told)
+        parts = [f"{joined(told)} times ({verdict})" for verdict, told in by_verdict.items()]
+        said.append(f"Beside the typical noise of {rows[0].sheet}, {part}: {', '.join(parts)}.")
+    return said
+
+
+def _verdict(row: AgainstSheet) -> str:
+    if abs(row.ratio - 1) <= max(_SAME, 2 * row.u_ratio):
+        return "as the sheet says"
+    return "noisier" if row.ratio > 1 else "quieter"
+
+
+def notes(found: NoiseAnalysis) -> list[str]:
+    """Which stretch, what drifts, and where the fit is poor."""
+    return [
+        stretch(found),
+        *_ramps(found),
+        *_filtered(found),
+        *_poor(found),
+    ]
+
+
+def stretch(found: NoiseAnalysis) -> str:
+    """Which part of the record was taken."""
+    part = f"{numbers.plain(found.start_s, 4)} s to {numbers.plain(found.end_s, 4)} s"
+    length = found.end_s - found.start_s
+    size = f"{numbers.plain(length, 3)} s at {numbers.plain(found.rate_Hz, 4)} Hz"
+    whole = f"of {numbers.plain(found.length_s, 4)} s"
+    match found.chosen:
+        case "all":
+            return f"Taken: the whole record, {size}; nothing moves in it."
+        case "still":
+            return f"Taken: {part} {whole}, the longest stretch in which nothing moves; {size}."
+        case "gap":
+            return f"Taken: {part} {whole}, the longest stretch without a gap there; {size}."
+    return f"Taken: {part} {whole}, as asked for; {size}."
+
+
+def _ramps(found: NoiseAnalysis) -> list[str]:
+    said = []
+    for axis in found.axes:
+        term = axis.term("R")
+        if term.value is not None:
+            told = numbers.with_u(term.value / term.sheet_size, (term.u or 0.0) / term.sheet_size)
+            said.append(
+                f"{short(axis.channel)} drifts by ({told}) {term.sheet_unit}; a sensor that warms"
+                " up does that. The other noises were fitted to Hadamard deviations, which a"
+                " steady drift leaves alone."
+            )
+    return said
+
+
+def _filtered(found: NoiseAnalysis) -> list[str]:
+    cut = {short(a.channel): a.from_s for a in found.axes if a.from_s > 1.5 / found.rate_Hz}
+    if not cut:
+        return []
+    told = joined([f"{name} below τ = {seconds(one)}" for name, one in cut.items()])
+    return [
+        f"Left out of the fit: {told}. Readings are not independent there; the filter of the sensor"
+        " does that, or a vibration."
+    ]
+
+
+def _poor(found: NoiseAnalysis) -> list[str]:
+    poor = [axis for axis in found.axes if axis.widened > 1]
+    if not poor:
+        return []
+    told = joined([
+        f"{short(a.channel)} (χ² = {numbers.plain(a.chi_squared, 3)} for {a.degrees_of_freedom}"
+        " degrees of freedom)" for a in poor
+    ])  # fmt: skip
+    return [
+        f"These noises do not describe {told} well; the standard uncertainties are widened by"
+        " √(χ²/degrees of freedom)."
+    ]
+
+
+def seconds(value: float) -> str:
+    """A time as it is read."""
+    if value < 1:
+        return f"{numbers.plain(1e3 * value, 3)} ms"
+    return f"{numbers.plain(value, 3)} s"
+
+
+def short(channel: str) -> str:
+    """Name of a channel without its unit."""
+    return channel.removesuffix(units.suffix_of(channel))
+
+
+def limited(value: float) -> str:
+    """An upper limit, rounded up to two digits."""
+    if not math.isfinite(value) or value <= 0:
+        return "–"
+    place = 1 - math.floor(math.log10(value))
+    return f"< {numbers.plain(math.ceil(round(value * 10**place, 9)) / 10**place, 2)}"
