@@ -6,7 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
+import simcompare
+from simcompare.cli import app, register
 from simcompare.errors import InputError
 from simcompare.estimation import joint_angle, joint_angle_study
 from simcompare.estimation.estimate import Given, Signal
@@ -124,3 +127,27 @@ def test_lever_arms_matter_more_than_the_sensor(studied):
 def test_a_chip_without_accelerometer_is_refused(motion):
     with pytest.raises(InputError, match="BMP280 has no accelerometer; sheets that do: adxl345"):
         joint_angle_study.study(motion, ["bmp280"], pairs=2)
+
+
+def test_the_command_answers_for_the_chips_that_are_named(tmp_path):
+    register()
+    words = ["estimate", "joint_angle", "--engine", "mujoco", "--sensors", "lsm6dso,mpu6050"]
+    words += ["--draws", "5", "--out", str(tmp_path)]
+    printed = CliRunner().invoke(app, words)
+    assert printed.exit_code == 0, printed.output
+    told = " ".join(printed.output.split())
+    wanted = (
+        "Two accelerometers tell the angle at rest to", "once each was calibrated in six positions",
+        "Most of the error is the offset before, and the levelling of the six positions after",
+        "upright two accelerometers tell nothing", "Angle error of each chip", "LSM6DSO",
+    )  # fmt: skip
+    assert [text for text in wanted if text not in told] == []
+    assert "ADXL345" not in told
+    assert "NIS" not in told  # nothing is filtered
+    page = next(tmp_path.rglob("report.html")).read_text(encoding="utf-8")
+    assert "What the error at rest is made of" in page
+
+
+def test_chips_alone_are_refused_where_no_study_asks_for_them():
+    with pytest.raises(InputError, match="is not of the form sensor=sheet, such as imu=mpu6050"):
+        simcompare.estimate("robot_motor", engine="mujoco", sensors="mpu6050", draws=1)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from simcompare import glossary
 from simcompare.reports import builder
-from simcompare.reports.estimation import figures, tables
+from simcompare.reports.estimation import chips, figures, tables
 from simcompare.reports.render import output
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Block, Part, part_of
@@ -28,6 +28,8 @@ def write_html(result: Estimation, path: Path) -> Path:
 def block_of(result: Estimation) -> Block:
     """What the page shows."""
     drawn = figures.figures(result)
+    asked = [one for one in (chips.figure(result),) if one is not None]
+    drawn = [*asked, *drawn]
     answer = part_of("Answer", "answer", drawn[:1], _lead_tables(result), answer=_answer(result))
     parts = [answer, *_tests(result, drawn[1:]), _how(result)]
     return Block(
@@ -44,7 +46,8 @@ def block_of(result: Estimation) -> Block:
 def legend(result: Estimation) -> tuple[str, ...]:
     """What the words of the table mean, a line each."""
     outcomes = [found.outcome for one in result.done if (found := one.nees or one.nis)]
-    words = ["NEES" if any(one.nees for one in result.done) else "NIS", *outcomes]
+    test = "NEES" if any(one.nees for one in result.done) else "NIS"
+    words = [test, *outcomes] if outcomes else []
     ways = [way for way in ("filtered", "smoothed") if any(way in s.ways for s in result.done)]
     return tuple(glossary.legend([*ways, *dict.fromkeys(words)]))
 
@@ -55,7 +58,8 @@ def _answer(result: Estimation) -> list[str]:
 
 
 def _lead_tables(result: Estimation) -> list[Table]:
-    return [tables.lead(result)] if result.done else []
+    asked = [chips.table(result), chips.budget(result)]
+    return [*filter(None, asked), *([tables.lead(result)] if result.done else [])]
 
 
 def _tests(result: Estimation, drawn: list[Figure]) -> list[Part]:

@@ -38,12 +38,14 @@ def lead(result: Estimation) -> Table:
                 "–" if verdict is None else verdict.outcome,
             )
         )
-    return Table(
+    found = Table(
         f"{result.labels[state]}: rms error ({unit})",
         tuple(columns),
         (Group("", tuple(rows)),),
         engines=not result.recording,
     )
+    filtered = any(leading(one) is not None for one in result.done)
+    return found if filtered else found.without(("NIS", "Filter"))
 
 
 def _rms(source: SourceEstimate, way: str, state: str) -> float | None:

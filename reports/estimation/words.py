@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from simcompare import units
 from simcompare.estimation.consistency import Verdict
 from simcompare.reports.characterization.words import rounded
-from simcompare.reports.estimation import units_of
+from simcompare.reports.estimation import chips, units_of
 from simcompare.reports.run.listing import joined
 from simcompare.results.records.estimation import Estimation, SourceEstimate
 
@@ -26,6 +26,7 @@ def sentences(result: Estimation) -> Iterator[str]:
     if not result.done:
         yield from (f"{one.source}: {one.reason}" for one in result.sources if one.reason)
         return
+    yield from chips.sentences(result)
     state = lead_state(result)
     yield from _errors(result, state)
     yield from _verdicts(result)

@@ -35,7 +35,10 @@ def estimate(
         "assisted", help="Contact level.", autocompletion=complete.contact_levels
     ),
     sensors: str = typer.Option(
-        None, metavar="S=SHEET", help="Data sheets of sensors with commas, such as imu=mpu6050."
+        None,
+        metavar="S=SHEET",
+        help="Data sheets of sensors with commas, such as imu=mpu6050; for the angle of a joint"
+        " also chips to compare, such as adxl345,mpu6050.",
     ),
     option: list[str] = typer.Option(
         [], "--option", metavar="N=V", help="A number of the estimator, such as bias=0."
@@ -97,11 +100,14 @@ def _write(result: Estimation) -> Path:
 
 def _show(result: Estimation, page: Path | None, *, details: bool) -> None:
     """The answer in sentences, the table, and what its words mean."""
+    from simcompare.reports.estimation import chips, tables
     from simcompare.reports.estimation import page as pages
-    from simcompare.reports.estimation import tables
     from simcompare.reports.render import numbers
 
     console.print_wrapped(map(numbers.tied, result.sentences))
+    for asked in filter(None, (chips.table(result), chips.budget(result))):
+        typer.echo(f"\n{asked.title}")
+        console.show_table(asked)
     if result.done:
         table = tables.lead(result)
         typer.echo(f"\n{table.title}")

@@ -5,6 +5,10 @@ what it must be given, role -> :class:`Role`, ``LABELS``, state -> what it is, t
 first, and ``TITLE``. It may declare ``OPTIONS``, name -> :class:`Option`, and ``TRUTHS``, what it
 is judged by. A scenario names it under ``estimate:``, and says there
 which probe or sensor plays which role; nothing else knows of both.
+what it must be given, role -> :class:`Role`, and ``TITLE``. It may declare ``OPTIONS``, name ->
+:class:`Option`, ``TRUTHS``, what it is judged by, and ``STUDY``, a module that asks how well chips
+tell it. A scenario names it under ``estimate:``, and says there which probe or sensor plays which
+role; nothing else knows of both.
 """
 
 from __future__ import annotations
@@ -19,7 +23,7 @@ from simcompare.errors import InputError, UnknownName
 from simcompare.estimation.estimate import Estimate, Given
 
 #: each is a module of this room; another one is a word more
-ESTIMATORS = ("speed_filter", "pose_filter")
+ESTIMATORS = ("speed_filter", "pose_filter", "joint_angle")
 
 
 class Function(Protocol):
@@ -84,6 +88,7 @@ class Estimator:
         truths: role -> what it is judged by.
         options: name -> number.
         labels: state, with its unit -> what it is, the one that leads first.
+        study: name of the module of this room that asks how well chips tell it; empty for none.
     """
 
     name: str
@@ -102,6 +107,8 @@ class Estimator:
     def biases(self, signals: Collection[str]) -> tuple[str, ...]:
         """Options that make a constant error of one of these signals a state."""
         return tuple(name for name, one in self.options.items() if one.bias_of in signals)
+
+    study: str = ""
 
     def with_defaults(self, options: Mapping[str, float]) -> dict[str, float]:
         """All its options, those that are not said at their defaults."""
@@ -127,6 +134,7 @@ def load(name: str) -> Estimator:
         getattr(module, "TRUTHS", {}),
         getattr(module, "OPTIONS", {}),
         module.LABELS,
+        getattr(module, "STUDY", ""),
     )
 
 

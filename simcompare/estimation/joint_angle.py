@@ -39,6 +39,8 @@ OPTIONS = {
 #: ways of telling the angle
 AS_READ, CORRECTED, AT_AXIS = "as read", "lever arms taken off", "at the axis"
 _LABELS = {"angle_rad": "Angle of the joint"}
+#: module that asks how well chips tell it
+STUDY = "joint_angle_study"
 #: part of g that gravity must have across the axis, for u = √2·s/(g·cos β) to be of use
 _ACROSS = 0.2
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from simcompare.errors import InputError
 from simcompare.estimation import joint_angle_first_order as first_order
+from simcompare.estimation.estimate import Given
 from simcompare.estimation.joint_angle import AS_READ, AT_AXIS, CORRECTED, angles, corrected_force
 from simcompare.estimation.joint_angle_pairs import SIDES, Motion, Pairs, drawn_pairs
 from simcompare.hardware.sensors import data_sheet
@@ -68,6 +69,18 @@ class Feasibility:
     notes: tuple[str, ...] = ()
 
 
+def of_given(
+    given: Given, sheets: Sequence[str], *, pairs: int = PAIRS, seed: int = 0
+) -> tuple[Feasibility, ...]:
+    """The same from what an estimator is given of ideal sensors, with the truth.
+
+    Raises:
+        UnknownName: no such sheet.
+        InputError: a sheet without an accelerometer, or an axis that stands upright.
+    """
+    return study(_motion(given), sheets, pairs=pairs, seed=seed)
+
+
 def study(
     motion: Motion, sheets: Sequence[str], *, pairs: int = PAIRS, seed: int = 0
 ) -> tuple[Feasibility, ...]:
@@ -85,6 +98,23 @@ def study(
     """
     motion.check()
     return tuple(one for name in sheets for one in _of_sheet(motion, name, pairs, seed))
+
+
+def _motion(given: Given) -> Motion:
+    """The ideal signals at the times of the first one."""
+    time_s, options = given.signal("first").time_s, given.options
+    at = {role: signal.at(time_s) for role, signal in given.signals.items()}
+    angle = given.truth_at("angle", time_s)
+    if angle is None:
+        raise InputError("estimate", ["the true angle is missing: the study is judged by it"])
+    return Motion(
+        time_s, angle,
+        {role: values for role, values in at.items() if not role.endswith("_rate")},
+        {side: at[f"{side}_rate"] for side in SIDES if f"{side}_rate" in at},
+        {side: options[f"{side}_lever_m"] for side in SIDES},
+        options["still_until_s"], options["moving_from_s"], options["gravity_m_s2"],
+        options["gate"],
+    )  # fmt: skip
 
 
 def with_accelerometer() -> tuple[str, ...]:

@@ -26,6 +26,7 @@ from simcompare.running.runner import TIME_LIMIT_S, Progress, run_jobs
 from simcompare.scenarios import catalogue
 from simcompare.verbs import estimate_recorded, estimating
 from simcompare.verbs import estimate_request as requests
+from simcompare.verbs import estimate_study, estimating
 from simcompare.verbs.estimate_request import EstimateRequest
 from simcompare.verbs.estimated import Estimated
 from simcompare.verbs.notebook_line import with_line
@@ -44,6 +45,7 @@ class _Asked:
     plan: EstimatePlan
     draws: int
     seed: int
+    chips: tuple[str, ...] = ()
 
 
 @checked
@@ -84,7 +86,8 @@ def estimate(
         estimator: one of those that the scenario names there; the first where ``None``.
         engine: "all", names with commas or a list of names.
         contact: contact level.
-        sensors: data sheets, such as "imu=mpu6050"; the scenario's own where left out.
+        sensors: data sheets, such as "imu=mpu6050"; the scenario's own where left out. For the
+            joint's angle also chips to compare, such as "adxl345,mpu6050".
         options: numbers of the estimator that differ, such as ``{"bias": 0}``.
         set: parameters that differ from the file; text may carry a unit.
         preset: named set of parameters, applied first.
@@ -116,7 +119,9 @@ def estimate(
     file = catalogue.load(scenario)
     step_s = None if step is None else one_step_s(step)
     scene = file.resolve(file.read_settings(set or {}), preset=preset, step_s=step_s)
+    chips, sensors = requests.chips_of(sensors)
     asked = _asked(scene, estimator, requests.sheets_of(sensors), options or {}, draws, seed)
+    asked = replace(asked, chips=estimate_study.chips_of(asked.estimator, chips))
     if out is not None:
         store.check_writable(Path(out))
     jobs = [Job(name, scene, Settings(contact)) for name in chosen]
@@ -124,7 +129,7 @@ def estimate(
     request = EstimateRequest(
         scenario=scenario, engine=engine, contact=contact, estimator=estimator, set=set,
         preset=preset, step=step, options=options, draws=draws, seed=seed,
-        sensors=tuple(f"{k}={v}" for k, v in requests.sheets_of(sensors).items()),
+        sensors=(*chips, *(f"{k}={v}" for k, v in requests.sheets_of(sensors).items())),
     )  # fmt: skip
     sources = tuple(_of_engine(asked, outcome) for outcome in outcomes)
     return _saved(_result(asked, sources, request), out)
@@ -159,7 +164,12 @@ def _of_engine(asked: _Asked, outcome: Outcome) -> SourceEstimate:
         given = measuring.given_of(asked.scenario, asked.plan, outcome.trajectory, seed)
         draws.append(estimators.apply(asked.estimator, given))
     found = estimating.of_source(name, version, draws)
-    return replace(found, notes=(*outcome.trajectory.notes, *found.notes))
+    ideal = measuring.given_of(asked.scenario, asked.plan, outcome.trajectory, {}, asked.seed)
+    return replace(
+        found,
+        notes=(*outcome.trajectory.notes, *found.notes),
+        chips=estimate_study.of(asked.estimator, ideal, asked.chips, asked.draws, asked.seed),
+    )
 
 
 def _result(

@@ -101,6 +101,15 @@ def sheets_of(text: Sheets | None) -> dict[str, str]:
     return found
 
 
+def chips_of(sensors: Sheets | None) -> tuple[tuple[str, ...], Sheets | None]:
+    """Words that name a data sheet alone, for a study of chips, and what is left."""
+    if not isinstance(sensors, str):
+        return (), sensors
+    words = [word.strip() for word in sensors.split(",")]
+    chips = [word for word in words if word.lower() in data_sheet.names()]
+    return tuple(chips), ",".join(word for word in words if word not in chips)
+
+
 def with_sheets(plan: EstimatePlan, sheets: Mapping[str, str], scenario: Scenario) -> EstimatePlan:
     """The plan with other data sheets.
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from simcompare.estimation.consistency import Verdict
 from simcompare.estimation.estimate import Number
+from simcompare.estimation.joint_angle_study import Feasibility
 from simcompare.model.estimate_plan import Sheet
 from simcompare.model.plain import Finite
 from simcompare.results.records.run import Software
@@ -90,6 +91,7 @@ class SourceEstimate:
         numbers: key numbers of the first draw.
         notes: what the reader must know.
         curves: of the first draw.
+        chips: how well chips tell it, as bought and calibrated, where the estimator asks that.
     """
 
     source: str
@@ -104,6 +106,7 @@ class SourceEstimate:
     numbers: Mapping[str, Number] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     curves: tuple[Curve, ...] = ()
+    chips: tuple[Feasibility, ...] = ()
 
     def error_of(self, way: str, state: str) -> WayError | None:
         """The error of one way and state."""
