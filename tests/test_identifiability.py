@@ -8,6 +8,7 @@ from simcompare.fitting.bounces.identifiability import identifiability
 from simcompare.fitting.bounces.reading import from_times
 from simcompare.model.plain import plain
 from simcompare.results.records.fit_forms import Prior
+from simcompare.statistics import identifiability as of_matrices
 from tests.bounces import IN_AIR, TERMINAL, filmed, heard, known_words, times_of
 
 KNOWN = {"terminal_speed_m_s": TERMINAL}
@@ -100,3 +101,21 @@ def test_it_becomes_plain_values():
     assert again["names"][0] == "restitution"
     assert len(again["singular_values"]) == 5
     assert again["directions"][-1]["weak"]
+
+
+def test_an_unknown_that_nothing_depends_on_is_named():
+    known = of_matrices.identifiability(["a", "b"], np.array([[1.0, 0.0], [2.0, 0.0]]))
+    assert known.u_data[1] is None
+    assert [list(one.moves) for one in known.directions if one.weak] == [["b"]]
+
+
+def test_a_weak_combination_beside_a_weaker_one_has_names_too():
+    jacobian = [
+        [1, 1, 1, 1],
+        [1, 1, -1, -1],
+        [1e-4, -1e-4, 1e-4, -1e-4],
+        [1e-9, -1e-9, -1e-9, 1e-9],
+    ]
+    known = of_matrices.identifiability(["a", "b", "c", "d"], np.array(jacobian))
+    weak = [direction for direction in known.directions if direction.weak]
+    assert [list(direction.moves) for direction in weak] == [["a", "b", "c", "d"]] * 2

@@ -93,7 +93,7 @@ def identifiability(
     covariance = covariance_of(jacobian) * np.outer(slopes, slopes)
     u_data = np.sqrt(np.diag(covariance))
     directions = tuple(
-        _direction(names, s, v / length * slopes, u_data, values[0])
+        _direction(names, s, v, slopes / length, u_data, values[0])
         for s, v in zip(values, vectors, strict=True)
     )
     correlation = covariance / np.outer(u_data, u_data)
@@ -110,11 +110,14 @@ def _finite(values: Array) -> tuple[float | None, ...]:
 
 
 def _direction(
-    names: Sequence[str], value: float, along: Array, u: Array, largest: float
+    names: Sequence[str], value: float, along: Array, scale: Array, u: Array, largest: float
 ) -> Direction:
-    moves = along / max(value, 1e-12)
-    lead = int(np.argmax(np.abs(moves) / u))
+    moves = along * scale / max(value, 1e-12)
+    share = np.abs(moves) / u
+    if not share.max() > _SHARE:  # another direction, weaker by far, makes all u much larger
+        share = np.abs(along)
+    lead = int(np.argmax(share))
     moves = moves * np.sign(moves[lead])
-    named = np.abs(moves) / u > _SHARE
+    named = share > _SHARE
     found = {n: float(m) for n, m, k in zip(names, moves, named, strict=True) if k}
     return Direction(float(value), found, bool(largest > WEAK * value))
