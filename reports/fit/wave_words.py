@@ -51,7 +51,7 @@ def _sentences(fit: WaveformFit) -> list[str]:
     closed, words = fit.closed_form, []
     for name, row in closed.parameters.items():
         words.append(f"{capital(phrases.parameter(name))}: {fits.of_95(row, name)} (95 %).")
-        if row.u_known > row.u_data:
+        if row.u_data is not None and row.u_known > row.u_data:
             most = max(closed.known, key=lambda own: closed.known[own][name], default="the start")
             words.append(
                 f"Most of the uncertainty of the {phrases.parameter(name)} comes from that of the"
