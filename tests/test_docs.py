@@ -7,17 +7,23 @@ from pathlib import Path
 
 import pytest
 
+import simcompare
 from simcompare import glossary
+from simcompare.cli.console import pairs
 from simcompare.engine import engines
 from simcompare.scenarios import catalogue
 from tests.present import need
+from tools import refresh_docs
 
 ROOT = Path(__file__).parent.parent
+LABS = sorted(ROOT.glob("docs/lab/*.md"))
+STUDENTS = [page for page in LABS if page.name not in ("README.md", "solutions.md")]
 OF_SCENARIOS = sorted(ROOT.glob("scenarios/*/README.md"))
 PAGES = [
     ROOT / "README.md",
     ROOT / "CONTRIBUTING.md",
     *sorted(ROOT.glob("docs/*.md")),
+    *LABS,
     *OF_SCENARIOS,
 ]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -93,6 +99,64 @@ def test_every_page_is_in_the_index():
     index = (ROOT / "docs" / "README.md").read_text(encoding="utf-8")
     for page in ROOT.glob("docs/*.md"):
         assert page.name == "README.md" or f"({page.name})" in index, page.name
+
+
+def test_every_lab_is_in_the_index_of_labs_and_has_its_answers():
+    index = (ROOT / "docs" / "lab" / "README.md").read_text(encoding="utf-8")
+    answers = (ROOT / "docs" / "lab" / "solutions.md").read_text(encoding="utf-8")
+    for page in LABS:
+        assert page.name == "README.md" or f"({page.name})" in index, page.name
+    for page in STUDENTS:
+        text = page.read_text(encoding="utf-8")
+        title = text.partition("\n")[0].removeprefix("# ")
+        asked = re.findall(r"^\d+\. ", text.partition("## Questions")[2], flags=re.MULTILINE)
+        answered = answers.partition(f"## {title}\n")[2].partition("\n## ")[0]
+        assert 4 <= len(asked) <= 6, page.name
+        assert len(re.findall(r"^\d+\. ", answered, flags=re.MULTILINE)) == len(asked), title
+
+
+@pytest.mark.parametrize("page", STUDENTS, ids=named)
+def test_the_figure_of_a_lab_can_be_drawn_again(page):
+    text = page.read_text(encoding="utf-8")
+    drawn = refresh_docs.DRAWN.findall(text)
+    assert len(drawn) == len(re.findall(r"^!\[", text, flags=re.MULTILINE)) >= 1
+    for file, line in drawn:
+        assert (page.parent / file).stat().st_size > 1000
+        assert re.match(r"simcompare\.(\w+)\(", line)[1] in simcompare.__all__
+        assert re.search(r"\.plot\([^()]*\)$", line)
+
+
+@pytest.mark.parametrize("page", STUDENTS, ids=named)
+def test_what_a_student_types_runs(page, tmp_path, monkeypatch, capsys):
+    need("mujoco")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    done = set()
+    for words in commands(page.read_text(encoding="utf-8")):
+        if words[0] in ("run", "fit"):
+            settings = [words[i + 1] for i, word in enumerate(words) if word == "--set"]
+            catalogue.load(words[1]).read_settings(pairs(settings))
+        # one line of each kind is enough to see that it runs
+        if (kind := tuple(words[:2])) not in done:
+            code, _ = call(monkeypatch, capsys, *quick(words))
+            # a tolerance that an engine misses is no fault of the line
+            assert code in (0, 1, None), words
+            done.add(kind)
+
+
+def quick(words):
+    """The same with one engine and level, and without a report."""
+    if words[0] not in ("run", "fit"):
+        return words
+    words = [*without(words, "--engine"), "--engine", "mujoco", "--no-report"]
+    return [*without(words, "--contact"), "--contact", "tuned"] if words[0] == "run" else words
+
+
+def without(words, option):
+    if option not in words:
+        return words
+    place = words.index(option)
+    return words[:place] + words[place + 2 :]
 
 
 def test_every_scenario_is_in_the_readme_with_its_page():

@@ -6,6 +6,9 @@ Above a block stands a remark that a reader does not see:
 The command runs beside the examples. What is shown begins with the first line that holds one
 text, ends before the next one that holds the other, and has so many lines at most; each of the
 three may be left out.
+
+A figure of a lab page stands above the line that draws it, which a reader can type as well:
+``*Drawn by* `simcompare.run("ball").plot("restitution")` ``.
 """
 
 from __future__ import annotations
@@ -25,6 +28,10 @@ SHOWN = re.compile(
     re.DOTALL,
 )
 
+DRAWN = re.compile(r"!\[[^\]]*\]\((?P<file>[^)]+)\)\n\*Drawn by\* `(?P<line>[^`]+)`")
+#: dots to the inch of the figures
+_DPI = 100
+
 
 def main() -> None:
     """Refreshes the pages that are named, or all."""
@@ -33,6 +40,8 @@ def main() -> None:
     for page in pages:
         text = page.read_text(encoding="utf-8")
         page.write_text(SHOWN.sub(refreshed, text), encoding="utf-8")
+        for figure in DRAWN.finditer(text):
+            draw(figure["line"], page.resolve().parent / figure["file"])
 
 
 def refreshed(shown: re.Match[str]) -> str:
@@ -41,6 +50,21 @@ def refreshed(shown: re.Match[str]) -> str:
     block = cut(printed(shown["command"]), shown["start"], shown["end"])
     lines = block[: int(shown["lines"])] if shown["lines"] else block
     return "\n".join([remark, "```", *lines, "```", ""])
+
+
+def draw(line: str, file: Path) -> None:
+    """Writes the figure that a line of Python gives."""
+    script = f"import simcompare; ({line}).savefig({str(file)!r}, dpi={_DPI})"
+    done = beside_the_examples([sys.executable, "-c", script])
+    if done.returncode:
+        raise SystemExit(f"{line}\n{done.stderr}")
+
+
+def beside_the_examples(words: list[str]) -> subprocess.CompletedProcess[str]:
+    """Runs a command in a new folder that holds the examples and nothing else."""
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "examples").symlink_to(ROOT / "examples")
+        return subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
 
 
 def cut(text: str, start: str | None, end: str | None) -> list[str]:
@@ -60,11 +84,7 @@ def printed(command: str) -> str:
     """What a command of simcompare prints in a pipe."""
     words = shlex.split(command)
     assert words[0] == "simcompare", command
-    with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / "examples").symlink_to(ROOT / "examples")
-        done = subprocess.run(
-            [sys.executable, "-m", *words], cwd=folder, capture_output=True, text=True, check=False
-        )
+    done = beside_the_examples([sys.executable, "-m", *words])
     if done.returncode not in (0, 1):  # 1: a tolerance is missed
         raise SystemExit(f"{command}\n{done.stderr}")
     return done.stdout

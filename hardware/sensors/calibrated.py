@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -74,7 +75,7 @@ def calibration_of(
         found.degrees_of_freedom, found.noise.mean(axis=0), readings.u_from, found.chi2,
         float(found.spare), found.condition, about.not_separable, about.assumptions, (),
     )  # fmt: skip
-    fitted = iter(zip(known, found.u_left, strict=True))
+    fitted = iter(zip(known, found.left, strict=True))
     poses = []
     for name, mean, taking_part in zip(readings.names, readings.means, used, strict=True):
         if taking_part:
@@ -84,11 +85,12 @@ def calibration_of(
     return replace(bare, poses=tuple(poses))
 
 
-def _fitted(bare: Calibration, name: str, mean: Array, known: Array, u_left: Array) -> Pose:
+def _fitted(bare: Calibration, name: str, mean: Array, known: Array, left: Array) -> Pose:
     size = float(np.linalg.norm(known))
     along = known / size if size else mean / np.linalg.norm(mean)
     before, after = mean - known, bare.apply(mean) - known
-    u_after = float(np.sqrt(along**2 @ u_left**2))
+    seen = np.linalg.solve(bare.sensitivity.T, along)
+    u_after = math.sqrt(max(float(seen @ left @ seen), 0.0))
     return Pose(name, size, mean, float(along @ before), float(along @ after), u_after)
 
 

@@ -44,8 +44,8 @@ def coarser(device: Device, time_s: Array) -> tuple[str, ...]:
     if device.rate_Hz <= own * (1 + 1e-9):
         return ()
     return (
-        f"{device.name}: it samples {device.rate_Hz:g} times a second and the signal has"
-        f" {own:.4g} values a second; between them straight lines are taken",
+        f"the sensor {device.name} samples {device.rate_Hz:g} times a second and the simulation"
+        f" has {own:.4g} values a second; between them straight lines are taken",
     )
 
 

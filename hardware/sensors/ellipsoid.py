@@ -67,7 +67,7 @@ def calibrate(
     about = About("ellipsoid", UNIT, NOT_SEPARABLE, assumptions, "local g")
     nothing = np.zeros(len(means), dtype=bool)
     bare = calibration_of(about, found, readings, nothing, np.empty((0, 3)), g)
-    poses = zip(bare.poses, found.u_left[:, 0], strict=True)
+    poses = zip(bare.poses, np.sqrt(found.left[:, 0, 0]), strict=True)
     return replace(
         bare, poses=tuple(replace(pose, u_after=float(u), fitted=True) for pose, u in poses)
     )
@@ -149,11 +149,12 @@ def _fitted(parameters: Array, readings: Readings, weight: Array, gravity: Distr
         "local g": gravity.u**2 * np.outer(per_g, per_g),
     }
     free = np.eye(len(left)) - jacobian @ gain
-    u_left = np.sqrt(np.maximum(np.diag(free * u**2 @ free.T), 0.0))
+    variance = np.maximum(np.diag(free * u**2 @ free.T), 0.0)
+    left_over = variance[:, None, None] * np.eye(3)
     noise = np.repeat(u[:, None], 3, axis=1) if readings.u is None else readings.u
     chi2 = None if readings.u is None else float(np.sum((left / u) ** 2))
     return Fitted(
-        sensitivity, offset, shares, effective_dof(shares, dof), np.repeat(u_left[:, None], 3, 1),
+        sensitivity, offset, shares, effective_dof(shares, dof), left_over,
         noise, chi2, spare, _condition(jacobian, gravity.center),
     )  # fmt: skip
 

@@ -18,6 +18,8 @@ from simcompare.model.trajectory import Array
 
 #: poses that differ so little make parameters that the readings hardly tell
 WORST_CONDITION = 1e6
+#: part of a reading below which there is nothing
+_DIGITS = 1e-7
 NOISE = "noise of the readings"
 
 
@@ -43,7 +45,7 @@ class Fitted:
         offset: O (k,).
         shares: source -> its part of the covariance of the parameters.
         degrees_of_freedom: of each parameter.
-        u_left: standard uncertainties of what the fit leaves of each reading (p, k).
+        left: covariance of what the fit leaves of each pose's readings (p, k, k).
         noise: standard uncertainty of one mean reading (p, k).
         chi2: of the residuals, ``None`` where they told the noise.
         spare: number of readings less that of parameters.
@@ -54,7 +56,7 @@ class Fitted:
     offset: Array
     shares: Mapping[str, Array]
     degrees_of_freedom: Array
-    u_left: Array
+    left: Array
     noise: Array
     chi2: float | None
     spare: int
@@ -86,6 +88,8 @@ def fit(known: Known, readings: Array, noise: Array | None, noise_dof: float = n
     if noise is None and spare < 1:
         raise InputError("calibration", ["has no spare reading to tell the noise: state it"])
     level, dof = _told_noise(values, readings) if noise is None else (noise, noise_dof)
+    # no reading has more digits than these; without any noise the equations have no weights
+    level = np.maximum(level, _DIGITS * float(np.max(np.abs(readings), initial=0.0)) + 1e-300)
     # weights without cross-axis terms: with those, an error of theirs would come back as a weight
     gain = _gain(values, _seen(known, np.eye(axes)), level)
     sensitivity, offset = _split(gain @ readings.ravel(), axes)
@@ -97,7 +101,7 @@ def fit(known: Known, readings: Array, noise: Array | None, noise_dof: float = n
     chi2 = None if noise is None else _chi2(values, readings, parts, level)
     return Fitted(
         sensitivity, offset, shares, effective_dof(shares, dof),
-        _u_left(values, gain, _covariance(parts, level)), level, chi2, spare, condition,
+        _left_covariance(values, gain, _covariance(parts, level)), level, chi2, spare, condition,
     )  # fmt: skip
 
 
@@ -161,10 +165,11 @@ def _left(values: Array, gain: Array) -> Array:
     return np.eye(len(rows)) - rows @ gain
 
 
-def _u_left(values: Array, gain: Array, covariance: Array) -> Array:
+def _left_covariance(values: Array, gain: Array, covariance: Array) -> Array:
+    """Of what is left of the readings of each pose (p, k, k)."""
     left = _left(values, gain)
-    variance = np.diag(left @ covariance @ left.T)
-    return np.sqrt(np.maximum(variance, 0.0)).reshape(values.shape)
+    whole, k = left @ covariance @ left.T, values.shape[1]
+    return np.array([whole[i : i + k, i : i + k] for i in range(0, len(whole), k)])
 
 
 def _covariance(parts: Mapping[str, Array], noise: Array) -> Array:
@@ -189,9 +194,7 @@ def _told_noise(values: Array, readings: Array) -> tuple[Array, int]:
     rows, told = rows[telling], told[telling]
     dof = len(told) - int(np.linalg.matrix_rank(rows))
     left = told - rows @ (np.linalg.pinv(rows) @ told)
-    # readings that fit perfectly were rounded all the same
-    least = 1e-12 * float(np.max(np.abs(readings), initial=1e-300))
-    return np.full_like(readings, max(float(np.sqrt(left @ left / dof)), least)), dof
+    return np.full_like(readings, float(np.sqrt(left @ left / dof))), dof
 
 
 def _split(parameters: Array, axes: int) -> tuple[Array, Array]:

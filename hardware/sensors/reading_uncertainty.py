@@ -169,7 +169,7 @@ class CrossCheck:
         entry: the line that is not used, an rms at a bandwidth.
         density: the line that is used.
         rms: as it is stated, SI.
-        expected: from the density and one pole, or the poles of the part.
+        expected: from the density, the poles of the part and the rounding to counts.
         sharp: from the density and a filter that ends at the bandwidth.
     """
 
@@ -191,11 +191,12 @@ def cross_checks(part: PartData) -> list[CrossCheck]:
         if density is None or density.kind != "density":
             continue
         n, width = density.stated.typ, entry.bandwidth_Hz
-        factor = part.noise_factor
+        rounding = part.ranges[range_name].count / math.sqrt(12)
+        smooth = n * math.sqrt(part.noise_factor * width)
         found.append(
             CrossCheck(
-                entry, density, entry.stated.typ, n * math.sqrt(factor * width),
-                n * math.sqrt(width),
+                entry, density, entry.stated.typ, math.hypot(smooth, rounding),
+                math.hypot(n * math.sqrt(width), rounding),
             )
         )  # fmt: skip
     return found

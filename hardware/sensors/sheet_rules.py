@@ -115,8 +115,8 @@ RULES = {
             "normal",
             "JCGM 100:2008, 4.3.6; JCGM 101:2008, 6.4.7",
             "A typical value without a limit is read as: two devices of three are within it. So it"
-            " is one standard deviation: normal about 0, u = typ. The sheet does not say so; what"
-            " part of it is one standard deviation can be chosen (typ_is_sigma).",
+            " is one standard deviation: normal about 0, u = typ. Few sheets say so; what part of"
+            " it is one standard deviation can be chosen (typ_is_sigma).",
             ("typ",),
             _normal,
         ),

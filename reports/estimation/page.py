@@ -71,7 +71,8 @@ def _tests(result: Estimation, drawn: list[Figure]) -> list[Part]:
 
 def _how(result: Estimation) -> Part:
     sheets = ", ".join(
-        f"{name} {one.sheet}" + (f" at {one.rate_Hz:g} Hz" if one.rate_Hz else "")
+        f"{name} {one.sheet or 'with errors of its own'}"
+        + (f" at {one.rate_Hz:g} Hz" if one.rate_Hz else "")
         for name, one in result.sensors.items()
     )
     versions = {one.source: one.version for one in result.sources}

@@ -119,12 +119,10 @@ def _said(outcome: str, verdicts: Sequence[Verdict]) -> str:
 
 def _causes(result: Estimation, outcome: str, sources: Sequence[SourceEstimate]) -> Iterator[str]:
     """What the innovations say of it, and the command that changes it."""
-    if outcome == "consistent":
-        return
     lags = {
-        reading.name: reading.whiteness.lag_1
+        reading.name: found.lag_1
         for reading in sources[0].readings
-        if reading.whiteness is not None and reading.whiteness.lag_1 is not None
+        if (found := reading.whiteness) and found.lag_1 and found.outcome == "not white"
     }
     against = [name for name, lag in lags.items() if lag < -_CLEAR]
     along = [name for name, lag in lags.items() if lag > _CLEAR]

@@ -30,12 +30,10 @@ def sensing(run: Run) -> Part | None:
 
 def _part(run: Run, sensor: SensorRecord) -> Part:
     """One signal."""
-    notes = dict.fromkeys(note for one in sensor.deviations for note in one.notes)
     return Part(
         sensor.signal,
         figures=tuple(_figures(run, sensor)),
         facts=words.settings(sensor),
-        notes=tuple(notes),
         tables=(tables.drawn_table(sensor), tables.deviation_table(sensor)),
     )
 

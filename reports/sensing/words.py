@@ -19,6 +19,8 @@ ONE_DEVICE = (
 def lines(sensing: Sensing) -> list[str]:
     """What every sensor reads, a line or two for each signal, and how it was drawn."""
     said = [line for sensor in sensing.sensors for line in sensor_lines(sensor)]
+    notes = [note for sensor in sensing.sensors for one in sensor.deviations for note in one.notes]
+    said += [notation.sentence(note) for note in dict.fromkeys(notes)]
     return [*said, f"{ONE_DEVICE} Another device: --seed {sensing.seed + 1}."] if said else []
 
 

@@ -45,7 +45,7 @@ WORDS = ("typical value", "distribution", "u", "noise density", "confirmed")
 def of_entries(found: SensorReading) -> Table:
     """The lines of one sheet, and what each adds to the uncertainty."""
     columns = (
-        Column("Term", text=True), Column("Axes", text=True),
+        Column("Term", text=True),
         Column("Name in the sheet", text=True, spare=True), Column("The sheet says", text=True),
         Column("Kind", text=True, spare=True), Column("Page", text=True, nowrap=True),
         Column("Rule", text=True, spare=True), Column("Distribution", text=True),
@@ -53,23 +53,25 @@ def of_entries(found: SensorReading) -> Table:
         Column(f"u of the reading ({symbol(found.unit)})"),
         Column("Share (%)"), Column("Confirmed", text=True),
     )  # fmt: skip
-    used = tuple(_entry(row) for row in found.entries if row.used)
-    other = tuple(_entry(row) for row in found.entries if not row.used)
+    axes = max((row.axes for row in found.entries), key=len)
+    used = tuple(_entry(row, axes) for row in found.entries if row.used)
+    other = tuple(_entry(row, axes) for row in found.entries if not row.used)
     groups = [Group("", used)]
     if other:
         groups.append(Group("Not used here", other))
     return Table("What the sheet says", columns, tuple(groups))
 
 
-def _entry(row: EntryRow) -> tuple[str, ...]:
-    one = row.distribution
+def _entry(row: EntryRow, axes: str) -> tuple[str, ...]:
+    one, every = row.distribution, row.axes == axes
     return (
-        row.title, row.axes, row.says, row.text, row.kind.replace("_", " and "), row.page, row.rule,
-        _DISTRIBUTIONS.get(one, one),
+        row.title if every else f"{row.title}, {row.axes}", row.says, row.text,
+        row.kind.replace("_", " and "), row.page, row.rule,
+        "normal" if row.rule == "density" else _DISTRIBUTIONS.get(one, one),
         f"{numbers.plain(row.u, 3)} {row.unit}".strip(),
         numbers.plain(row.contribution, 2) if row.used else "–",
         _percent(row.share),
-        "yes" if row.confirmed else "not confirmed",
+        "yes" if row.confirmed else "no",
     )  # fmt: skip
 
 

@@ -144,13 +144,12 @@ def _checked(check: CheckRow) -> str:
     ratio = check.expected / check.rms
     both = f"The sheet states noise twice: {check.stated}, and {check.other} ({check.page})."
     if abs(ratio - 1) <= _SAME:
-        return f"{both} With the filter that is assumed here both say the same."
+        return f"{both} With the filter that is assumed here both say the same, within 10 %."
     more = f"{numbers.percent(abs(ratio - 1))} {'more' if ratio > 1 else 'less'}"
     expected = f"{both} From the first and one pole one expects {more} than the second"
     if abs(check.sharp / check.rms - 1) <= _SAME:
         return f"{expected}; they agree for a filter that ends sharply at its bandwidth."
-    why = check.note or "the sheet does not say why"
-    return f"{expected} ({why})."
+    return f"{expected}; the sheet does not say why."
 
 
 def _confirmed(found: SensorReading) -> str:

@@ -146,6 +146,7 @@ def register() -> None:
     _verb("report", report.report)
     _verb("compare", compare.compare)
     _verb("runs", runs.runs)
+    _verb("calibrate", calibrate.calibrate)
     _verb("characterize", characterize.characterize)
     _verb("sensor", sensor.sensor)
     _verb("estimate", estimate.estimate)

@@ -36,6 +36,10 @@ EXAMPLES = {
         "simcompare estimate odometry --recording robot_labyrinth_exchanged",
     ),
     "gauge": ("simcompare gauge", "simcompare gauge gum_h1 jcgm_101_mass -v"),
+    "calibrate": (
+        "simcompare calibrate --simulate mpu6050",
+        "simcompare calibrate examples/six_positions.csv --gravity 9.8128 --open",
+    ),
     "export": (
         "simcompare export robot --format urdf -o robot.urdf",
         "simcompare export ball --format script --engine mujoco -o ball.py",

@@ -154,12 +154,14 @@ class Estimate:
 
     Attributes:
         ways: ways of telling the states; the first one is the estimator's own answer.
+        labels: state -> what it is, for axes and tables; the one that leads first.
         innovations: of a filter; ``None`` for an estimator that has none.
         numbers: name -> key number.
         notes: what the reader must know.
     """
 
     ways: tuple[Way, ...]
+    labels: Mapping[str, str]
     innovations: Innovations | None = None
     numbers: Mapping[str, Number] = field(default_factory=dict)
     notes: tuple[str, ...] = ()

@@ -1,10 +1,6 @@
 """The estimators by name: a module each, which declares what it needs.
 
 A module of an estimator has ``estimate(given) -> Estimate`` and declares in capitals ``SIGNALS``,
-what it must be given, role -> :class:`Role`, ``LABELS``, state -> what it is, the one that leads
-first, and ``TITLE``. It may declare ``OPTIONS``, name -> :class:`Option`, and ``TRUTHS``, what it
-is judged by. A scenario names it under ``estimate:``, and says there
-which probe or sensor plays which role; nothing else knows of both.
 what it must be given, role -> :class:`Role`, and ``TITLE``. It may declare ``OPTIONS``, name ->
 :class:`Option`, ``TRUTHS``, what it is judged by, and ``STUDY``, a module that asks how well chips
 tell it. A scenario names it under ``estimate:``, and says there which probe or sensor plays which
@@ -87,7 +83,6 @@ class Estimator:
         signals: role -> what is measured.
         truths: role -> what it is judged by.
         options: name -> number.
-        labels: state, with its unit -> what it is, the one that leads first.
         study: name of the module of this room that asks how well chips tell it; empty for none.
     """
 
@@ -97,7 +92,7 @@ class Estimator:
     signals: Mapping[str, Role]
     truths: Mapping[str, Role] = field(default_factory=dict)
     options: Mapping[str, Option] = field(default_factory=dict)
-    labels: Mapping[str, str] = field(default_factory=dict)
+    study: str = ""
 
     @property
     def loosening(self) -> tuple[str, ...]:
@@ -107,8 +102,6 @@ class Estimator:
     def biases(self, signals: Collection[str]) -> tuple[str, ...]:
         """Options that make a constant error of one of these signals a state."""
         return tuple(name for name, one in self.options.items() if one.bias_of in signals)
-
-    study: str = ""
 
     def with_defaults(self, options: Mapping[str, float]) -> dict[str, float]:
         """All its options, those that are not said at their defaults."""
@@ -133,7 +126,6 @@ def load(name: str) -> Estimator:
         module.SIGNALS,
         getattr(module, "TRUTHS", {}),
         getattr(module, "OPTIONS", {}),
-        module.LABELS,
         getattr(module, "STUDY", ""),
     )
 

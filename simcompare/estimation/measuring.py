@@ -9,21 +9,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 
-from simcompare import units
 from simcompare.errors import InputError
 from simcompare.estimation.estimate import Given, Signal
 from simcompare.estimation.observing import ORIENTATION, Observed, observed
-from simcompare.hardware.sensors import data_sheet
-from simcompare.hardware.sensors.data_sheet import DataSheet
 from simcompare.hardware.sensors.device import Device
+from simcompare.hardware.sensors.drawn import drawn
 from simcompare.hardware.sensors.error_model import measured
-from simcompare.hardware.sensors.sheet_parts import noise_bandwidth
+from simcompare.hardware.sensors.low_pass import noise_bandwidth
 from simcompare.measures.heading import yaw_of
-from simcompare.model.estimate_plan import EstimatePlan, Sheet
+from simcompare.model.estimate_plan import EstimatePlan
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array, Trajectory
 from simcompare.statistics.streams import stream
@@ -32,21 +29,28 @@ from simcompare.statistics.streams import stream
 _VELOCITIES = ("velocity_m_s", "rate_rad_s")
 
 
-def given_of(scenario: Scenario, plan: EstimatePlan, trajectory: Trajectory, seed: int) -> Given:
+def given_of(
+    scenario: Scenario,
+    plan: EstimatePlan,
+    trajectory: Trajectory,
+    devices: Mapping[str, Device],
+    seed: int,
+) -> Given:
     """What an estimator is given of one simulation.
 
     Args:
         scenario: the scene.
         plan: roles, options and data sheets.
         trajectory: the motion.
-        seed: of the devices and of their noise; another one is another draw.
+        devices: signal -> the device that reads it.
+        seed: of their noise, and of where an encoder's first mark lies.
 
     Raises:
-        InputError: a sheet has nothing that measures so, or the source lacks a signal.
+        InputError: the source lacks a signal.
     """
     trajectory = _from(trajectory, plan.start_s)
     signals = {
-        role: _measured(scenario, plan, observed(name, scenario), trajectory, seed)
+        role: _measured(scenario, devices, observed(name, scenario), trajectory, seed)
         for role, name in plan.signals.items()
     }
     truth = {
@@ -66,47 +70,42 @@ def _from(trajectory: Trajectory, start_s: float) -> Trajectory:
     return replace(trajectory, time_s=trajectory.time_s[kept], signals=signals)
 
 
-def device_of(sheet: Sheet, sensor: str, part: str, seed: int) -> Device:
-    """The device of one sensor for one of its signals, such as ``rate_rad_s``.
+def devices_of(scenario: Scenario, plan: EstimatePlan, seed: int) -> dict[str, Device]:
+    """Signal of a sensor, such as ``imu.rate_rad_s`` -> the device that reads it in one draw.
 
     Raises:
-        InputError: the sheet has nothing that measures so.
+        UnknownName: no such data sheet or range.
+        InputError: a sheet has nothing that measures so.
     """
-    chip = _chip(sheet.sheet)
-    unit = units.unit_of(part)
-    found = chip.part_for(unit)
-    if found is None:
-        have = ", ".join(
-            f"{one.measures} ({units.symbol(one.unit)})" for one in chip.parts.values()
-        )
-        fault = f"{chip.title} measures {have}; expected something in {units.symbol(unit)}"
-        raise InputError(f"--sensors {sensor}={sheet.sheet}", [fault])
-    return found.drawn(
-        seed, sensor, range=sheet.range, rate_Hz=sheet.rate_Hz, bandwidth_Hz=sheet.bandwidth_Hz
-    )
-
-
-@cache
-def _chip(name: str) -> DataSheet:
-    """A data sheet; it is read once, also for many draws."""
-    return data_sheet.load(name)
+    signals = scenario.signals()
+    used = {observed(name, scenario).signal for name in plan.signals.values()}
+    found = {}
+    for owner, errors in {**scenario.sensor_errors(), **plan.sensors}.items():
+        own = {name: signals[name] for name in used if name.partition(".")[0] == owner}
+        if own:
+            found.update({one.signal: one.device for one in drawn(errors, own, seed)})
+    return found
 
 
 def noise_of(device: Device, component: int) -> float:
     """Standard uncertainty of one reading by noise and rounding, along one axis."""
-    rate = device.rate_Hz or math.inf
-    width = noise_bandwidth(device.bandwidth_Hz, device.poles, rate)
-    white = device.noise_density[component] * math.sqrt(width) if width < math.inf else 0.0
+    width = device.rate_Hz / 2
+    if math.isfinite(device.bandwidth_Hz):
+        width = noise_bandwidth(device.bandwidth_Hz, device.poles)
+    white = device.noise_density[component] * math.sqrt(width)
     return float(math.hypot(white, device.resolution / math.sqrt(12)))
 
 
 def _measured(
-    scenario: Scenario, plan: EstimatePlan, what: Observed, trajectory: Trajectory, seed: int
+    scenario: Scenario,
+    devices: Mapping[str, Device],
+    what: Observed,
+    trajectory: Trajectory,
+    seed: int,
 ) -> Signal:
     sensor = scenario.sensors.get(what.owner)
-    sheet = plan.sensors.get(what.owner)
-    if sheet is not None:
-        device = device_of(sheet, what.owner, what.part, seed)
+    device = devices.get(what.signal)
+    if device is not None:
         ideal = _values(trajectory, what.signal)
         noise = stream(seed, what.owner, what.part, "noise")
         held = sensor is not None and sensor.type == "encoder"

@@ -55,7 +55,6 @@ def estimate(given: Given) -> Estimate:
     labels = {name: LABELS[name] for name in ways[0].states}
     innovations = _innovations(setting, filtered, ways[0])
     return Estimate(ways, labels, innovations, _numbers(given, filtered))
-    return Estimate(ways, _innovations(setting, filtered, ways[0]), _numbers(filtered))
 
 
 def _setting(given: Given) -> _Setting:

@@ -82,7 +82,8 @@ def estimate(given: Given) -> Estimate:
             _alone(given, "accelerometer alone", acceleration, "acceleration", 0.0),
         ]
     innovations = _innovations(filtered, ways[0])
-    return Estimate(tuple(ways), innovations, _numbers(given, filtered))
+    labels = {name: LABELS[name] for name in _names(given)}
+    return Estimate(tuple(ways), labels, innovations, _numbers(given, filtered))
 
 
 def matrices(step_s: float, jerk_density_m2_s5: float, bias: bool = False) -> tuple[Array, Array]:

@@ -231,11 +231,13 @@ def contact_sentence(contact: Contact) -> str:
 
 
 def sensors(scenario: Scenario, held: Sequence[str] = ()) -> Iterator[str]:
-    """Sensors of other types than the format holds."""
+    """Sensors of other types than the format holds, and what keeps them from being ideal."""
     for name, sensor in scenario.sensors.items():
         if sensor.type not in held:
             place = sensor.body or sensor.joint or "-".join(sensor.pair or ())
             yield f"sensor {name}: {sensor.type} of {place}"
+    for name in scenario.sensor_errors():
+        yield f"errors of {name}: what a real device would add to its readings"
 
 
 def joint_faults(scenario: Scenario, ball: bool, limits: bool) -> list[str]:

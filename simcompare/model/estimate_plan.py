@@ -7,23 +7,8 @@ from typing import Annotated
 
 from pydantic import Field, PositiveFloat
 
+from simcompare.model.sensor_errors import SensorErrors
 from simcompare.model.shapes import Frozen
-
-
-class Sheet(Frozen):
-    """The data sheet that a sensor follows, and what the chip is set to.
-
-    Attributes:
-        sheet: name or file of a data sheet.
-        range: name of its full scale; the usual one where left out.
-        rate_Hz: samples in a second; the usual ones where left out.
-        bandwidth_Hz: -3 dB; the usual one where left out.
-    """
-
-    sheet: str
-    range: str | None = None
-    rate_Hz: PositiveFloat | None = None
-    bandwidth_Hz: PositiveFloat | None = None
 
 
 class EstimatePlan(Frozen):
@@ -35,14 +20,14 @@ class EstimatePlan(Frozen):
             ``imu.specific_force_m_s2.x``.
         truth: role -> what it is judged by, named alike; an orientation stands for its heading.
         options: numbers of the estimator.
-        sensors: sensor -> data sheet that it follows where the user names none.
+        sensors: sensor -> data sheet, or own errors, that it has where the user names none.
         start_s: from when on it is measured [s].
     """
 
     signals: Mapping[str, str] = Field(min_length=1)
     truth: Mapping[str, str] = Field(default_factory=dict)
     options: Mapping[str, float] = Field(default_factory=dict)
-    sensors: Mapping[str, Sheet] = Field(default_factory=dict)
+    sensors: Mapping[str, SensorErrors] = Field(default_factory=dict)
     start_s: float = Field(0.0, ge=0)
 
 

@@ -14,6 +14,7 @@ from simcompare.errors import InputError, UnknownName
 from simcompare.estimation import estimators, measuring
 from simcompare.estimation.estimate import Estimate
 from simcompare.estimation.estimators import Estimator
+from simcompare.hardware.sensors.device import Device
 from simcompare.model import plain
 from simcompare.model.estimate_plan import EstimatePlan
 from simcompare.model.scenario import Scenario
@@ -24,9 +25,8 @@ from simcompare.results.run_record import software
 from simcompare.running.jobs import Job, Outcome
 from simcompare.running.runner import TIME_LIMIT_S, Progress, run_jobs
 from simcompare.scenarios import catalogue
-from simcompare.verbs import estimate_recorded, estimating
+from simcompare.verbs import estimate_recorded, estimate_study, estimating
 from simcompare.verbs import estimate_request as requests
-from simcompare.verbs import estimate_study, estimating
 from simcompare.verbs.estimate_request import EstimateRequest
 from simcompare.verbs.estimated import Estimated
 from simcompare.verbs.notebook_line import with_line
@@ -38,11 +38,12 @@ MAX_DRAWS = 10_000
 
 @dataclass(frozen=True)
 class _Asked:
-    """All that is estimated, by whom and how often."""
+    """All that is estimated, by whom and how often; the same devices measure every engine."""
 
     scenario: Scenario
     estimator: Estimator
     plan: EstimatePlan
+    devices: tuple[Mapping[str, Device], ...]
     draws: int
     seed: int
     chips: tuple[str, ...] = ()
@@ -150,7 +151,14 @@ def _asked(
     found, plan = requests.plan_of(scene, estimator)
     plan = requests.with_sheets(plan, sheets, scene)
     numbers = requests.options_of(found, plan.options, options)
-    return _Asked(scene, found, plan.model_copy(update={"options": numbers}), draws, seed)
+    plan = plan.model_copy(update={"options": numbers})
+    devices = tuple(measuring.devices_of(scene, plan, one) for one in _seeds(draws, seed))
+    return _Asked(scene, found, plan, devices, draws, seed)
+
+
+def _seeds(draws: int, seed: int) -> list[int]:
+    """One for each draw; other seeds of the user give others."""
+    return [seed * MAX_DRAWS + number for number in range(draws)]
 
 
 def _of_engine(asked: _Asked, outcome: Outcome) -> SourceEstimate:
@@ -159,9 +167,9 @@ def _of_engine(asked: _Asked, outcome: Outcome) -> SourceEstimate:
     if outcome.trajectory is None:
         return SourceEstimate(name, version, outcome.status, outcome.reason)
     draws: list[Estimate] = []
-    for number in range(asked.draws):
-        seed = asked.seed * MAX_DRAWS + number
-        given = measuring.given_of(asked.scenario, asked.plan, outcome.trajectory, seed)
+    seeds = _seeds(asked.draws, asked.seed)
+    for seed, devices in zip(seeds, asked.devices, strict=True):
+        given = measuring.given_of(asked.scenario, asked.plan, outcome.trajectory, devices, seed)
         draws.append(estimators.apply(asked.estimator, given))
     found = estimating.of_source(name, version, draws)
     ideal = measuring.given_of(asked.scenario, asked.plan, outcome.trajectory, {}, asked.seed)
@@ -193,22 +201,6 @@ def _result(
             command=request.command(),
             software=software(),
         )
-    states = {curve.state for one in sources for curve in one.curves}
-    result = Estimated(
-        created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-        title=f"{estimator.title}: {scene.title}",
-        question="How well do its sensors tell the motion, and does the filter know how well?",
-        scenario=scene.name,
-        estimator=estimator.name,
-        labels={k: text for k, text in estimator.labels.items() if k in states},
-        sensors=asked.plan.sensors,
-        options=asked.plan.options,
-        loosen=tuple(name for name, one in estimator.options.items() if one.loosens),
-        draws=asked.draws,
-        seed=asked.seed,
-        sources=sources,
-        command=request.command(),
-        software=software(),
     )
 
 

@@ -13,8 +13,9 @@ from simcompare.estimation.estimators import Estimator
 from simcompare.estimation.observing import observed
 from simcompare.hardware.sensors import data_sheet
 from simcompare.inference.sources import Source
-from simcompare.model.estimate_plan import EstimatePlan, RecordedPlan, Sheet
+from simcompare.model.estimate_plan import EstimatePlan, RecordedPlan
 from simcompare.model.scenario import Scenario
+from simcompare.model.sensor_errors import SensorErrors
 from simcompare.scenarios import catalogue
 from simcompare.verbs.request import Option, Place, Request, Values
 
@@ -130,7 +131,8 @@ def with_sheets(plan: EstimatePlan, sheets: Mapping[str, str], scenario: Scenari
             continue
         rate = chosen[sensor].rate_Hz if sensor in chosen else None
         fits = rate is not None and all(_has_rate(part, rate) for part in chip.parts.values())
-        chosen[sensor] = Sheet(sheet=sheet, rate_Hz=rate if fits else None)
+        given = {"sheet": sheet, **({"rate_Hz": rate} if fits else {})}
+        chosen[sensor] = SensorErrors.model_validate(given)
     if faults:
         raise InputError("--sensors", faults)
     return plan.model_copy(update={"sensors": chosen})

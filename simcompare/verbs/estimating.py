@@ -28,6 +28,7 @@ def of_source(source: str, version: str | None, draws: Sequence[Estimate]) -> So
         source,
         version,
         OK,
+        labels=first.labels,
         errors=tuple(_errors(draws)),
         nees=_nees(draws),
         nis=_nis(draws),

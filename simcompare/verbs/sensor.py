@@ -273,7 +273,7 @@ def _resolution(part: Part, now: Situation, row: Share, u: float) -> EntryRow:
 def _check_row(check: CrossCheck) -> CheckRow:
     return CheckRow(
         check.density.text, check.entry.text, check.rms, check.expected, check.sharp,
-        check.entry.page, check.entry.note,
+        check.entry.page,
     )  # fmt: skip
 
 

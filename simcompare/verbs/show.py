@@ -176,7 +176,11 @@ def _unit(parameter: ParameterFacts) -> str:
 
 
 def _sensor_words(sensor: Sensor) -> str:
-    return f"{sensor.type} of {sensor.body or sensor.joint or '-'.join(sensor.pair or ())}"
+    place = sensor.body or sensor.joint or "-".join(sensor.pair or ())
+    if sensor.errors is None:
+        return f"{sensor.type} of {place}"
+    said = sensor.errors.sheet or "errors of its own"
+    return f"{sensor.type} of {place}, read by a real one: {said}"
 
 
 def _joint_words(joint: Joint) -> str:

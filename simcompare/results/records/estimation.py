@@ -9,8 +9,8 @@ from pathlib import Path
 from simcompare.estimation.consistency import Verdict
 from simcompare.estimation.estimate import Number
 from simcompare.estimation.joint_angle_study import Feasibility
-from simcompare.model.estimate_plan import Sheet
 from simcompare.model.plain import Finite
+from simcompare.model.sensor_errors import SensorErrors
 from simcompare.results.records.run import Software
 from simcompare.running.jobs import FAILED, OK
 
@@ -83,6 +83,7 @@ class SourceEstimate:
         version: of the engine, ``None`` where it is not known.
         status: "ok", "unsupported", "missing" or "failed".
         reason: one sentence where the status is not "ok".
+        labels: state -> what it is, the one that leads first.
         errors: of each way and state.
         nees: test of the errors; ``None`` where nobody knows the truth, or nothing is filtered.
         nis: test of the innovations.
@@ -98,6 +99,7 @@ class SourceEstimate:
     version: str | None
     status: str
     reason: str | None = None
+    labels: Mapping[str, str] = field(default_factory=dict)
     errors: tuple[WayError, ...] = ()
     nees: Verdict | None = None
     nis: Verdict | None = None
@@ -133,8 +135,7 @@ class Estimation:
         question: that is asked.
         scenario: its name.
         estimator: its name.
-        labels: state -> what it is.
-        sensors: sensor -> data sheet that it follows.
+        sensors: sensor -> data sheet, or own errors, that it has.
         options: numbers of the estimator.
         loosen: options that say what a motion does besides its model.
         biases: options that make a constant error of a sensor a state.
@@ -154,8 +155,7 @@ class Estimation:
     question: str
     scenario: str
     estimator: str
-    labels: Mapping[str, str]
-    sensors: Mapping[str, Sheet]
+    sensors: Mapping[str, SensorErrors]
     options: Mapping[str, float]
     loosen: tuple[str, ...] = ()
     biases: tuple[str, ...] = ()
@@ -172,6 +172,11 @@ class Estimation:
     def done(self) -> list[SourceEstimate]:
         """Sources of which something was estimated."""
         return [one for one in self.sources if one.status == OK]
+
+    @property
+    def labels(self) -> Mapping[str, str]:
+        """State -> what it is; none where nothing was estimated."""
+        return self.done[0].labels if self.done else {}
 
     @property
     def exit_code(self) -> int:

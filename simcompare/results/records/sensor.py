@@ -127,7 +127,6 @@ class CheckRow:
         expected: from the used line with the filter that is assumed, SI.
         sharp: from the used line with a filter that ends at the bandwidth, SI.
         page: of the other line.
-        note: to the other line.
     """
 
     stated: str
@@ -136,7 +135,6 @@ class CheckRow:
     expected: float
     sharp: float
     page: str
-    note: str
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,1 @@
+"""What a report says of the calibration of a sensor."""

@@ -1,0 +1,66 @@
+"""The page of a calibration."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from simcompare import glossary
+from simcompare.reports import builder
+from simcompare.reports.calibration import figures, tables, words
+from simcompare.reports.render import output
+from simcompare.reports.render.parts import Block, Part, part_of
+from simcompare.results.records.calibration import CalibrationRecord
+
+QUESTION = "What is the sensor off by, and how well is that known?"
+#: words of the tables that are explained below them
+WORDS = ("six positions", "levelling", "ellipsoid fit", "condition number")
+
+
+def title(record: CalibrationRecord) -> str:
+    """Heading of the page."""
+    return f"Calibration of {record.source}"
+
+
+def write_html(record: CalibrationRecord, path: Path) -> Path:
+    """Writes the page as one HTML file that needs no network and nothing beside it.
+
+    Raises:
+        OutputError: it cannot be written, or plotly's script is not installed.
+    """
+    page = builder.html_of([block_of(record)])
+    return output.write(Path(path), page.encode("utf-8"), output.MARKS["html"])
+
+
+def write_figures(record: CalibrationRecord, folder: Path, format: str) -> list[Path]:
+    """Writes every picture as a file of its own: "pdf", "svg" or "png".
+
+    Raises:
+        OutputError: a file cannot be written.
+    """
+    return builder.write_figures_of([block_of(record)], folder, format)
+
+
+def block_of(record: CalibrationRecord) -> Block:
+    """What the page shows."""
+    return Block(
+        "c1", "calibration", title(record), QUESTION, record.created,
+        record.software.simcompare or "",
+        (_answer(record), _open(record), _known(record)),
+    )  # fmt: skip
+
+
+def _answer(record: CalibrationRecord) -> Part:
+    every = [tables.terms(record), tables.truth(record), tables.poses(record)]
+    return part_of(
+        "Answer", "answer", [figures.of(record)], every, words.notes(record), words.answer(record)
+    )
+
+
+def _open(record: CalibrationRecord) -> Part:
+    return part_of("What it cannot tell apart", "open", notes=record.not_separable)
+
+
+def _known(record: CalibrationRecord) -> Part:
+    notes = glossary.legend(WORDS)
+    both = [tables.assumed(record), tables.shares(record)]
+    return part_of("What was taken as known", "known", tables=both, notes=notes)

@@ -1,0 +1,108 @@
+"""``simcompare calibrate``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from simcompare.cli import complete, console, ending, manner, opening
+from simcompare.errors import UnknownName
+
+if TYPE_CHECKING:
+    from simcompare.results.records.calibration import CalibrationRecord
+
+
+def calibrate(
+    source: str = typer.Argument(
+        None,
+        help="Table of mean readings (pose,ax,ay,az), log or recording with still poses, or a"
+        " stored calibration.json.",
+        autocompletion=complete.recordings,
+    ),
+    kind: str = typer.Option(
+        None, help="six-position, ellipsoid, rate-table or two-point; else what the readings allow."
+    ),
+    simulate: str = typer.Option(
+        None,
+        metavar="SHEET",
+        help="Draw a device from a data sheet, lay it on its six sides, and show recovered beside"
+        " true.",
+        autocompletion=complete.sheets,
+    ),
+    gravity: str = typer.Option(None, help="Local g in m/s²; else that of anywhere at sea level."),
+    gravity_u: str = typer.Option(None, help="Its standard uncertainty (0.001 m/s²)."),
+    level: str = typer.Option(
+        None, help="By how much poses are off the vertical at most (0.5 deg)."
+    ),
+    noise: str = typer.Option(
+        None, help="Standard uncertainty of a mean reading, in SI; else told by the readings."
+    ),
+    sensor: str = typer.Option("", help="Begin of its channels' names, where there are several."),
+    mapping: Path = typer.Option(None, "--map", help="YAML file with columns and units of a log."),
+    apply: str = typer.Option(
+        None, metavar="LOG", help="Also correct this log or recording, and store it."
+    ),
+    seed: int = typer.Option(0, help="Of a simulated device."),
+    out: Path = typer.Option(Path("runs"), "--out", "-o", help="Folder for the results' folder."),
+    report: bool = typer.Option(True, help="Write report.html into the results' folder."),
+    opened: bool = opening.OPTION,
+    figures: str = typer.Option(
+        None, metavar="FORMAT", help="Also write every picture as a file: pdf, png or svg."
+    ),
+    as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
+) -> None:
+    """Find what a sensor is off by, and correct it."""
+    from simcompare.model.plain import plain
+    from simcompare.reports.render import matplotlib_
+    from simcompare.verbs import calibrate as verb
+
+    if figures is not None and figures not in matplotlib_.FORMATS:
+        raise UnknownName("figure format", figures, matplotlib_.FORMATS)
+    opening.check(opened, report=report)
+    result = verb.calibrate(
+        source, kind=kind, simulate=simulate, gravity=gravity, gravity_u=gravity_u, level=level,
+        noise=noise, sensor=sensor, mapping=mapping, apply=apply, seed=seed, out=out,
+    )  # fmt: skip
+    last_file = _write(result, figures, report=report)
+    ending.finish(
+        lambda: plain(result),
+        lambda: _show(result, last_file),
+        0,
+        page=last_file if opened else None,
+        as_json=as_json,
+    )
+
+
+def _write(result: CalibrationRecord, figures: str | None, *, report: bool) -> Path | None:
+    """Writes figures and report; returns the last file of them."""
+    from simcompare.reports.calibration import page
+
+    assert result.folder is not None
+    files = []
+    if figures is not None:
+        files += page.write_figures(result, result.folder / "figures", figures)
+    if report:
+        files.append(page.write_html(result, result.folder / "report.html"))
+    return files[-1] if files else None
+
+
+def _show(result: CalibrationRecord, last_file: Path | None) -> None:
+    """The answer, S and O, and what cannot be told apart."""
+    from simcompare.reports.calibration import tables, words
+    from simcompare.reports.render import numbers
+
+    console.print_wrapped(map(numbers.tied, words.answer(result)))
+    shown = [tables.terms(result), tables.truth(result)]
+    if manner.is_verbose():
+        shown += [tables.poses(result), tables.assumed(result), tables.shares(result)]
+    for one in filter(None, shown):
+        typer.echo()
+        console.show_table(one)
+    console.print_wrapped(words.notes(result))
+    typer.echo("\nWhat these readings cannot tell apart:")
+    console.print_wrapped(f"- {sentence}" for sentence in result.not_separable)
+    if result.applied is not None:
+        typer.echo(f"Corrected: {result.applied}")
+    ending.show_places(result.folder, last_file)

@@ -1,0 +1,308 @@
+"""The verb ``calibrate``: sensitivity and offset of a real sensor, or of one that is drawn."""
+
+from __future__ import annotations
+
+import datetime
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from simcompare import units
+from simcompare.arguments import checked
+from simcompare.errors import InputError, UnknownName
+from simcompare.hardware.sensors import (
+    data_sheet,
+    ellipsoid,
+    rate_table,
+    readings_table,
+    session,
+    six_position,
+    still_poses,
+    triads,
+    two_point,
+)
+from simcompare.hardware.sensors.calibrated import Readings
+from simcompare.hardware.sensors.calibration import Calibration
+from simcompare.inference import sources
+from simcompare.model import plain, recording_store
+from simcompare.reports.calibration import words
+from simcompare.results import store
+from simcompare.results.records.calibration import (
+    CalibrationRecord,
+    Truth,
+    pose_record,
+    rows_of,
+)
+from simcompare.results.run_record import software
+from simcompare.statistics.distributions import Distribution, normal, rectangular
+from simcompare.statistics.streams import stream
+from simcompare.verbs.calibrated import Calibrated
+
+KINDS = ("six-position", "ellipsoid", "rate-table", "two-point")
+FILE = "calibration.json"
+#: directions of "up" in which a simulated device is verified: corners and edges of its box
+_OTHERS = np.array([(1, 1, 1), (-1, 1, 1), (1, -1, 1), (1, 1, -1), (1, 1, 0), (0, -1, -1)]) / 1.0
+#: of a simulated g, as a map and the height above the sea tell it [m/s²]
+_U_SIMULATED_G = 1e-3
+
+
+@dataclass(frozen=True)
+class _Known:
+    """What is taken as known, and where from."""
+
+    gravity: Distribution
+    gravity_source: str
+    tilt: Distribution
+    tilt_source: str
+    noise: float | None
+
+
+@checked
+def calibrate(
+    source: str | Path | None = None,
+    *,
+    kind: str | None = None,
+    simulate: str | None = None,
+    gravity: str | float | None = None,
+    gravity_u: str | float | None = None,
+    level: str | float | None = None,
+    noise: str | float | None = None,
+    sensor: str = "",
+    mapping: str | Path | None = None,
+    apply: str | Path | None = None,
+    seed: int = 0,
+    out: str | Path | None = None,
+) -> Calibrated:
+    """Calibrates a sensor: what it is off by, and what is left after a correction.
+
+    ::
+
+        found = simcompare.calibrate("poses.csv", gravity=9.8128, gravity_u=0.0002)
+        found = simcompare.calibrate(simulate="mpu6050")
+        corrected = found.apply(readings)
+
+    Args:
+        source: table of mean readings (``pose,ax,ay,az``), log or recording with still poses, or a
+            stored calibration.json.
+        kind: "six-position", "ellipsoid", "rate-table" or "two-point"; ``None``: what the readings
+            allow.
+        simulate: data sheet of which a device is drawn and laid on its six sides, in place of a
+            source.
+        gravity: local g [m/s²]; ``None``: that of anywhere at sea level.
+        gravity_u: its standard uncertainty [m/s²].
+        level: by which poses are off the vertical at most, such as "0.5deg".
+        noise: standard uncertainty of a mean reading, in the unit of the sensor; ``None``: told by
+            the readings.
+        sensor: begin of the names of its channels, where a recording has several.
+        mapping: YAML file that says of a log what it does not say itself.
+        apply: log or recording that is corrected.
+        seed: of a simulated device.
+        out: folder for the folder of the results; nothing is stored where ``None``.
+
+    Returns:
+        The calibration, which corrects readings.
+
+    Raises:
+        UnknownName: no such recording, sheet or kind.
+        InputError: readings from which nothing can be told; says what is missing.
+        OutputError: the folder cannot be written to.
+    """
+    _check(source, simulate, kind, apply, out)
+    if out is not None:
+        store.check_writable(Path(out))
+    known = _known(gravity, gravity_u, level, noise, simulated=simulate is not None)
+    if simulate is not None:
+        found = _simulated(simulate, known, seed)
+    elif _is_stored(source):
+        found = _stored(Path(str(source)))
+    else:
+        found = _measured(str(source), kind, known, sensor, mapping)
+    if out is None:
+        return found
+    return _saved(found, Path(out), apply, sensor, mapping)
+
+
+def _check(
+    source: str | Path | None, simulate: str | None, kind: str | None,
+    apply: str | Path | None, out: str | Path | None,
+) -> None:  # fmt: skip
+    faults = []
+    if (source is None) == (simulate is None):
+        faults.append("give a table, log or recording, or --simulate SHEET; one of them")
+    if apply is not None and out is None:
+        faults.append("apply needs out: the folder for the corrected recording")
+    if simulate is not None and kind not in (None, "six-position"):
+        faults.append("--simulate is of six positions; leave out --kind")
+    if faults:
+        raise InputError("calibrate", faults)
+    if kind is not None and kind not in KINDS:
+        raise UnknownName("kind of calibration", kind, KINDS)
+
+
+def _known(
+    gravity: str | float | None, gravity_u: str | float | None, level: str | float | None,
+    noise: str | float | None, *, simulated: bool,
+) -> _Known:  # fmt: skip
+    g, g_source = six_position.SOMEWHERE, "anywhere at sea level (WGS 84), rectangular"
+    if simulated and gravity is None:
+        g, g_source = normal(9.80665, _U_SIMULATED_G), "assumed for the simulated place"
+    if gravity is not None:
+        value = units.to_si(gravity, "m/s**2", "--gravity")
+        u = _U_SIMULATED_G if gravity_u is None else units.to_si(gravity_u, "m/s**2", "--gravity-u")
+        if not (9.7 < value < 9.9 and 0 < u < 0.1):
+            fault = f"{value:g} m/s² with u = {u:g} is no g on Earth; expected 9.76 to 9.84"
+            raise InputError("--gravity", [fault])
+        g, g_source = normal(value, u), "as stated"
+    elif gravity_u is not None:
+        raise InputError("--gravity-u", ["says nothing without --gravity"])
+    tilt, tilt_source = six_position.ON_A_TABLE, "a box on a table, within 0.5°, rectangular"
+    if level is not None:
+        limit = units.to_si(level, "rad", "--level")
+        if not 0 < limit < 0.2:
+            raise InputError("--level", [f"{limit:g} rad is none; expected up to 10 deg"])
+        tilt, tilt_source = rectangular(-limit, limit), "as stated, rectangular"
+    return _Known(g, g_source, tilt, tilt_source, _number(noise))
+
+
+def _number(noise: str | float | None) -> float | None:
+    if noise is None:
+        return None
+    try:
+        value = float(noise)
+    except ValueError:
+        value = units.si_of(str(noise), "--noise")[0]
+    if not value > 0:
+        raise InputError("--noise", [f"{value:g} is no uncertainty; expected a number above 0"])
+    return value
+
+
+def _is_stored(source: str | Path | None) -> bool:
+    return source is not None and Path(source).suffix == ".json" and Path(source).is_file()
+
+
+def _stored(path: Path) -> Calibrated:
+    """A calibration that was stored."""
+    try:
+        return plain.of_plain(Calibrated, json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError) as error:
+        fault = f"is no stored calibration ({type(error).__name__}); expected {FILE}"
+        raise InputError(str(path), [fault]) from None
+
+
+def _simulated(sheet: str, known: _Known, seed: int) -> Calibrated:
+    loaded = data_sheet.load(sheet)
+    part = loaded.part_for("m/s**2")
+    if part is None:
+        raise InputError("--simulate", [f"{loaded.title} has no accelerometer"])
+    device = part.drawn(seed, "calibrated device")
+    g = float(known.gravity.draw(stream(seed, "calibrate", "g"), 1)[0])
+    others = _OTHERS / np.linalg.norm(_OTHERS, axis=1, keepdims=True)
+    held = session.hold(device, stream(seed, "calibrate", "session"), g, known.tilt, others=others)
+    found = six_position.calibrate(
+        held.readings, known.gravity, known.tilt, known.gravity_source, known.tilt_source
+    )
+    sensitivity, offset = session.chord(device, g)
+    truth = Truth(
+        f"{loaded.title}, drawn with seed {seed}", rows_of(sensitivity), tuple(map(float, offset))
+    )
+    return _result(found, f"simulated {loaded.title}, seed {seed}", truth)
+
+
+def _measured(
+    source: str, kind: str | None, known: _Known, sensor: str, mapping: str | Path | None
+) -> Calibrated:
+    path = Path(source)
+    if readings_table.is_table(path):
+        return _result(_of_table(path, kind, known), path.name)
+    if kind in ("rate-table", "two-point"):
+        cure = f"give a table ({readings_table.FORMS}); a recording does not say what acted"
+        raise InputError(source, [f"{kind}: {cure}"])
+    recording = sources.find(source, mapping=mapping).recording
+    triad = triads.find(recording, six_position.UNIT, sensor)
+    poses = still_poses.find(recording.streams[triad.stream].time_s, triad.values(recording))
+    return _result(_of_poses(source, still_poses.readings_of(poses), kind, known), source)
+
+
+def _of_table(path: Path, kind: str | None, known: _Known) -> Calibration:
+    table = readings_table.read(path)
+    readings = _with_noise(table.readings, known.noise)
+    if table.kind == "accelerometer" and kind in (None, "six-position", "ellipsoid"):
+        return _of_poses(str(path), readings, kind, known)
+    if kind not in (None, table.kind):
+        raise InputError(str(path), [f"is a table of {table.kind}; leave out --kind {kind}"])
+    if table.rates is not None:
+        return rate_table.calibrate(readings, table.rates, alignment=known.tilt)
+    return two_point.calibrate(readings, table.known, "the table")
+
+
+def _with_noise(readings: Readings, noise: float | None) -> Readings:
+    if noise is None:
+        return readings
+    return replace(
+        readings, u=np.full_like(readings.means, noise), u_from="as stated",
+        degrees_of_freedom=np.inf,
+    )  # fmt: skip
+
+
+def _of_poses(source: str, readings: Readings, kind: str | None, known: _Known) -> Calibration:
+    missing = [name for name in six_position.POSITIONS if name not in readings.names]
+    if kind is None:
+        kind = "six-position" if not missing else "ellipsoid"
+    try:
+        if kind == "six-position":
+            return six_position.calibrate(
+                readings, known.gravity, known.tilt, known.gravity_source, known.tilt_source
+            )
+        return ellipsoid.calibrate(readings, known.gravity, known.gravity_source)
+    except InputError as error:
+        wanted = f"six positions: {', '.join(missing)} missing" if missing else ""
+        told = words.of_few_poses(readings, known.gravity)
+        faults = [wanted if kind == "ellipsoid" else "", *error.faults, told]
+        raise InputError(source, list(filter(None, faults))) from None
+
+
+def _result(found: Calibration, source: str, truth: Truth | None = None) -> Calibrated:
+    created = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
+    u = found.u_sensitivity
+    return Calibrated(
+        created=created, source=source, kind=found.kind, unit=found.unit,
+        sensitivity=rows_of(found.sensitivity), u_sensitivity=rows_of(u),
+        offset=tuple(map(float, found.offset)), u_offset=tuple(map(float, found.u_offset)),
+        covariance=rows_of(found.covariance),
+        shares={name: rows_of(share) for name, share in found.shares.items()},
+        degrees_of_freedom=tuple(map(float, found.degrees_of_freedom)),
+        noise=tuple(map(float, found.noise)), noise_from=found.noise_from, chi2=found.chi2,
+        expected_chi2=found.expected_chi2, condition=found.condition,
+        not_separable=found.not_separable, assumptions=found.assumptions,
+        poses=tuple(map(pose_record, found.poses)), truth=truth, software=software(),
+    )  # fmt: skip
+
+
+def _saved(
+    found: Calibrated, folder: Path, apply: str | Path | None, sensor: str,
+    mapping: str | Path | None,
+) -> Calibrated:  # fmt: skip
+    applied = None if apply is None else _applied(found, apply, sensor, mapping)
+    name = "calibration"
+    with store.new_folder(folder, found.created, name, "calibration") as (place, partial):
+        if applied is not None:
+            recording_store.save(applied, partial / "corrected.rec")
+        corrected = None if applied is None else place / "corrected.rec"
+        stored = replace(found, folder=place, applied=corrected)
+        (partial / FILE).write_text(plain.text(stored, indent=1) + "\n", encoding="utf-8")
+    return stored
+
+
+def _applied(
+    found: CalibrationRecord, log: str | Path, sensor: str, mapping: str | Path | None
+) -> Any:  # noqa: ANN401
+    recording = sources.find(str(log), mapping=mapping).recording
+    triad = triads.find(recording, found.unit, sensor)
+    return triads.corrected(recording, triad, found.calibration)
+
+
+__all__ = ["KINDS", "Mapping", "calibrate"]
