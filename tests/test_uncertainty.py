@@ -266,6 +266,21 @@ def test_unknown_names_are_listed_all_at_once():
         simcompare.uncertainty("robot", of="accelration")
 
 
+def test_where_the_closed_form_ends_within_the_uncertainty():
+    found = simcompare.uncertainty("robot", set={"torque": 0.0355})
+    assert answer.sentences(found)[-1] == (
+        "The closed form does not hold in all of this range: where torque_N_m is 0.0369,"
+        " the tyres slip: 0.0369 N·m on each wheel is more than the 0.0357 N·m that they hold."
+    )
+
+
+def test_a_correlation_of_what_is_not_in_the_formula_does_not_matter():
+    found = simcompare.uncertainty(
+        "robot", of="2*torque_N_m", correlation={"body_mass,wheel_mass": 0.5}
+    )
+    assert [row.name for row in found.known[0][1].budget.rows] == ["torque_N_m"]
+
+
 def test_an_input_is_given_once():
     with pytest.raises(InputError, match="torque_N_m is given twice, with and without its unit"):
         simcompare.uncertainty("robot", u={"torque": "2%", "torque_N_m": "1%"})

@@ -32,7 +32,8 @@ def sentences(result: Uncertainty) -> list[str]:
     said += _doubt(result, found)
     said += _bent(result)
     said += _engines(result)
-    said += [f"The closed form does not hold here: {why.rstrip('.')}." for why in result.beyond]
+    where = "in all of this range" if way.source == CLOSED_FORM else "here"
+    said += [f"The closed form does not hold {where}: {why.rstrip('.')}." for why in result.beyond]
     return said
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -16,6 +17,7 @@ from simcompare.propagation import formulas, results
 from simcompare.propagation.propagated import Asked, Propagated, linear, with_trials
 from simcompare.propagation.steps import Steps
 from simcompare.scenarios.scenario_file import ScenarioFile
+from simcompare.statistics.budget import u_of
 
 #: trials where the whole motion is calculated for each: some milliseconds
 TRIALS = 2000
@@ -100,6 +102,18 @@ def propagated(form: ClosedForm, asked: Asked, steps: Steps, told: Told) -> Prop
         return np.array(values)
 
     return with_trials(asked, linear(asked, form.at({}), slopes), model, trials)
+
+
+def beyond_near(form: ClosedForm, asked: Asked) -> tuple[str, ...]:
+    """Why the closed form does not hold where an input is off by twice its u, a sentence each."""
+    found = {}
+    for name, known in asked.inputs.items():
+        far = min(2 * u_of(known), known.half_width)
+        for end in (known.center - far, known.center + far):
+            with contextlib.suppress(InputError):  # no scene at all can be built there
+                for why in form.file.moved(form.scenario, {name: end}).beyond:
+                    found[name] = f"where {name} is {end:.3g}, {why[:1].lower()}{why[1:]}"
+    return tuple(found.values())
 
 
 def _drawn(form: ClosedForm, values: Mapping[str, float]) -> float:

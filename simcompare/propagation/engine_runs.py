@@ -17,7 +17,7 @@ from simcompare.engine.calibration.plan import drop_plans
 from simcompare.errors import InputError
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import Settings
-from simcompare.model.trajectory import Array
+from simcompare.model.trajectory import Array, Trajectory
 from simcompare.propagation import results
 from simcompare.propagation.propagated import Asked, Propagated, linear, with_trials
 from simcompare.propagation.steps import Ends, Steps
@@ -135,9 +135,9 @@ def _mean(runs: Runs, values: Sequence[float]) -> tuple[float, dict[str, Distrib
 
     Each repeat is held against the closed form of its own parameters.
     """
-    truths = [None] * len(values)
-    if len(values) > 1:
-        truths = truths_of(runs.file.path, runs.repeats)  # type: ignore[assignment]
+    truths: Sequence[Trajectory | None] = [None] * len(values)
+    if len(values) > 1 and not runs.nominal.beyond:
+        truths = truths_of(runs.file.path, runs.repeats)
     dithered = [
         0.0 if truth is None else results.value_of(scene, truth, runs.of)
         for scene, truth in zip(runs.repeats, truths, strict=True)

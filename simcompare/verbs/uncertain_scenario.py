@@ -8,15 +8,17 @@ from dataclasses import replace
 from simcompare.comparison.repeats import repeats_of, sample_step_s
 from simcompare.engine import engines
 from simcompare.errors import InputError, SimcompareError, UnknownName
+from simcompare.model.scenario import Scenario
 from simcompare.propagation import closed_form, engine_runs, formulas, inputs, results
 from simcompare.propagation.closed_form import ClosedForm
 from simcompare.propagation.engine_runs import Runs
 from simcompare.propagation.propagated import Asked
-from simcompare.propagation.steps import steps_of
+from simcompare.propagation.steps import Steps, steps_of
 from simcompare.results.records.uncertainty import CLOSED_FORM, FORMULA, Way
 from simcompare.running.jobs import FAILED, OK, Job, Outcome
 from simcompare.running.runner import Progress, run_jobs
 from simcompare.scenarios import catalogue
+from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs.request import UncertaintyRequest
 from simcompare.verbs.uncertain import Uncertain
 from simcompare.verbs.uncertain_formula import record_of
@@ -36,34 +38,46 @@ def of_scenario(
         SimcompareError: faults of the arguments or of the scenario, or nothing that can be asked.
     """
     file = catalogue.load(request.scenario)
-    values = file.read_settings(request.set or {})
-    step_s = None
-    if request.step is not None:
-        step_s = sample_step_s(file, values, request.preset, request.step)
-    repeats = repeats_of(file, values, request.preset, step_s, request.seeds)
+    repeats = _repeats(request, file)
     nominal = repeats[len(repeats) // 2]
     known = inputs.of_scenario(file, nominal.parameters, stated, reasons)
     asked = replace(asked, known=known, correlation=inputs.named(asked.correlation, known))
     if request.of is not None and not request.of.strip().isidentifier():
         return _of_parameters(request, asked, nominal.parameters)
-    of = results.chosen(nominal, request.of)
+    form = ClosedForm(file, nominal, results.chosen(nominal, request.of))
     steps = {one.name: steps_of(one, file.parameters[one.name]) for one in known}
-    ways = []
-    form = ClosedForm(file, nominal, of)
-    if not nominal.beyond and catalogue.reference_of(file.path) is not None:
-        told = _told(progress, CLOSED_FORM)
-        ways.append(Way(CLOSED_FORM, found=closed_form.propagated(form, asked, steps, told)))
+    drawn = {} if request.trials is None else engine_runs.draws(asked, request.trials)
+    ways = _closed_form(form, asked, steps, progress)
     if request.engine:
-        drawn = {} if request.trials is None else engine_runs.draws(asked, request.trials)
-        runs = Runs(file, of, repeats, steps, drawn)
+        runs = Runs(file, form.of, repeats, steps, drawn)
         ways += _engines(request, runs, asked, time_limit_s, progress)
     if not ways:
         why = "; ".join(nominal.beyond).rstrip(".") or f"{file.name} has none"
         raise InputError("--engine", [f"no closed form: {why}; name an engine, such as all"])
     return record_of(
-        request, asked, known, subject=file.name, of=of, unit=results.units_of(nominal)[of],
-        ways=tuple(ways), beyond=nominal.beyond,
+        request, asked, known, subject=file.name, of=form.of, ways=tuple(ways),
+        unit=results.units_of(nominal)[form.of],
+        beyond=nominal.beyond or closed_form.beyond_near(form, asked),
     )  # fmt: skip
+
+
+def _repeats(request: UncertaintyRequest, file: ScenarioFile) -> list[Scenario]:
+    """The scenario with numbers, once for each dithered repeat."""
+    values = file.read_settings(request.set or {})
+    step_s = None
+    if request.step is not None:
+        step_s = sample_step_s(file, values, request.preset, request.step)
+    return repeats_of(file, values, request.preset, step_s, request.seeds)
+
+
+def _closed_form(
+    form: ClosedForm, asked: Asked, steps: Steps, progress: Progress | None
+) -> list[Way]:
+    """The way by the closed form, where there is one that holds."""
+    if form.scenario.beyond or catalogue.reference_of(form.file.path) is None:
+        return []
+    told = _told(progress, CLOSED_FORM)
+    return [Way(CLOSED_FORM, found=closed_form.propagated(form, asked, steps, told))]
 
 
 def _of_parameters(
@@ -84,7 +98,9 @@ def _of_parameters(
     if not known:
         such = formula.names[0] if formula.names else "NAME"
         raise InputError("--u", [f"nothing in the formula is uncertain; give --u {such}=1%"])
-    asked = replace(asked, known=known)
+    names = {one.name for one in known}
+    pairs = {pair: r for pair, r in asked.correlation.items() if set(pair) <= names}
+    asked = replace(asked, known=known, correlation=pairs)
     values = {name: parameters[name] for name in formula.names}
     found = formulas.propagated(formula, values, asked)
     unit = formulas.unit_of_names(formula, values)

@@ -70,7 +70,7 @@ class Uncertainty:
         inputs: what is uncertain.
         correlation: pairs of inputs with their coefficients.
         ways: to the result, mathematics first.
-        beyond: why the closed form does not hold, a sentence each.
+        beyond: why the closed form does not hold, or not for all that the inputs may be.
         engines_asked: the engines as the user named them.
         command: that makes it again.
         software: versions.
