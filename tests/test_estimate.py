@@ -52,6 +52,17 @@ def test_errors_of_neighbouring_counts_cancel_and_that_is_said(found):
     # two neighbours share one end of a gate: -1/2, a little less after filtering
     assert -0.55 < reading.whiteness.lag_1 < -0.3
     assert any("Neighbouring innovations of wheel cancel" in one for one in found.sentences)
+    command = f"simcompare estimate {SCENARIO} --engine mujoco --draws 8 --option by_way=1"
+    assert f"Read the counts as a sum, a state more: {command}" in found.sentences
+
+
+@needs_mujoco
+def test_marks_that_are_read_as_a_way_are_white_and_the_filter_knows_its_error():
+    found = simcompare.estimate(SCENARIO, engine="mujoco", draws=8, options={"by_way": 1})
+    assert found.done[0].readings[0].whiteness.outcome == "consistent"
+    assert found.done[0].nees.outcome == "consistent"
+    # 1.3 mm/s where single counts say 8.7 mm/s
+    assert found.done[0].error_of("filtered", "speed_m_s").u < 0.002
 
 
 @needs_mujoco
@@ -116,7 +127,7 @@ def test_the_command_line_prints_what_python_gives(tmp_path, found):
     told = json.loads(done.output)
     assert set(told) == {
         "format", "created", "title", "question", "scenario", "estimator", "sensors", "options",
-        "loosen", "biases", "draws", "seed", "recording", "sentences", "sources", "command",
+        "loosen", "biases", "sums", "draws", "seed", "recording", "sentences", "sources", "command",
         "software", "folder", "exit_code",
     }  # fmt: skip
     assert told["sentences"] == list(found.sentences)

@@ -55,7 +55,8 @@ def test_a_notebook_runs_and_every_cell_shows_something(path, tmp_path, monkeypa
         assert isinstance(last, ast.Expr), code
         shown = eval(compile(ast.Expression(last.value), str(path), "eval"), space)
         assert shown is not None, code
-    assert (tmp_path / "ball.html").is_file()
+    if path.stem == "first_steps":  # it writes its report
+        assert (tmp_path / "ball.html").is_file()
 
 
 def test_the_controller_drives_every_engine_along_the_line():

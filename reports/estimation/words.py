@@ -133,6 +133,9 @@ def _causes(result: Estimation, outcome: str, sources: Sequence[SourceEstimate])
             f" {rounded(least)}): what one count has too much, the next has too little. So errors"
             " add up to less than those of white noise would."
         )
+        sums = {name: 1.0 for name in result.sums if not result.options[name]}
+        if sums:
+            yield f"Read the counts as a sum, a state more: {with_options(result.command, sums)}"
     if along:
         most = max(lags[name] for name in along)
         yield (

@@ -61,6 +61,8 @@ class Option:
         least: smallest value that makes sense.
         most: largest.
         bias_of: signal whose constant error it makes a state where it is 1; empty for none.
+        adds_up: signal that it reads as a sum where it is 1, so that the errors of neighbouring
+            differences no longer cancel; empty for none.
         loosens: whether a larger one lets the motion differ more from its model.
     """
 
@@ -70,6 +72,7 @@ class Option:
     most: float = float("inf")
     loosens: bool = False
     bias_of: str = ""
+    adds_up: str = ""
 
 
 @dataclass(frozen=True)
@@ -102,6 +105,10 @@ class Estimator:
     def biases(self, signals: Collection[str]) -> tuple[str, ...]:
         """Options that make a constant error of one of these signals a state."""
         return tuple(name for name, one in self.options.items() if one.bias_of in signals)
+
+    def sums(self, signals: Collection[str]) -> tuple[str, ...]:
+        """Options that read one of these signals as a sum."""
+        return tuple(name for name, one in self.options.items() if one.adds_up in signals)
 
     def with_defaults(self, options: Mapping[str, float]) -> dict[str, float]:
         """All its options, those that are not said at their defaults."""

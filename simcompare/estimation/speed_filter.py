@@ -7,16 +7,20 @@ accelerometer. What changes a is white jerk of density q, so in a step of T
         [0 1]           [T²/2  T   ]
 
 A wheel whose marks are counted in a gate of T_g tells the mean speed of that gate, half a gate old:
-v - a·T_g/2. R holds noise alone. A diameter that is taken for too large makes every speed too large
-by the same part: that is no noise and averages out in no filter, so it is told beside it.
+v - a·T_g/2. Neighbouring counts share the end of a gate, so their errors cancel, which R cannot
+say; read as a way, a state more, each count has an error of its own. R holds noise alone. A
+diameter that is taken for too large makes every speed too large by the same part: that is no noise
+and averages out in no filter, so it is told beside it.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
 
+from simcompare import units
 from simcompare.errors import InputError
 from simcompare.estimation import consistency, kalman, timing
 from simcompare.estimation.estimate import (
@@ -31,7 +35,7 @@ from simcompare.estimation.estimate import (
 from simcompare.estimation.estimators import Option, Role
 from simcompare.estimation.kalman import Belief, Expected, Filtered, Motion
 from simcompare.estimation.smoother import smooth
-from simcompare.estimation.wheel import speed_from_rate
+from simcompare.estimation.wheel import speed_from_rate, way_of_mark
 from simcompare.model.trajectory import Array
 
 TITLE = "Speed from a wheel and an accelerometer"
@@ -52,6 +56,7 @@ OPTIONS = {
     "jerk_density_m2_s5": Option("density q of the white jerk", 1.0, 1e-12, loosens=True),
     "bias": Option("1: the accelerometer's bias is a state", 0.0, 0.0, 1.0, bias_of="acceleration"),
     "u_bias_m_s2": Option("standard uncertainty of the bias at the start", 0.5, 1e-9),
+    "by_way": Option("1: marks are read as a way, a state more", 0.0, 0.0, 1.0, adds_up="marks"),
     "u_start_speed_m_s": Option("standard uncertainty of the speed at the start", 1.0, 1e-9),
     "u_start_acceleration_m_s2": Option("the same of the acceleration", 3.0, 1e-9),
 }
@@ -59,7 +64,11 @@ LABELS = {
     "speed_m_s": "Speed",
     "acceleration_m_s2": "Acceleration",
     "bias_m_s2": "Bias of the accelerometer",
+    "way_m": "Way of the wheel",
 }
+#: numbers of two states, and what is not known of each state at the start
+_BIAS, _WAY = 2, 3
+_STARTS = ("u_start_speed_m_s", "u_start_acceleration_m_s2", "u_bias_m_s2", "diameter_m")
 
 
 def estimate(given: Given) -> Estimate:
@@ -86,14 +95,11 @@ def estimate(given: Given) -> Estimate:
     return Estimate(tuple(ways), labels, innovations, _numbers(given, filtered))
 
 
-def matrices(step_s: float, jerk_density_m2_s5: float, bias: bool = False) -> tuple[Array, Array]:
-    """F and Q of one step under white jerk."""
+def matrices(step_s: float, jerk_density_m2_s5: float) -> tuple[Array, Array]:
+    """F and Q of one step under white jerk, for speed and acceleration."""
     t = step_s
-    size = 3 if bias else 2
-    transition, noise = np.eye(size), np.zeros((size, size))
-    transition[0, 1] = t
-    noise[:2, :2] = jerk_density_m2_s5 * np.array([[t**3 / 3, t**2 / 2], [t**2 / 2, t]])
-    return transition, noise
+    noise = jerk_density_m2_s5 * np.array([[t**3 / 3, t**2 / 2], [t**2 / 2, t]])
+    return np.array([[1.0, t], [0.0, 1.0]]), noise
 
 
 def _wheel(given: Given) -> tuple[Signal, float]:
@@ -114,42 +120,73 @@ def _wheel(given: Given) -> tuple[Signal, float]:
 def _filtered(
     given: Given, time_s: Array, wheel: Signal, acceleration: Signal | None, gate_s: float
 ) -> Filtered:
-    options = given.options
-    bias = bool(options["bias"]) and acceleration is not None
-    signals = {"the wheel": wheel}
+    options, states = given.options, _states(given)
+    # what each reading says of speed, acceleration, bias and way
+    rows = {"the wheel": (wheel, [1.0, -gate_s / 2, 0.0, 0.0])}
+    if _by_way(given):
+        rows = {"the wheel": (_way_of_marks(given, wheel.time_s), [0.0, 0.0, 0.0, 1.0])}
     if acceleration is not None:
-        signals["the accelerometer"] = acceleration
-    noise = np.diag([timing.variance_of(one, name) for name, one in signals.items()])
-    seen = np.array([[1.0, -gate_s / 2, 0.0], [0.0, 1.0, 1.0]])
-    observation = seen[: len(signals), : 3 if bias else 2]
-    start = [options["u_start_speed_m_s"], options["u_start_acceleration_m_s2"]]
-    start += [options["u_bias_m_s2"]] if bias else []
+        rows["the accelerometer"] = (acceleration, [0.0, 1.0, 1.0, 0.0])
+    noise = np.diag([timing.variance_of(one, name) for name, (one, _) in rows.items()])
+    observation = np.array([row for _, row in rows.values()])[:, states]
 
     def move(mean: Array, number: int) -> Motion:
         step_s = float(time_s[number] - time_s[number - 1])
-        transition, open_ = matrices(step_s, options["jerk_density_m2_s5"], bias)
-        return Motion(transition @ mean, transition, open_)
+        whole, open_ = _all_matrices(step_s, options["jerk_density_m2_s5"])
+        transition = whole[np.ix_(states, states)]
+        return Motion(transition @ mean, transition, open_[np.ix_(states, states)])
 
     def expect(mean: Array, number: int) -> Expected:
         return Expected(observation @ mean, observation, noise)
 
-    measured = timing.placed(list(signals.values()), time_s)
-    belief = Belief(np.zeros(len(start)), np.diag(np.square(start)))
+    measured = timing.placed([one for one, _ in rows.values()], time_s)
+    mean, u = np.zeros(4), np.array([options[name] for name in _STARTS])
+    if _by_way(given):  # the first way tells no speed yet; the gate before it does
+        mean[0], mean[_WAY] = wheel.values[0], measured[0, 0]
+        u[0] = math.sqrt(timing.variance_of(wheel, "the wheel"))
+    belief = Belief(mean[states], np.diag(np.square(u[states])))
     return kalman.run(belief, measured, move, expect)
 
 
-def _names(given: Given) -> list[str]:
+def _all_matrices(step_s: float, jerk_density_m2_s5: float) -> tuple[Array, Array]:
+    """F and Q of one step with a bias, which stays, and the way."""
+    t, q = step_s, jerk_density_m2_s5
+    transition, noise = np.eye(4), np.zeros((4, 4))
+    transition[:2, :2], noise[:2, :2] = matrices(t, q)
+    transition[_WAY, :2] = t, t**2 / 2
+    noise[_WAY, :2] = noise[:2, _WAY] = q * t**4 / 8, q * t**3 / 6
+    noise[_WAY, _WAY] = q * t**5 / 20
+    return transition, noise
+
+
+def _way_of_marks(given: Given, time_s: Array) -> Signal:
+    """The way by all marks since the start, at these times; each is evenly spread over a mark."""
+    pitch_m = way_of_mark(given.options["diameter_m"], given.options["marks"])
+    counts = timing.held(given.signals["marks"], time_s)
+    return Signal(time_s, pitch_m * (counts - counts[0]), pitch_m / math.sqrt(12))
+
+
+def _by_way(given: Given) -> bool:
+    return bool(given.options["by_way"]) and "marks" in given.signals
+
+
+def _states(given: Given) -> list[int]:
+    """Numbers of the states: speed and acceleration, bias and way where they are wanted."""
     with_bias = bool(given.options["bias"]) and "acceleration" in given.signals
-    return list(LABELS)[: 3 if with_bias else 2]
+    return [0, 1, *([_BIAS] if with_bias else []), *([_WAY] if _by_way(given) else [])]
+
+
+def _names(given: Given) -> list[str]:
+    return [list(LABELS)[number] for number in _states(given)]
 
 
 def _way(given: Given, name: str, time_s: Array, means: Array, u: Array) -> Way:
-    truths = ["speed", "acceleration", ""]
+    truths = {"speed_m_s": "speed", "acceleration_m_s2": "acceleration"}
     return Way(
         name,
         time_s,
         {
-            state: State(means[:, i], u[:, i], given.truth_at(truths[i], time_s))
+            state: State(means[:, i], u[:, i], given.truth_at(truths.get(state, ""), time_s))
             for i, state in enumerate(_names(given))
         },
     )
@@ -189,7 +226,7 @@ def _numbers(given: Given, filtered: Filtered) -> dict[str, Number]:
     speed = float(np.abs(filtered.means[-1, 0]))
     numbers = {"speed_open_by_diameter": Number(speed * u_m / diameter_m, "m/s")} if u_m else {}
     for i, name in enumerate(_names(given)):
-        unit = "m/s" if name == "speed_m_s" else "m/s**2"
         u = float(filtered.uncertainties[-1, i])
-        numbers[f"last_{name}"] = Number(float(filtered.means[-1, i]), unit, u)
+        value = float(filtered.means[-1, i])
+        numbers[f"last_{name}"] = Number(value, units.unit_of(name), u)
     return numbers

@@ -44,10 +44,14 @@ def counted(counts: Signal, marks: float, gate_s: float) -> Signal:
         fault = f"gate_s = {gate_s:g} leaves {gates} gates; expected a shorter gate"
         raise InputError("estimate", [fault])
     ends = counts.time_s[0] + gate_s * np.arange(gates + 1)
-    # the counter holds its number until the next mark
-    held = np.searchsorted(counts.time_s, ends + SAME_S, side="right") - 1
-    rates = counted_speeds(counts.values[held], int(marks), gate_s)
+    rates = counted_speeds(held(counts, ends), int(marks), gate_s)
     return Signal(ends[1:], rates, gate_uncertainty(int(marks), gate_s))
+
+
+def held(counts: Signal, time_s: Array) -> Array:
+    """What a counter shows, which holds its number until the next mark (n,)."""
+    place = np.searchsorted(counts.time_s, time_s + SAME_S, side="right") - 1
+    return np.asarray(counts.values[place])
 
 
 def variance_of(signal: Signal, name: str) -> float:

@@ -195,6 +195,7 @@ def _result(
             options=asked.plan.options,
             loosen=estimator.loosening,
             biases=estimator.biases(asked.plan.signals),
+            sums=estimator.sums(asked.plan.signals),
             draws=asked.draws,
             seed=asked.seed,
             sources=sources,

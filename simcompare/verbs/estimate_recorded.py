@@ -42,6 +42,7 @@ def estimated(request: EstimateRequest) -> Estimated:
             options=options,
             loosen=estimator.loosening,
             biases=estimator.biases(plan.signals),
+            sums=estimator.sums(plan.signals),
             draws=1,
             seed=0,
             recording=source.name,

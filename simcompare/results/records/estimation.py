@@ -139,6 +139,7 @@ class Estimation:
         options: numbers of the estimator.
         loosen: options that say what a motion does besides its model.
         biases: options that make a constant error of a sensor a state.
+        sums: options that read differences as a sum, whose errors do not cancel.
         draws: how often each motion was measured.
         seed: of the draws.
         recording: name of it; empty where engines were measured.
@@ -159,6 +160,7 @@ class Estimation:
     options: Mapping[str, float]
     loosen: tuple[str, ...] = ()
     biases: tuple[str, ...] = ()
+    sums: tuple[str, ...] = ()
     draws: int
     seed: int
     recording: str = ""
