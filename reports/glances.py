@@ -16,6 +16,7 @@ from simcompare.reports.run.listing import grouped, joined
 from simcompare.reports.run.not_run import not_run
 from simcompare.reports.sections import of_run
 from simcompare.reports.sections.measurement import measurement
+from simcompare.reports.sensing import words
 from simcompare.results.records.run import RunRecord
 from simcompare.results.run import Run
 
@@ -35,8 +36,15 @@ def glance_of(run: Run) -> Glance:
         table=found,
         notes=tuple(_notes(run)),
         figure=next(iter(part.every_figure), None),
-        more=_MORE if run.folder is None else f"{_MORE}. Stored in {run.folder}",
+        more=_more(run),
     )
+
+
+def _more(run: Run) -> str:
+    """What else a run gives in Python, and where it is stored."""
+    sensed = ", .sensors, .readings(signal, engine)" if run.stored_readings else ""
+    stored = "" if run.folder is None else f". Stored in {run.folder}"
+    return f"{_MORE}{sensed}{stored}"
 
 
 def _notes(run: Run) -> Iterator[str]:
@@ -45,6 +53,8 @@ def _notes(run: Run) -> Iterator[str]:
         against = measurement(run)
         yield from () if against is None else (*against.answer, *against.notices)
         yield from (f"Caution: {caution}" for caution in run.record.cautions)
+        if run.record.sensing is not None:
+            yield from words.lines(run.record.sensing)
     every = [runs.mode_words(mode) for mode in runs.modes(run)]
     rows = [(row.name, row.modes, row.reason) for row in not_run(run)]
     for (modes, reason), names in grouped(((m, why), name) for name, m, why in rows).items():

@@ -74,6 +74,28 @@ def test_marks_are_never_read_between_two_of_them():
     assert set(read.measured) <= set(np.floor(10 * TIME))
 
 
+@pytest.mark.parametrize(
+    ("signal", "sheet", "quantity"),
+    [
+        ("motor.current_A", "ina219", "current"),
+        ("motor.voltage_V", "ina219", "bus_voltage"),
+        ("cart.position_m.x", "vl53l5cx", "distance"),
+        ("height.pressure_Pa", "bmp280", "barometer"),
+    ],
+)
+def test_currents_voltages_ranges_and_pressures_are_read_too(signal, sheet, quantity):
+    signals = {
+        "motor.current_A": 0.2 + 0 * TIME,
+        "motor.voltage_V": 5.9989 + 0 * TIME,
+        "cart.position_m": np.column_stack((1.0 + TIME, 0 * TIME, 0 * TIME)),
+        "height.pressure_Pa": 1e5 + TIME,
+    }
+    read = simcompare.sense(Trajectory("bench", TIME, signals), signal, sheet)
+    assert read.record.sensors[0].part == quantity
+    off = np.abs(read.reading.measured - read.reading.ideal)
+    assert 0 < off.max() < 0.05 * np.abs(read.reading.ideal).max()
+
+
 def test_the_same_seed_reads_the_same_and_another_does_not():
     first, again = (simcompare.sense(MOVED, "imu", "mpu6050").reading for _ in range(2))
     other = simcompare.sense(MOVED, "imu", "mpu6050", seed=1).reading

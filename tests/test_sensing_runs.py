@@ -195,6 +195,12 @@ def test_the_report_has_a_section_with_picture_device_and_deviations(sensed):
     sensed.plot("sensor-imu-rate_rad_s")
 
 
+def test_a_notebook_tells_how_far_readings_are_off(sensed, ideal):
+    assert "imu.rate_rad_s, read by one MPU-6050 (gyroscope): off by" in repr(sensed)
+    assert ".sensors, .readings(signal, engine)" in repr(sensed)
+    assert ".readings" not in repr(ideal)
+
+
 # --- what cannot be -------------------------------------------------------------------------------
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,8 @@ from simcompare.errors import InputError
 from simcompare.hardware.sensors.error_model import Reading
 from simcompare.model import parquet
 from simcompare.model.trajectory import Array
-from simcompare.results.run import StoredReading
+from simcompare.results.records.run import Record, RunRecord
+from simcompare.results.run import Run, StoredReading
 
 READINGS = "readings.parquet"
 #: columns that say whose sample a row is
@@ -20,14 +22,50 @@ _AXES = "xyz"
 _KINDS = ("ideal", "measured", "saturated")
 
 
-def write(path: Path, readings: tuple[StoredReading, ...]) -> str:
-    """Writes the table; returns its digest, empty where there is nothing to write.
+def save(run: Run, record: Record, folder: Path) -> Record:
+    """Writes what the sensors of a run read; returns the record with the digest of that.
+
+    Args:
+        run: the run.
+        record: of it, as it will be stored.
+        folder: where to.
 
     Raises:
         OSError: it cannot be written.
     """
-    if not readings:
-        return ""
+    if not isinstance(record, RunRecord) or record.sensing is None or not run.stored_readings:
+        return record
+    _write(folder / READINGS, run.stored_readings)
+    digest = _digest(folder / READINGS)
+    return replace(record, sensing=replace(record.sensing, sha256=digest))
+
+
+def load(record: Record, folder: Path, again: str) -> tuple[StoredReading, ...]:
+    """What the sensors of a run read; nothing where there is no file.
+
+    Args:
+        record: of the run.
+        folder: where it is stored.
+        again: what makes it anew.
+
+    Raises:
+        InputError: the file is damaged, or another one.
+    """
+    path = folder / READINGS
+    if not isinstance(record, RunRecord) or record.sensing is None or not path.is_file():
+        return ()
+    if _digest(path) != record.sensing.sha256:
+        raise InputError(str(path), [f"is damaged, or not the file that was written; {again}"])
+    columns = parquet.read(path, again)
+    keys = list(zip(*(columns[name].tolist() for name in _INDEX), strict=True))
+    starts = [i for i, key in enumerate(keys) if i == 0 or key != keys[i - 1]]
+    return tuple(
+        _stored(keys[start], {name: values[start:end] for name, values in columns.items()})
+        for start, end in zip(starts, [*starts[1:], len(keys)], strict=True)
+    )
+
+
+def _write(path: Path, readings: tuple[StoredReading, ...]) -> None:
     blocks = [_columns(one.reading) for one in readings]
     lengths = [len(one.reading.time_s) for one in readings]
     table = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
@@ -47,31 +85,6 @@ def write(path: Path, readings: tuple[StoredReading, ...]) -> str:
             " on samples.c0 = labels.entry order by entry, time_s"
         )
         parquet.copy(connection, query, path)
-    return _digest(path)
-
-
-def read(path: Path, sha256: str, again: str) -> tuple[StoredReading, ...]:
-    """The readings of a file; none where there is no file.
-
-    Args:
-        path: the file.
-        sha256: digest that it must have.
-        again: what makes it anew.
-
-    Raises:
-        InputError: it is damaged, or another file.
-    """
-    if not path.is_file():
-        return ()
-    if _digest(path) != sha256:
-        raise InputError(str(path), [f"is damaged, or not the file that was written; {again}"])
-    columns = parquet.read(path, again)
-    keys = list(zip(*(columns[name].tolist() for name in _INDEX), strict=True))
-    starts = [i for i, key in enumerate(keys) if i == 0 or key != keys[i - 1]]
-    return tuple(
-        _stored(keys[start], {name: values[start:end] for name, values in columns.items()})
-        for start, end in zip(starts, [*starts[1:], len(keys)], strict=True)
-    )
 
 
 def _stored(key: tuple[str, ...], columns: dict[str, Array]) -> StoredReading:

@@ -3,22 +3,68 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
+from simcompare.errors import InputError, SimcompareError
 from simcompare.hardware.sensors import reading as readings
 from simcompare.hardware.sensors.drawn import DrawnSensor, drawn
 from simcompare.hardware.sensors.error_model import Reading
 from simcompare.hardware.sensors.signals import chosen
 from simcompare.model.scenario import Scenario
 from simcompare.model.sensor_errors import SensorErrors
+from simcompare.results.records.run import RunRecord
 from simcompare.results.records.sensing import (
     AxisDeviation,
     Sensing,
     SensorRecord,
     SourceDeviation,
 )
-from simcompare.results.run import Stored, StoredReading
+from simcompare.results.run import Run, Stored, StoredReading
+
+AnyRun = TypeVar("AnyRun", bound=Run)
+
+
+def asked_devices(
+    scenario: Scenario, sheets: Mapping[str, str | Path], seed: int
+) -> tuple[DrawnSensor, ...]:
+    """One device for each signal that a real sensor is to read.
+
+    Args:
+        scenario: the scene, which may say more of its sensors.
+        sheets: owner, signal or component -> data sheet.
+        seed: of all streams.
+
+    Raises:
+        InputError: unknown sensors, and sheets that do not exist or do not fit; all of them.
+    """
+    if seed < 0:
+        raise InputError("--seed", [f"{seed} is below 0; expected a whole number from 0 on"])
+    faults, found = [], {}
+    for name, sheet in sheets.items():
+        errors = SensorErrors.model_validate({"sheet": str(sheet)})
+        try:
+            devices_of(scenario, {name: errors}, seed)
+        except SimcompareError as error:
+            faults.append(f"{name}={sheet}: {error}")
+            continue
+        found[name] = errors
+    if faults:
+        raise InputError("--sensor", faults)
+    return devices_of(scenario, found, seed)
+
+
+def sensed(run: AnyRun, devices: Sequence[DrawnSensor], seed: int) -> AnyRun:
+    """The run with what sensors read of its nominal repeats; its scores stay as they are."""
+    assert isinstance(run.record, RunRecord)
+    middle = run.record.repeats // 2
+    nominal = (one for one in run.trajectories if one.repeat == middle)
+    read = read_all(devices, nominal, seed)
+    record = replace(run.record, sensing=record_of(devices, read, seed))
+    return replace(run, record=record, stored_readings=read)
 
 
 def devices_of(

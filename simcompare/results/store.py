@@ -24,8 +24,8 @@ from simcompare.model import parquet, plain
 from simcompare.model.settings import OLD_LEVELS
 from simcompare.model.trajectory import Array, Trajectory
 from simcompare.results import readings_file
-from simcompare.results.records.run import Record, RunRecord
-from simcompare.results.run import Run, Stored, StoredReading
+from simcompare.results.records.run import Record
+from simcompare.results.run import Run, Stored
 
 AnyRun = TypeVar("AnyRun", bound=Run)
 
@@ -62,19 +62,11 @@ def save(run: AnyRun, folder: Path) -> AnyRun:
         OutputError: it cannot be written; nothing is left behind.
     """
     with new_folder(folder, run.record.created, run.record.scenario) as (place, partial):
-        record = _with_digest(replace(run.record, run=str(place)), run, partial)
+        record = readings_file.save(run, replace(run.record, run=str(place)), partial)
         (partial / RECORD).write_text(plain.text(record, indent=1) + "\n", encoding="utf-8")
         _write_scores(partial / SCORES, run.record.scores)
         _write_trajectories(partial / TRAJECTORIES, run.trajectories)
     return replace(run, record=record, folder=place)
-
-
-def _with_digest(record: Record, run: Run, folder: Path) -> Record:
-    """The record with the digest of what sensors read, which is written."""
-    if not isinstance(record, RunRecord) or record.sensing is None:
-        return record
-    digest = readings_file.write(folder / readings_file.READINGS, run.stored_readings)
-    return replace(record, sensing=replace(record.sensing, sha256=digest))
 
 
 @contextlib.contextmanager
@@ -119,16 +111,8 @@ def load(place: str | Path) -> Run:
     run = load_record(place)
     assert run.folder is not None
     trajectories = _read_trajectories(run.folder / TRAJECTORIES, run.record)
-    return replace(run, trajectories=tuple(trajectories), stored_readings=_readings(run))
-
-
-def _readings(run: Run) -> tuple[StoredReading, ...]:
-    """What its sensors read."""
-    sensing = run.record.sensing if isinstance(run.record, RunRecord) else None
-    if sensing is None or run.folder is None:
-        return ()
-    path = run.folder / readings_file.READINGS
-    return readings_file.read(path, sensing.sha256, _again(run.record))
+    readings = readings_file.load(run.record, run.folder, _again(run.record))
+    return replace(run, trajectories=tuple(trajectories), stored_readings=readings)
 
 
 def load_record(place: str | Path) -> Run:

@@ -74,7 +74,7 @@ class RunRequest(Request):
     preset: Annotated[str | None, Option("--preset")] = None
     seeds: Annotated[int | None, Option("--seeds")] = None
     against: Annotated[Place | None, Option("--against")] = None
-    sensor: Annotated[Values, Option("--sensor")] = None
+    sensor: Annotated[Mapping[str, Place] | None, Option("--sensor")] = None
     seed: Annotated[int, Option("--seed")] = 0
 
 

@@ -19,9 +19,7 @@ from simcompare.engine.helps import known
 from simcompare.errors import InputError, SimcompareError
 from simcompare.hardware.recordings import bounce_table
 from simcompare.hardware.recordings.bounce_table import BounceTable
-from simcompare.hardware.sensors.drawn import DrawnSensor
 from simcompare.model.scenario import Scenario
-from simcompare.model.sensor_errors import SensorErrors
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, DEFAULT, TUNED, Settings
 from simcompare.model.trajectory import TRUTH
 from simcompare.results import run_record, sensing, store
@@ -105,7 +103,7 @@ def run(
     request = RunRequest(
         scenario=scenario, engine=engine, contact=levels.names(contact),
         assist=levels.names(assist), judge=levels.names(judge), set=set, preset=preset, step=step,
-        seeds=seeds, against=against, sensor=_plain(sensor), seed=seed,
+        seeds=seeds, against=against, sensor=sensor, seed=seed,
     )  # fmt: skip
     file = catalogue.load(scenario)
     table = _table(file, against)
@@ -120,7 +118,7 @@ def run(
     usual_s = None if fit is None else fit.usual_step_s
     sources = len(chosen) * len(modes)
     steps = at_steps(file, values, preset, steps_s or [usual_s], seeds, sources)
-    devices = _devices(steps[0].nominal, sensor or {}, seed)
+    devices = sensing.asked_devices(steps[0].nominal, sensor or {}, seed)
     if out is not None:
         store.check_writable(Path(out))
     jobs = [
@@ -153,46 +151,8 @@ def run(
         interrupted=interrupted,
         command=request.command(),
     )
-    done = _sensed(replace(done, record=record), devices, seed)
+    done = sensing.sensed(replace(done, record=record), devices, seed)
     return done if out is None else store.save(done, Path(out))
-
-
-def _plain(sensor: Mapping[str, str | Path] | None) -> dict[str, str | float] | None:
-    return None if sensor is None else {name: str(sheet) for name, sheet in sensor.items()}
-
-
-def _devices(
-    scene: Scenario, sensor: Mapping[str, str | Path], seed: int
-) -> tuple[DrawnSensor, ...]:
-    """One device for each signal that a real sensor is to read.
-
-    Raises:
-        InputError: unknown sensors, and sheets that do not exist or do not fit; all of them.
-    """
-    if seed < 0:
-        raise InputError("--seed", [f"{seed} is below 0; expected a whole number from 0 on"])
-    faults, found = [], {}
-    for name, sheet in sensor.items():
-        errors = SensorErrors.model_validate({"sheet": str(sheet)})
-        try:
-            sensing.devices_of(scene, {name: errors}, seed)
-        except SimcompareError as error:
-            faults.append(f"{name}={sheet}: {error}")
-            continue
-        found[name] = errors
-    if faults:
-        raise InputError("--sensor", faults)
-    return sensing.devices_of(scene, found, seed)
-
-
-def _sensed(done: Result, devices: Sequence[DrawnSensor], seed: int) -> Result:
-    """The run with what sensors read of its nominal repeats; its scores stay as they are."""
-    assert isinstance(done.record, RunRecord)
-    middle = done.record.repeats // 2
-    nominal = (one for one in done.trajectories if one.repeat == middle)
-    read = sensing.read_all(devices, nominal, seed)
-    record = replace(done.record, sensing=sensing.record_of(devices, read, seed))
-    return replace(done, record=record, stored_readings=read)
 
 
 def with_conditions(
