@@ -45,6 +45,8 @@ PRINTED_BY = {
     "simcompare/verbs/characterize": {"characterize"},
     "simcompare/verbs/levels.py": {"run"},
     "simcompare/verbs/request.py": {"run", "fit", "validate"},
+    "simcompare/verbs/sensor": {"sensor"},
+    "reports/sensor": {"sensor"},
     "simcompare/estimation": {"estimate"},
     "simcompare/verbs/estimate": {"estimate"},
     "reports/estimation": {"estimate"},
