@@ -256,6 +256,8 @@ def test_noise_of_devices_is_independent():
         ({"jitter_s": -1.0}, "jitter_s is -1"),
         ({"poles": 5}, "5 poles; expected 1 to 4"),
         ({"nonlinearity": np.ones(3)}, "give full_scale"),
+        ({"rate_Hz": 1e9}, "1e+09 samples; expected at most 5e+07 in all"),
+        ({"rate_Hz": 0.5}, "it samples 0.5 times a second and the signal lasts 1 s: one sample"),
     ],
 )
 def test_impossible_devices_are_refused(terms, said):

@@ -224,6 +224,14 @@ def test_a_negative_seed_is_refused():
         simcompare.run("robot", seed=-1)
 
 
+@pytest.mark.parametrize("word", ["imu", "imu=", "=mpu6050"])
+def test_a_sensor_without_a_sheet_is_told(call, word):
+    code, _, told = call("run", "robot", "--sensor", word)
+    assert code == 2
+    assert "--sensor" in told
+    assert "is not of the form NAME=SHEET, such as imu=mpu6050" in " ".join(told.split())
+
+
 def test_what_was_not_read_is_told(sensed):
     with pytest.raises(UnknownName, match="no signal that was read is called 'wheel'"):
         sensed.readings("wheel")

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from simcompare.hardware.sensors.device import Device
 from simcompare.model.trajectory import Array
+
+#: samples of all devices; more fill the memory of an ordinary machine
+MAX_SAMPLES = 5e7
 
 
 def faults_of(device: Device, signal_rate_Hz: float) -> list[str]:
@@ -36,6 +40,20 @@ def faults_of(device: Device, signal_rate_Hz: float) -> list[str]:
             f" {whose}; give a bandwidth below it, or a higher rate"
         )
     return faults
+
+
+def faults_of_count(devices: Sequence[Device], duration_s: float) -> list[str]:
+    """That some devices take too few samples of a signal, or more than a machine can hold."""
+    rate = devices[0].rate_Hz
+    samples = duration_s * rate
+    if rate > 0 and samples < 1:
+        return [
+            f"it samples {rate:g} times a second and the signal lasts {duration_s:g} s: one sample"
+        ]
+    if samples * len(devices) > MAX_SAMPLES:
+        whose = f" for each of {len(devices)} devices" if len(devices) > 1 else ""
+        return [f"{samples:.3g} samples{whose}; expected at most {MAX_SAMPLES:g} in all"]
+    return []
 
 
 def coarser(device: Device, time_s: Array) -> tuple[str, ...]:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from simcompare.errors import InputError
 from simcompare.hardware.sensors import noise
 from simcompare.hardware.sensors.device import REFERENCE_C, Device
-from simcompare.hardware.sensors.device_checks import coarser, faults_of, mean_rate
+from simcompare.hardware.sensors.device_checks import coarser, faults_of, faults_of_count, mean_rate
 from simcompare.hardware.sensors.low_pass import smoothed
 from simcompare.model.rotations import conjugate, rotate
 from simcompare.model.trajectory import Array
@@ -129,6 +129,8 @@ def _checked(devices: Sequence[Device], time_s: Array, ideal: Array) -> Device:
     faults = []
     if len(time_s) < 2 or len(time_s) != len(ideal):
         faults.append(f"{len(time_s)} times and {len(ideal)} values; expected as many, 2 or more")
+    if len(time_s) > 1:
+        faults += faults_of_count(devices, float(time_s[-1] - time_s[0]))
     for device in devices:
         faults += faults_of(device, mean_rate(time_s) if len(time_s) > 1 else math.inf)
         if device.axes != axes:

@@ -130,13 +130,15 @@ def progress_bar(what: str) -> Iterator[Progress | None]:
         yield update
 
 
-def pairs(settings: list[str], where: str = "--set") -> dict[str, str | float]:
+def pairs(
+    settings: list[str], where: str = "--set", form: str = "parameter=value"
+) -> dict[str, str | float]:
     """Reads arguments of the form parameter=value, such as those of ``--set``."""
     values: dict[str, str | float] = {}
     for text in settings:
         name, equals, value = text.partition("=")
         if not equals or not name.strip() or not value.strip():
-            raise InputError(where, [f"{text!r} is not of the form parameter=value"])
+            raise InputError(where, [f"{text!r} is not of the form {form}"])
         if name.strip() in values:
             raise InputError(where, [f"{name.strip()} is given twice"])
         values[name.strip()] = value.strip()

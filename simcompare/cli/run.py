@@ -80,7 +80,7 @@ def run(
             step=step,
             seeds=seeds,
             against=against,
-            sensor={name: str(sheet) for name, sheet in console.pairs(sensor, "--sensor").items()},
+            sensor=_sheets(sensor),
             seed=seed,
             out=out,
             time_limit_s=time_limit,
@@ -94,6 +94,12 @@ def run(
         opened=opened,
         as_json=as_json,
     )
+
+
+def _sheets(given: list[str]) -> dict[str, str]:
+    """Sensor or signal -> data sheet."""
+    pairs = console.pairs(given, "--sensor", "NAME=SHEET, such as imu=mpu6050")
+    return {name: str(sheet) for name, sheet in pairs.items()}
 
 
 def _plain(result: Run) -> Plain:

@@ -23,7 +23,14 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Annotated
 
-from pydantic import ConfigDict, Field, PositiveFloat
+from pydantic import (
+    ConfigDict,
+    Field,
+    PositiveFloat,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+)
 
 from simcompare import units
 from simcompare.errors import UnknownName
@@ -51,9 +58,24 @@ class Spread(Frozen):
 
 
 _SPREADS = "a number, or {typ: s}, {max: a}, {min: a, max: b}, {typ: s, max: a}"
+
+
+def _plainly(value: object, read: ValidatorFunctionWrapHandler) -> object:
+    """A term; what is wrong with it is one sentence, and not one for each form that it can have."""
+    try:
+        return read(value)
+    except ValidationError as error:
+        inside = [one for one in error.errors() if "Spread" in one["loc"] and len(one["loc"]) > 1]
+        if isinstance(value, dict) and inside:
+            first = inside[0]
+            raise ValueError(f"{first['loc'][-1]}: {first['msg'].lower()}") from None
+        raise ValueError(f"expected {_SPREADS}, or a list of three of these") from None
+
+
+_Known = float | Spread
 #: one value for all axes, or three
-Value = float | Spread
-Term = Value | tuple[Value, Value, Value]
+Value = Annotated[_Known, WrapValidator(_plainly)]
+Term = Annotated[_Known | tuple[_Known, _Known, _Known], WrapValidator(_plainly)]
 #: terms without unit, parts of the reading, the full scale or the rate
 _RELATIVE = (
     "sensitivity", "cross_axis", "nonlinearity", "sensitivity_per_K", "noise_per_reading",
