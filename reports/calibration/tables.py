@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from simcompare.notation import number
+from simcompare.notation import number, places
 from simcompare.reports.calibration.words import deviations
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.results.records.calibration import CalibrationRecord, Rows
@@ -52,7 +52,7 @@ def truth(record: CalibrationRecord) -> Table | None:
     u = [s for row in record.u_sensitivity for s in row] + [*record.u_offset]
     true = [s for row in record.truth.sensitivity for s in row] + [*record.truth.offset]
     rows = tuple(
-        (name, number(value, s), number(right), f"{off:+.1f}".replace("-", "−"))
+        (name, number(value, s), number(right, places=places(s)), f"{off:+.1f}".replace("-", "−"))
         for name, value, s, right, off in zip(
             names, found, u, true, deviations(record), strict=True
         )

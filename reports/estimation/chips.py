@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,7 +24,7 @@ _STYLES = {
 #: ways of telling the angle in motion -> head of their column and panel
 _WAYS = {
     AT_AXIS: "In motion, at the axis",
-    CORRECTED: "In motion, lever arms taken off",
+    CORRECTED: "In motion, lever arms off",
     AS_READ: "In motion, as read",
 }
 REST = "At rest"
@@ -110,10 +111,11 @@ def figure(result: Estimation) -> Figure | None:
     if not every:
         return None
     chips = tuple(one.chip for one in every if one.state == BOUGHT)
-    panels = [_panel(REST, every, chips, lambda one: one.rest)]
-    for way in (AT_AXIS, CORRECTED):
-        if any(way in one.motion for one in every):
-            panels.append(_panel(_WAYS[way], every, chips, _way(way)))
+    ways = [way for way in (AT_AXIS, CORRECTED) if any(way in one.motion for one in every)]
+    told = {REST: _rest, **{_WAYS[way]: _way(way) for way in ways}}
+    panels = [_panel(title, every, chips, one) for title, one in told.items()]
+    decades = _decades([one for panel in panels for one in panel.series])
+    panels = [replace(panel, y_range=decades) for panel in panels]
     caption = (
         "Standard uncertainty of the angle. Six positions take off offset, scale and cross-axis"
         " terms; what is left at rest is levelling, and in motion the low-pass filters besides,"
@@ -130,6 +132,12 @@ def _panel(title: str, every: list[Feasibility], chips: tuple[str, ...], told: T
         y = np.array([math.nan if one is None else _DEGREE * one.u_rad for one in found])
         series.append(Series(state, x, y, style, points=True, line=False))
     return Panel(title, "", "Angle error (°)", tuple(series), x_ticks=chips, log_y=True)
+
+
+def _decades(series: list[Series]) -> tuple[float, float]:
+    """Powers of ten about all values."""
+    values = np.log10(np.concatenate([one.y[np.isfinite(one.y)] for one in series]))
+    return 10.0 ** math.floor(values.min()), 10.0 ** math.ceil(values.max())
 
 
 def _way(way: str) -> Told:

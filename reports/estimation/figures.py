@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from simcompare import units
-from simcompare.reports.estimation import units_of
+from simcompare.reports.estimation import chips, units_of
 from simcompare.reports.estimation.words import lead_state
 from simcompare.reports.render.figures import Band, Figure, Panel, Series, fitted_range
 from simcompare.reports.render.styles import TRUTH_STYLE, Style, numbered_style, style_of
@@ -26,7 +26,8 @@ def figures(result: Estimation) -> list[Figure]:
         return []
     first = result.done[0]
     path = [_path(result, first)] if {"x_m", "y_m"} <= set(result.labels) else []
-    return [lead(result, first), *path, *_over_time(result)]
+    asked = [one for one in (chips.figure(result),) if one is not None]
+    return [*asked, lead(result, first), *path, *_over_time(result)]
 
 
 def lead(result: Estimation, source: SourceEstimate) -> Figure:

@@ -28,8 +28,6 @@ def write_html(result: Estimation, path: Path) -> Path:
 def block_of(result: Estimation) -> Block:
     """What the page shows."""
     drawn = figures.figures(result)
-    asked = [one for one in (chips.figure(result),) if one is not None]
-    drawn = [*asked, *drawn]
     answer = part_of("Answer", "answer", drawn[:1], _lead_tables(result), answer=_answer(result))
     parts = [answer, *_tests(result, drawn[1:]), _how(result)]
     return Block(

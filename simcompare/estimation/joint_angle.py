@@ -18,7 +18,7 @@ from simcompare.estimation.estimators import Option, Role
 from simcompare.measures.joint_angle_estimate import angle_between, without_lever_arm
 from simcompare.model.trajectory import Array
 
-TITLE = "Angle of a joint from two accelerometers"
+TITLE = "Chips compared"
 SIGNALS = {
     "first": Role("specific force on the first side, y along the joint", "m/s**2", 3),
     "second": Role("specific force on the second side", "m/s**2", 3),

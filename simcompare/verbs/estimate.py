@@ -32,6 +32,8 @@ from simcompare.verbs.estimated import Estimated
 from simcompare.verbs.notebook_line import with_line
 
 FILE = "estimate.json"
+#: what is asked where chips are compared
+_OF_CHIPS = "Which chips can tell it, before and after a calibration, at rest and in motion?"
 #: draws of the sensors beyond which nothing new is seen
 MAX_DRAWS = 10_000
 
@@ -188,7 +190,7 @@ def _result(
         Estimated(
             created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
             title=f"{estimator.title}: {scene.title}",
-            question=estimating.QUESTION,
+            question=_OF_CHIPS if estimator.study else estimating.QUESTION,
             scenario=scene.name,
             estimator=estimator.name,
             sensors=asked.plan.sensors,

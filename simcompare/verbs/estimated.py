@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from simcompare.errors import UnknownName
-from simcompare.reports.estimation import figures, page, tables
+from simcompare.reports.estimation import chips, figures, page, tables
 from simcompare.reports.render import frames, matplotlib_
 from simcompare.reports.render.glance import Glance
 from simcompare.reports.render.shown import Shown
@@ -29,8 +29,8 @@ class Estimated(Shown, Estimation):
     """
 
     def table(self) -> pd.DataFrame:
-        """How far each way is off, a row a source."""
-        return frames.frame(tables.lead(self))
+        """How far each way is off, a row a source; of a study of chips, a row a chip."""
+        return frames.frame(chips.table(self) or tables.lead(self))
 
     def plot(self, name: str | None = None) -> Figure:
         """A figure of the page by its name; the first where ``None``.
@@ -51,7 +51,7 @@ class Estimated(Shown, Estimation):
             question=self.question,
             sentences=self.sentences,
             legend=page.legend(self) if self.done else (),
-            table=tables.lead(self) if self.done else None,
+            table=chips.table(self) or tables.lead(self) if self.done else None,
             figure=next(iter(figures.figures(self)), None),
             more=f"More: .table(), .plot(name){place}",
         )
