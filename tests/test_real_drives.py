@@ -41,8 +41,8 @@ def test_the_two_speeds_that_are_no_motion_are_missing_and_told():
 def test_idle_speed_and_time_constant_are_told_where_all_else_is_given():
     needs("motor_step_esp32")
     found = fit(
-        "motor_step", recording="motor_step_esp32", engine="mujoco",
-        unknown="torque_constant,inertia", fix={"friction": 0, "damping": 0},
+        "motor_step", recordings="motor_step_esp32", engine="mujoco",
+        unknowns="torque_constant,inertia", fixed={"friction": 0, "damping": 0},
     )  # fmt: skip
     parameters = found.record.fit.closed_form.parameters
     k, inertia = parameters["torque_constant_N_m_A"], parameters["inertia_kg_m2"]

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from simcompare.engine import engines
 from simcompare.engine.simulation import sample_times
-from simcompare.estimation.odometry import Wheels
+from simcompare.estimation.dead_reckoning import Wheels
 from simcompare.estimation.umbmark import Course, by_formula, separate
 from simcompare.measures import Request, dead_reckoning, take
 from simcompare.model.scenario import Probe

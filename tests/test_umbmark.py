@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from simcompare.errors import InputError
-from simcompare.estimation.odometry import Wheels, from_counts
+from simcompare.estimation.dead_reckoning import Wheels, from_counts
 from simcompare.estimation.umbmark import Course, by_formula, separate
 
 NOMINAL = Wheels(0.0325, 0.0325, 0.12, 1e-4, 1e-4, 1e-3, correlation=1.0)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from simcompare import glossary
 from simcompare.reports import builder
-from simcompare.reports.estimation import chips, figures, tables
+from simcompare.reports.estimation import chips, drift, figures, tables
 from simcompare.reports.render import output
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Block, Part, part_of
@@ -43,6 +43,8 @@ def block_of(result: Estimation) -> Block:
 
 def legend(result: Estimation) -> tuple[str, ...]:
     """What the words of the table mean, a line each."""
+    if drift.known(result):
+        return tuple(glossary.legend(["odometry error", "u"]))
     outcomes = [found.outcome for one in result.done if (found := one.nees or one.nis)]
     test = "NEES" if any(one.nees for one in result.done) else "NIS"
     words = [test, *outcomes] if outcomes else []

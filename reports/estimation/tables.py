@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from simcompare.reports.characterization.words import capital
-from simcompare.reports.estimation import units_of
+from simcompare.reports.estimation import drift, units_of
 from simcompare.reports.estimation.words import lead_state, leading, ways_of
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Table
@@ -13,7 +13,9 @@ from simcompare.results.records.estimation import Estimation, SourceEstimate
 
 
 def lead(result: Estimation) -> Table:
-    """How far each way is off in the state that leads, and what the test says."""
+    """How far each way is off in the state that leads, and what the test says; or its end."""
+    if drift.known(result):
+        return drift.table(result)
     state = lead_state(result)
     ways = ways_of(result, state)
     sizes = [_rms(one, way, state) for one in result.done for way in ways]

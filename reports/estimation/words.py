@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from simcompare import units
 from simcompare.estimation.consistency import Verdict
 from simcompare.reports.characterization.words import rounded
-from simcompare.reports.estimation import chips, units_of
+from simcompare.reports.estimation import chips, drift, units_of
 from simcompare.reports.run.listing import joined
 from simcompare.results.records.estimation import Estimation, SourceEstimate
 
@@ -31,6 +31,7 @@ def sentences(result: Estimation) -> Iterator[str]:
     yield from _errors(result, state)
     yield from _verdicts(result)
     yield from _diameter(result)
+    yield from drift.sentences(result)
     for one in result.done:
         for row in one.readings:
             if row.refused >= 1:

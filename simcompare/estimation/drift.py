@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.estimation.odometry import DeadReckoning
+from simcompare.estimation.dead_reckoning import DeadReckoning
 from simcompare.model.trajectory import Array
 
 #: probability of a coverage region
@@ -30,7 +30,8 @@ class Drift:
         u_heading_rad: standard uncertainty (n,), ``None`` as above.
         u_distance_m: in the direction of the error (n,); where the distance is below twice of it,
             it is not told from 0.
-        way_m: length of the path (n,).
+        way_m: length of the true path (n,); that of odometry has marks of both signs in it while
+            the robot turns on the spot.
         chi2: of the last place, error² over its covariance; ``None`` where that is singular.
     """
 
@@ -107,7 +108,7 @@ def drift(
         reckoned.time_s, np.sum(apart * ahead, axis=1), np.sum(apart * left, axis=1), turned,
         distance, _u_of(covariance, ahead), _u_of(covariance, left), u_turned,
         np.where(distance > 0, _u_of(covariance, apart / safe[:, None]), largest),
-        reckoned.way_m, _chi2(apart[-1], covariance[-1]),
+        _way(place_m), _chi2(apart[-1], covariance[-1]),
     )  # fmt: skip
 
 
@@ -128,6 +129,12 @@ def ellipse(covariance: Array, probability: float = COVERED, points: int = 73) -
 def wrapped(angle_rad: Array) -> Array:
     """The same angles between -π and π."""
     return np.asarray((angle_rad + math.pi) % (2 * math.pi) - math.pi)
+
+
+def _way(place_m: Array) -> Array:
+    """Length of a path up to each sample (n,)."""
+    steps = np.hypot(*np.diff(place_m, axis=0).T)
+    return np.concatenate(([0.0], np.cumsum(steps)))
 
 
 def _u_of(covariance: Array, direction: Array) -> Array:

@@ -19,7 +19,7 @@ from simcompare.errors import InputError, UnknownName
 from simcompare.estimation.estimate import Estimate, Given
 
 #: each is a module of this room; another one is a word more
-ESTIMATORS = ("speed_filter", "pose_filter", "joint_angle")
+ESTIMATORS = ("speed_filter", "pose_filter", "odometry", "joint_angle")
 
 
 class Function(Protocol):

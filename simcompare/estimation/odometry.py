@@ -1,230 +1,137 @@
-"""Odometry: the pose of a robot on two wheels by dead reckoning, with its uncertainty.
+"""The estimator ``odometry``: dead reckoning on two wheels, and how far it strays.
 
-Two kinds of error must not be mixed (JCGM 100:2008, 4.3 and F.1.2.4):
-
-* **Random**: an encoder tells a place of the wheel to one mark. The errors of two counts are
-  independent, each evenly spread over a mark, so a difference of counts is triangular, u = 1/√6 of
-  a mark. They do not add up to a random walk: in the sum of all counts the ones between cancel.
-* **Systematic**: radii and track are wrong by the same amount all the way. Their effect is the
-  sensitivity of the pose, which grows with the way, and never falls by taking more samples.
-
-Both are propagated to first order through the exact arcs of ``hardware.sensors.odometer``.
+What the wheels are believed to be is uncertain by the same amount all the way; that, and the
+counting of marks, is all that its uncertainty says. Slip is in neither.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Iterator
 
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.estimation import odometry_errors
-from simcompare.hardware.sensors import odometer
+from simcompare.estimation.dead_reckoning import DeadReckoning, Wheels, from_counts, from_rates
+from simcompare.estimation.drift import Drift, drift, ellipse
+from simcompare.estimation.estimate import Estimate, Given, Number, Signal, State, Way
+from simcompare.estimation.estimators import Option, Role
 from simcompare.model.trajectory import Array
 
-Pose = tuple[float, float, float]
-AT_ORIGIN: Pose = (0.0, 0.0, 0.0)
-#: names of what is systematic, in the order of ``Wheels.covariance`` and of the sensitivities
-SYSTEMATIC = ("left_radius_m", "right_radius_m", "track_m")
+TITLE = "Dead reckoning of a robot on two wheels"
+SIGNALS = {
+    "left_marks": Role("marks of the left wheel that have passed", "1", needed=False),
+    "right_marks": Role("marks of the right wheel that have passed", "1", needed=False),
+    "left_rate": Role("rate of the left wheel, in place of marks", "rad/s", needed=False),
+    "right_rate": Role("rate of the right wheel, in place of marks", "rad/s", needed=False),
+}
+TRUTHS = {
+    "x": Role("place of the middle of the axle along x", "m", needed=False),
+    "y": Role("place of the middle of the axle along y", "m", needed=False),
+    "heading": Role("heading", "rad", needed=False),
+}
+OPTIONS = {
+    "radius_m": Option("radius of the left wheel, as odometry believes it", least=1e-3),
+    "right_larger": Option(
+        "by what part it believes the right one to be larger", 0.0, -0.5, 1.0
+    ),
+    "track_m": Option("distance of the wheels, as odometry believes it", least=1e-3),
+    "marks": Option("marks in one turn of a wheel", 0.0),
+    "u_radius_m": Option("standard uncertainty of each radius", 0.0),
+    "correlation": Option("of the errors of both radii", 0.0, -1.0, 1.0),
+    "u_track_m": Option("standard uncertainty of the track", 0.0),
+    "start_x_m": Option("where it starts along x", 0.0, -math.inf),
+    "start_y_m": Option("where it starts along y", 0.0, -math.inf),
+    "start_heading_rad": Option("its heading there", 0.0, -math.inf),
+    "u_place_m": Option("standard uncertainty of the true place", 0.0),
+}  # fmt: skip
+LABELS = {
+    "drift_m": "Distance from the true place",
+    "x_m": "Place along x",
+    "y_m": "Place along y",
+    "heading_rad": "Heading",
+}
 
 
-@dataclass(frozen=True)
-class Wheels:
-    """What odometry believes of its robot.
-
-    Attributes:
-        left_radius_m: effective radius of the left wheel.
-        right_radius_m: effective radius of the right wheel.
-        track_m: effective distance of the wheels.
-        u_left_radius_m: standard uncertainty.
-        u_right_radius_m: standard uncertainty.
-        u_track_m: standard uncertainty.
-        correlation: of the two radii's errors: 1 for wheels measured with one calliper that is off.
-    """
-
-    left_radius_m: float
-    right_radius_m: float
-    track_m: float
-    u_left_radius_m: float = 0.0
-    u_right_radius_m: float = 0.0
-    u_track_m: float = 0.0
-    correlation: float = 0.0
-
-    def __post_init__(self) -> None:
-        faults = [
-            f"{name} {value:g} is no size of a robot; expected a number above 0"
-            for name in SYSTEMATIC
-            if not 0 < (value := getattr(self, name)) < math.inf
-        ]
-        faults += [
-            f"u_{name} {value:g} is no standard uncertainty; expected 0 or more"
-            for name in SYSTEMATIC
-            if not 0 <= (value := getattr(self, f"u_{name}")) < math.inf
-        ]
-        if not -1 <= self.correlation <= 1:
-            faults.append(f"correlation {self.correlation:g} is not between -1 and 1")
-        if faults:
-            raise InputError("wheels", faults)
-
-    @property
-    def covariance(self) -> Array:
-        """Of left radius, right radius and track (3, 3) [m²]."""
-        u = np.array([self.u_left_radius_m, self.u_right_radius_m, self.u_track_m])
-        matrix = np.diag(u**2)
-        matrix[0, 1] = matrix[1, 0] = self.correlation * u[0] * u[1]
-        return matrix
-
-
-@dataclass(frozen=True)
-class DeadReckoning:
-    """A path as odometry tells it.
-
-    Attributes:
-        time_s: times (n,).
-        pose: x [m], y [m] and heading [rad] (n, 3).
-        way_m: length of the path up to each sample (n,), backwards counted as well.
-        random: covariance of the pose from counts or noise (n, 3, 3).
-        sensitivity: change of the pose with left radius, right radius and track (n, 3, 3).
-        wheels: what was believed.
-    """
-
-    time_s: Array
-    pose: Array
-    way_m: Array
-    random: Array
-    sensitivity: Array
-    wheels: Wheels
-
-    @property
-    def systematic(self) -> Array:
-        """Covariance of the pose from radii and track, the same error all the way (n, 3, 3)."""
-        return self.sensitivity @ self.wheels.covariance @ np.swapaxes(self.sensitivity, 1, 2)
-
-    @cached_property
-    def covariance(self) -> Array:
-        """Of the pose, random and systematic together (n, 3, 3)."""
-        return np.asarray(self.random + self.systematic)
-
-    @property
-    def u(self) -> Array:
-        """Standard uncertainties of x, y and heading (n, 3)."""
-        # of errors that cancel, rounding leaves a little below 0
-        return np.sqrt(np.maximum(np.diagonal(self.covariance, axis1=1, axis2=2), 0.0))
-
-
-def from_counts(
-    time_s: Array,
-    counts: tuple[Array, Array],
-    marks: float,
-    wheels: Wheels,
-    start: Pose = AT_ORIGIN,
-) -> DeadReckoning:
-    """The path from two encoders' counts.
-
-    Args:
-        time_s: times (n,).
-        counts: marks that have passed at the left and at the right wheel (n,) each.
-        marks: marks in one turn of the wheel (those of the motor's shaft times the gear ratio).
-        wheels: what is believed of the robot.
-        start: first pose.
+def estimate(given: Given) -> Estimate:
+    """The path by dead reckoning, its uncertainty, and its drift where the truth is known.
 
     Raises:
-        InputError: arrays that do not fit each other, or are not finite.
+        InputError: wheels that are not given, or that are no wheels.
     """
-    _check(time_s, counts, "counts")
-    if not 0 < marks < math.inf:
-        raise InputError("marks", [f"{marks:g} in a turn; expected a number above 0"])
-    mark_rad = 2 * math.pi / marks
-    angles = tuple(np.asarray(c, dtype=float) * mark_rad for c in counts)
-    found = _reckoned(time_s, (angles[0], angles[1]), wheels, start)
-    kept = _counted_on(counts)
-    radii = np.array([wheels.left_radius_m, wheels.right_radius_m])
-    u_m = radii * mark_rad / math.sqrt(12)
-    rolled = _rolled((angles[0][kept], angles[1][kept]), wheels)
-    driven = odometer.arcs(*rolled, wheels.track_m, start[2])
-    random = odometry_errors.of_counts(driven, wheels.track_m, u_m)
-    # the samples that were left out have what the one before them has
-    at = np.searchsorted(kept, np.arange(len(time_s)), side="right") - 1
-    return _with_random(found, random[at])
+    reckoned = _reckoned(given)
+    strayed = _strayed(given, reckoned)
+    states = {
+        name: State(
+            reckoned.pose[:, k], reckoned.u[:, k], given.truth_at(role, reckoned.time_s),
+            circular=role == "heading",
+        )
+        for k, (name, role) in enumerate((("x_m", "x"), ("y_m", "y"), ("heading_rad", "heading")))
+    }  # fmt: skip
+    if strayed is not None:
+        nothing = np.zeros(len(reckoned.time_s))
+        own = State(strayed.distance_m, strayed.u_distance_m, nothing)
+        states = {"drift_m": own, **states}
+    ways = (Way("odometry", reckoned.time_s, states), _region(reckoned))
+    labels = {name: LABELS[name] for name in states}
+    return Estimate(ways, labels, numbers=dict(_numbers(reckoned, strayed)))
 
 
-def from_rates(
-    time_s: Array,
-    rates_rad_s: tuple[Array, Array],
-    wheels: Wheels,
-    start: Pose = AT_ORIGIN,
-    *,
-    u_rad_s: float = 0.0,
-) -> DeadReckoning:
-    """The path from the rates of two wheels, straight lines between samples.
-
-    Args:
-        time_s: times (n,), increasing.
-        rates_rad_s: of the left and of the right wheel (n,) each.
-        wheels: what is believed of the robot.
-        start: first pose.
-        u_rad_s: standard uncertainty of one rate by noise, independent from sample to sample.
-
-    Raises:
-        InputError: arrays that do not fit each other, or are not finite.
-    """
-    _check(time_s, rates_rad_s, "rates_rad_s")
-    steps = np.diff(time_s)
-    left, right = (
-        np.concatenate(([0.0], np.cumsum(steps * (rate[1:] + rate[:-1]) / 2)))
-        for rate in map(np.asarray, rates_rad_s)
+def _reckoned(given: Given) -> DeadReckoning:
+    o = given.options
+    radius, larger, u = o["radius_m"], 1 + o["right_larger"], o["u_radius_m"]
+    wheels = Wheels(
+        radius, radius * larger, o["track_m"], u, u * larger, o["u_track_m"], o["correlation"]
     )
-    found = _reckoned(time_s, (left, right), wheels, start)
-    driven = odometer.arcs(*_rolled((left, right), wheels), wheels.track_m, start[2])
-    radii = np.array([wheels.left_radius_m, wheels.right_radius_m])
-    # a rate serves in the steps before and after it, half of each; taken as if in the one after
-    u_m = steps[:, None] * radii * u_rad_s
-    return _with_random(found, odometry_errors.of_noise(driven, wheels.track_m, u_m))
+    start = (o["start_x_m"], o["start_y_m"], o["start_heading_rad"])
+    if {"left_marks", "right_marks"} <= set(given.signals):
+        time_s, counts = _pair(given.signal("left_marks"), given.signal("right_marks"))
+        return from_counts(time_s, counts, o["marks"], wheels, start)
+    if {"left_rate", "right_rate"} <= set(given.signals):
+        left = given.signal("left_rate")
+        time_s, rates = _pair(left, given.signal("right_rate"))
+        noise = 0.0 if left.u is None else float(np.max(left.u))
+        return from_rates(time_s, rates, wheels, start, u_rad_s=noise)
+    wanted = "expected left_marks and right_marks, or left_rate and right_rate"
+    raise InputError("estimate", [f"the wheels are not given; {wanted}"])
 
 
-def _check(time_s: Array, pair: tuple[Array, Array], name: str) -> None:
-    """Raises where the arrays are no two records of one clock."""
-    shapes = {np.shape(time_s), *(np.shape(values) for values in pair)}
-    faults = []
-    if len(shapes) > 1 or len(np.shape(time_s)) != 1 or len(time_s) < 2:
-        found = ", ".join(str(np.shape(values)) for values in (time_s, *pair))
-        faults.append(f"time, left and right have the shapes {found}; expected (n,) of all, n > 1")
-    elif not all(np.all(np.isfinite(values)) for values in (time_s, *pair)):
-        faults.append("has values that are not finite; without one all that follows is unknown")
-    elif np.any(np.diff(time_s) <= 0):
-        faults.append("its times do not increase")
-    if faults:
-        raise InputError(name, faults)
+def _pair(left: Signal, right: Signal) -> tuple[Array, tuple[Array, Array]]:
+    """Both at the times of the left one, where both were measured."""
+    other = right.at(left.time_s)
+    known = np.isfinite(left.values) & np.isfinite(other)
+    return left.time_s[known], (left.values[known], other[known])
 
 
-def _rolled(angles: tuple[Array, Array], wheels: Wheels) -> tuple[Array, Array]:
-    return angles[0] * wheels.left_radius_m, angles[1] * wheels.right_radius_m
+def _strayed(given: Given, reckoned: DeadReckoning) -> Drift | None:
+    x, y = (given.truth_at(role, reckoned.time_s) for role in ("x", "y"))
+    if x is None or y is None:
+        return None
+    heading = given.truth_at("heading", reckoned.time_s)
+    place = np.column_stack((x, y))
+    return drift(reckoned, place, heading, u_place_m=given.options["u_place_m"])
 
 
-def _reckoned(
-    time_s: Array, angles: tuple[Array, Array], wheels: Wheels, start: Pose
-) -> DeadReckoning:
-    """The path and its sensitivities, without random errors."""
-    driven = odometer.arcs(*_rolled(angles, wheels), wheels.track_m, start[2])
-    way = np.concatenate(([0.0], np.cumsum(np.abs(driven.way_m))))
-    pose = odometer.poses(driven, start)
-    none = np.zeros((len(time_s), 3, 3))
-    found = odometry_errors.of_wheels(driven, angles, wheels.track_m)
-    return DeadReckoning(np.asarray(time_s, dtype=float), pose, way, none, found, wheels)
+def _region(reckoned: DeadReckoning) -> Way:
+    """Where the robot is with 95 % at the end, as a line around it."""
+    border = reckoned.pose[-1, :2] + ellipse(reckoned.covariance[-1, :2, :2])
+    at = np.full(len(border), reckoned.time_s[-1])
+    return Way("95 % of the ends", at, {"x_m": State(border[:, 0]), "y_m": State(border[:, 1])})
 
 
-def _with_random(found: DeadReckoning, random: Array) -> DeadReckoning:
-    return DeadReckoning(
-        found.time_s, found.pose, found.way_m, random, found.sensitivity, found.wheels
-    )
-
-
-def _counted_on(counts: tuple[Array, Array]) -> Array:
-    """Samples at which a count is another than at the one kept before, and the first.
-
-    More samples than marks tell nothing new; their errors are not independent.
-    """
-    changed = (np.diff(counts[0]) != 0) | (np.diff(counts[1]) != 0)
-    return np.concatenate(([0], np.flatnonzero(changed) + 1))
+def _numbers(reckoned: DeadReckoning, strayed: Drift | None) -> Iterator[tuple[str, Number]]:
+    way_m = reckoned.way_m if strayed is None else strayed.way_m
+    yield "path_length", Number(float(way_m[-1]), "m")
+    if strayed is None:
+        return
+    for name, values, u in (
+        ("end_drift", strayed.distance_m, strayed.u_distance_m),
+        ("end_along", strayed.along_m, strayed.u_along_m),
+        ("end_across", strayed.across_m, strayed.u_across_m),
+    ):
+        yield name, Number(float(values[-1]), "m", float(u[-1]))
+    if strayed.heading_rad is not None and strayed.u_heading_rad is not None:
+        turned, u_turned = strayed.heading_rad[-1], strayed.u_heading_rad[-1]
+        yield "end_turn", Number(float(turned), "rad", float(u_turned))
+    if strayed.per_metre is not None:
+        yield "drift_per_metre", Number(strayed.per_metre, "1", strayed.u_per_metre)

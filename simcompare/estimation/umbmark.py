@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.estimation.odometry import AT_ORIGIN, Pose, Wheels, from_counts
+from simcompare.estimation.dead_reckoning import AT_ORIGIN, Pose, Wheels, from_counts
 from simcompare.model.trajectory import Array
 
 #: most steps of Gauss and Newton, and the change of both ratios that ends them

@@ -1,0 +1,82 @@
+"""Where dead reckoning ends: how far from the truth, and whether its uncertainty explains that."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from simcompare.reports.estimation import units_of
+from simcompare.reports.render import numbers
+from simcompare.reports.render.tables import Column, Group, Table
+from simcompare.results.records.estimation import Estimation, SourceEstimate
+
+#: an error of so many standard uncertainties is still explained by them (about 95 %)
+_EXPLAINED = 2.0
+#: what is told of an end, and its heading in the table
+_COLUMNS = {"end_drift": "Off", "end_along": "Along", "end_across": "Across", "end_turn": "Turned"}
+
+
+def known(result: Estimation) -> list[SourceEstimate]:
+    """Sources of which the end was told."""
+    return [one for one in result.done if {"end_drift", "path_length"} <= set(one.numbers)]
+
+
+def sentences(result: Estimation) -> Iterator[str]:
+    """How far, on how long a way, how sure, and whether that is as it must be."""
+    rows = known(result)
+    if not rows:
+        return
+    ends = [one.numbers["end_drift"] for one in rows]
+    ways = [one.numbers["path_length"].value for one in rows]
+    factor, unit = units_of.scale("drift_m", [end.value for end in ends])
+    u = units_of.text(max(end.u or 0.0 for end in ends), factor)
+    per_metre = [1e3 * end.value / way for end, way in zip(ends, ways, strict=True) if way]
+    off = _span([factor * end.value for end in ends], 3)
+    yield (
+        f"After {_span(ways, 3)} m odometry ends {off} {unit} from the robot (u = {u} {unit}),"
+        f" {_span(per_metre, 3)} mm on each metre."
+    )
+    shares = [end.value / end.u for end in ends if end.u]
+    if len(shares) < len(ends):
+        return
+    explains = max(shares) <= _EXPLAINED
+    yield (
+        "What is not known of its wheels and track, and the counting of marks,"
+        f" {'explain' if explains else 'do not explain'} that: it is {_span(shares, 2)} of its"
+        " standard uncertainties."
+    )
+
+
+def table(result: Estimation) -> Table:
+    """The end of each source: off by how much, along, across and turned, each with its u."""
+    factor, unit = units_of.scale("drift_m", [o.numbers["end_drift"].value for o in known(result)])
+    words = [Column("Recording" if result.recording else "Engine", text=True), Column("Way (m)")]
+    columns = [Column(f"{name} ± u ({_unit(key, unit)})") for key, name in _COLUMNS.items()]
+    rows = [
+        (
+            one.source,
+            numbers.plain(one.numbers["path_length"].value, 4),
+            *(_with_u(one, key, factor) for key in _COLUMNS),
+        )
+        for one in known(result)
+    ]
+    title = "Where odometry ends, less where the robot ends"
+    return Table(title, (*words, *columns), (Group("", tuple(rows)),), engines=not result.recording)
+
+
+def _unit(key: str, unit: str) -> str:
+    return "mrad" if key == "end_turn" else unit
+
+
+def _with_u(source: SourceEstimate, key: str, factor: float) -> str:
+    found = source.numbers.get(key)
+    if found is None:
+        return "–"
+    size = 1e3 if key == "end_turn" else factor
+    if not found.u:
+        return numbers.plain(size * found.value, 3)
+    return numbers.with_u(size * found.value, size * found.u)
+
+
+def _span(values: Sequence[float], digits: int) -> str:
+    low, high = (numbers.plain(one, digits) for one in (min(values), max(values)))
+    return low if low == high else f"{low} to {high}"
