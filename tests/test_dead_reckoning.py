@@ -220,3 +220,12 @@ def test_the_slope_of_the_chord_joins_its_series():
     x = np.array([0.999e-3, 1.001e-3])
     slope = dead_reckoning_errors.sinc_slope(x)
     np.testing.assert_allclose(slope, -x / 3, rtol=1e-6)
+
+
+def test_a_start_that_points_wrongly_turns_the_whole_path():
+    time_s, counts = np.linspace(0, 6, 31), counted(angles(np.linspace(0, 6, 31)))
+    here = from_counts(time_s, counts, MARKS, WHEELS, u_start=(0.001, 0.002, 1e-4))
+    turned = from_counts(time_s, counts, MARKS, WHEELS, (0.0, 0.0, 1e-4))
+    moved = turned.pose[-1] - here.pose[-1]
+    expected = np.hypot(moved, (0.001, 0.002, 0.0))
+    np.testing.assert_allclose(np.sqrt(np.diag(here.by_start[-1])), expected, rtol=1e-4)

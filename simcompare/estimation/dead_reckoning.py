@@ -14,7 +14,7 @@ Both are propagated to first order through the exact arcs of ``hardware.sensors.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -87,6 +87,7 @@ class DeadReckoning:
         way_m: length of the path up to each sample (n,), backwards counted as well.
         random: covariance of the pose from counts or noise (n, 3, 3).
         sensitivity: change of the pose with left radius, right radius and track (n, 3, 3).
+        by_start: covariance of the pose from that of the start (n, 3, 3).
         wheels: what was believed.
     """
 
@@ -95,6 +96,7 @@ class DeadReckoning:
     way_m: Array
     random: Array
     sensitivity: Array
+    by_start: Array
     wheels: Wheels
 
     @property
@@ -104,8 +106,8 @@ class DeadReckoning:
 
     @cached_property
     def covariance(self) -> Array:
-        """Of the pose, random and systematic together (n, 3, 3)."""
-        return np.asarray(self.random + self.systematic)
+        """Of the pose, random, systematic and from the start together (n, 3, 3)."""
+        return np.asarray(self.random + self.systematic + self.by_start)
 
     @property
     def u(self) -> Array:
@@ -120,6 +122,8 @@ def from_counts(
     marks: float,
     wheels: Wheels,
     start: Pose = AT_ORIGIN,
+    *,
+    u_start: Pose = AT_ORIGIN,
 ) -> DeadReckoning:
     """The path from two encoders' counts.
 
@@ -129,6 +133,7 @@ def from_counts(
         marks: marks in one turn of the wheel (those of the motor's shaft times the gear ratio).
         wheels: what is believed of the robot.
         start: first pose.
+        u_start: its standard uncertainties.
 
     Raises:
         InputError: arrays that do not fit each other, or are not finite.
@@ -138,7 +143,7 @@ def from_counts(
         raise InputError("marks", [f"{marks:g} in a turn; expected a number above 0"])
     mark_rad = 2 * math.pi / marks
     angles = tuple(np.asarray(c, dtype=float) * mark_rad for c in counts)
-    found = _reckoned(time_s, (angles[0], angles[1]), wheels, start)
+    found = _reckoned(time_s, (angles[0], angles[1]), wheels, start, u_start)
     kept = _counted_on(counts)
     radii = np.array([wheels.left_radius_m, wheels.right_radius_m])
     u_m = radii * mark_rad / math.sqrt(12)
@@ -147,7 +152,7 @@ def from_counts(
     random = dead_reckoning_errors.of_counts(driven, wheels.track_m, u_m)
     # the samples that were left out have what the one before them has
     at = np.searchsorted(kept, np.arange(len(time_s)), side="right") - 1
-    return _with_random(found, random[at])
+    return replace(found, random=random[at])
 
 
 def from_rates(
@@ -157,6 +162,7 @@ def from_rates(
     start: Pose = AT_ORIGIN,
     *,
     u_rad_s: float = 0.0,
+    u_start: Pose = AT_ORIGIN,
 ) -> DeadReckoning:
     """The path from the rates of two wheels, straight lines between samples.
 
@@ -166,6 +172,7 @@ def from_rates(
         wheels: what is believed of the robot.
         start: first pose.
         u_rad_s: standard uncertainty of one rate by noise, independent from sample to sample.
+        u_start: standard uncertainties of the first pose.
 
     Raises:
         InputError: arrays that do not fit each other, or are not finite.
@@ -176,12 +183,12 @@ def from_rates(
         np.concatenate(([0.0], np.cumsum(steps * (rate[1:] + rate[:-1]) / 2)))
         for rate in map(np.asarray, rates_rad_s)
     )
-    found = _reckoned(time_s, (left, right), wheels, start)
+    found = _reckoned(time_s, (left, right), wheels, start, u_start)
     driven = odometer.arcs(*_rolled((left, right), wheels), wheels.track_m, start[2])
     radii = np.array([wheels.left_radius_m, wheels.right_radius_m])
     # a rate serves in the steps before and after it, half of each; taken as if in the one after
     u_m = steps[:, None] * radii * u_rad_s
-    return _with_random(found, dead_reckoning_errors.of_noise(driven, wheels.track_m, u_m))
+    return replace(found, random=dead_reckoning_errors.of_noise(driven, wheels.track_m, u_m))
 
 
 def _check(time_s: Array, pair: tuple[Array, Array], name: str) -> None:
@@ -204,7 +211,7 @@ def _rolled(angles: tuple[Array, Array], wheels: Wheels) -> tuple[Array, Array]:
 
 
 def _reckoned(
-    time_s: Array, angles: tuple[Array, Array], wheels: Wheels, start: Pose
+    time_s: Array, angles: tuple[Array, Array], wheels: Wheels, start: Pose, u_start: Pose
 ) -> DeadReckoning:
     """The path and its sensitivities, without random errors."""
     driven = odometer.arcs(*_rolled(angles, wheels), wheels.track_m, start[2])
@@ -212,13 +219,9 @@ def _reckoned(
     pose = odometer.poses(driven, start)
     none = np.zeros((len(time_s), 3, 3))
     found = dead_reckoning_errors.of_wheels(driven, angles, wheels.track_m)
-    return DeadReckoning(np.asarray(time_s, dtype=float), pose, way, none, found, wheels)
-
-
-def _with_random(found: DeadReckoning, random: Array) -> DeadReckoning:
-    return DeadReckoning(
-        found.time_s, found.pose, found.way_m, random, found.sensitivity, found.wheels
-    )
+    by_start = dead_reckoning_errors.of_start(pose, u_start)
+    time_s = np.asarray(time_s, dtype=float)
+    return DeadReckoning(time_s, pose, way, none, found, by_start, wheels)
 
 
 def _counted_on(counts: tuple[Array, Array]) -> Array:

@@ -55,6 +55,17 @@ def _before(sums: Array) -> Array:
     return np.concatenate((np.zeros((1, *sums.shape[1:])), sums))
 
 
+def of_start(pose: Array, u_start: tuple[float, float, float]) -> Array:
+    """Covariance of the poses (n, 3, 3) from independent errors of the first one.
+
+    A wrong heading turns the whole path about its start.
+    """
+    gain = np.tile(np.eye(3), (len(pose), 1, 1))
+    gain[:, 0, 2] = pose[0, 1] - pose[:, 1]
+    gain[:, 1, 2] = pose[:, 0] - pose[0, 0]
+    return np.asarray(gain @ np.diag(np.square(u_start)) @ np.swapaxes(gain, 1, 2))
+
+
 def of_counts(driven: Arcs, track_m: float, u_m: Array) -> Array:
     """Covariance (n, 3, 3) where the ways at every sample have independent errors of u (2,) [m].
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -43,6 +44,8 @@ OPTIONS = {
     "start_x_m": Option("where it starts along x", 0.0, -math.inf),
     "start_y_m": Option("where it starts along y", 0.0, -math.inf),
     "start_heading_rad": Option("its heading there", 0.0, -math.inf),
+    "u_start_m": Option("standard uncertainty of that place", 0.0),
+    "u_start_heading_rad": Option("standard uncertainty of that heading", 0.0),
     "u_place_m": Option("standard uncertainty of the true place", 0.0),
 }  # fmt: skip
 LABELS = {
@@ -59,7 +62,7 @@ def estimate(given: Given) -> Estimate:
     Raises:
         InputError: wheels that are not given, or that are no wheels.
     """
-    reckoned = _reckoned(given)
+    reckoned = _judged(given, _reckoned(given))
     strayed = _strayed(given, reckoned)
     states = {
         name: State(
@@ -84,16 +87,30 @@ def _reckoned(given: Given) -> DeadReckoning:
         radius, radius * larger, o["track_m"], u, u * larger, o["u_track_m"], o["correlation"]
     )
     start = (o["start_x_m"], o["start_y_m"], o["start_heading_rad"])
+    u_start = (o["u_start_m"], o["u_start_m"], o["u_start_heading_rad"])
     if {"left_marks", "right_marks"} <= set(given.signals):
         time_s, counts = _pair(given.signal("left_marks"), given.signal("right_marks"))
-        return from_counts(time_s, counts, o["marks"], wheels, start)
+        return from_counts(time_s, counts, o["marks"], wheels, start, u_start=u_start)
     if {"left_rate", "right_rate"} <= set(given.signals):
         left = given.signal("left_rate")
         time_s, rates = _pair(left, given.signal("right_rate"))
         noise = 0.0 if left.u is None else float(np.max(left.u))
-        return from_rates(time_s, rates, wheels, start, u_rad_s=noise)
+        return from_rates(time_s, rates, wheels, start, u_rad_s=noise, u_start=u_start)
     wanted = "expected left_marks and right_marks, or left_rate and right_rate"
     raise InputError("estimate", [f"the wheels are not given; {wanted}"])
+
+
+def _judged(given: Given, reckoned: DeadReckoning) -> DeadReckoning:
+    """The samples at which the true place is known; all of them where it never is."""
+    places = [given.truth_at(role, reckoned.time_s) for role in ("x", "y")]
+    known = np.isfinite(np.sum([p for p in places if p is not None], axis=0))
+    if len([p for p in places if p is not None]) < 2 or known.all():
+        return reckoned
+    kept = {
+        name: getattr(reckoned, name)[known]
+        for name in ("time_s", "pose", "way_m", "random", "sensitivity", "by_start")
+    }
+    return replace(reckoned, **kept)
 
 
 def _pair(left: Signal, right: Signal) -> tuple[Array, tuple[Array, Array]]:
