@@ -136,8 +136,9 @@ def test_what_a_student_types_runs(page, tmp_path, monkeypatch, capsys):
         if words[0] in ("run", "fit"):
             settings = [words[i + 1] for i, word in enumerate(words) if word == "--set"]
             catalogue.load(words[1]).read_settings(pairs(settings))
-        # one line of each kind is enough to see that it runs
-        if (kind := tuple(words[:2])) not in done:
+        # one line of each kind is enough to see that it runs; recordings are tested elsewhere
+        kind = tuple(words[:2])
+        if kind not in done and words[0] not in ("data", "fit", "validate"):
             code, _ = call(monkeypatch, capsys, *quick(words))
             # a tolerance that an engine misses is no fault of the line
             assert code in (0, 1, None), words
@@ -145,11 +146,11 @@ def test_what_a_student_types_runs(page, tmp_path, monkeypatch, capsys):
 
 
 def quick(words):
-    """The same with one engine and level, and without a report."""
-    if words[0] not in ("run", "fit"):
+    """The same run with one engine and level, and without a report."""
+    if words[0] != "run":
         return words
-    words = [*without(words, "--engine"), "--engine", "mujoco", "--no-report"]
-    return [*without(words, "--contact"), "--contact", "tuned"] if words[0] == "run" else words
+    words = without(without(words, "--engine"), "--contact")
+    return [*words, "--engine", "mujoco", "--contact", "tuned", "--no-report"]
 
 
 def without(words, option):
