@@ -394,3 +394,11 @@ def test_words_of_the_tables_are_explained():
     from simcompare import glossary
 
     assert len(glossary.legend([*tables.BUDGET_WORDS, *tables.WAYS_WORDS])) == 8
+
+
+def test_what_only_compares_is_no_result_of_one_run():
+    with pytest.raises(InputError) as error:
+        simcompare.uncertainty("barometer", of="pressure_error", u={"climb": "1%"})
+    assert str(error.value).startswith(
+        "pressure_error: it has no single value in closed form; single results are: "
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from simcompare import measures
 from simcompare.errors import InputError, UnknownName
@@ -41,25 +42,34 @@ def value_of(scenario: Scenario, trajectory: Trajectory, of: str) -> float:
     """A result of one run.
 
     Raises:
-        InputError: it cannot be measured in that run.
+        InputError: it cannot be measured in that run; names what can.
     """
-    measure = _measure(scenario, of)
+    measure = next(one for one in scenario.measures if of in _names(one, scenario))
+    values, why = _values(measure, scenario, trajectory)
+    if of in values:
+        return values[of]
+    others = [one for each in scenario.measures for one in _values(each, scenario, trajectory)[0]]
+    cure = f"; single results are: {', '.join(others)}" if others else ""
+    raise InputError(of, [f"it has no single value in {trajectory.source}{why}{cure}"])
+
+
+def _names(measure: Measure, scenario: Scenario) -> list[str]:
+    return [measure.name_of(name) for name in measures.units_of(measure, scenario)]
+
+
+def _values(
+    measure: Measure, scenario: Scenario, trajectory: Trajectory
+) -> tuple[Mapping[str, float], str]:
+    """The single values that a measure finds, and a remark where it finds none."""
     seen = measures.take(measure, scenario, trajectory)
-    # what is judged may be a mean of what is measured once per event
     function = measures.load(measure.function)
+    # what is measured once per event may be judged by its mean
     judged = {} if seen.lacking else function.against(seen, seen)
     means = {name: value for name, (value, _) in judged.items() if name in function.series}
-    values = {**seen.values, **means}
-    value = {measure.name_of(name): value for name, value in values.items()}.get(of)
-    if value is None or not math.isfinite(value):
-        why = seen.lacking or "; ".join(seen.notes) or "it has no single value there"
-        raise InputError(of, [f"it cannot be measured in {trajectory.source}: {why}"])
-    return float(value)
-
-
-def _measure(scenario: Scenario, of: str) -> Measure:
-    return next(
-        measure
-        for measure in scenario.measures
-        if of in map(measure.name_of, measures.units_of(measure, scenario))
-    )
+    found = {
+        measure.name_of(name): float(value)
+        for name, value in {**seen.values, **means}.items()
+        if value is not None and math.isfinite(value)
+    }
+    why = seen.lacking or "; ".join(seen.notes)
+    return found, f" ({why})" if why else ""
