@@ -99,10 +99,8 @@ def _error_panel(rows: list[Curve], best: str, state: str, label: str) -> Panel 
     limit = 2.5 * float(np.nanmax(np.abs(factor * errors[len(errors) // 10 :])) or 1.0)
     u_late = factor * float(np.nanmedian(np.array(own.u))) if own.u is not None else 0.0
     limit = max(limit, 3 * u_late)
-    return Panel(
-        "Its error", _TIME, f"Error ({unit})", tuple(series), (Band(0.0, 0.0, ""),),
-        y_range=(-limit, limit),
-    )  # fmt: skip
+    y_range = (-limit, limit)
+    return Panel("Its error", _TIME, f"Error ({unit})", tuple(series), y_range=y_range)
 
 
 def _path(result: Estimation, source: SourceEstimate) -> Figure:

@@ -19,6 +19,8 @@ def estimate(
     ),
     recording: str = typer.Option(
         None,
+        "--recording",
+        "-r",
         help="A public recording, an imported one, or a log, in place of engines.",
         autocompletion=complete.recordings,
     ),
