@@ -167,7 +167,7 @@ def test_the_terminal_tells_each_signal_in_a_line(call):
         " z −0.55 m/s² in the mean, scatter up to 0.035 m/s²." in text
     )
     assert "imu.rate_rad_s, read by one MPU-6050 (gyroscope): off by" in text
-    assert "nothing that a sensor reads goes into a score. Another device: --seed 1." in text
+    assert "nothing that a sensor reads goes into a score. Another draw: --seed 1." in text
 
 
 def test_json_holds_the_device_and_its_deviations(call):

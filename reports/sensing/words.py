@@ -11,8 +11,8 @@ from simcompare.results.records.sensing import Sensing, SensorRecord, SourceDevi
 
 #: what is said of a device, wherever it is shown
 ONE_DEVICE = (
-    "One device was drawn and is the same for every source. Engines and scores are ideal: nothing"
-    " that a sensor reads goes into a score."
+    "Each device was drawn once and is the same for every source. Engines and scores are ideal:"
+    " nothing that a sensor reads goes into a score."
 )
 
 
@@ -21,7 +21,7 @@ def lines(sensing: Sensing) -> list[str]:
     said = [line for sensor in sensing.sensors for line in sensor_lines(sensor)]
     notes = [note for sensor in sensing.sensors for one in sensor.deviations for note in one.notes]
     said += [notation.sentence(note) for note in dict.fromkeys(notes)]
-    return [*said, f"{ONE_DEVICE} Another device: --seed {sensing.seed + 1}."] if said else []
+    return [*said, f"{ONE_DEVICE} Another draw: --seed {sensing.seed + 1}."] if said else []
 
 
 def sensor_lines(sensor: SensorRecord) -> list[str]:
