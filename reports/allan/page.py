@@ -23,15 +23,22 @@ def write_html(found: NoiseAnalysis, path: Path) -> Path:
 
 def block_of(found: NoiseAnalysis) -> Block:
     """What the page shows."""
+    parts = (_answer(found), *_audit(found), _numbers(found), _all(found))
     return Block(
         "a1", "allan", f"Noise at rest: {found.title}", words.QUESTION, found.created,
-        found.software.simcompare or "", (_answer(found), _numbers(found), _all(found)),
+        found.software.simcompare or "", parts,
     )  # fmt: skip
 
 
 def _answer(found: NoiseAnalysis) -> Part:
-    said = [*words.answer(found), *words.against(found)]
+    said = [*words.audit(found), *words.answer(found), *words.against(found)]
     return part_of("Answer", "answer", [figures.plot(found)], answer=said, notes=words.notes(found))
+
+
+def _audit(found: NoiseAnalysis) -> list[Part]:
+    if not found.audited:
+        return []
+    return [part_of("Audit", "audit", tables=[tables.of_findings(found), tables.of_matches(found)])]
 
 
 def _numbers(found: NoiseAnalysis) -> Part:

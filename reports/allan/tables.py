@@ -31,7 +31,7 @@ def of_terms(found: NoiseAnalysis) -> Table:
 
 
 def _rows(axis: AxisNoise) -> tuple[tuple[str, ...], ...]:
-    rows = [_density(axis), *(_row(term) for term in axis.terms)]
+    rows = [_density(axis), _neighbours(axis), *(_row(term) for term in axis.terms)]
     found = axis.gauss_markov
     if found is not None:
         symbol = units.symbol(axis.unit)
@@ -52,6 +52,16 @@ def _density(axis: AxisNoise) -> tuple[str, ...]:
     found, u = 2**0.5 * white.value, 2**0.5 * white.u
     told = numbers.with_u(found / white.sheet_size, u / white.sheet_size)
     return ("noise density n", told, white.sheet_unit, numbers.with_u(found, u), white.unit)
+
+
+def _neighbours(axis: AxisNoise) -> tuple[str, ...]:
+    """The density that neighbouring readings show, where the fit begins later."""
+    white = axis.term("N")
+    if axis.from_s < 1.5 * axis.tau_s[0]:
+        return ()
+    found = axis.deviation[0] * (2 * axis.tau_s[0]) ** 0.5
+    told = numbers.plain(found / white.sheet_size, 3)
+    return ("n of neighbours", told, white.sheet_unit, numbers.plain(found, 3), white.unit)
 
 
 def _row(term: NoiseTerm) -> tuple[str, ...]:
@@ -94,6 +104,43 @@ def of_sheet(found: NoiseAnalysis) -> Table | None:
             numbers.plain(row.stated / size, 3), name, numbers.with_u(row.ratio, row.u_ratio),
         ))  # fmt: skip
     return Table(f"Beside {found.against[0].sheet}", columns, (Group("", tuple(rows)),))
+
+
+def of_findings(found: NoiseAnalysis) -> Table | None:
+    """Every test of the audit."""
+    if not found.audited:
+        return None
+    columns = (
+        Column("Test", text=True), Column("Channel", text=True), Column("Verdict", text=True),
+        Column("p"), Column("Found", text=True),
+    )  # fmt: skip
+    rows = tuple(
+        (one.test, ", ".join(words.short(name) for name in one.channel.split(", ")),
+         "fault" if one.fault else "fine", words.chance_of(one.p).removeprefix("p = "),
+         one.text if one.fault else "")
+        for one in found.findings
+    )  # fmt: skip
+    note = (
+        "p: chance of so extreme a stream without the fault, of each test alone; the verdicts are"
+        " corrected for how many tests there are (Holm)."
+    )
+    return Table("Audit", columns, (Group("", rows),), note)
+
+
+def of_matches(found: NoiseAnalysis) -> Table | None:
+    """Data sheets beside the stream."""
+    if not found.matches:
+        return None
+    columns = (
+        Column("Sheet", text=True), Column("Sensor", text=True), Column("Noise over the sheet's"),
+        Column("Fits", text=True),
+    )  # fmt: skip
+    rows = tuple(
+        (one.sheet, one.part.replace("_", " "), numbers.plain(one.ratio, 3),
+         "yes" if one.fits else "no")
+        for one in found.matches
+    )  # fmt: skip
+    return Table("Whose noise it is", columns, (Group("", rows),))
 
 
 def of_deviations(found: NoiseAnalysis) -> Table:

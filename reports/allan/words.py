@@ -9,12 +9,14 @@ from simcompare import units
 from simcompare.hardware.sensors import noise_units
 from simcompare.reports.render import numbers
 from simcompare.reports.run.listing import joined
-from simcompare.results.records.allan import AgainstSheet, AxisNoise, NoiseAnalysis
+from simcompare.results.records.allan import AgainstSheet, AxisNoise, Finding, NoiseAnalysis
 
 #: what a sensor with readings in a unit is called
 _SENSORS = {"m/s**2": "accelerometer", "rad/s": "gyroscope"}
 #: a ratio that is as good as 1: data sheets round
 _SAME = 0.15
+#: of faults that are told in sentences
+_TOLD = 6
 QUESTION = "How noisy is the sensor at rest, and over which time should it be averaged?"
 
 
@@ -86,6 +88,54 @@ def _verdict(row: AgainstSheet) -> str:
     if abs(row.ratio - 1) <= max(_SAME, 2 * row.u_ratio):
         return "as the sheet says"
     return "noisier" if row.ratio > 1 else "quieter"
+
+
+def audit(found: NoiseAnalysis) -> list[str]:
+    """Of which sensor the noise is, and what no sensor does."""
+    if not found.audited:
+        return []
+    return [*_whose(found), *_faults(found)]
+
+
+def _whose(found: NoiseAnalysis) -> list[str]:
+    said = []
+    for unit in by_unit(found):
+        of = [one for one in found.matches if _SENSORS.get(unit) == one.part]
+        fits = [one.sheet for one in of if one.fits]
+        if fits:
+            said.append(f"The noise of the {sensor(unit)} is that of {joined(fits)}.")
+        elif of:
+            near = f"the nearest is {of[0].sheet}, {numbers.plain(of[0].ratio, 2)} times of which"
+            said.append(f"The noise of the {sensor(unit)} is that of no data sheet here; {near}.")
+    return said
+
+
+def _faults(found: NoiseAnalysis) -> list[str]:
+    by_text: dict[str, list[Finding]] = {}
+    for one in found.findings:
+        if one.fault:
+            by_text.setdefault(one.text, []).append(one)
+    count = len(found.findings)
+    chance = "of 100 faultless streams 2 at most fail any"
+    if not by_text:
+        return [f"No fault is found in {count} tests ({chance})."]
+    told = [_fault(text, ones) for text, ones in [*by_text.items()][:_TOLD]]
+    more = len(by_text) - _TOLD
+    rest = f" And {more} more, in the table." if more > 0 else ""
+    return [f"Faults, in {count} tests ({chance}): {'; '.join(told)}.{rest}"]
+
+
+def _fault(text: str, ones: Sequence[Finding]) -> str:
+    where = joined([short(one.channel) for one in ones if one.channel])
+    chance = chance_of(min(one.p for one in ones))
+    return f"{where}: {text} ({chance})" if where else f"{text} ({chance})"
+
+
+def chance_of(p: float) -> str:
+    """A p-value."""
+    if p <= 0:
+        return "p = 0"
+    return "p < 10⁻⁹" if p < 1e-9 else f"p = {numbers.plain(p, 2)}"
 
 
 def notes(found: NoiseAnalysis) -> list[str]:

@@ -32,6 +32,15 @@ def allan(
     sheet: str = typer.Option(
         None, help="Data sheet to hold the noise against.", autocompletion=complete.sheets
     ),
+    audit: bool = typer.Option(
+        False, "--audit", help="For a simulator's stream: test it, and tell whose noise it is."
+    ),
+    again: str = typer.Option(
+        None, metavar="RECORD", help="A second run of the same simulator, for the audit."
+    ),
+    claim: list[str] = typer.Option(
+        [], metavar="NAME=VALUE", help="What it claims, in SI: density, or bias and bias_time."
+    ),
     out: Path = typer.Option(Path("runs"), "--out", "-o", help="Folder for the report."),
     report: bool = typer.Option(
         False, "--report/--no-report", help="Write an HTML page into the folder."
@@ -44,13 +53,26 @@ def allan(
     from simcompare.verbs import allan as verb
 
     found = verb.allan(
-        record, channel=channel, start=start, until=until, mapping=mapping, sheet=sheet
-    )
+        record, channel=channel, start=start, until=until, mapping=mapping, sheet=sheet,
+        audit=audit, again=again, claims=_claims(claim),
+    )  # fmt: skip
     page = _write(found, out) if report or opened else None
     ending.finish(
         lambda: plain(found), lambda: _show(found, page), 0,
         page=page if opened else None, as_json=as_json,
     )  # fmt: skip
+
+
+def _claims(given: list[str]) -> dict[str, float]:
+    """Claims as numbers."""
+    from simcompare import units
+    from simcompare.errors import InputError
+
+    pairs = [one.partition("=") for one in given]
+    wrong = [f"{name!r} is no claim; expected NAME=VALUE" for name, sign, _ in pairs if not sign]
+    if wrong:
+        raise InputError("--claim", wrong)
+    return {name.strip(): units.to_si(value, "1", f"--claim {name}") for name, _, value in pairs}
 
 
 def _write(found: NoiseAnalysis, out: Path) -> Path:
@@ -66,7 +88,7 @@ def _show(found: NoiseAnalysis, page: Path | None) -> None:
     from simcompare.reports.allan import tables, words
     from simcompare.reports.render import numbers
 
-    said = [*words.answer(found), *words.against(found)]
+    said = [*words.audit(found), *words.answer(found), *words.against(found)]
     console.print_wrapped(map(numbers.tied, said))
     typer.echo("")
     made = tables.of_terms(found)._replace(title="")
@@ -74,5 +96,10 @@ def _show(found: NoiseAnalysis, page: Path | None) -> None:
     typer.echo("")
     console.print_wrapped(map(numbers.tied, words.notes(found)))
     if manner.is_verbose():
+        for more in (tables.of_findings(found), tables.of_matches(found)):
+            if more is not None:
+                typer.echo(f"\n{more.title}")
+                console.show_table(more._replace(title=""))
+        typer.echo("")
         console.show_table(tables.of_deviations(found))
     ending.show_places(None, page)

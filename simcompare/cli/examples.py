@@ -23,6 +23,7 @@ EXAMPLES = {
     "allan": (
         "simcompare allan imu_broad_translation --sheet mpu6050",
         "simcompare allan imu_xio --channel gyr --from 1s --until 12s",
+        "simcompare allan stream.csv --audit --sheet mpu6050",
     ),
     "sensor": (
         "simcompare sensor",

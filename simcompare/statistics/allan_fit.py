@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -23,6 +25,8 @@ SEEN = 12.0
 _CHANCE = 1e-3
 #: octaves of short averaging times that a filter may smooth, and that are kept at least
 _MOST_SKIPPED, _LEAST_KEPT = 7, 6
+#: correlation time in samples from which it is not that of a filter, with no white noise beside it
+_SLOW = 32.0
 #: by how much a Gauss-Markov noise must raise twice the logarithm of the likelihood
 _WORTH = 15.0
 
@@ -103,7 +107,7 @@ class Observed:
 
 
 def fit_of(rates: Array, order: int) -> Fit:
-    """The noises that are seen in a record, without any Gauss-Markov noise.
+    """The noises that are seen in a record; a Gauss-Markov noise where nothing else describes it.
 
     A filter in the sensor smooths what is faster than itself. So the shortest averaging times are
     left out, one octave after the other, until the noises describe the rest; where they never do,
@@ -111,20 +115,39 @@ def fit_of(rates: Array, order: int) -> Fit:
     """
     found = allan.deviations(rates, kind="oadev" if order == ALLAN else "ohdev")
     whole = _kept(_observed(found, order, 0), [*cov.kernels()])
-    fit, skipped = whole, 0
-    while not fit.describes and skipped < min(_MOST_SKIPPED, len(found.m) - _LEAST_KEPT):
-        skipped += 1
-        fit = _kept(_observed(found, order, skipped), ["N", "B", "K"])
-    return fit if fit.describes else whole
+    fit = whole if whole.describes else with_markov(whole)
+    if fit.describes and (fit.length >= _SLOW or "GM" not in fit.variances or "N" in fit.variances):
+        return fit
+    most = min(_MOST_SKIPPED, len(found.m) - _LEAST_KEPT)
+    later = [_kept(_observed(found, order, k), ["N", "B", "K"]) for k in range(1, most + 1)]
+    # where a smoothing is no longer noticed it still is a tenth; two octaves on it is a fortieth
+    good = [one for one in later if one.describes]
+    good = good[2:] or good[-1:]
+    settled = [one for one, next_ in itertools.pairwise(good) if _settled(one, next_)]
+    return next(iter(settled or good[-1:]), whole)
+
+
+def _settled(fit: Fit, later: Fit) -> bool:
+    """Whether one octave less changes the white noise by no more than chance does."""
+    if not ("N" in fit.variances and "N" in later.variances):
+        return True
+    change = later.variances["N"] - fit.variances["N"]
+    return change**2 < 4 * abs(later.u["N"] ** 2 - fit.u["N"] ** 2)
 
 
 def _observed(found: allan.Deviations, order: int, skipped: int) -> Observed:
-    factors, noises = found.m[skipped:], cov.kernels()
+    factors = found.m[skipped:].astype(float)
     return Observed(
-        order, found.values[skipped:] ** 2, factors.astype(float), found.samples,
-        cov.products(factors.tolist(), found.samples, noises, order),
-        {name: cov.shape(one, factors.astype(float), order) for name, one in noises.items()},
+        order, found.values[skipped:] ** 2, factors, found.samples,
+        _products(tuple(found.m[skipped:].tolist()), found.samples, order),
+        {name: cov.shape(one, factors, order) for name, one in cov.kernels().items()},
     )  # fmt: skip
+
+
+@functools.lru_cache(maxsize=32)
+def _products(factors: tuple[int, ...], samples: int, order: int) -> cov.Products:
+    """The same for all axes of a sensor."""
+    return cov.products(list(factors), samples, cov.kernels(), order)
 
 
 def _kept(observed: Observed, names: list[str]) -> Fit:
@@ -156,7 +179,7 @@ def _weighted(
         names: noises that are fitted.
         given: variances of noises that are held.
     """
-    from scipy import linalg, optimize
+    from scipy import optimize
 
     held = given or {}
     base = sum((size * observed.shapes[name] for name, size in held.items()), np.zeros(1))
@@ -168,8 +191,9 @@ def _weighted(
         mixture = np.maximum(variances, 1e-9 * observed.values.min())
         size = {**held, **dict(zip(names, mixture.tolist(), strict=True))}
         covariance = observed.products.covariance(size)
-        root = linalg.cholesky(covariance, lower=True)
-        white = linalg.solve_triangular(root, np.column_stack((design, values)), lower=True)
+        # of a few rows; SciPy's triangular solver takes ten times as long
+        root = np.linalg.inv(np.linalg.cholesky(covariance))
+        white = root @ np.column_stack((design, values))
         variances, _ = optimize.nnls(white[:, :-1], white[:, -1])
         if np.allclose(variances, before, rtol=1e-5, atol=0):
             break
@@ -187,13 +211,11 @@ def _likelihood(values: Array, expected: Array, covariance: Array) -> tuple[floa
     Variances of few degrees of freedom are skewed; their cube roots are hardly (E. B. Wilson and
     M. M. Hilferty, 1931).
     """
-    from scipy import linalg
-
     part = 2 / 9 * np.diag(covariance) / (2 * expected**2)
     shrunk = expected ** (-2 / 3) / 3
-    root = linalg.cholesky(covariance * np.outer(shrunk, shrunk), lower=True)
+    root = np.linalg.cholesky(covariance * np.outer(shrunk, shrunk))
     off = np.cbrt(values) - np.cbrt(expected) * (1 - part)
-    left = linalg.solve_triangular(root, off, lower=True)
+    left = np.linalg.solve(root, off)
     chi_squared = float(left @ left)
     return chi_squared, chi_squared + 2 * float(np.log(np.diag(root)).sum())
 
@@ -201,7 +223,7 @@ def _likelihood(values: Array, expected: Array, covariance: Array) -> tuple[floa
 def with_markov(plain: Fit) -> Fit:
     """The fit with a Gauss-Markov noise, where the record is much likelier with it."""
     observed = plain.observed
-    if len(observed.values) < 8 or not {"B", "K"} & {*plain.variances}:
+    if "GM" in plain.variances or len(observed.values) < 8 or not {"B", "K"} & {*plain.variances}:
         return plain
     best = _markov(observed, list(dict.fromkeys(["N", *plain.variances, "GM"])))
     return best if best is not None and plain.unlikelihood - best.unlikelihood > _WORTH else plain

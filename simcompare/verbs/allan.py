@@ -20,7 +20,7 @@ from simcompare.results.records.allan import AgainstSheet, AxisNoise, Forgetting
 from simcompare.results.run_record import software
 from simcompare.statistics import allan as deviation
 from simcompare.statistics import allan_bounds, allan_terms
-from simcompare.verbs import allan_stretch
+from simcompare.verbs import allan_audit, allan_stretch
 from simcompare.verbs.allan_shown import Allan
 from simcompare.verbs.allan_stretch import Stretch
 
@@ -36,6 +36,10 @@ def allan(
     rate_Hz: float | None = None,
     unit: str = "1",
     sheet: str | Path | None = None,
+    audit: bool = False,
+    again: Any = None,  # noqa: ANN401
+    again_rate_Hz: float | None = None,
+    claims: Mapping[str, float] | None = None,
 ) -> Allan:
     """How noisy a sensor is at rest: Allan deviation, noise types, and a number for each noise.
 
@@ -58,20 +62,36 @@ def allan(
         rate_Hz: readings in a second, where readings are given.
         unit: their SI unit, such as "rad/s".
         sheet: data sheet to hold the noise against, such as "mpu6050".
+        audit: also test whether it can be the noise of a sensor, and of which; for streams of
+            simulators.
+        again: a second run of the same simulator, for the audit; what ``record`` may be.
+        again_rate_Hz: readings in a second of the second run; as ``rate_Hz`` if left out.
+        claims: what the simulator says that it adds, in SI: "density" (one-sided), "bias" and
+            "bias_time".
 
     Raises:
         UnknownName: no such recording, channel or data sheet.
         InputError: a stretch that is too short or uneven, or readings without a rate.
     """
     stretch, source, title = taken(record, channel, start, until, mapping, rate_Hz, unit)
+    held = None if sheet is None else data_sheet.load(sheet)
+    allan_audit.checked_claims(claims or {})
+    if not audit and (again is not None or claims):
+        raise InputError("allan", ["a second run and claims are for an audit; add --audit"])
     axes = tuple(axis_of(name, stretch) for name in stretch.values)
-    against = () if sheet is None else tuple(_against(axes, data_sheet.load(sheet)))
+    second = None
+    if again is not None:
+        whole = taken(again, channel, None, None, mapping, again_rate_Hz or rate_Hz, unit)[0]
+        second = (whole, [axis_of(name, whole) for name in whole.values])
+    found = allan_audit.findings(stretch, axes, held, claims or {}, second) if audit else ()
+    matches = allan_audit.matches(axes, stretch.rate_Hz) if audit else ()
     return Allan(
         created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         source=source, title=title, rate_Hz=stretch.rate_Hz, start_s=stretch.start_s,
         end_s=stretch.start_s + (stretch.count - 1) / stretch.rate_Hz,
-        length_s=stretch.length_s, chosen=stretch.chosen, axes=axes, against=against,
-        software=software(),
+        length_s=stretch.length_s, chosen=stretch.chosen, axes=axes,
+        against=() if held is None else tuple(_against(axes, held)), audited=audit,
+        findings=found, matches=matches, software=software(),
     )  # fmt: skip
 
 

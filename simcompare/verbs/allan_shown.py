@@ -9,6 +9,7 @@ from simcompare.reports.allan import figures, tables, words
 from simcompare.reports.render import frames, matplotlib_
 from simcompare.reports.render.glance import Glance
 from simcompare.reports.render.shown import Shown
+from simcompare.reports.render.tables import Table
 from simcompare.results.records.allan import NoiseAnalysis
 
 if TYPE_CHECKING:
@@ -33,6 +34,11 @@ class Allan(Shown, NoiseAnalysis):
         """Every Allan deviation with its bounds, a row for each averaging time."""
         return frames.frame(tables.of_deviations(self))
 
+    def audit(self) -> pd.DataFrame:
+        """Every test of the audit; empty where none was asked for."""
+        made = tables.of_findings(self)
+        return frames.frame(Table("", (), ()) if made is None else made)
+
     def plot(self) -> Figure:
         """The Allan plot."""
         return matplotlib_.canvas(figures.plot(self))
@@ -41,9 +47,9 @@ class Allan(Shown, NoiseAnalysis):
         return Glance(
             title=f"Noise at rest: {self.title}",
             question=words.QUESTION,
-            sentences=(*words.answer(self), *words.against(self)),
+            sentences=(*words.audit(self), *words.answer(self), *words.against(self)),
             notes=tuple(words.notes(self)),
             table=tables.of_terms(self),
             figure=figures.plot(self),
-            more="More: .table(), .deviations(), .plot(), .axes",
+            more="More: .table(), .deviations(), .audit(), .plot(), .axes",
         )

@@ -1,0 +1,262 @@
+"""The audit of ``allan``: is a stream the noise of a sensor, and of which?"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from simcompare.errors import InputError, UnknownName
+from simcompare.hardware.sensors import data_sheet
+from simcompare.hardware.sensors.data_sheet import DataSheet, Part
+from simcompare.results.records.allan import AxisNoise, Finding, Match, NoiseTerm
+from simcompare.statistics import allan_bounds, allan_covariance, noise_audit
+from simcompare.statistics.noise_audit import Told
+from simcompare.verbs.allan_stretch import Stretch
+
+#: part of all clean streams in which an audit finds a fault by chance
+FALSE_ALARMS = 0.02
+#: what a simulator may claim of its noise -> what it is
+CLAIMS = {
+    "density": "one-sided noise density, in SI per √Hz",
+    "bias": "standard deviation of the bias process, in SI",
+    "bias_time": "its correlation time, in s",
+}
+#: data sheets round by so much
+_ROUNDED = 0.03
+_GRAVITY, _ACCELERATION = 9.80665, "m/s**2"
+
+
+def findings(
+    stretch: Stretch, axes: Sequence[AxisNoise], sheet: DataSheet | None,
+    claims: Mapping[str, float], again: tuple[Stretch, Sequence[AxisNoise]] | None,
+) -> tuple[Finding, ...]:  # fmt: skip
+    """All tests, corrected for how many they are; faults first."""
+    made = [*_alone(stretch), *_claimed(axes, claims)]
+    if sheet is not None:
+        made += _beside(stretch, sheet)
+    if again is not None:
+        made += _twice(stretch, axes, *again)
+    fails = noise_audit.holm([one.p for one in made], FALSE_ALARMS)
+    judged = [replace(one, fault=fault) for one, fault in zip(made, fails, strict=True)]
+    return tuple(sorted(judged, key=lambda one: (not one.fault, one.p)))
+
+
+def checked_claims(claims: Mapping[str, float]) -> None:
+    """Refuses claims that mean nothing.
+
+    Raises:
+        UnknownName: a claim that is not known.
+        InputError: a number that is not above 0, or half of what a bias process needs.
+    """
+    for name, value in claims.items():
+        if name not in CLAIMS:
+            raise UnknownName("claim", name, CLAIMS)
+        if not 0 < value < math.inf:
+            raise InputError("--claim", [f"{name}={value:g}: expected a number above 0"])
+    if ("bias" in claims) != ("bias_time" in claims):
+        raise InputError("--claim", ["a bias process has both bias and bias_time; give both"])
+
+
+def matches(axes: Sequence[AxisNoise], rate_Hz: float) -> tuple[Match, ...]:
+    """Every sensor of every sheet that measures the same, the nearest first.
+
+    A sampled sensor has more noise than its sheet states: what is faster than half the rate and
+    passes its filter is folded down, and rounding to counts adds some.
+    """
+    found = []
+    for name in data_sheet.names():
+        for part in data_sheet.load(name).parts.values():
+            group = [axis for axis in axes if axis.unit == part.unit]
+            ratios = _ratios(group, part)
+            if ratios:
+                most = _sampled(part, rate_Hz)
+                fits = all(1 - 3 * u - _ROUNDED <= r <= most + 3 * u + _ROUNDED for r, u in ratios)
+                mean = math.exp(float(np.mean([math.log(r) for r, _ in ratios])))
+                found.append(Match(name, part.name, mean, fits))
+    return tuple(sorted(found, key=lambda one: (not one.fits, abs(math.log(one.ratio)))))
+
+
+def _sampled(part: Part, rate_Hz: float) -> float:
+    """How many times its stated noise a sensor has, at that rate and its usual bandwidth."""
+    device = part.typical()
+    x = math.pi * device.bandwidth_Hz / rate_Hz
+    folded = x / math.tanh(x) if math.isfinite(x) else 1.0
+    rounding = device.resolution**2 / 6 / rate_Hz / float(np.min(device.noise_density)) ** 2
+    return math.sqrt(folded + rounding)
+
+
+def _ratios(axes: Sequence[AxisNoise], part: Part) -> list[tuple[float, float]]:
+    stated = part.typical().noise_density
+    ratios = []
+    for i, axis in enumerate(axes):
+        typical, white = float(stated[min(i, len(stated) - 1)]), axis.term("N")
+        if white.value is None or white.u is None or not typical > 0:
+            return []
+        ratios.append((2**0.5 * white.value / typical, 2**0.5 * white.u / typical))
+    return ratios
+
+
+def _finding(test: str, channel: str, told: Told) -> Finding:
+    return Finding(test, channel, False, told.p, told.text)
+
+
+def _alone(stretch: Stretch) -> Iterator[Finding]:
+    """What a stream tells by itself."""
+    for name, values in stretch.values.items():
+        shape = noise_audit.normal(values)
+        if shape is not None:
+            yield _finding("normal numbers", name, shape)
+        yield _finding("no repetition", name, noise_audit.repeated(values))
+        yield _finding("fresh readings", name, noise_audit.held(values))
+    for one, other in itertools.combinations(stretch.values, 2):
+        told = noise_audit.same_numbers(stretch.values[one], stretch.values[other])
+        yield _finding("independent axes", f"{one}, {other}", told)
+    yield from _gravity(stretch, 0.5)
+
+
+def _gravity(stretch: Stretch, u: float) -> Iterator[Finding]:
+    """Whether three axes at rest feel their own weight; u is that of an offset."""
+    from scipy import stats
+
+    means = [
+        float(values.mean()) for name, values in stretch.values.items()
+        if stretch.units[name] == _ACCELERATION
+    ]  # fmt: skip
+    if len(means) == 3:
+        size = math.sqrt(sum(mean * mean for mean in means))
+        text = f"gravity is missing: at rest the size of the specific force is {size:.2g} m/s²"
+        p = 2 * float(stats.norm.sf(abs(size - _GRAVITY) / (2 * u)))
+        # a sensor that is badly calibrated is none without gravity
+        yield Finding("gravity", "", False, p if size < _GRAVITY / 2 else 1.0, text)
+
+
+def _beside(stretch: Stretch, sheet: DataSheet) -> Iterator[Finding]:
+    """What a data sheet says that the stream must show."""
+    for unit in dict.fromkeys(stretch.units.values()):
+        part = sheet.part_for(unit)
+        names = [name for name in stretch.values if stretch.units[name] == unit]
+        if part is None:
+            continue
+        device = part.typical()
+        for name in names:
+            values = stretch.values[name]
+            step = noise_audit.smallest_step(values)
+            if device.resolution > 0:
+                text = f"readings are not quantised; {sheet.name} gives whole counts"
+                yield Finding("quantisation", name, False, 1.0 if step > 0 else 0.0, text)
+            beyond = float(np.abs(values).max()) > 1.001 * device.full_scale
+            text = f"readings go beyond the range of {sheet.name}; nothing saturates"
+            yield Finding("saturation", name, False, 0.0 if beyond else 1.0, text)
+        yield from _offset(stretch, names, part, sheet.name)
+
+
+def _offset(stretch: Stretch, names: Sequence[str], part: Part, sheet: str) -> Iterator[Finding]:
+    """Whether a bias was ever added: all means as near 0 as chance hardly brings offsets."""
+    if part.unit == _ACCELERATION:
+        return  # means are those of gravity
+    sizes = [e.distribution.u for e in part.terms.values() if e.term == "offset" and e.used]
+    if not sizes:
+        return
+    near = []
+    for name in names:
+        values = stretch.values[name]
+        limit = max(abs(float(values.mean())), 3 * float(values.std()) / math.sqrt(len(values)))
+        near.append(math.erf(limit / (min(sizes) * math.sqrt(2))))
+    # the product of as many uniform numbers (R. A. Fisher, 1932)
+    from scipy import stats
+
+    p = float(stats.combine_pvalues(near).pvalue)
+    text = f"no bias is added: all means are 0, where {sheet} has offsets"
+    yield Finding("offset", ", ".join(names), False, p, text)
+
+
+def _claimed(axes: Sequence[AxisNoise], claims: Mapping[str, float]) -> Iterator[Finding]:
+    """Whether noise is what the simulator says that it adds."""
+    for axis in axes:
+        if "density" in claims:
+            yield _density(axis, axis.term("N"), claims["density"])
+        if "bias_time" in claims:
+            yield from _process(axis, claims["bias"], claims["bias_time"])
+
+
+def _density(axis: AxisNoise, white: NoiseTerm, claimed: float) -> Finding:
+    if white.value is None or white.u is None:
+        return Finding("claimed density", axis.channel, False, 0.0, "there is no white noise")
+    found = 2**0.5 * white.value
+    text = f"noise density is {found / claimed:.3g} times the one that is claimed"
+    return Finding("claimed density", axis.channel, False,
+                   _chance((found - claimed) / (2**0.5 * white.u)), text)  # fmt: skip
+
+
+def _process(axis: AxisNoise, sigma: float, time_s: float) -> Iterator[Finding]:
+    """The bias process that is claimed: its size and its time."""
+    seen = axis.gauss_markov
+    if seen is not None and math.isfinite(seen.u_time_s):
+        z = math.log(seen.time_s / time_s) * seen.time_s / seen.u_time_s
+        text = f"the bias forgets in {seen.time_s:.3g} s, claimed are {time_s:g} s"
+        yield Finding("claimed bias time", axis.channel, False, _chance(z), text)
+        z = math.log(seen.sigma / sigma) * seen.sigma / seen.u_sigma
+        text = f"the bias wanders by {seen.sigma / sigma:.3g} times what is claimed"
+        yield Finding("claimed bias size", axis.channel, False, _chance(z), text)
+    else:
+        yield _unseen(axis, sigma, time_s)
+
+
+def _unseen(axis: AxisNoise, sigma: float, time_s: float) -> Finding:
+    """A bias process that should be seen at some averaging time, and is at none."""
+    from scipy import stats
+
+    interval = axis.tau_s[0]
+    m = np.round(np.array(axis.tau_s) / interval)
+    kernel = allan_covariance.gauss_markov(time_s / interval)
+    white = (axis.term("N").value or 0.0) ** 2 / np.array(axis.tau_s)
+    expected = sigma**2 * allan_covariance.shape(kernel, m) + white
+    observed = np.array(axis.deviation) ** 2
+    freedom = np.array([
+        allan_bounds.edf("oadev", -2, int(one), axis.samples) for one in m.tolist()
+    ])  # fmt: skip
+    rows = np.atleast_1d(stats.chi2.cdf(freedom * observed / expected, freedom))
+    p = min(1.0, len(rows) * float(rows.min()))
+    text = f"no bias process of {sigma:.3g} with {time_s:g} s is seen; it should be"
+    return Finding("claimed bias", axis.channel, False, p, text)
+
+
+def _twice(
+    stretch: Stretch, axes: Sequence[AxisNoise], other: Stretch, others: Sequence[AxisNoise]
+) -> Iterator[Finding]:
+    """Two runs of one simulator: other numbers each time, and noise that knows the rate."""
+    for name in stretch.values.keys() & other.values.keys():
+        one, two = stretch.values[name], other.values[name]
+        count = min(len(one), len(two))
+        same = count > 0 and bool((one[:count] == two[:count]).all())
+        text = "two runs give the same numbers to the last bit; the seed is fixed"
+        yield Finding("other numbers each run", name, False, 0.0 if same else 1.0, text)
+    if abs(math.log(stretch.rate_Hz / other.rate_Hz)) > math.log(1.2):
+        by_name = {axis.channel: axis for axis in others}
+        for axis in axes:
+            if axis.channel in by_name:
+                yield _scaling(axis, by_name[axis.channel], stretch.rate_Hz / other.rate_Hz)
+
+
+def _scaling(one: AxisNoise, other: AxisNoise, rates: float) -> Finding:
+    """Whether the density stays while the rate changes."""
+    a, b = one.term("N"), other.term("N")
+    if not (a.value and a.u and b.value and b.u):
+        return Finding("noise knows the rate", one.channel, False, 1.0, "")
+    log = math.log(a.value / b.value)
+    z = log / math.hypot(a.u / a.value, b.u / b.value)
+    per_sample = abs(log + 0.5 * math.log(rates)) < abs(log) / 3
+    text = f"noise density changes by {math.exp(abs(log)):.3g} times with the rate"
+    if per_sample:
+        text += "; the same standard deviation is added to each reading at any rate"
+    return Finding("noise knows the rate", one.channel, False, _chance(z), text)
+
+
+def _chance(z: float) -> float:
+    from scipy import stats
+
+    return 2 * float(stats.norm.sf(abs(z)))
