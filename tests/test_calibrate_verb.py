@@ -169,12 +169,29 @@ def test_bad_arguments_are_told(arguments, told):
         ("pose,speed\n+x,1\n", "expected pose,ax,ay,az"),
         ("pose,gx (deg/s),gy,gz\nfast,1,2,3\n", r"line 2: 'fast' is no pose"),
         ("pose,ax (g),ay,az\n", "has no rows"),
+        ("pose,ax (g),ay,az\n+x,nan,0,0\n", "'nan' is no number"),
+        ("pose,ax (g),ay,az,u\n+x,1,0,0,-1\n", "line 2, column u: -1 is no uncertainty"),
     ],
 )
 def test_bad_tables_are_told(text, told, tmp_path):
     table = tmp_path / "table.csv"
     table.write_text(text)
     with pytest.raises(InputError, match=told):
+        simcompare.calibrate(table)
+
+
+def test_a_table_with_semicolons_and_decimal_commas_is_the_same(tmp_path):
+    table = tmp_path / "poses.csv"
+    text = EXAMPLE.read_text(encoding="utf-8").replace(",", ";").replace(".", ",")
+    table.write_text(text, encoding="utf-8")
+    assert simcompare.calibrate(table).offset == simcompare.calibrate(EXAMPLE).offset
+
+
+def test_a_pose_that_is_upside_down_is_told(tmp_path):
+    table = tmp_path / "poses.csv"
+    text = EXAMPLE.read_text(encoding="utf-8").replace("+y,", "?,").replace("-y,", "+y,")
+    table.write_text(text.replace("?,", "-y,"), encoding="utf-8")
+    with pytest.raises(InputError, match=r"axis y has a sensitivity of -1; expected about 1"):
         simcompare.calibrate(table)
 
 

@@ -18,6 +18,8 @@ from simcompare.model.trajectory import Array
 
 #: poses that differ so little make parameters that the readings hardly tell
 WORST_CONDITION = 1e6
+#: sensitivity below which an axis is none of that name
+_LEAST = 0.5
 #: part of a reading below which there is nothing
 _DIGITS = 1e-7
 NOISE = "noise of the readings"
@@ -93,6 +95,7 @@ def fit(known: Known, readings: Array, noise: Array | None, noise_dof: float = n
     # weights without cross-axis terms: with those, an error of theirs would come back as a weight
     gain = _gain(values, _seen(known, np.eye(axes)), level)
     sensitivity, offset = _split(gain @ readings.ravel(), axes)
+    _check_signs(sensitivity)
     parts = _seen(known, sensitivity)
     if axes > 1:
         parts = _seen(known, _without_scatter(sensitivity, gain, parts, level))
@@ -103,6 +106,18 @@ def fit(known: Known, readings: Array, noise: Array | None, noise_dof: float = n
         sensitivity, offset, shares, effective_dof(shares, dof),
         _left_covariance(values, gain, _covariance(parts, level)), level, chi2, spare, condition,
     )  # fmt: skip
+
+
+def _check_signs(sensitivity: Array) -> None:
+    """Refuses an axis that falls where it should rise."""
+    faults = [
+        f"axis {'xyz'[axis]} has a sensitivity of {scale:.2g}; expected about 1: two readings of it"
+        " are mixed up, or the axis has the other sign"
+        for axis, scale in enumerate(np.diag(sensitivity))
+        if scale < _LEAST
+    ]
+    if faults:
+        raise InputError("calibration", faults)
 
 
 def condition_of(values: Array) -> float:

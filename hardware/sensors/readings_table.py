@@ -13,6 +13,7 @@ column ``u`` (``noise`` of pressures) holds the standard uncertainty of a mean r
 from __future__ import annotations
 
 import csv
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -58,11 +59,11 @@ def is_table(path: Path) -> bool:
     if path.suffix.lower() not in (".csv", ".txt"):
         return False
     try:
-        with path.open(encoding="utf-8-sig") as file:
-            head = [_HEAD.match(cell) for cell in file.readline().split(",")]
-    except (OSError, UnicodeDecodeError):
+        with path.open(encoding="utf-8-sig", errors="replace") as file:
+            first = _HEAD.match(re.split("[,;]", file.readline())[0])
+    except OSError:
         return False
-    return head[0] is not None and head[0]["name"].lower() in ("pose", "known")
+    return first is not None and first["name"].lower() in ("pose", "known")
 
 
 def read(path: Path) -> Table:
@@ -71,8 +72,7 @@ def read(path: Path) -> Table:
     Raises:
         InputError: every fault of it, with its row and column.
     """
-    with path.open(encoding="utf-8-sig", newline="") as file:
-        rows = [row for row in csv.reader(file) if any(cell.strip() for cell in row)]
+    rows = _rows(path)
     columns = _columns(path, rows[0])
     names = list(columns)
     if names[:1] == ["known"] and "reading" in names:
@@ -82,6 +82,16 @@ def read(path: Path) -> Table:
         if set(wanted) <= set(names):
             return _poses(path, kind, wanted, unit, columns, rows[1:])
     raise InputError(str(path), [f"has the columns {', '.join(names)}; expected {FORMS}"])
+
+
+def _rows(path: Path) -> list[list[str]]:
+    """Cells of every row; with semicolons between them a comma is a decimal point."""
+    text = path.read_text(encoding="utf-8-sig", errors="replace")
+    mark = ";" if ";" in text.partition("\n")[0] else ","
+    rows = [
+        row for row in csv.reader(text.splitlines(), delimiter=mark) if any(map(str.strip, row))
+    ]
+    return rows if mark == "," else [[cell.replace(",", ".") for cell in row] for row in rows]
 
 
 def _columns(path: Path, head: Sequence[str]) -> dict[str, str]:
@@ -118,7 +128,7 @@ def _pressures(path: Path, columns: Mapping[str, str], rows: Sequence[Sequence[s
     si = {name: numbers[name] * _factor(path, columns[name], "Pa") for name in wanted}
     u = si.get("u", np.zeros(len(rows)))
     known = tuple(
-        normal(float(p), float(s)) if s > 0 else fixed(float(p))
+        normal(float(p), float(s)) if s else fixed(float(p))
         for p, s in zip(si["known"], u, strict=True)
     )
     noise = si["noise"][:, None] if "noise" in si else None
@@ -136,15 +146,27 @@ def _numbers(
     for line, row in enumerate(rows, start=2):
         for name in wanted:
             cell = row[place[name]].strip() if place[name] < len(row) else ""
-            try:
-                found[name].append(float(cell))
-            except ValueError:
-                faults.append(f"line {line}, column {name}: {cell!r} is no number")
+            value, fault = _number(cell, name)
+            found[name].append(value)
+            faults += [f"line {line}, column {name}: {fault}"] if fault else []
     if not rows:
         faults.append("has no rows below its head")
     if faults:
         raise InputError(str(path), faults)
     return {name: np.array(values) for name, values in found.items()}
+
+
+def _number(cell: str, name: str) -> tuple[float, str]:
+    """A cell as a number, and what is wrong with it; empty where nothing is."""
+    try:
+        value = float(cell)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        return math.nan, f"{cell!r} is no number"
+    if name in ("u", "noise") and value <= 0:
+        return value, f"{cell} is no uncertainty; expected a number above 0"
+    return value, ""
 
 
 def _factor(path: Path, written: str, unit: str) -> float:

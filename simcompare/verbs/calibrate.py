@@ -260,7 +260,7 @@ def _of_poses(source: str, readings: Readings, kind: str | None, known: _Known) 
         return ellipsoid.calibrate(readings, known.gravity, known.gravity_source)
     except InputError as error:
         wanted = f"six positions: {', '.join(missing)} missing" if missing else ""
-        told = words.of_few_poses(readings, known.gravity)
+        told = words.of_few_poses(readings, known.gravity) if missing else ""
         faults = [wanted if kind == "ellipsoid" else "", *error.faults, told]
         raise InputError(source, list(filter(None, faults))) from None
 
