@@ -40,9 +40,9 @@ def sentences(result: Estimation) -> Iterator[str]:
         return
     explains = max(shares) <= _EXPLAINED
     yield (
-        "What is not known of its wheels and track, and the counting of marks,"
-        f" {'explain' if explains else 'do not explain'} that: it is {_span(shares, 2)} of its"
-        " standard uncertainties."
+        "What is not known of wheels, track and start, and the counting,"
+        f" {'explain' if explains else 'do not explain'} that: it is {_span(shares, 2)} standard"
+        " uncertainties."
     )
 
 
@@ -50,12 +50,13 @@ def table(result: Estimation) -> Table:
     """The end of each source: off by how much, along, across and turned, each with its u."""
     factor, unit = units_of.scale("drift_m", [o.numbers["end_drift"].value for o in known(result)])
     words = [Column("Recording" if result.recording else "Engine", text=True), Column("Way (m)")]
-    columns = [Column(f"{name} ± u ({_unit(key, unit)})") for key, name in _COLUMNS.items()]
+    told = [key for key in _COLUMNS if any(key in one.numbers for one in known(result))]
+    columns = [Column(f"{_COLUMNS[key]} ± u ({_unit(key, unit)})") for key in told]
     rows = [
         (
             one.source,
             numbers.plain(one.numbers["path_length"].value, 4),
-            *(_with_u(one, key, factor) for key in _COLUMNS),
+            *(_with_u(one, key, factor) for key in told),
         )
         for one in known(result)
     ]

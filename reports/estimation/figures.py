@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from simcompare import units
-from simcompare.reports.estimation import chips, units_of
+from simcompare.reports.estimation import chips, drift, drift_figure, units_of
 from simcompare.reports.estimation.words import lead_state
 from simcompare.reports.render.figures import Band, Figure, Panel, Series, fitted_range
 from simcompare.reports.render.styles import TRUTH_STYLE, Style, numbered_style, style_of
@@ -25,6 +25,8 @@ def figures(result: Estimation) -> list[Figure]:
     if not result.done:
         return []
     first = result.done[0]
+    if drift.known(result):
+        return [drift_figure.figure(result, drift.known(result)[0])]
     path = [_path(result, first)] if {"x_m", "y_m"} <= set(result.labels) else []
     asked = [one for one in (chips.figure(result),) if one is not None]
     return [*asked, lead(result, first), *path, *_over_time(result)]

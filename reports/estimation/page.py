@@ -65,7 +65,9 @@ def _lead_tables(result: Estimation) -> list[Table]:
 def _tests(result: Estimation, drawn: list[Figure]) -> list[Part]:
     if not result.done:
         return []
-    every = [tables.of_tests(result), *tables.of_states(result)]
+    tests = tables.of_tests(result)
+    every = [*([tests] if any(group.rows for group in tests.groups) else []),
+             *tables.of_states(result)]  # fmt: skip
     return [part_of("Every state and every test", "tests", drawn, every, legend(result))]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from simcompare.model.recording import REPAIR, WARNING
+from simcompare.model.recording import REPAIR, WARNING, Provenance
 from simcompare.reports.validation import (
     answer_basis,
     answer_gap,
@@ -90,11 +90,16 @@ def _cut(validation: Validation) -> Iterator[str]:
     yield f"The log ends early: only {lengths} are judged."
 
 
-def _log(validation: Validation) -> Iterator[str]:
-    """Defects of the log that a reader of the answer must know of."""
-    for one in validation.provenance.repairs:
+def contradictions(provenance: Provenance) -> Iterator[str]:
+    """Where what is said of a log contradicts it, so that its reader has to decide."""
+    for one in provenance.repairs:
         if one.rule in CONTRADICTIONS:
             yield f"What is said of the log contradicts it: {one.text}."
+
+
+def _log(validation: Validation) -> Iterator[str]:
+    """Defects of the log that a reader of the answer must know of."""
+    yield from contradictions(validation.provenance)
     defects = []
     for severity, words in ((REPAIR, "repaired"), (WARNING, "left and marked")):
         rules = dict.fromkeys(

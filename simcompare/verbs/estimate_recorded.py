@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from simcompare.estimation import estimators, recorded
 from simcompare.inference import sources
+from simcompare.reports.validation import answer
 from simcompare.results.run_record import software
 from simcompare.scenarios import catalogue
 from simcompare.verbs import estimate_request as requests
@@ -31,7 +32,7 @@ def estimated(request: EstimateRequest) -> Estimated:
     given = recorded.given_of(source.recording, plan, estimator, source.name)
     found = estimating.of_source(source.name, None, [estimators.apply(estimator, given)])
     found = replace(found, notes=(*found.notes, *filter(None, [plan.note])))
-    return estimating.with_words(
+    told = estimating.with_words(
         Estimated(
             created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
             title=f"{estimator.title}: {source.about.get('title', source.name)}",
@@ -51,3 +52,5 @@ def estimated(request: EstimateRequest) -> Estimated:
             software=software(),
         )
     )
+    doubts = answer.contradictions(source.recording.provenance)
+    return replace(told, sentences=(*told.sentences, *doubts))
