@@ -131,32 +131,43 @@ def _solved(start: Array, means: Array, g: float, weight: Array) -> Array:
 
 
 def _fitted(parameters: Array, readings: Readings, weight: Array, gravity: Distribution) -> Fitted:
-    jacobian, spare = _jacobian(parameters, readings.means), len(readings.means) - PARAMETERS
+    jacobian = _jacobian(parameters, readings.means)
     left = _corrected(parameters, readings.means)[0] - gravity.center
-    u, dof = 1 / weight, readings.degrees_of_freedom
-    if readings.u is None:
-        if spare < 1:
-            raise InputError(
-                "ellipsoid", ["no pose to spare tells the noise: add one, or state it"]
-            )
-        u, dof = np.full(len(left), np.sqrt(left @ left / spare)), spare
+    spare = len(left) - PARAMETERS
+    u, dof = _noise_of_sizes(left, spare, weight, readings)
     gain = np.linalg.pinv(jacobian / u[:, None]) / u
-    whole = _whole()
-    sensitivity, offset = _terms(parameters)
+    free = np.eye(len(left)) - jacobian @ gain
+    variance = np.maximum(np.diag(free * u**2 @ free.T), 0.0)
+    shares = _shares(parameters, gain, u, gravity)
+    told = readings.u is None
+    return Fitted(
+        *_terms(parameters), shares, effective_dof(shares, dof),
+        variance[:, None, None] * np.eye(3),
+        np.repeat(u[:, None], 3, axis=1) if readings.u is None else readings.u,
+        None if told else float(np.sum((left / u) ** 2)),
+        spare, _condition(jacobian, gravity.center),
+    )  # fmt: skip
+
+
+def _noise_of_sizes(
+    left: Array, spare: int, weight: Array, readings: Readings
+) -> tuple[Array, float]:
+    """Standard uncertainty of each size (p,), and its degrees of freedom."""
+    if readings.u is not None:
+        return 1 / weight, readings.degrees_of_freedom
+    if spare < 1:
+        raise InputError("ellipsoid", ["no pose to spare tells the noise: add one, or state it"])
+    return np.full(len(left), np.sqrt(left @ left / spare)), float(spare)
+
+
+def _shares(parameters: Array, gain: Array, u: Array, gravity: Distribution) -> dict[str, Array]:
+    """Parts of the covariance of the rows of S, then O."""
+    whole, (sensitivity, _) = _whole(), _terms(parameters)
     per_g = np.concatenate([-sensitivity.ravel() / gravity.center, np.zeros(3)])
-    shares = {
+    return {
         NOISE: whole @ (gain * u**2 @ gain.T) @ whole.T,
         "local g": gravity.u**2 * np.outer(per_g, per_g),
     }
-    free = np.eye(len(left)) - jacobian @ gain
-    variance = np.maximum(np.diag(free * u**2 @ free.T), 0.0)
-    left_over = variance[:, None, None] * np.eye(3)
-    noise = np.repeat(u[:, None], 3, axis=1) if readings.u is None else readings.u
-    chi2 = None if readings.u is None else float(np.sum((left / u) ** 2))
-    return Fitted(
-        sensitivity, offset, shares, effective_dof(shares, dof), left_over,
-        noise, chi2, spare, _condition(jacobian, gravity.center),
-    )  # fmt: skip
 
 
 def _whole() -> Array:

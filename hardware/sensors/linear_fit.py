@@ -83,12 +83,8 @@ def fit(known: Known, readings: Array, noise: Array | None, noise_dof: float = n
         InputError: the values do not differ enough, or nothing is left to tell the noise.
     """
     values, axes = known.values, readings.shape[1]
-    condition = condition_of(known.values)
-    if condition > WORST_CONDITION:
-        raise InputError("calibration", [_too_alike(condition)])
-    spare = readings.size - axes * (axes + 1)
-    if noise is None and spare < 1:
-        raise InputError("calibration", ["has no spare reading to tell the noise: state it"])
+    condition, spare = condition_of(values), readings.size - axes * (axes + 1)
+    _check(condition, spare, told=noise is None)
     level, dof = _told_noise(values, readings) if noise is None else (noise, noise_dof)
     # no reading has more digits than these; without any noise the equations have no weights
     level = np.maximum(level, _DIGITS * float(np.max(np.abs(readings), initial=0.0)) + 1e-300)
@@ -106,6 +102,14 @@ def fit(known: Known, readings: Array, noise: Array | None, noise_dof: float = n
         sensitivity, offset, shares, effective_dof(shares, dof),
         _left_covariance(values, gain, _covariance(parts, level)), level, chi2, spare, condition,
     )  # fmt: skip
+
+
+def _check(condition: float, spare: int, *, told: bool) -> None:
+    """Refuses what cannot be solved; ``told``: the residuals must tell the noise."""
+    if condition > WORST_CONDITION:
+        raise InputError("calibration", [_too_alike(condition)])
+    if told and spare < 1:
+        raise InputError("calibration", ["has no spare reading to tell the noise: state it"])
 
 
 def _check_signs(sensitivity: Array) -> None:

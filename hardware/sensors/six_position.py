@@ -34,8 +34,8 @@ UNIT = "m/s²"
 NOT_SEPARABLE = (
     "A rotation of the sensor in its box and cross-axis terms: what is in S is seen from the box.",
     "The unit of g and the sensitivity: an error of g scales all of S.",
-    "An odd curvature of the characteristic and the sensitivity: S is that of the chord from -g"
-    " to +g.",
+    "An odd curvature of the characteristic and the sensitivity: S is that of the chord from −g to"
+    " +g, and what a bow leaves between is not in the uncertainty.",
     "Changes with temperature: S and O hold at the temperature of the calibration.",
 )
 

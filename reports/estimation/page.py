@@ -85,6 +85,7 @@ def _how(result: Estimation) -> Part:
         f"Options: {options}.",
         f"Engines: {engines}." if engines else "",
         *dict.fromkeys(note for one in result.done for note in one.notes),
+        *dict.fromkeys(note for one in chips.rows(result) for note in one.notes),
         f"Made on {result.created} with simcompare {result.software.simcompare}:"
         f" {shlex.join(result.command)}",
     ]

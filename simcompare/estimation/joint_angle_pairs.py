@@ -115,20 +115,24 @@ def drawn_pairs(motion: Motion, sheet: DataSheet, part: Part, count: int, seed: 
     time_s = read["first"].time_s[0]
     forces = {role: one.measured for role, one in read.items()}
     corrected = {
-        role: np.stack([
-            one.apply(read)
-            for one, read in zip(calibrations[_side(role)], forces[role], strict=True)
-        ])
-        for role in forces
-    }  # fmt: skip
+        role: _corrected(calibrations[_side(role)], force) for role, force in forces.items()
+    }
     gyroscope = sheet.part_for("rad/s")
     rates = {} if gyroscope is None else _rates(motion, time_s, gyroscope, count, seed)
-    like = devices["first"].like
-    notes = [f"{sheet.title}: readings {like.rate_Hz:g} times a second behind a low-pass of"
-             f" {like.bandwidth_Hz:g} Hz"]  # fmt: skip
-    if gyroscope is None:
-        notes.append(f"{sheet.title} has no gyroscope, so lever arms are not taken off")
-    return Pairs(time_s, devices, calibrations, forces, corrected, rates, tuple(notes))
+    notes = tuple(_notes(sheet.title, devices["first"].like, has_rates=bool(rates)))
+    return Pairs(time_s, devices, calibrations, forces, corrected, rates, notes)
+
+
+def _corrected(calibrations: Sequence[Calibration], force: Array) -> Array:
+    """Readings of all devices (d, m, 3), each with its own calibration."""
+    return np.stack([one.apply(read) for one, read in zip(calibrations, force, strict=True)])
+
+
+def _notes(chip: str, like: Device, *, has_rates: bool) -> Iterator[str]:
+    filtered = f"behind a low-pass of {like.bandwidth_Hz:g} Hz"
+    yield f"{chip}: readings {like.rate_Hz:g} times a second {filtered}"
+    if not has_rates:
+        yield f"{chip} has no gyroscope, so lever arms are not taken off"
 
 
 def _side(role: str) -> str:
