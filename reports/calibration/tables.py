@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from simcompare.notation import number, places
+from simcompare.notation import capital, number, places
 from simcompare.reports.calibration.words import deviations
+from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.results.records.calibration import CalibrationRecord, Rows
 
@@ -64,7 +65,8 @@ def truth(record: CalibrationRecord) -> Table | None:
 def poses(record: CalibrationRecord) -> Table:
     """What each pose is off by, before and after."""
     columns = (
-        Column("Pose", text=True), Column(f"As it is ({record.unit})"),
+        Column("Known value" if record.kind == "two-point" else "Pose", text=True),
+        Column(f"As it is ({record.unit})"),
         Column(f"Corrected ({record.unit})"),
     )  # fmt: skip
     groups = []
@@ -88,7 +90,7 @@ def assumed(record: CalibrationRecord) -> Table:
     )  # fmt: skip
     rows = tuple(
         (
-            one.quantity.capitalize() if one.quantity[0].islower() else one.quantity,
+            capital(one.quantity),
             number(one.value), number(one.u), "" if one.unit == "1" else one.unit, one.source,
             one.effect,
         )
@@ -120,4 +122,4 @@ def shares(record: CalibrationRecord) -> Table:
 def _share(share: Rows, whole: Rows, places: Sequence[int]) -> str:
     """Largest standard uncertainty at these places, in two digits."""
     part, total = (max(rows[i][i] for i in places) ** 0.5 for rows in (share, whole))
-    return f"{part:.2g}" if part > _NONE * total else "0"
+    return numbers.plain(part, 2) if part > _NONE * total else "0"

@@ -10,6 +10,7 @@ import numpy as np
 from simcompare.hardware.sensors.calibrated import Readings
 from simcompare.hardware.sensors.calibration import COVERAGE
 from simcompare.notation import number
+from simcompare.reports.render import numbers
 from simcompare.results.records.calibration import CalibrationRecord, PoseRecord
 from simcompare.statistics.distributions import Distribution
 
@@ -127,6 +128,11 @@ def _agreement(record: CalibrationRecord) -> str:
 
 
 def _poses(record: CalibrationRecord) -> str:
+    if record.kind == "two-point":
+        return (
+            f"O is the reading at 0 {record.unit}, far from these values, and errors of O and S go"
+            " together: between the known values a corrected reading is known far better than O."
+        )
     return (
         f"Condition number of the poses: {record.condition:.2g} (six positions have 1.7; beyond 100"
         " they are spread too little)."
@@ -177,4 +183,4 @@ def _u_corrected(record: CalibrationRecord) -> float:
 
 
 def _size(value: float, unit: str) -> str:
-    return f"{value:.2g} {unit}"
+    return f"{numbers.plain(value, 2)} {unit}"
