@@ -56,10 +56,10 @@ def on_the_ellipsoid(generator: np.random.Generator):
 @pytest.mark.parametrize("calibrated", [on_the_table, on_the_ellipsoid])
 def test_stated_uncertainty_is_that_of_many_calibrations(calibrated):
     generator = stream(3, calibrated.__name__)
-    ratio, covered = summary([calibrated(generator) for _ in range(400)])
-    # 400 draws scatter by 3.5 %, 4 of it; over 12 parameters a third of that
-    assert ratio == pytest.approx(1, abs=0.14)
-    assert np.mean(ratio) == pytest.approx(1, abs=0.05)
+    ratio, covered = summary([calibrated(generator) for _ in range(250)])
+    # 250 draws scatter by 4.5 %, 4 of it; over 12 parameters a third of that
+    assert ratio == pytest.approx(1, abs=0.18)
+    assert np.mean(ratio) == pytest.approx(1, abs=0.06)
     assert covered == pytest.approx(0.95, abs=0.02)
 
 

@@ -28,7 +28,7 @@ WORST_CONDITION = 200.0
 #: part of a direction from which on a term belongs to it
 _PART = 0.3
 #: rounds in which weights follow the shape of the ellipsoid
-_ROUNDS = 3
+_ROUNDS = 2
 
 NOT_SEPARABLE = (
     "A rotation of the sensor in its box: only O and S·Sᵀ are found, 9 of 12 numbers; S is given as"
