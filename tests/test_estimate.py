@@ -81,6 +81,17 @@ def test_a_bias_that_is_no_state_makes_the_filter_diverge_and_the_cure_is_said()
 
 
 @needs_mujoco
+def test_a_motion_that_is_taken_for_too_smooth_surprises_the_filter():
+    smooth = {"jerk_density_m2_s5": 0.01}
+    found = simcompare.estimate(SCENARIO, engine="mujoco", draws=8, options=smooth)
+    assert found.done[0].nis.outcome in ("too sure", "diverged")
+    text = "\n".join(found.sentences)
+    assert "surprise it: NIS" in text or "errs more than it says" in text
+    command = f"estimate {SCENARIO} --engine mujoco --draws 8 --option jerk_density_m2_s5=0.1"
+    assert f"Let the motion differ more from the model: simcompare {command}" in text
+
+
+@needs_mujoco
 def test_the_same_seed_draws_the_same_and_another_one_others(found):
     # the first draw is the same, however many there are
     again = simcompare.estimate(SCENARIO, engine="mujoco", draws=1)
@@ -127,8 +138,8 @@ def test_the_command_line_prints_what_python_gives(tmp_path, found):
     told = json.loads(done.output)
     assert set(told) == {
         "format", "created", "title", "question", "scenario", "estimator", "sensors", "options",
-        "loosen", "biases", "sums", "draws", "seed", "recording", "sentences", "sources", "command",
-        "software", "folder", "exit_code",
+        "loosen", "biases", "sums", "draws", "seed", "recording", "engines_asked", "sentences",
+        "sources", "command", "software", "folder", "exit_code",
     }  # fmt: skip
     assert told["sentences"] == list(found.sentences)
     stored = next(tmp_path.glob("*/estimate.json"))

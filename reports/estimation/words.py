@@ -13,10 +13,12 @@ from simcompare.estimation.consistency import Verdict
 from simcompare.reports.characterization.words import rounded
 from simcompare.reports.estimation import chips, drift, units_of
 from simcompare.reports.run.listing import joined
-from simcompare.results.records.estimation import Estimation, SourceEstimate
+from simcompare.results.records.estimation import Estimation, Reading, SourceEstimate
 
 #: correlation of neighbouring innovations that is worth a sentence
 _CLEAR = 0.2
+#: outcomes of a filter that errs more than it says
+_MORE = ("too sure", "diverged")
 #: part of readings beyond which it is not the readings that are wrong
 _MANY = 0.2
 
@@ -92,6 +94,21 @@ def _verdicts(result: Estimation) -> Iterator[str]:
         whose = "" if len(groups) == 1 else f"{joined([one.source for one in sources])}: "
         yield whose + _said(outcome, verdicts)
         yield from _causes(result, outcome, sources)
+    yield from _surprised(result)
+
+
+def _surprised(result: Estimation) -> Iterator[str]:
+    """Innovations that are larger than the filter expects, where its errors do not show it."""
+    found = [
+        one.nis
+        for one in result.done
+        if one.nis and one.nis.outcome in _MORE and (one.nees and one.nees.outcome not in _MORE)
+    ]
+    if found:
+        most = max(found, key=lambda one: one.value)
+        limits = f"{rounded(most.low, 3)} … {rounded(most.high, 3)}"
+        yield f"But readings surprise it: NIS {rounded(most.value, 3)}, above {limits}."
+        yield from _cures(result)
 
 
 def leading(source: SourceEstimate) -> Verdict | None:
@@ -120,31 +137,57 @@ def _said(outcome: str, verdicts: Sequence[Verdict]) -> str:
 
 def _causes(result: Estimation, outcome: str, sources: Sequence[SourceEstimate]) -> Iterator[str]:
     """What the innovations say of it, and the command that changes it."""
-    lags = {
-        reading.name: found.lag_1
-        for reading in sources[0].readings
-        if (found := reading.whiteness) and found.lag_1 and found.outcome == "not white"
-    }
-    against = [name for name, lag in lags.items() if lag < -_CLEAR]
-    along = [name for name, lag in lags.items() if lag > _CLEAR]
-    if against:
-        least = min(lags[name] for name in against)
+    coloured = [
+        one for one in sources[0].readings if one.whiteness and one.whiteness.outcome == "not white"
+    ]
+    against = [one for one in coloured if _lag(one) < -_CLEAR]
+    yield from _cancelling(result, [one for one in against if one.counted])
+    fast = [one for one in against if not one.counted]
+    if fast:
         yield (
-            f"Neighbouring innovations of {joined(against)} cancel (correlation"
-            f" {rounded(least)}): what one count has too much, the next has too little. So errors"
-            " add up to less than those of white noise would."
+            f"Neighbouring innovations of {_named(fast)} cancel (correlation"
+            f" {rounded(min(map(_lag, fast)))}): the model lets the motion change faster than it"
+            f" does. {_scaled(result, 0.1, 'Let it differ less')}"
         )
-        sums = {name: 1.0 for name in result.sums if not result.options[name]}
-        if sums:
-            yield f"Read the counts as a sum, a state more: {with_options(result.command, sums)}"
+    along = [one for one in coloured if _lag(one) > _CLEAR]
     if along:
-        most = max(lags[name] for name in along)
         yield (
-            f"Neighbouring innovations of {joined(along)} agree (correlation {rounded(most)}):"
-            " something that lasts is not in the model."
+            f"Neighbouring innovations of {_named(along)} agree (correlation"
+            f" {rounded(max(map(_lag, along)))}): something that lasts is not in the model."
         )
-    if outcome in ("too sure", "diverged"):
+    if outcome in _MORE:
         yield from _cures(result)
+
+
+def _cancelling(result: Estimation, counted: Sequence[Reading]) -> Iterator[str]:
+    """Why the errors of counts cancel, and how they are read better."""
+    if not counted:
+        return
+    yield (
+        f"Neighbouring innovations of {_named(counted)} cancel (correlation"
+        f" {rounded(min(map(_lag, counted)))}): what one count has too much, the next has too"
+        " little. So errors add up to less than those of white noise would."
+    )
+    sums = {name: 1.0 for name in result.sums if not result.options[name]}
+    if sums:
+        yield f"Read the counts as a sum, a state more: {with_options(result.command, sums)}"
+
+
+def _lag(reading: Reading) -> float:
+    """Correlation of neighbouring innovations."""
+    return (reading.whiteness.lag_1 or 0.0) if reading.whiteness else 0.0
+
+
+def _named(readings: Sequence[Reading]) -> str:
+    return joined([one.name for one in readings])
+
+
+def _scaled(result: Estimation, factor: float, what: str) -> str:
+    """The command with other noise of the motion; empty where the estimator has none."""
+    if not result.loosen:
+        return ""
+    changed = {name: factor * result.options[name] for name in result.loosen}
+    return f"{what}: {with_options(result.command, changed)}"
 
 
 def _cures(result: Estimation) -> Iterator[str]:
@@ -160,10 +203,9 @@ def _cures(result: Estimation) -> Iterator[str]:
             " number of the model, or what a channel means, may be wrong."
         )
         return
-    looser = {name: 10 * result.options[name] for name in result.loosen}
+    looser = _scaled(result, 10, "Let the motion differ more from the model")
     if looser:
-        command = with_options(result.command, looser)
-        yield f"Let the motion differ more from the model: {command}"
+        yield looser
 
 
 def with_options(command: Sequence[str], options: Mapping[str, float]) -> str:

@@ -138,6 +138,7 @@ class Innovations:
         refused: reading -> how many the gate kept out.
         nees: normalised error squared (n,); ``None`` where the truth is not known.
         states: degrees of freedom of the NEES.
+        counted: readings that are differences of counts, whose errors cancel.
     """
 
     nis: Array
@@ -146,6 +147,7 @@ class Innovations:
     refused: Mapping[str, int] = field(default_factory=dict)
     nees: Array | None = None
     states: int = 0
+    counted: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -230,6 +230,7 @@ def _innovations(setting: _Setting, filtered: Filtered, way: Way) -> Innovations
         {name: int(filtered.refused[:, i].sum()) for i, name in enumerate(names)},
         nees,
         states,
+        tuple(f"{s}_rate" for s in ("left", "right") if f"{s}_marks" in setting.given.signals),
     )
 
 

@@ -90,7 +90,7 @@ def estimate(given: Given) -> Estimate:
             _integrated(given, acceleration, float(wheel.values[0])),
             _alone(given, "accelerometer alone", acceleration, "acceleration", 0.0),
         ]
-    innovations = _innovations(filtered, ways[0])
+    innovations = _innovations(given, filtered, ways[0])
     labels = {name: LABELS[name] for name in _names(given)}
     return Estimate(tuple(ways), labels, innovations, _numbers(given, filtered))
 
@@ -209,7 +209,7 @@ def _integrated(given: Given, acceleration: Signal, first_m_s: float) -> Way:
     return Way("acceleration summed up", time_s, {"speed_m_s": state})
 
 
-def _innovations(filtered: Filtered, way: Way) -> Innovations:
+def _innovations(given: Given, filtered: Filtered, way: Way) -> Innovations:
     names = ("wheel", "accelerometer")[: filtered.innovations.shape[1]]
     ratios = filtered.innovations / filtered.innovation_u
     whitened: Mapping[str, Array] = {
@@ -217,7 +217,8 @@ def _innovations(filtered: Filtered, way: Way) -> Innovations:
     }
     refused = {name: int(filtered.refused[:, i].sum()) for i, name in enumerate(names)}
     nees, states = consistency.nees_of_states(way, filtered.covariances)
-    return Innovations(filtered.nis, filtered.used, whitened, refused, nees, states)
+    counted = ("wheel",) if "marks" in given.signals and not _by_way(given) else ()
+    return Innovations(filtered.nis, filtered.used, whitened, refused, nees, states, counted)
 
 
 def _numbers(given: Given, filtered: Filtered) -> dict[str, Number]:

@@ -200,6 +200,7 @@ def _result(
             sums=estimator.sums(asked.plan.signals),
             draws=asked.draws,
             seed=asked.seed,
+            engines_asked=request.engine,
             sources=sources,
             command=request.command(),
             software=software(),

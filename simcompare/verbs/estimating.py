@@ -106,6 +106,7 @@ def _readings(draws: Sequence[Estimate]) -> tuple[Reading, ...]:
             consistency.whiteness([one.whitened[name] for one in found]),
             refused := float(np.mean([one.refused.get(name, 0) for one in found])),
             refused + float(np.mean([len(one.whitened[name]) for one in found])),
+            name in found[0].counted,
         )
         for name in names
     )

@@ -12,7 +12,7 @@ from simcompare.estimation.joint_angle_study import Feasibility
 from simcompare.model.plain import Finite
 from simcompare.model.sensor_errors import SensorErrors
 from simcompare.results.records.run import Software
-from simcompare.running.jobs import FAILED, OK
+from simcompare.running.jobs import OK, exit_code_of
 
 #: version of what is stored
 FORMAT = 1
@@ -66,12 +66,14 @@ class Reading:
         whiteness: the test; ``None`` where hardly anything was read.
         refused: how many the gate kept out, in a draw.
         count: how many were read, in a draw.
+        counted: whether it is a difference of counts, whose errors cancel.
     """
 
     name: str
     whiteness: Verdict | None
     refused: float
     count: float
+    counted: bool = False
 
 
 @dataclass(frozen=True)
@@ -143,6 +145,7 @@ class Estimation:
         draws: how often each motion was measured.
         seed: of the draws.
         recording: name of it; empty where engines were measured.
+        engines_asked: the engines as the user named them.
         sentences: what there is to see.
         sources: what was estimated of each.
         command: words of the command line that do the same again.
@@ -164,6 +167,7 @@ class Estimation:
     draws: int
     seed: int
     recording: str = ""
+    engines_asked: str = "all"
     sentences: tuple[str, ...] = ()
     sources: tuple[SourceEstimate, ...]
     command: tuple[str, ...]
@@ -182,5 +186,6 @@ class Estimation:
 
     @property
     def exit_code(self) -> int:
-        """0 fine, 3 where an engine broke."""
-        return 3 if any(one.status == FAILED for one in self.sources) else 0
+        """0 fine; 3 where an engine broke, none could do it, or one that was named is missing."""
+        statuses = [one.status for one in self.sources]
+        return exit_code_of(statuses, self.engines_asked, out_of_reach=False)
