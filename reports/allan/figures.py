@@ -57,5 +57,6 @@ def _of_axis(axis: AxisNoise, number: int, size: float) -> list[Series]:
     label = words.short(axis.channel)
     bounds = Series(label, tau, (low + high) / 2, style, (high - low) / 2, line=False, shaded=True)
     points = Series(label, tau, np.array(axis.deviation) / size, style, points=True, line=False)
-    fit = Series(f"{label}, fit", tau, np.array(axis.fitted) / size, style)
+    seen = tau >= 0.99 * axis.from_s  # what is faster was not fitted
+    fit = Series(f"{label}, fit", tau[seen], np.array(axis.fitted)[seen] / size, style)
     return [bounds, fit, points]

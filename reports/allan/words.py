@@ -182,10 +182,10 @@ def _filtered(found: NoiseAnalysis) -> list[str]:
     cut = {short(a.channel): a.from_s for a in found.axes if a.from_s > 1.5 / found.rate_Hz}
     if not cut:
         return []
-    told = joined([f"{name} below τ = {seconds(one)}" for name, one in cut.items()])
+    told = joined([f"{name} below {seconds(one)}" for name, one in cut.items()])
     return [
-        f"Left out of the fit: {told}. Readings are not independent there; the filter of the sensor"
-        " does that, or a vibration."
+        f"Averages left out of the fit: {told}. Readings are not independent there; the filter of"
+        " the sensor does that, or a vibration."
     ]
 
 
