@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -84,6 +85,9 @@ def test_the_longest_still_stretch_is_found(tmp_path: Path) -> None:
     assert found.start_s == pytest.approx(18.0, abs=1.0)
     assert found.end_s == pytest.approx(39.99)
     assert "the longest stretch in which nothing moves" in words.stretch(found)
+    given = allan(tmp_path / "gyro.csv", channel="rate_x", start="5s", until="30s")
+    (moving,) = [one for one in words.notes(given) if one.startswith("Something may move")]
+    assert re.search(r"--from 1[789][.\d]*s --until (29|30)[.\d]*s\.$", moving)
 
 
 def test_the_command_line_prints_what_was_asked(tmp_path: Path) -> None:
@@ -111,7 +115,7 @@ def test_gaps_and_missing_values_are_left_out() -> None:
 @pytest.mark.parametrize(
     ("values", "more", "fault"),
     [
-        (np.zeros(500), {"rate_Hz": 100}, "all 500 readings are 0; no noise at all"),
+        (np.zeros(500), {"rate_Hz": 100}, "all 500 readings of readings are the same; there is no"),
         (np.ones(30), {"rate_Hz": 100}, "holds 30 of 30 readings; expected 64"),
         (np.ones(300), {}, "readings need their rate, such as rate_Hz=100"),
         (gyroscope(300), {"rate_Hz": 100, "start": "2.9s"}, "holds 10 of 300 readings"),
@@ -121,6 +125,16 @@ def test_gaps_and_missing_values_are_left_out() -> None:
 def test_what_cannot_be_analysed_is_refused(values: object, more: dict, fault: str) -> None:
     with pytest.raises(InputError, match=fault):
         allan(values, **more)
+
+
+def test_a_channel_without_noise_is_told() -> None:
+    values = gyroscope(1000)
+    values[:, 1] = 0.25
+    found = allan(values, rate_Hz=RATE_HZ)
+    assert [axis.channel for axis in found.axes] == ["x", "z"]
+    assert "No noise at all in y: every reading is the same." in words.notes(found)
+    told = allan(values, rate_Hz=RATE_HZ, audit=True)
+    assert [one.channel for one in told.findings if one.fault] == ["y"]
 
 
 def test_a_channel_that_there_is_not(tmp_path: Path) -> None:

@@ -142,6 +142,8 @@ def notes(found: NoiseAnalysis) -> list[str]:
     """Which stretch, what drifts, and where the fit is poor."""
     return [
         stretch(found),
+        *_moving(found),
+        *_silent(found),
         *_ramps(found),
         *_filtered(found),
         *_poor(found),
@@ -162,6 +164,23 @@ def stretch(found: NoiseAnalysis) -> str:
         case "gap":
             return f"Taken: {part} {whole}, the longest stretch without a gap there; {size}."
     return f"Taken: {part} {whole}, as asked for; {size}."
+
+
+def _moving(found: NoiseAnalysis) -> list[str]:
+    if found.still_s is None:
+        return []
+    start, end = (numbers.plain(one, 4) for one in found.still_s)
+    return [
+        "Something may move in this stretch, which then counts as noise; the longest still part of"
+        f" it is --from {start}s --until {end}s."
+    ]
+
+
+def _silent(found: NoiseAnalysis) -> list[str]:
+    if not found.silent:
+        return []
+    told = joined([short(name) for name in found.silent])
+    return [f"No noise at all in {told}: every reading is the same."]
 
 
 def _ramps(found: NoiseAnalysis) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -78,18 +79,21 @@ def allan(
     allan_audit.checked_claims(claims or {})
     if not audit and (again is not None or claims):
         raise InputError("allan", ["a second run and claims are for an audit; add --audit"])
+    stretch, silent = _loud(stretch)
     axes = tuple(axis_of(name, stretch) for name in stretch.values)
     second = None
     if again is not None:
         whole = taken(again, channel, None, None, mapping, again_rate_Hz or rate_Hz, unit)[0]
+        whole, _ = _loud(whole)
         second = (whole, [axis_of(name, whole) for name in whole.values])
-    found = allan_audit.findings(stretch, axes, held, claims or {}, second) if audit else ()
+    found = allan_audit.findings(stretch, axes, held, claims or {}, second, silent) if audit else ()
     matches = allan_audit.matches(axes, stretch.rate_Hz) if audit else ()
     return Allan(
         created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         source=source, title=title, rate_Hz=stretch.rate_Hz, start_s=stretch.start_s,
         end_s=stretch.start_s + (stretch.count - 1) / stretch.rate_Hz,
-        length_s=stretch.length_s, chosen=stretch.chosen, axes=axes,
+        length_s=stretch.length_s, chosen=stretch.chosen, still_s=stretch.still_s, axes=axes,
+        silent=silent,
         against=() if held is None else tuple(_against(axes, held)), audited=audit,
         findings=found, matches=matches, software=software(),
     )  # fmt: skip
@@ -119,6 +123,20 @@ def taken(
     return stretch, "values", "Readings"
 
 
+def _loud(stretch: Stretch) -> tuple[Stretch, tuple[str, ...]]:
+    """The channels that have any noise, and names of the others.
+
+    Raises:
+        InputError: none has.
+    """
+    loud = {name: values for name, values in stretch.values.items() if np.ptp(values) > 0}
+    silent = tuple(name for name in stretch.values if name not in loud)
+    if not loud:
+        text = f"all {stretch.count} readings of {', '.join(silent)} are the same"
+        raise InputError("allan", [f"{text}; there is no noise at all"])
+    return replace(stretch, values=loud), silent
+
+
 def _columns(record: object, rate_Hz: float | None) -> Mapping[str, Array]:
     """Readings by name."""
     if rate_Hz is None or not rate_Hz > 0:
@@ -141,8 +159,6 @@ def _columns(record: object, rate_Hz: float | None) -> Mapping[str, Array]:
 def axis_of(name: str, stretch: Stretch) -> AxisNoise:
     """Everything that is told of one channel."""
     values, unit, rate_Hz = stretch.values[name], stretch.units[name], stretch.rate_Hz
-    if not np.ptp(values) > 0:
-        raise InputError(name, [f"all {len(values)} readings are {values[0]:g}; no noise at all"])
     found = deviation.deviations(values, rate_Hz)
     bounds = allan_bounds.bounds(found, deviation.phase_of(values, 1 / rate_Hz))
     terms = allan_terms.fitted(values, rate_Hz)

@@ -33,9 +33,12 @@ _GRAVITY, _ACCELERATION = 9.80665, "m/s**2"
 def findings(
     stretch: Stretch, axes: Sequence[AxisNoise], sheet: DataSheet | None,
     claims: Mapping[str, float], again: tuple[Stretch, Sequence[AxisNoise]] | None,
+    silent: Sequence[str] = (),
 ) -> tuple[Finding, ...]:  # fmt: skip
     """All tests, corrected for how many they are; faults first."""
-    made = [*_alone(stretch), *_claimed(axes, claims)]
+    quiet = Told(0.0, "there is no noise at all: every reading is the same")
+    made = [_finding("noise", name, quiet) for name in silent]
+    made += [*_alone(stretch), *_claimed(axes, claims)]
     if sheet is not None:
         made += _beside(stretch, sheet)
     if again is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,8 @@ from simcompare.statistics.stillness import longest_still
 INERTIAL = ("m/s**2", "rad/s")
 #: readings below which there is nothing to say
 _LEAST = 64
+#: part of a stretch that is still where nothing is said of motion
+_MOST = 0.8
 #: standard deviation of the interval between readings, relative to the interval
 _UNEVEN = 0.1
 
@@ -32,6 +34,7 @@ class Stretch:
         start_s: where it begins [s].
         length_s: of the whole record [s].
         chosen: "given", "still" or "all"; "gap" where a gap cut it short.
+        still_s: the still part of a stretch that is given and in which something may move.
     """
 
     values: Mapping[str, Array]
@@ -40,6 +43,7 @@ class Stretch:
     start_s: float
     length_s: float
     chosen: str
+    still_s: tuple[float, float] | None = None
 
     @property
     def count(self) -> int:
@@ -59,7 +63,16 @@ def of_recording(
     stream, names = _chosen(recording, channels)
     values = {name: stream.channels[name].values for name in names}
     of = {name: stream.channels[name].unit for name in names}
-    return of_values(stream.time_s, values, of, stream.gaps, start_s, end_s)
+    found = of_values(stream.time_s, values, of, stream.gaps, start_s, end_s)
+    return found if found.chosen in ("still", "all") else replace(found, still_s=_still(found))
+
+
+def _still(found: Stretch) -> tuple[float, float] | None:
+    """The still part, where it is less than most of a stretch."""
+    first, end = longest_still(np.column_stack(list(found.values.values())), found.rate_Hz)
+    if end - first >= _MOST * found.count or end - first < _LEAST:
+        return None
+    return found.start_s + first / found.rate_Hz, found.start_s + (end - 1) / found.rate_Hz
 
 
 def of_values(

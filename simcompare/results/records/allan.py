@@ -172,7 +172,9 @@ class NoiseAnalysis:
         end_s: where it ends [s].
         length_s: of the whole record [s].
         chosen: "given" by the user, "still" where it is the longest still stretch, "all".
+        still_s: the still part, where something may move in the stretch that was given [s].
         axes: the channels.
+        silent: channels whose readings are all the same.
         against: the channels beside a data sheet, where one is named.
         audited: whether the stream was audited.
         findings: of the audit.
@@ -189,6 +191,8 @@ class NoiseAnalysis:
     length_s: float
     chosen: str
     axes: tuple[AxisNoise, ...]
+    silent: tuple[str, ...] = ()
+    still_s: tuple[float, float] | None = None
     against: tuple[AgainstSheet, ...] = ()
     audited: bool = False
     findings: tuple[Finding, ...] = ()
