@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 from simcompare.reports.estimation import units_of
@@ -28,12 +29,15 @@ def sentences(result: Estimation) -> Iterator[str]:
     ends = [one.numbers["end_drift"] for one in rows]
     ways = [one.numbers["path_length"].value for one in rows]
     factor, unit = units_of.scale("drift_m", [end.value for end in ends])
-    u = units_of.text(max(end.u or 0.0 for end in ends), factor)
-    per_metre = [1e3 * end.value / way for end, way in zip(ends, ways, strict=True) if way]
-    off = _span([factor * end.value for end in ends], 3)
+    u = factor * max(end.u or 0.0 for end in ends)
+    off = _to_place([factor * end.value for end in ends], u)
+    drifts = [one.numbers["drift_per_metre"] for one in rows if "drift_per_metre" in one.numbers]
+    each = _to_place(
+        [1e3 * d.value for d in drifts], 1e3 * max((d.u or 0.0 for d in drifts), default=0)
+    )
     yield (
-        f"After {_span(ways, 3)} m odometry ends {off} {unit} from the robot (u = {u} {unit}),"
-        f" {_span(per_metre, 3)} mm on each metre."
+        f"After {_span(ways, 3)} m odometry ends {off} {unit} from the robot"
+        f" (u = {numbers.plain(u, 2)} {unit}), {each} mm on each metre."
     )
     shares = [end.value / end.u for end in ends if end.u]
     if len(shares) < len(ends):
@@ -76,6 +80,15 @@ def _with_u(source: SourceEstimate, key: str, factor: float) -> str:
     if not found.u:
         return numbers.plain(size * found.value, 3)
     return numbers.with_u(size * found.value, size * found.u)
+
+
+def _to_place(values: Sequence[float], u: float) -> str:
+    """The least and the largest, to the place of the second digit of their uncertainty."""
+    if not u > 0:
+        return _span(values, 3)
+    places = max(0, 1 - math.floor(math.log10(u)))
+    low, high = (f"{one:.{places}f}" for one in (min(values), max(values)))
+    return low if low == high else f"{low} to {high}"
 
 
 def _span(values: Sequence[float], digits: int) -> str:

@@ -143,7 +143,7 @@ def by_formula(
 
 def _wheels(believed: Wheels, ratios: Array) -> Wheels:
     mean = (believed.left_radius_m + believed.right_radius_m) / 2
-    ratio = ratios[0] * believed.right_radius_m / believed.left_radius_m
+    ratio = float(ratios[0]) * believed.right_radius_m / believed.left_radius_m
     return replace(
         believed,
         left_radius_m=2 * mean / (1 + ratio), right_radius_m=2 * mean * ratio / (1 + ratio),
