@@ -145,8 +145,17 @@ def test_what_a_student_types_runs(page, tmp_path, monkeypatch, capsys):
             done.add(kind)
 
 
+@pytest.mark.parametrize("page", STUDENTS, ids=named)
+def test_what_a_student_types_into_python_runs(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for lines in blocks(page.read_text(encoding="utf-8"), "python"):
+        exec(compile(lines, page.name, "exec"), {})
+
+
 def quick(words):
-    """The same run with one engine and level, and without a report."""
+    """The same with one engine and level, and without a report."""
+    if words[0] == "tune":
+        return [*without(words, "--engine"), "--engine", "pymunk"]
     if words[0] != "run":
         return words
     words = without(without(words, "--engine"), "--contact")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from simcompare.gauging import portable_set
 from simcompare.gauging.check import Check, last_digit
 from simcompare.gauging.example import Example
 from simcompare.statistics import allan
 
-_FIRST, _FACTOR, _MODULUS, _COUNT = 1234567890, 16807, 2147483647, 1000
 _PUBLISHED: dict[allan.Kind, tuple[str, str, str]] = {
     "adev": ("2.922319e-01", "9.965736e-02", "3.897804e-02"),
     "oadev": ("2.922319e-01", "9.159953e-02", "3.241343e-02"),
@@ -20,16 +20,8 @@ _PUBLISHED: dict[allan.Kind, tuple[str, str, str]] = {
 }
 
 
-def _frequencies() -> list[float]:
-    """The generator of Park and Miller, written down with the set."""
-    numbers = [_FIRST]
-    while len(numbers) < _COUNT:
-        numbers.append(_FACTOR * numbers[-1] % _MODULUS)
-    return [number / _MODULUS for number in numbers]
-
-
 def _checks() -> Iterator[Check]:
-    rates = _frequencies()
+    rates = portable_set.frequencies()
     for kind, published in _PUBLISHED.items():
         found = allan.deviations(rates, kind=kind, m=(1, 10, 100))
         for text, tau, value in zip(published, found.tau_s, found.values, strict=True):
