@@ -95,6 +95,39 @@ def test_a_motor_speeds_a_robot_up_as_its_closed_form_says():
     assert state[SPEED] == pytest.approx(closed, rel=1e-12)
 
 
+def test_a_measured_current_drives_the_robot_as_its_voltage_does():
+    """The same motor with its back-EMF in the damping, or in the current already."""
+    share, ratio, k, resistance, rotor, radius = 0.35, 48, 0.0055, 6.0, 2e-7, 0.0325
+    by_voltage = Robot(
+        radius, 0.12, 0.78, 2.5e-3, share * ratio * k / (resistance * radius),
+        share * ratio**2 * (k**2 / resistance + rotor) / radius**2, 0.5,
+    )  # fmt: skip
+    by_current = Robot(
+        radius, 0.12, 0.78, 2.5e-3, share * ratio * k / radius,
+        share * ratio**2 * rotor / radius**2, 0.5,
+    )  # fmt: skip
+    speed, voltage = 0.12, 2.0
+    current = (voltage - k * ratio * speed / radius) / resistance
+    told = [
+        robot.push_m_s2(speed, given, given) - robot.decay_1_s * speed
+        for robot, given in ((by_voltage, voltage), (by_current, current))
+    ]
+    assert told[0] == pytest.approx(told[1], rel=1e-12)
+
+
+def test_the_filter_takes_currents_in_place_of_voltages():
+    given = driven(0)
+    names = {"left_voltage": "left_current", "right_voltage": "right_current"}
+    signals = {names.get(role, role): one for role, one in given.signals.items()}
+    options = {**OPTIONS, "drive_N_A": ROBOT.drive, "current_damping_N_s_m": ROBOT.damping_N_s_m}
+    estimator = estimators.load("pose_filter")
+    by_current = estimators.apply(estimator, Given(signals, given.truth, options))
+    by_voltage = estimators.apply(estimator, given)
+    # a current that drives and brakes as the voltage does is the same motor
+    for state, one in by_voltage.best.states.items():
+        assert np.array_equal(by_current.best.states[state].values, one.values)
+
+
 def test_friction_alone_moves_nothing():
     state = pose_model.move(ROBOT, np.zeros(5), 0.01, 0.2, 0.2).mean
     assert state == pytest.approx(np.zeros(5), abs=0)
