@@ -11,8 +11,12 @@ from typer.testing import CliRunner
 import simcompare
 from simcompare import cli
 from simcompare.errors import InputError, UnknownName
+from simcompare.estimation import estimators
 from simcompare.estimation.consistency import Verdict
+from simcompare.estimation.estimate import Given, Signal
+from simcompare.model import plain
 from simcompare.reports.estimation import figures, page, words
+from simcompare.verbs import estimating
 
 SCENARIO = "robot_motor"
 needs_mujoco = pytest.mark.engines("mujoco")
@@ -173,6 +177,18 @@ def test_a_chip_that_does_not_measure_so_is_said():
     told = r"bmp280.*measures pressure .Pa, 1 axis., not imu.specific_force"
     with pytest.raises(InputError, match=told):
         simcompare.estimate(SCENARIO, engine="mujoco", sensors="imu=bmp280")
+
+
+def test_a_filter_that_refuses_every_reading_is_still_told():
+    time_s = np.arange(0.0, 1.0, 0.1)
+    rates = {side: Signal(time_s, np.full(10, 50.0), 0.01) for side in ("left_rate", "right_rate")}
+    options = {"radius_m": 0.03, "track_m": 0.1, "u_start_speed_m_s": 1e-3, "u_start_m": 1e-4,
+               "speed_noise_m2_s3": 1e-9, "turn_noise_rad2_s3": 1e-9}  # fmt: skip
+    one = estimators.apply(estimators.load("pose_filter"), Given(rates, {}, options))
+    found = estimating.of_source("robot", None, [one])
+    assert found.nis is None
+    assert [row.refused for row in found.readings] == [10.0, 10.0]
+    assert json.loads(plain.text(found))["nis"] is None
 
 
 @pytest.mark.parametrize(

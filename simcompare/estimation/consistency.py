@@ -16,6 +16,7 @@ from typing import Literal
 import numpy as np
 
 from simcompare.estimation.estimate import Way
+from simcompare.model.plain import Finite
 from simcompare.model.trajectory import Array
 
 #: probability of the bands
@@ -45,7 +46,7 @@ class Verdict:
     """
 
     name: str
-    value: float
+    value: Finite
     low: float
     high: float
     inside: float | None

@@ -80,7 +80,7 @@ def _nees_rows(draws: Sequence[Estimate]) -> Array:
 
 def _nis(draws: Sequence[Estimate]) -> Verdict | None:
     found = _innovations(draws)
-    if not found:
+    if not any(np.isfinite(one.nis).any() for one in found):
         return None
     count = min(len(one.nis) for one in found)
     return consistency.nis(
