@@ -45,7 +45,7 @@ def lead(result: Estimation, source: SourceEstimate) -> Figure:
     panels = [Panel(label, _TIME, f"{label} ({unit})", told, y_range=y_range)]
     error = _error_panel(rows, best, state, label)
     caption = (
-        f"{source.source}, first draw of the sensors. Bands are ± {_BAND:g} standard uncertainties"
+        f"{_whose(result, source)}. Bands are ± {_BAND:g} standard uncertainties"
         " as the filter states them: about 95 % of its errors should lie within."
     )
     title = f"{label} as the sensors tell it"
@@ -116,8 +116,17 @@ def _path(result: Estimation, source: SourceEstimate) -> Figure:
             series.append(Series("truth", np.array(x.truth), np.array(y.truth), TRUTH_STYLE))
         series.append(Series(way, np.array(x.values), np.array(y.values), numbered_style(number)))
     panel = Panel("Seen from above", "x (m)", "y (m)", tuple(series))
-    caption = f"{source.source}, first draw of the sensors."
+    caption = f"{_whose(result, source)}."
     return Figure("path", "The path as the sensors tell it", caption, (panel,))
+
+
+def _whose(result: Estimation, source: SourceEstimate) -> str:
+    """Whose motion is drawn; that of an engine is measured many times."""
+    return source.source if result.recording else f"{source.source}, first draw of the sensors"
+
+
+def _mean_of(runs: int) -> str:
+    return f"Mean of {runs} draws." if runs > 1 else "One run, whose neighbouring errors are alike."
 
 
 def _over_time(result: Estimation) -> list[Figure]:
@@ -136,7 +145,6 @@ def _over_time(result: Estimation) -> list[Figure]:
     high = max(float(np.nanmax(row.y)) for row in series)
     panel = Panel("", _TIME, "NEES", tuple(series), (band,), log_y=high > 10 * verdict.high)
     caption = (
-        f"Mean of {verdict.runs} draws. Above the band the filter errs more than it says, below it"
-        " less."
+        f"{_mean_of(verdict.runs)} Above the band the filter errs more than it says, below it less."
     )
     return [Figure("nees", "Does the filter know its error?", caption, (panel,))]
