@@ -23,6 +23,8 @@ NAMES = ("Q", "N", "B", "K")
 SEEN = 12.0
 #: chance below which a fit does not describe the variances
 _CHANCE = 1e-3
+#: and from which on there is nothing more to explain
+_WELL = 0.3
 #: octaves of short averaging times that a filter may smooth, and that are kept at least
 _MOST_SKIPPED, _LEAST_KEPT = 7, 6
 #: correlation time in samples from which it is not that of a filter, with no white noise beside it
@@ -56,9 +58,14 @@ class Fit:
     @property
     def describes(self) -> bool:
         """Whether chi-squared is not larger than chance makes it once in a thousand records."""
+        return self.chance > _CHANCE
+
+    @property
+    def chance(self) -> float:
+        """Of a larger chi-squared, were the fit the truth."""
         from scipy import stats
 
-        return bool(stats.chi2.sf(self.chi_squared, self.degrees_of_freedom) > _CHANCE)
+        return float(stats.chi2.sf(self.chi_squared, self.degrees_of_freedom))
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -223,7 +230,8 @@ def _likelihood(values: Array, expected: Array, covariance: Array) -> tuple[floa
 def with_markov(plain: Fit) -> Fit:
     """The fit with a Gauss-Markov noise, where the record is much likelier with it."""
     observed = plain.observed
-    if "GM" in plain.variances or len(observed.values) < 8 or not {"B", "K"} & {*plain.variances}:
+    slow = {"B", "K"} & {*plain.variances}
+    if "GM" in plain.variances or len(observed.values) < 8 or not slow or plain.chance > _WELL:
         return plain
     best = _markov(observed, list(dict.fromkeys(["N", *plain.variances, "GM"])))
     return best if best is not None and plain.unlikelihood - best.unlikelihood > _WORTH else plain

@@ -56,15 +56,20 @@ def of_recording(
 ) -> Stretch:
     """The channels that are asked for, or those of an inertial sensor.
 
+    All channels of the sensor judge whether it is still, also those that are not asked for.
+
     Raises:
         UnknownName: no channel is called so.
         InputError: too few readings, or readings that are not evenly spaced.
     """
     stream, names = _chosen(recording, channels)
-    values = {name: stream.channels[name].values for name in names}
-    of = {name: stream.channels[name].unit for name in names}
+    judges = [name for name, one in stream.channels.items() if one.unit in INERTIAL]
+    every = list(dict.fromkeys([*names, *judges]))
+    values = {name: stream.channels[name].values for name in every}
+    of = {name: stream.channels[name].unit for name in every}
     found = of_values(stream.time_s, values, of, stream.gaps, start_s, end_s)
-    return found if found.chosen in ("still", "all") else replace(found, still_s=_still(found))
+    still_s = None if found.chosen in ("still", "all") else _still(found)
+    return replace(found, values={name: found.values[name] for name in names}, still_s=still_s)
 
 
 def _still(found: Stretch) -> tuple[float, float] | None:
