@@ -7,7 +7,7 @@ import pytest
 
 import simcompare
 from simcompare.cli import main
-from simcompare.errors import UnknownName
+from simcompare.errors import InputError, UnknownName
 from simcompare.gauging import registry
 from simcompare.gauging.check import Check, last_digit
 from simcompare.gauging.example import Example
@@ -49,6 +49,23 @@ def test_what_is_not_on_this_machine_is_skipped_and_says_how_to_get_it(monkeypat
     assert "itl.nist.gov" in row.quantity
     assert "SIMCOMPARE_DATA" in row.quantity
     assert found.passed
+
+
+def test_a_folder_with_some_of_the_files_says_which_are_lacking(monkeypatch, tmp_path):
+    (tmp_path / "nist_strd").mkdir()
+    (tmp_path / "nist_strd" / "Misra1a.dat").write_text("")
+    monkeypatch.setenv("SIMCOMPARE_DATA", str(tmp_path))
+    (row,) = simcompare.gauge("nist_strd").rows
+    assert row.verdict == "SKIPPED"
+    assert "lacks Chwirut2, Chwirut1" in row.quantity
+
+
+@pytest.mark.parametrize("text", ["", "b1 = 1 2 3 4\nData: y x\n1 2\n3\n", "Data: y\n1\n"])
+def test_a_file_that_is_none_of_nist_is_named(tmp_path, text):
+    path = tmp_path / "Misra1a.dat"
+    path.write_text(text)
+    with pytest.raises(InputError, match=r"Misra1a\.dat: holds no parameters and data"):
+        files.read(path)
 
 
 @pytest.mark.parametrize(

@@ -82,7 +82,7 @@ def gauge(examples: str | Sequence[str] = "all") -> Gauged:
     asked = examples.split(",") if isinstance(examples, str) else list(examples)
     known = registry.names()
     names = list(dict.fromkeys(name.strip() for name in asked))
-    if names == ["all"]:
+    if "all" in names:
         return Gauged(gauging.gauged(known))
     for name in names or [""]:
         if name not in known:

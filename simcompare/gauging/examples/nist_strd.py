@@ -17,6 +17,7 @@ from simcompare.model.trajectory import Array
 _VALUE, _DEVIATION = 6.0, 4.0
 #: problems whose residuals are not larger than the rounding of 64-bit numbers
 _NO_NOISE = ("Lanczos1",)
+_ADDRESS = "https://www.itl.nist.gov/div898/strd/nls/nls_main.shtml"
 _ROUNDING = "the data carry no noise, so the residuals are rounding"
 
 
@@ -46,13 +47,14 @@ def _worst(name: str, certified: Array, found: Array, wanted: float) -> Check:
 
 
 def _missing() -> str:
-    if files.folder() is None:
+    folder = files.folder()
+    if folder is None:
         return (
             "NIST's files are not on this machine; put the *.dat files of"
-            " https://www.itl.nist.gov/div898/strd/nls/nls_main.shtml into a folder nist_strd,"
-            " and let SIMCOMPARE_DATA name the folder above it"
+            f" {_ADDRESS} into a folder nist_strd, and let SIMCOMPARE_DATA name the folder above it"
         )
-    return ""
+    lacking = [name for name in MODELS if not (folder / f"{name}.dat").is_file()]
+    return f"{folder} lacks {', '.join(lacking)}; files: {_ADDRESS}" if lacking else ""
 
 
 EXAMPLE = Example(

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from simcompare.errors import InputError
 from simcompare.model.trajectory import Array
 
 #: folder of the files below that of all published data
@@ -44,9 +45,20 @@ def folder() -> Path | None:
 
 
 def read(path: Path) -> Problem:
-    """One file of NIST."""
-    head, _, data = path.read_text(encoding="ascii").rpartition("Data:")
-    table = np.array([row.split() for row in _PARAMETER.findall(head)], dtype=float)
-    rows = np.array([line.split() for line in data.splitlines()[1:] if line.strip()], dtype=float)
+    """One file of NIST.
+
+    Raises:
+        InputError: it is none.
+    """
+    head, _, data = path.read_text(encoding="utf-8", errors="replace").rpartition("Data:")
+    lines = [line.split() for line in data.splitlines()[1:] if line.strip()]
+    try:
+        table = np.array([row.split() for row in _PARAMETER.findall(head)], dtype=float)
+        rows = np.array(lines, dtype=float)
+    except ValueError:
+        table = rows = np.empty(0)
+    if not len(table) or rows.ndim != 2:
+        fault = "holds no parameters and data as NIST writes them; expected the file as downloaded"
+        raise InputError(str(path), [f"{fault} from itl.nist.gov/div898/strd"])
     response = np.log(rows[:, 0]) if "log[y]" in head else rows[:, 0]
     return Problem(table[:, :2].T, table[:, 2], table[:, 3], response, rows[:, 1:].T)
