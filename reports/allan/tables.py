@@ -116,7 +116,7 @@ def of_findings(found: NoiseAnalysis) -> Table | None:
     )  # fmt: skip
     rows = tuple(
         (one.test, ", ".join(words.short(name) for name in one.channel.split(", ")),
-         "fault" if one.fault else "fine", words.chance_of(one.p).removeprefix("p = "),
+         "fault" if one.fault else "fine", words.chance_of(one.p)[2:].lstrip("= "),
          one.text if one.fault else "")
         for one in found.findings
     )  # fmt: skip

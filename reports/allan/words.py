@@ -105,7 +105,7 @@ def _whose(found: NoiseAnalysis) -> list[str]:
         if fits:
             said.append(f"The noise of the {sensor(unit)} is that of {joined(fits)}.")
         elif of:
-            near = f"the nearest is {of[0].sheet}, {numbers.plain(of[0].ratio, 2)} times of which"
+            near = f"it is {numbers.plain(of[0].ratio, 2)} times that of {of[0].sheet}, the nearest"
             said.append(f"The noise of the {sensor(unit)} is that of no data sheet here; {near}.")
     return said
 
@@ -114,7 +114,8 @@ def _faults(found: NoiseAnalysis) -> list[str]:
     by_text: dict[str, list[Finding]] = {}
     for one in found.findings:
         if one.fault:
-            by_text.setdefault(one.text, []).append(one)
+            # a number in brackets is of one channel
+            by_text.setdefault(one.text.partition(" (")[0], []).append(one)
     count = len(found.findings)
     chance = "of 100 faultless streams 2 at most fail any"
     if not by_text:
@@ -126,15 +127,17 @@ def _faults(found: NoiseAnalysis) -> list[str]:
 
 
 def _fault(text: str, ones: Sequence[Finding]) -> str:
-    where = joined([short(one.channel) for one in ones if one.channel])
-    chance = chance_of(min(one.p for one in ones))
-    return f"{where}: {text} ({chance})" if where else f"{text} ({chance})"
+    channels = [
+        " with ".join(map(short, one.channel.split(", "))) if one.test == "independent axes"
+        else ", ".join(map(short, one.channel.split(", ")))
+        for one in ones if one.channel
+    ]  # fmt: skip
+    where = f"{joined(channels)}: " if channels else ""
+    return f"{where}{text} ({chance_of(max(one.p for one in ones))})"
 
 
 def chance_of(p: float) -> str:
     """A p-value."""
-    if p <= 0:
-        return "p = 0"
     return "p < 10⁻⁹" if p < 1e-9 else f"p = {numbers.plain(p, 2)}"
 
 

@@ -117,7 +117,9 @@ def held(values: Array) -> Told:
     if share <= 0.02 + 2 * by_rounding:
         return Told(1.0, "")
     z = (share - by_rounding) * math.sqrt(len(steps))
-    return Told(float(stats.norm.sf(z)), f"{100 * share:.0f} % of readings repeat the one before")
+    return Told(
+        float(stats.norm.sf(z)), f"readings repeat the one before ({100 * share:.0f} % of them)"
+    )
 
 
 def holm(chances: list[float], family: float) -> list[bool]:
