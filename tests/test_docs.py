@@ -153,9 +153,11 @@ def test_what_a_student_types_into_python_runs(page, tmp_path, monkeypatch):
 
 
 def quick(words):
-    """The same with one engine and level, and without a report."""
+    """The same with one engine and level, few draws, and without a report."""
     if words[0] == "tune":
         return [*without(words, "--engine"), "--engine", "pymunk"]
+    if words[0] == "estimate":
+        return [*without(words, "--engine"), "--engine", "mujoco", "--draws", "4", "--no-report"]
     if words[0] != "run":
         return words
     words = without(without(words, "--engine"), "--contact")
