@@ -22,7 +22,7 @@ ROOT = Path(__file__).parent.parent
 #: place of a message -> the verbs that may print it; the longest place that fits counts
 PRINTED_BY = {
     "hardware/recordings/bounce_table.py": {"run", "fit"},
-    "hardware/conditioning/condition.py": {"import", "validate"},
+    "hardware/conditioning/strict.py": {"import", "validate"},
     "hardware": {"import", "fit", "validate"},
     "simcompare/inference": {"fit", "validate"},
     "simcompare/fitting": {"fit"},

@@ -16,6 +16,7 @@ from simcompare.hardware.conditioning.clock import (
     time_quantised,
     time_unit,
 )
+from simcompare.hardware.conditioning.strict import refused
 from simcompare.hardware.conditioning.units import inertial, naming, plausible_units
 from simcompare.hardware.conditioning.values import (
     angle_wrap,
@@ -35,7 +36,6 @@ from simcompare.model.recording import (
     Event,
     Provenance,
     Recording,
-    Repair,
     Stream,
 )
 from simcompare.model.trajectory import Array
@@ -80,7 +80,7 @@ def condition(
     faults = [fault for work in works for fault in work.faults]
     faults += naming.unused(mapping, wanted)
     if about.mode == "strict":
-        faults += [_refused(repair) for repair in repairs if repair.severity != INFO]
+        faults += [refused(repair) for repair in repairs if repair.severity != INFO]
     conversions: list[Conversion] = [
         Conversion(name, "", "", "", reason=why) for name, why in raw.ignored.items()
     ]
@@ -134,16 +134,6 @@ def _checked(stream: RawStream, mapping: Mapping, assume_units: bool) -> Work:
                 break
             check(work)
     return work
-
-
-def _refused(repair: Repair) -> str:
-    places = [f"column {repair.channel!r}" if repair.channel else ""]
-    if repair.rows:
-        first, last = repair.rows[0]
-        more = f" and {repair.count - (last - first + 1)} more" if len(repair.rows) > 1 else ""
-        places.append(f"rows {first} to {last}{more}" if last > first else f"row {first}{more}")
-    where = ", ".join(place for place in places if place)
-    return f"{where}{': ' if where else ''}{repair.text} ({repair.rule}; refused by --strict)"
 
 
 def _stream(work: Work, conversions: list[Conversion]) -> Stream:

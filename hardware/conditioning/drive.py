@@ -17,6 +17,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, PositiveFloat
 
 from simcompare.errors import InputError
+from simcompare.hardware.conditioning.strict import refused
 from simcompare.hardware.sensors import odometer
 from simcompare.model.recording import WARNING, Recording, Repair
 from simcompare.model.trajectory import Array
@@ -90,10 +91,10 @@ def noted(recording: Recording, drive: Drive | None, where: str) -> Recording:
     if found[0].rms_m < MISSES * length or found[0].rms_m < BETTER * best.rms_m:
         return recording
     text = suspicion(drive, found[0], best, length)
-    if recording.provenance.mode == "strict":
-        raise InputError(where, [f"{text} (drive; refused by --strict)"])
     numbers = {"rms_m": found[0].rms_m}, {"rms_m": best.rms_m}
     repair = Repair("drive", WARNING, text, before=numbers[0], after=numbers[1])
+    if recording.provenance.mode == "strict":
+        raise InputError(where, [refused(repair)])
     about = recording.provenance
     return replace(recording, provenance=replace(about, repairs=(*about.repairs, repair)))
 
