@@ -33,8 +33,12 @@ def write_html(runs: Sequence[Run], path: Path) -> Path:
     Raises:
         OutputError: it cannot be written, or plotly's script is not installed.
     """
-    page = html_of(blocks_of(runs)).encode("utf-8")
-    return output.write(Path(path), page, output.MARKS["html"])
+    return write_html_of(blocks_of(runs), path)
+
+
+def write_html_of(blocks: Sequence[Block], path: Path) -> Path:
+    """The same for what is shown of something, which need not be a run."""
+    return output.write(Path(path), html_of(blocks).encode("utf-8"), output.MARKS["html"])
 
 
 def html_of(blocks: Sequence[Block]) -> str:

@@ -14,6 +14,7 @@ from simcompare import cli
 from simcompare.errors import InputError, UnknownName
 from simcompare.hardware.recordings import registry
 from simcompare.model.trajectory import Array
+from simcompare.reports import builder
 from simcompare.reports.allan import page, words
 from simcompare.verbs.allan import allan
 from simcompare.verbs.allan_shown import Allan
@@ -53,11 +54,11 @@ def test_it_is_held_against_a_data_sheet(found: Allan) -> None:
     assert said.endswith("times (as the sheet says).")
 
 
-def test_a_notebook_and_a_page_show_it(found: Allan, tmp_path: Path) -> None:
+def test_a_notebook_and_a_page_show_it(found: Allan) -> None:
     assert "noise density n" in found._repr_html_()
     assert len(found.deviations()) == 3 * len(found.axes[0].tau_s)
     assert found.plot().axes
-    text = page.write_html(found, tmp_path / "allan.html").read_text(encoding="utf-8")
+    text = builder.html_of([page.block_of(found)])
     assert "Gyroscope" in text
 
 

@@ -19,6 +19,7 @@ from simcompare.characterization.force import CASES
 from simcompare.engine.calibration import cache
 from simcompare.model.plain import of_plain, plain
 from simcompare.model.settings import CONTACT_LEVELS
+from simcompare.reports import builder
 from simcompare.reports.characterization import bounce_figures, findings, words
 from simcompare.reports.characterization import page as characterized
 from simcompare.reports.characterization import tables as characterized_tables
@@ -68,8 +69,8 @@ def test_what_is_stored_is_plain_json(pymunk):
     assert stored["step_s"] == 1e-3
 
 
-def test_the_page_leads_with_what_there_is_to_see_and_loads_nothing(pymunk, tmp_path):
-    page = characterized.write_html(pymunk, tmp_path / "page.html").read_text(encoding="utf-8")
+def test_the_page_leads_with_what_there_is_to_see_and_loads_nothing(pymunk):
+    page = builder.html_of([characterized.block_of(pymunk)])
     assert "does not bounce in pymunk" in page
     assert page.index("does not bounce in pymunk") < page.index('class="plot"')
     for name in ("speed", "off_speed", "phase", "step", "friction_tuned", "joint_tuned"):
@@ -81,7 +82,7 @@ def test_the_page_leads_with_what_there_is_to_see_and_loads_nothing(pymunk, tmp_
 
 def test_pictures_are_written_for_a_paper(pymunk, tmp_path):
     bounces = replace(pymunk, experiments=("bounce",))
-    written = characterized.write_figures(bounces, tmp_path, "png")
+    written = builder.write_figures_of([characterized.block_of(bounces)], tmp_path, "png")
     assert {path.name for path in written} == {
         f"characterization-{name}.png" for name in ("speed", "off_speed", "phase", "step")
     }
@@ -329,8 +330,8 @@ def test_friction_is_told_in_words():
     assert said(friction_of("a")) == f"By default, at 1 ms: {right}"
 
 
-def test_nothing_reads_like_micronewton_or_microgram(pymunk, tmp_path):
-    page = characterized.write_html(pymunk, tmp_path / "page.html").read_text(encoding="utf-8")
+def test_nothing_reads_like_micronewton_or_microgram(pymunk):
+    page = builder.html_of([characterized.block_of(pymunk)])
     body = page[page.index('class="answer"') :]
     assert not re.findall("µ[Ng]", body)
     assert "µ·N, the coefficient of friction times the normal force" in body

@@ -15,6 +15,7 @@ from simcompare.estimation import estimators
 from simcompare.estimation.consistency import Verdict
 from simcompare.estimation.estimate import Given, Signal
 from simcompare.model import plain
+from simcompare.reports import builder
 from simcompare.reports.estimation import figures, page, words
 from simcompare.verbs import estimating
 
@@ -120,7 +121,7 @@ def test_the_pose_filter_knows_the_turning_rate_better_than_the_wheels():
 
 
 @needs_mujoco
-def test_an_estimation_shows_itself(found, tmp_path):
+def test_an_estimation_shows_itself(found):
     table = found.table()
     assert list(table.columns)[-2:] == ["NEES", "Filter"]
     assert "filtered" in repr(found)
@@ -128,7 +129,7 @@ def test_an_estimation_shows_itself(found, tmp_path):
     assert found.plot("nees") is not None
     with pytest.raises(UnknownName, match="no figure is called 'speed'"):
         found.plot("speed")
-    text = page.write_html(found, tmp_path / "report.html").read_text(encoding="utf-8")
+    text = builder.html_of([page.block_of(found)])
     for word in ("Tests of consistency", "NEES", "imu mpu6050 at 100 Hz", "bias = 1"):
         assert word in text
 

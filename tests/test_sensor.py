@@ -14,6 +14,7 @@ import simcompare
 from simcompare import cli
 from simcompare.errors import InputError, UnknownName
 from simcompare.hardware.sensors import data_sheet
+from simcompare.reports import builder
 from simcompare.reports.sensor import figures, page, words
 from simcompare.verbs import sensor as verb
 
@@ -175,7 +176,7 @@ def test_the_template_can_be_used_at_once(tmp_path):
 
 def test_the_page_holds_answer_lines_and_rules(tmp_path):
     found = told("mpu6050", draw=2)
-    path = page.write_html(found, verb.rules(), tmp_path / "page.html")
+    path = builder.write_html_of([page.block_of(found, verb.rules())], tmp_path / "page.html")
     text = path.read_text(encoding="utf-8")
     for part in (
         "offset does most of it",

@@ -2,23 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from simcompare.reports import builder
 from simcompare.reports.allan import figures, tables, words
-from simcompare.reports.render import output
 from simcompare.reports.render.parts import Block, Part, part_of
 from simcompare.results.records.allan import NoiseAnalysis
-
-
-def write_html(found: NoiseAnalysis, path: Path) -> Path:
-    """Writes the page as one HTML file that needs no network and nothing beside it.
-
-    Raises:
-        OutputError: it cannot be written, or plotly's script is not installed.
-    """
-    page = builder.html_of([block_of(found)])
-    return output.write(Path(path), page.encode("utf-8"), output.MARKS["html"])
 
 
 def block_of(found: NoiseAnalysis) -> Block:

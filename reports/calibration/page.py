@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from simcompare import glossary
-from simcompare.reports import builder
 from simcompare.reports.calibration import figures, tables, words
-from simcompare.reports.render import output
 from simcompare.reports.render.parts import Block, Part, part_of
 from simcompare.results.records.calibration import CalibrationRecord
 
@@ -19,25 +15,6 @@ WORDS = ("six positions", "levelling", "ellipsoid fit", "condition number")
 def title(record: CalibrationRecord) -> str:
     """Heading of the page."""
     return f"Calibration of {record.source}"
-
-
-def write_html(record: CalibrationRecord, path: Path) -> Path:
-    """Writes the page as one HTML file that needs no network and nothing beside it.
-
-    Raises:
-        OutputError: it cannot be written, or plotly's script is not installed.
-    """
-    page = builder.html_of([block_of(record)])
-    return output.write(Path(path), page.encode("utf-8"), output.MARKS["html"])
-
-
-def write_figures(record: CalibrationRecord, folder: Path, format: str) -> list[Path]:
-    """Writes every picture as a file of its own: "pdf", "svg" or "png".
-
-    Raises:
-        OutputError: a file cannot be written.
-    """
-    return builder.write_figures_of([block_of(record)], folder, format)
 
 
 def block_of(record: CalibrationRecord) -> Block:

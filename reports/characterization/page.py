@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from pathlib import Path
 
 from simcompare.model.settings import CONTACT_LEVELS
-from simcompare.reports import builder
 from simcompare.reports.characterization import bounce_figures, tables
 from simcompare.reports.characterization import figures as characterized_figures
-from simcompare.reports.render import output
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Block, Part, part_of
 from simcompare.results.records.characterization import Characterization
@@ -37,31 +34,6 @@ _LEVELS = {
     "assisted": "With our helps: the same, and we land on impacts and give efforts at the right"
     " instant; that is our work and not the engine's.",
 }
-
-
-def write_html(result: Characterization, path: Path) -> Path:
-    """Writes the page as one HTML file that needs no network and nothing beside it.
-
-    Raises:
-        OutputError: it cannot be written, or plotly's script is not installed.
-    """
-    page = builder.html_of([block_of(result)])
-    return output.write(Path(path), page.encode("utf-8"), output.MARKS["html"])
-
-
-def write_figures(result: Characterization, folder: Path, format: str) -> list[Path]:
-    """Writes every picture as a file of its own, for a paper.
-
-    Args:
-        result: what was found.
-        folder: where to; made where it does not exist.
-        format: "pdf" and "svg" (vectors) or "png" (300 dpi).
-
-    Raises:
-        UnknownName: another format.
-        OutputError: a file cannot be written.
-    """
-    return builder.write_figures_of([block_of(result)], folder, format)
 
 
 def block_of(result: Characterization) -> Block:

@@ -2,27 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from simcompare.notation import capital
-from simcompare.reports import builder
 from simcompare.reports.compare import tables, words
 from simcompare.reports.compare.compared import Compared
 from simcompare.reports.compare.figure import deviations, figure
-from simcompare.reports.render import output
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Block, Part
 from simcompare.reports.run import runs
-
-
-def write_html(compared: Compared, measure: str, path: Path) -> Path:
-    """Writes the page as one HTML file that needs no network and nothing beside it.
-
-    Raises:
-        OutputError: it cannot be written, or plotly's script is not installed.
-    """
-    page = builder.html_of([block_of(compared, measure)])
-    return output.write(path, page.encode("utf-8"), output.MARKS["html"])
 
 
 def block_of(compared: Compared, measure: str) -> Block:

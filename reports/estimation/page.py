@@ -3,26 +3,13 @@
 from __future__ import annotations
 
 import shlex
-from pathlib import Path
 
 from simcompare import glossary
-from simcompare.reports import builder
 from simcompare.reports.estimation import chips, drift, figures, tables
-from simcompare.reports.render import output
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Block, Part, part_of
 from simcompare.reports.render.tables import Table
 from simcompare.results.records.estimation import Estimation
-
-
-def write_html(result: Estimation, path: Path) -> Path:
-    """Writes the page as one HTML file that needs no network and nothing beside it.
-
-    Raises:
-        OutputError: it cannot be written, or plotly's script is not installed.
-    """
-    page = builder.html_of([block_of(result)])
-    return output.write(Path(path), page.encode("utf-8"), output.MARKS["html"])
 
 
 def block_of(result: Estimation) -> Block:

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from simcompare import glossary
-from simcompare.reports import builder
-from simcompare.reports.render import output
 from simcompare.reports.render.parts import Block, Part, part_of
 from simcompare.reports.sensor import figures, tables, words
 from simcompare.results.records.sensor import RuleRow, SensorReading
@@ -17,16 +13,6 @@ QUESTION = "How uncertain is a reading before calibration, and why?"
 def title(found: SensorReading) -> str:
     """Above everything."""
     return f"{found.chip}, {found.part.replace('_', ' ')}"
-
-
-def write_html(found: SensorReading, rules: tuple[RuleRow, ...], path: Path) -> Path:
-    """Writes the page as one HTML file that needs no network and nothing beside it.
-
-    Raises:
-        OutputError: it cannot be written, or plotly's script is not installed.
-    """
-    page = builder.html_of([block_of(found, rules)])
-    return output.write(Path(path), page.encode("utf-8"), output.MARKS["html"])
 
 
 def block_of(found: SensorReading, rules: tuple[RuleRow, ...]) -> Block:

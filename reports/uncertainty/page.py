@@ -3,25 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 from simcompare import glossary
-from simcompare.reports import builder
-from simcompare.reports.render import output
 from simcompare.reports.render.parts import Block, Part, part_of
 from simcompare.reports.uncertainty import answer, tables
 from simcompare.reports.uncertainty.figures import figure_of
 from simcompare.results.records.uncertainty import Uncertainty
-
-
-def write_html(result: Uncertainty, path: Path) -> Path:
-    """Writes the page as one HTML file that needs no network and nothing beside it.
-
-    Raises:
-        OutputError: it cannot be written, or plotly's script is not installed.
-    """
-    page = builder.html_of([block_of(result)])
-    return output.write(Path(path), page.encode("utf-8"), output.MARKS["html"])
 
 
 def block_of(result: Uncertainty) -> Block:

@@ -76,12 +76,13 @@ def _claims(given: list[str]) -> dict[str, float]:
 
 
 def _write(found: NoiseAnalysis, out: Path) -> Path:
+    from simcompare.reports import builder
     from simcompare.reports.allan import page
     from simcompare.results import store
 
     store.check_writable(out)
     name = "".join(one if one.isalnum() else "-" for one in Path(found.source).stem)
-    return page.write_html(found, out / f"allan-{name}.html")
+    return builder.write_html_of([page.block_of(found)], out / f"allan-{name}.html")
 
 
 def _show(found: NoiseAnalysis, page: Path | None) -> None:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import typer
 
 from simcompare.cli import complete, console, ending, manner, opening
-from simcompare.errors import UnknownName
 
 if TYPE_CHECKING:
     from simcompare.results.records.calibration import CalibrationRecord
@@ -55,17 +54,17 @@ def calibrate(
 ) -> None:
     """Find what a sensor is off by, and correct it."""
     from simcompare.model.plain import plain
-    from simcompare.reports.render import matplotlib_
+    from simcompare.reports.calibration import page
     from simcompare.verbs import calibrate as verb
 
-    if figures is not None and figures not in matplotlib_.FORMATS:
-        raise UnknownName("figure format", figures, matplotlib_.FORMATS)
-    opening.check(opened, report=report)
+    opening.check(opened, report=report, figures=figures)
     result = verb.calibrate(
         source, kind=kind, simulate=simulate, gravity=gravity, gravity_u=gravity_u, level=level,
         noise=noise, sensor=sensor, mapping=mapping, apply=apply, seed=seed, out=out,
     )  # fmt: skip
-    last_file = _write(result, figures, report=report)
+    last_file = ending.write_block(
+        lambda: page.block_of(result), result.folder, figures, report=report
+    )
     ending.finish(
         lambda: plain(result),
         lambda: _show(result, last_file),
@@ -73,19 +72,6 @@ def calibrate(
         page=last_file if opened else None,
         as_json=as_json,
     )
-
-
-def _write(result: CalibrationRecord, figures: str | None, *, report: bool) -> Path | None:
-    """Writes figures and report; returns the last file of them."""
-    from simcompare.reports.calibration import page
-
-    assert result.folder is not None
-    files = []
-    if figures is not None:
-        files += page.write_figures(result, result.folder / "figures", figures)
-    if report:
-        files.append(page.write_html(result, result.folder / "report.html"))
-    return files[-1] if files else None
 
 
 def _show(result: CalibrationRecord, last_file: Path | None) -> None:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import typer
 
 from simcompare.cli import complete, console, ending, manner, opening
-from simcompare.errors import UnknownName
 
 if TYPE_CHECKING:
     from simcompare.results.records.characterization import Characterization
@@ -43,12 +42,10 @@ def characterize(
 ) -> None:
     """Measure how engines bounce, stick, swing and tell forces."""
     from simcompare.model.plain import plain
-    from simcompare.reports.render import matplotlib_
+    from simcompare.reports.characterization import page
     from simcompare.verbs import characterize as verb
 
-    if figures is not None and figures not in matplotlib_.FORMATS:
-        raise UnknownName("figure format", figures, matplotlib_.FORMATS)
-    opening.check(opened, report=report)
+    opening.check(opened, report=report, figures=figures)
     with console.progress_bar("characterize") as progress:
         result = verb.characterize(
             experiments,
@@ -59,7 +56,9 @@ def characterize(
             time_limit_s=time_limit,
             progress=progress,
         )
-    last_file = _write(result, figures, report=report)
+    last_file = ending.write_block(
+        lambda: page.block_of(result), result.folder, figures, report=report
+    )
     ending.finish(
         lambda: {**plain(result), "exit_code": result.exit_code},
         lambda: _show(result, last_file, details=details),
@@ -67,19 +66,6 @@ def characterize(
         page=last_file if opened else None,
         as_json=as_json,
     )
-
-
-def _write(result: Characterization, figures: str | None, *, report: bool) -> Path | None:
-    """Writes figures and report; returns the last file of them."""
-    from simcompare.reports.characterization import page
-
-    assert result.folder is not None
-    files = []
-    if figures is not None:
-        files += page.write_figures(result, result.folder / "figures", figures)
-    if report:
-        files.append(page.write_html(result, result.folder / "report.html"))
-    return files[-1] if files else None
 
 
 def _show(result: Characterization, last_file: Path | None, *, details: bool) -> None:

@@ -12,6 +12,7 @@ from simcompare.cli import console, opening
 
 if TYPE_CHECKING:
     from simcompare.model.plain import Plain
+    from simcompare.reports.render.parts import Block
     from simcompare.results.run import Run
 
 #: exit code of what Ctrl-C ended
@@ -65,6 +66,28 @@ def finish_run(
     page = _write_report(result) if report else None
     code = INTERRUPTED if result.record.interrupted else result.exit_code
     finish(plain, lambda: show(page), code, page=page if opened else None, as_json=as_json)
+
+
+def write_block(
+    block: Callable[[], Block], folder: Path | None, figures: str | None = None, *, report: bool
+) -> Path | None:
+    """Writes what is shown of a result into its folder; gives the last file, ``None`` for none.
+
+    Args:
+        block: makes what is shown.
+        folder: of the result.
+        figures: format of files of the figures, ``None`` for none.
+        report: whether report.html is written.
+    """
+    from simcompare.reports import builder
+
+    assert folder is not None
+    files = []
+    if figures is not None:
+        files += builder.write_figures_of([block()], folder / "figures", figures)
+    if report:
+        files.append(builder.write_html_of([block()], folder / "report.html"))
+    return files[-1] if files else None
 
 
 def show_end(result: Run, page: Path | None) -> None:

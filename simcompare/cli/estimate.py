@@ -61,6 +61,7 @@ def estimate(
 ) -> None:
     """Filter what sensors tell of a motion, and judge the filter by the truth."""
     from simcompare.model.plain import plain
+    from simcompare.reports.estimation import page
     from simcompare.verbs import estimate as verb
 
     opening.check(opened, report=report)
@@ -83,21 +84,14 @@ def estimate(
             time_limit_s=time_limit,
             progress=progress,
         )
-    page = _write(result) if report else None
+    file = ending.write_block(lambda: page.block_of(result), result.folder, report=report)
     ending.finish(
         lambda: {**plain(result), "exit_code": result.exit_code},
-        lambda: _show(result, page, details=details),
+        lambda: _show(result, file, details=details),
         result.exit_code,
-        page=page if opened else None,
+        page=file if opened else None,
         as_json=as_json,
     )
-
-
-def _write(result: Estimation) -> Path:
-    from simcompare.reports.estimation import page
-
-    assert result.folder is not None
-    return page.write_html(result, result.folder / "report.html")
 
 
 def _show(result: Estimation, page: Path | None, *, details: bool) -> None:

@@ -8,18 +8,24 @@ from pathlib import Path
 
 import typer
 
-from simcompare.errors import InputError
+from simcompare.errors import InputError, UnknownName
 
 #: the option of every verb that writes a report
 OPTION = typer.Option(False, "--open", help="Open the report in the browser.")
 
 
-def check(wanted: bool, *, report: bool) -> None:
-    """Refuses to open a report that is not written.
+def check(wanted: bool, *, report: bool, figures: str | None = None) -> None:
+    """Refuses to open a report that is not written, and formats that no figure has.
 
     Raises:
         InputError: --open and --no-report together.
+        UnknownName: no such format.
     """
+    if figures is not None:
+        from simcompare.reports.render import matplotlib_
+
+        if figures not in matplotlib_.FORMATS:
+            raise UnknownName("figure format", figures, matplotlib_.FORMATS)
     if wanted and not report:
         raise InputError("--open", ["there is no page to open; leave out --no-report"])
 

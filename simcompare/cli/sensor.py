@@ -68,12 +68,14 @@ def sensor(
 
 
 def _write(found: SensorAnswer, out: Path) -> Path:
+    from simcompare.reports import builder
     from simcompare.reports.sensor import page
     from simcompare.results import store
     from simcompare.verbs import sensor as verb
 
     store.check_writable(out)
-    return page.write_html(found, verb.rules(), out / f"sensor-{found.name}-{found.part}.html")
+    block = page.block_of(found, verb.rules())
+    return builder.write_html_of([block], out / f"sensor-{found.name}-{found.part}.html")
 
 
 def _show_sheets(found: SensorSheets, *, rules: bool) -> None:

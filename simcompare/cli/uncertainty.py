@@ -60,6 +60,7 @@ def uncertainty(
 ) -> None:
     """Tell how well a result is known, and which input matters most."""
     from simcompare.model.plain import plain
+    from simcompare.reports.uncertainty import page
     from simcompare.verbs import uncertainty as verb
 
     opening.check(opened, report=report)
@@ -83,21 +84,14 @@ def uncertainty(
             time_limit_s=time_limit,
             progress=progress,
         )
-    page = _write(result) if report else None
+    file = ending.write_block(lambda: page.block_of(result), result.folder, report=report)
     ending.finish(
         lambda: {**plain(result), "exit_code": result.exit_code},
-        lambda: _show(result, page, details=details),
+        lambda: _show(result, file, details=details),
         result.exit_code,
-        page=page if opened else None,
+        page=file if opened else None,
         as_json=as_json,
     )
-
-
-def _write(result: Uncertainty) -> Path:
-    from simcompare.reports.uncertainty import page
-
-    assert result.folder is not None
-    return page.write_html(result, result.folder / "report.html")
 
 
 def _show(result: Uncertainty, page: Path | None, *, details: bool) -> None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from simcompare.arguments import checked
 from simcompare.errors import InputError
+from simcompare.reports import builder
 from simcompare.reports.compare import page, rows, tables, words
 from simcompare.reports.compare.compared import Compared, compared
 from simcompare.reports.compare.figure import deviations, figure
@@ -107,7 +108,7 @@ class Comparison(Shown):
             OutputError: it cannot be written.
         """
         path = words.common_folder(self.compared) / PAGE if out is None else Path(out)
-        return page.write_html(self.compared, self.measure, path)
+        return builder.write_html_of([page.block_of(self.compared, self.measure)], path)
 
     def _chosen(self, measure: str | None) -> str:
         if measure is not None:
