@@ -9,7 +9,7 @@ import yaml
 from simcompare.errors import InputError
 from simcompare.hardware.sensors import sheets
 from simcompare.hardware.sensors.drawn import drawn
-from simcompare.model.sensor_errors import SensorErrors
+from simcompare.model.sensor_errors import SensorErrors, keys_of
 from simcompare.scenarios import scenario_file
 
 IMU = {"imu.specific_force_m_s2": 3, "imu.rate_rad_s": 3}
@@ -128,6 +128,16 @@ def test_a_chip_is_turned_in_its_box_as_a_whole():
     force, rate = one({"misalignment_rad": {"typ": 0.02}})
     assert force.device.mounting_wxyz == rate.device.mounting_wxyz
     assert force.device.mounting_wxyz[0] < 1.0
+
+
+def test_every_term_that_can_be_said_has_a_title_and_a_unit():
+    known = keys_of("rate_rad_s")
+    (device,) = one({**dict.fromkeys(known, 0.5), "misalignment_rad": 0.1}, {"imu.rate_rad_s": 3})
+    told = {row.term: (row.title, row.unit) for row in device.terms}
+    assert {*told} == {*known.values(), "misalignment"}
+    assert told["resolution"] == ("resolution", "rad/s")
+    assert told["noise_density"] == ("noise", "rad/s/√Hz")
+    assert told["sensitivity_per_K"] == ("sensitivity with temperature", "1/K")
 
 
 def test_cross_axis_terms_stand_beside_the_diagonal():

@@ -12,11 +12,12 @@ from simcompare import units
 from simcompare.hardware.sensors.device import Device
 from simcompare.hardware.sensors.sheet_parts import PartData, Settings
 from simcompare.hardware.sensors.sheet_rules import RULE_OF_KIND, RULES, Stated
-from simcompare.hardware.sensors.sheet_terms import TERMS
+from simcompare.hardware.sensors.sheet_terms import TERMS, Term
 from simcompare.hardware.sensors.sheet_units import written
 from simcompare.hardware.sensors.signals import axis_of, owner_of, part_of
+from simcompare.model import sensor_errors
 from simcompare.model.rotations import multiply, quaternions_of
-from simcompare.model.sensor_errors import SINGLE, SensorErrors, Spread, Term, Value
+from simcompare.model.sensor_errors import SINGLE, SensorErrors, Spread, Value
 from simcompare.model.trajectory import Array
 from simcompare.statistics import distributions
 from simcompare.statistics.distributions import Distribution
@@ -55,31 +56,23 @@ class DrawnTerm:
     @property
     def title(self) -> str:
         """The term in words."""
-        return _TITLES[self.term]
+        return _TERMS[self.term].title
 
 
 #: names in data sheets -> names in the error model, where they differ
 _MODEL_NAMES = {"noise": "noise_density", "rate": "rate_error"}
-_TITLES = {
-    **{_MODEL_NAMES.get(name, name): term.title for name, term in TERMS.items()},
-    "full_scale": "range", "misalignment": "turned in its box",
-}  # fmt: skip
-#: what the unit of a term is divided by
-_PER = {
-    "noise_density": "√Hz", "random_walk": "√s", "offset_per_K": "K", "sensitivity_per_K": "K"
-}  # fmt: skip
-_WITHOUT_UNIT = (
-    "sensitivity", "cross_axis", "nonlinearity", "sensitivity_per_K", "noise_per_reading",
-    "rate_error",
-)  # fmt: skip
+_TERMS = {
+    **{_MODEL_NAMES.get(name, name): term for name, term in TERMS.items()},
+    "resolution": Term("resolution"),
+    "full_scale": Term("range"),
+    "misalignment": Term("turned in its box"),
+}
 
 
 def of_sheet(part: PartData, settings: Settings, device: Device) -> tuple[DrawnTerm, ...]:
     """What a device has of each line of its data sheet."""
     found = []
     for term in TERMS:
-        if term == "resolution":
-            continue
         name = _MODEL_NAMES.get(term, term)
         for axis, value in _values(device, name, part.axes):
             entry = part.entry(term, settings.range.name, axis[:1])
@@ -96,7 +89,7 @@ def of_sheet(part: PartData, settings: Settings, device: Device) -> tuple[DrawnT
 
 
 def _unit(term: str, unit: str) -> str:
-    return written("1" if term in _WITHOUT_UNIT else unit, _PER.get(term, ""))
+    return written("1" if _TERMS[term].relative else unit, _TERMS[term].per)
 
 
 def _values(device: Device, term: str, axes: str) -> Iterator[tuple[str, float]]:
@@ -149,7 +142,7 @@ def _pairs(term: str, axes: str) -> Iterator[tuple[str, int]]:
         yield from ((axis, i) for i, axis in enumerate(axes))
 
 
-def _of_axis(stated: Term, number: int) -> Value:
+def _of_axis(stated: sensor_errors.Term, number: int) -> Value:
     return stated[number] if isinstance(stated, tuple) else stated
 
 
