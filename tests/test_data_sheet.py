@@ -212,7 +212,7 @@ def test_first_order_and_drawn_devices_agree_on_every_sheet():
 
 def test_a_saturated_sensor_is_said_not_to_agree():
     part = data_sheet.load("mpu6050").part()
-    now = Situation("x", 2 * G, 0.0, part.settings("2 g"))
+    now = Situation("x", 2 * G, 0.0, part.settings(range="2 g"))
     drawn = reading_uncertainty.drawn(part, now, 4000, seed=0)
     assert drawn.saturated > 0.3
     u = reading_uncertainty.combined(reading_uncertainty.shares(part, now))
@@ -259,8 +259,10 @@ def test_a_relative_accuracy_turns_about_its_reading():
 
 def test_settings_are_those_of_the_chip():
     part = data_sheet.load("mpu6050").part("accelerometer")
-    assert part.settings("±4g").range.name == "4 g"
-    assert data_sheet.load("mpu6050").part("gyroscope").settings("500").range.name == "500 °/s"
+    assert part.settings(range="±4g").range.name == "4 g"
+    assert (
+        data_sheet.load("mpu6050").part("gyroscope").settings(range="500").range.name == "500 °/s"
+    )
     # where the rate is too low for the usual bandwidth, the widest that fits is taken
     assert part.settings(rate_Hz=50.0).bandwidth_Hz == 21.0
     assert data_sheet.load("adxl345").part().settings(rate_Hz=800.0).bandwidth_Hz == 400.0

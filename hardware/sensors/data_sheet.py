@@ -15,13 +15,30 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypedDict, Unpack
 
 from simcompare.errors import NoSuchFile, UnknownName, unknown_or_missing
 from simcompare.hardware.sensors import drawing, sheet_reading, sheets
-from simcompare.hardware.sensors.device import REFERENCE_C, Device
+from simcompare.hardware.sensors.device import Device
 from simcompare.hardware.sensors.drawing import Devices
 from simcompare.hardware.sensors.sheet_entries import Entry
 from simcompare.hardware.sensors.sheet_parts import PartData, Settings
+
+
+class Asked(TypedDict, total=False):
+    """Settings that can be asked for.
+
+    Attributes:
+        range: name of the full scale, such as "2 g".
+        rate_Hz: output data rate.
+        bandwidth_Hz: -3 dB bandwidth.
+        temperature_C: of the device.
+    """
+
+    range: str | None
+    rate_Hz: float | None
+    bandwidth_Hz: float | None
+    temperature_C: float
 
 
 @dataclass(frozen=True)
@@ -33,29 +50,11 @@ class Part(PartData):
         terms = {name: one.with_sigma(typ_is_sigma) for name, one in self.terms.items()}
         return replace(self, terms=terms)
 
-    def typical(
-        self,
-        device_name: str = "",
-        *,
-        range: str | None = None,
-        rate_Hz: float | None = None,
-        bandwidth_Hz: float | None = None,
-        temperature_C: float = REFERENCE_C,
-    ) -> Device:
+    def typical(self, device_name: str = "", **asked: Unpack[Asked]) -> Device:
         """A device without systematic errors: noise, resolution and range as in the sheet."""
-        settings = self.settings(range, rate_Hz, bandwidth_Hz, temperature_C)
-        return drawing.typical(self, settings, device_name)
+        return drawing.typical(self, self.settings(**asked), device_name)
 
-    def drawn(
-        self,
-        seed: int,
-        device_name: str = "",
-        *,
-        range: str | None = None,
-        rate_Hz: float | None = None,
-        bandwidth_Hz: float | None = None,
-        temperature_C: float = REFERENCE_C,
-    ) -> Device:
+    def drawn(self, seed: int, device_name: str = "", **asked: Unpack[Asked]) -> Device:
         """One device: each systematic term drawn once, from a stream of its own name.
 
         The device's name is a part of the stream: two sensors of a robot have other errors, and
@@ -64,47 +63,28 @@ class Part(PartData):
         Args:
             seed: of all streams of a run.
             device_name: whose errors they are, for example "imu".
-            range: name of the full scale, such as "2 g"; the usual one where ``None``.
-            rate_Hz: output data rate.
-            bandwidth_Hz: -3 dB bandwidth.
-            temperature_C: of the device.
+            asked: settings.
 
         Raises:
             UnknownName: no such range.
             InputError: a rate or a bandwidth that the chip does not have.
         """
-        settings = self.settings(range, rate_Hz, bandwidth_Hz, temperature_C)
-        return drawing.many(self, settings, seed, 1, device_name).device(0)
+        return drawing.many(self, self.settings(**asked), seed, 1, device_name).device(0)
 
     def drawn_many(
-        self,
-        seed: int,
-        count: int,
-        device_name: str = "",
-        *,
-        range: str | None = None,
-        rate_Hz: float | None = None,
-        bandwidth_Hz: float | None = None,
-        temperature_C: float = REFERENCE_C,
+        self, seed: int, count: int, device_name: str = "", **asked: Unpack[Asked]
     ) -> Devices:
         """Many devices at once as arrays; the first is the one that ``drawn`` gives."""
-        settings = self.settings(range, rate_Hz, bandwidth_Hz, temperature_C)
-        return drawing.many(self, settings, seed, count, device_name)
+        return drawing.many(self, self.settings(**asked), seed, count, device_name)
 
-    def settings(
-        self,
-        range: str | None = None,
-        rate_Hz: float | None = None,
-        bandwidth_Hz: float | None = None,
-        temperature_C: float = REFERENCE_C,
-    ) -> Settings:
-        """Settings that the chip has; the usual ones where ``None``.
+    def settings(self, **asked: Unpack[Asked]) -> Settings:
+        """Settings that the chip has; the usual ones where none are asked for.
 
         Raises:
             UnknownName: no such range.
             InputError: a rate or a bandwidth that the chip does not have.
         """
-        return sheet_reading.settings(self, range, rate_Hz, bandwidth_Hz, temperature_C)
+        return sheet_reading.settings(self, **asked)
 
 
 @dataclass(frozen=True)

@@ -88,7 +88,7 @@ def parts_of(
     }
     if not found:
         raise InputError(f"sheet {sheet.name}", [_no_part(sheet, signals)])
-    asked = {"range": errors.range, "rate_Hz": errors.rate_Hz, "bandwidth_Hz": errors.bandwidth_Hz}
+    asked = {name: getattr(errors, name) for name in ("range", "rate_Hz", "bandwidth_Hz")}
     asked = {name: value for name, value in asked.items() if value is not None}
     return {
         signal: (part, _settings(part, list(found.values()), asked, errors.temperature_C))

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from simcompare.errors import InputError, UnknownName
 from simcompare.hardware.sensors import sheet_entries, sheet_units
+from simcompare.hardware.sensors.device import REFERENCE_C
 from simcompare.hardware.sensors.sheet_entries import Entry
 from simcompare.hardware.sensors.sheet_file import EntryFile, PartFile, SheetFile, SourceFile, read
 from simcompare.hardware.sensors.sheet_parts import PartData, Range, Settings
@@ -203,10 +204,10 @@ def _above_nyquist(width_Hz: float, rate_Hz: float) -> str:
 
 def settings(
     part: PartData,
-    range_name: str | None,
-    rate_Hz: float | None,
-    bandwidth_Hz: float | None,
-    temperature_C: float,
+    range: str | None = None,
+    rate_Hz: float | None = None,
+    bandwidth_Hz: float | None = None,
+    temperature_C: float = REFERENCE_C,
 ) -> Settings:
     """Settings that a part has; the usual ones where ``None``.
 
@@ -214,7 +215,7 @@ def settings(
         UnknownName: no such range.
         InputError: a rate or a bandwidth that it does not have.
     """
-    name = _range_name(part, part.usual[0] if range_name is None else range_name)
+    name = _range_name(part, part.usual[0] if range is None else range)
     rate = part.usual[1] if rate_Hz is None else rate_Hz
     low, high = min(part.rates_Hz), max(part.rates_Hz)
     where = f"{part.chip} {part.name}"

@@ -90,8 +90,9 @@ def sensor(
     sheet = data_sheet.load(name, typ_is_sigma=typ_is_sigma)
     one = sheet.part(part)
     settings = one.settings(
-        range, _hertz("--rate", rate), _hertz("--bandwidth", bandwidth), temperature
-    )
+        range=range, rate_Hz=_hertz("--rate", rate), bandwidth_Hz=_hertz("--bandwidth", bandwidth),
+        temperature_C=temperature,
+    )  # fmt: skip
     told = one.reading_text if reading is None else _told(reading, one.unit)
     value = one.reading if reading is None else _amount("--reading", reading, one.unit)
     if abs(value) > settings.range.full_scale:
