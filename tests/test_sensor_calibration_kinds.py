@@ -116,20 +116,6 @@ def test_two_pressures_need_a_known_noise():
         two_point.calibrate(Readings(("a", "b"), read, np.ones((2, 1))), [pressures[0]] * 2)
 
 
-def test_a_staircase_tells_the_ratio_of_pressures():
-    below, warm = normal(101_325, 3000), normal(288.15, 2)
-    ratio = np.exp(-0.0289644 * 9.80665 * 20 / 8.31446 / 288.15)
-    read = np.array([[101_325.0], [101_325 * ratio]])
-    found = two_point.at_heights(
-        Readings(("down", "up"), read, np.full((2, 1), 0.01)), [0, 20], below, 0.01, warm
-    )
-    assert found.sensitivity[0, 0] == pytest.approx(1, abs=1e-9)
-    # S scales with the pressure below (3 %), and with the temperature (0.7 %)
-    assert found.u_sensitivity[0, 0] == pytest.approx(
-        np.hypot(3000 / 101_325, 2 / 288.15), rel=5e-3
-    )
-
-
 def recorded(ups: np.ndarray, generator: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     """Six seconds in each pose and one second of shaking between them, at 100 Hz."""
     parts = []
