@@ -125,6 +125,8 @@ def test_a_rate_table_and_two_pressures_are_read_from_tables(tmp_path):
     # the alignment's square lowers the known rates by 25 ppm
     assert np.diag(found.sensitivity) == pytest.approx(1.01, abs=5e-5)
     assert np.degrees(found.offset) == pytest.approx([1, -2, 0.5], abs=1e-9)
+    stated = simcompare.calibrate(table, level="0.1deg").assumptions[1]
+    assert (stated.quantity, stated.source) == ("alignment", "as stated, rectangular")
 
     table = tmp_path / "pressures.csv"
     table.write_text(

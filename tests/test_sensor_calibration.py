@@ -9,6 +9,7 @@ from scipy import stats
 from simcompare.errors import InputError
 from simcompare.hardware.sensors import six_position
 from simcompare.hardware.sensors.calibrated import Readings
+from simcompare.hardware.sensors.calibration import Taken
 from simcompare.statistics.distributions import normal
 from simcompare.statistics.streams import stream
 
@@ -19,6 +20,10 @@ TRUE_S = np.eye(3) + np.array([[0.02, -0.01, 0.015], [0.008, -0.03, 0.004], [-0.
 TRUE_O = np.array([0.5, -0.4, 0.8])
 TRUTH = np.concatenate([TRUE_S.ravel(), TRUE_O])
 U_NOISE, U_TILT, U_G = 0.004, 0.002, 0.002
+
+
+def taken(value: float, u: float) -> Taken:
+    return Taken(normal(value, u))
 
 
 def felt(generator: np.random.Generator, u_tilt: float, u_g: float) -> np.ndarray:
@@ -34,8 +39,8 @@ def drawn(generator: np.random.Generator, *, noise_known: bool = True):
     force = felt(generator, U_TILT if noise_known else 1e-9, U_G)
     read = force @ TRUE_S.T + TRUE_O + generator.normal(0, U_NOISE, (6, 3))
     u = np.full((6, 3), U_NOISE) if noise_known else None
-    tilt = normal(0, U_TILT if noise_known else 1e-9)
-    return six_position.calibrate(Readings(NAMES, read, u), normal(G_M_S2, U_G), tilt)
+    tilt = taken(0, U_TILT if noise_known else 1e-9)
+    return six_position.calibrate(Readings(NAMES, read, u), taken(G_M_S2, U_G), tilt)
 
 
 def parameters(calibration) -> np.ndarray:
@@ -45,7 +50,7 @@ def parameters(calibration) -> np.ndarray:
 def test_perfect_readings_give_back_sensitivity_and_offset():
     read = G_M_S2 * UP @ TRUE_S.T + TRUE_O
     found = six_position.calibrate(
-        Readings(NAMES, read, np.full((6, 3), 1e-9)), normal(G_M_S2, 1e-9), normal(0, 1e-9)
+        Readings(NAMES, read, np.full((6, 3), 1e-9)), taken(G_M_S2, 1e-9), taken(0, 1e-9)
     )
     # rounding of 64-bit numbers of size 10
     assert parameters(found) == pytest.approx(TRUTH, abs=1e-12)
@@ -57,7 +62,7 @@ def test_perfect_readings_give_back_sensitivity_and_offset():
 def test_noise_alone_gives_the_textbook_uncertainties():
     read = G_M_S2 * UP
     found = six_position.calibrate(
-        Readings(NAMES, read, np.full((6, 3), U_NOISE)), normal(G_M_S2, 1e-12), normal(0, 1e-12)
+        Readings(NAMES, read, np.full((6, 3), U_NOISE)), taken(G_M_S2, 1e-12), taken(0, 1e-12)
     )
     assert found.u_sensitivity == pytest.approx(U_NOISE / (np.sqrt(2) * G_M_S2), rel=1e-6)
     assert found.u_offset == pytest.approx(U_NOISE / np.sqrt(6), rel=1e-6)
@@ -95,7 +100,7 @@ def test_levelling_cancels_on_the_diagonal():
     read = G_M_S2 * UP
     noise = np.full((6, 3), 1e-9)
     found = six_position.calibrate(
-        Readings(NAMES, read, noise), normal(G_M_S2, 1e-9), normal(0, 0.01)
+        Readings(NAMES, read, noise), taken(G_M_S2, 1e-9), taken(0, 0.01)
     )
     off = ~np.eye(3, dtype=bool)
     assert found.u_sensitivity[off] == pytest.approx(0.01 / np.sqrt(2), rel=1e-3)
@@ -107,7 +112,7 @@ def test_an_error_of_g_scales_all_of_the_sensitivity():
     read = G_M_S2 * UP @ TRUE_S.T + TRUE_O
     noise = np.full((6, 3), 1e-9)
     found = six_position.calibrate(
-        Readings(NAMES, read, noise), normal(G_M_S2, 0.01), normal(0, 1e-9)
+        Readings(NAMES, read, noise), taken(G_M_S2, 0.01), taken(0, 1e-9)
     )
     # but for the seven digits that a reading has
     assert found.u_sensitivity == pytest.approx(np.abs(TRUE_S) * 0.01 / G_M_S2, rel=1e-3)
@@ -131,7 +136,7 @@ def test_other_poses_verify_by_their_size():
     read = force @ TRUE_S.T + TRUE_O + generator.normal(0, U_NOISE, force.shape)
     names = NAMES + tuple(f"pose {number}" for number in range(8))
     found = six_position.calibrate(
-        Readings(names, read, np.full_like(read, U_NOISE)), normal(G_M_S2, 1e-3), normal(0, 0.001)
+        Readings(names, read, np.full_like(read, U_NOISE)), taken(G_M_S2, 1e-3), taken(0, 0.001)
     )
     verifying = [pose for pose in found.poses if not pose.fitted]
     assert len(verifying) == 8

@@ -10,6 +10,7 @@ import pytest
 from simcompare.errors import InputError
 from simcompare.hardware.sensors import ellipsoid, rate_table, still_poses, two_point
 from simcompare.hardware.sensors.calibrated import Readings
+from simcompare.hardware.sensors.calibration import Taken
 from simcompare.hardware.sensors.six_position import POSITIONS
 from simcompare.statistics.distributions import normal
 from simcompare.statistics.streams import stream
@@ -38,11 +39,11 @@ def summary(found: list) -> tuple[np.ndarray, float]:
 
 
 def on_the_table(generator: np.random.Generator):
-    scale, alignment = normal(0, 5e-4), normal(0, 5e-3)
-    axes = np.eye(3) + generator.normal(0, alignment.u, (3, 3)) * (1 - np.eye(3))
+    scale, alignment = Taken(normal(0, 5e-4)), Taken(normal(0, 5e-3))
+    axes = np.eye(3) + generator.normal(0, alignment.known.u, (3, 3)) * (1 - np.eye(3))
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)
-    acting = RATES @ axes * (1 + generator.normal(0, scale.u))
-    acting = acting + rate_table.EARTH.draw(generator, 3)
+    acting = RATES @ axes * (1 + generator.normal(0, scale.known.u))
+    acting = acting + rate_table.EARTH.known.draw(generator, 3)
     read = acting @ TRUE_S.T + TRUE_O + generator.normal(0, 2e-4, acting.shape)
     return rate_table.calibrate(named(read, 2e-4), RATES, scale, alignment)
 
@@ -50,7 +51,7 @@ def on_the_table(generator: np.random.Generator):
 def on_the_ellipsoid(generator: np.random.Generator):
     acting = generator.normal(G_M_S2, 0.002) * SPREAD
     read = acting @ TRUE_S.T + TRUE_O + generator.normal(0, 0.004, acting.shape)
-    return ellipsoid.calibrate(named(read, 0.004), normal(G_M_S2, 0.002))
+    return ellipsoid.calibrate(named(read, 0.004), Taken(normal(G_M_S2, 0.002)))
 
 
 @pytest.mark.parametrize("calibrated", [on_the_table, on_the_ellipsoid])
@@ -69,7 +70,7 @@ def test_a_rotation_in_the_box_is_seen_by_six_positions_and_not_by_the_ellipsoid
         [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
     )
     straight, turned = (
-        ellipsoid.calibrate(named(G_M_S2 * SPREAD @ s.T, 1e-6), normal(G_M_S2, 1e-6))
+        ellipsoid.calibrate(named(G_M_S2 * SPREAD @ s.T, 1e-6), Taken(normal(G_M_S2, 1e-6)))
         for s in (np.eye(3), turn)
     )
     assert turned.sensitivity == pytest.approx(straight.sensitivity, abs=1e-9)

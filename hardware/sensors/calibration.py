@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from simcompare.errors import InputError
 from simcompare.model.trajectory import Array
+from simcompare.statistics.distributions import Distribution
 
 #: two-sided coverage probability of every expanded uncertainty of a calibration
 COVERAGE = 0.95
@@ -65,6 +66,23 @@ class Assumption:
     unit: str
     source: str
     effect: str
+
+
+@dataclass(frozen=True)
+class Taken:
+    """What is taken as known before a calibration.
+
+    Attributes:
+        known: best estimate and uncertainty.
+        source: where they come from.
+    """
+
+    known: Distribution
+    source: str = "as stated"
+
+    def assumed(self, quantity: str, unit: str, effect: str) -> Assumption:
+        """The same as one of the assumptions of a calibration."""
+        return Assumption(quantity, self.known.center, self.known.u, unit, self.source, effect)
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ import numpy as np
 
 from simcompare.errors import InputError
 from simcompare.hardware.sensors.calibrated import About, Readings, calibration_of
-from simcompare.hardware.sensors.calibration import Assumption, Calibration
+from simcompare.hardware.sensors.calibration import Calibration, Taken
 from simcompare.hardware.sensors.linear_fit import NOISE, Fitted, effective_dof, told_condition
 from simcompare.hardware.sensors.six_position import SOMEWHERE, UNIT
 from simcompare.model.trajectory import Array
@@ -39,22 +39,17 @@ NOT_SEPARABLE = (
 )
 
 
-def calibrate(
-    readings: Readings,
-    gravity: Distribution = SOMEWHERE,
-    gravity_source: str = "anywhere at sea level (WGS 84), rectangular",
-) -> Calibration:
+def calibrate(readings: Readings, gravity: Taken = SOMEWHERE) -> Calibration:
     """S, but for a rotation, and O of an accelerometer.
 
     Args:
         readings: in nine or more still poses, well spread.
         gravity: what is known of g [m/s²].
-        gravity_source: where that comes from.
 
     Raises:
         InputError: too few poses, or poses that are spread too little; says which are missing.
     """
-    means, g = readings.means, gravity.center
+    means, g = readings.means, gravity.known.center
     if len(means) < PARAMETERS:
         raise InputError("ellipsoid", [_too_few(len(means))])
     parameters = np.array([1.0, 1, 1, 0, 0, 0, 0, 0, 0])
@@ -62,8 +57,8 @@ def calibrate(
     for _ in range(_ROUNDS):
         weight = _weights(parameters, readings)
         parameters = _solved(parameters, means, g, weight)
-    found = _fitted(parameters, readings, weight, gravity)
-    assumptions = (Assumption("local g", g, gravity.u, UNIT, gravity_source, "scales all of S"),)
+    found = _fitted(parameters, readings, weight, gravity.known)
+    assumptions = (gravity.assumed("local g", UNIT, "scales all of S"),)
     about = About("ellipsoid", UNIT, NOT_SEPARABLE, assumptions, "local g")
     nothing = np.zeros(len(means), dtype=bool)
     bare = calibration_of(about, found, readings, nothing, np.empty((0, 3)), g)

@@ -8,27 +8,20 @@ all of S. The Earth turns too: up to its rate is in the offset.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from simcompare.errors import InputError
 from simcompare.hardware.sensors import linear_fit
 from simcompare.hardware.sensors.calibrated import About, Readings, calibration_of
-from simcompare.hardware.sensors.calibration import Assumption, Calibration
+from simcompare.hardware.sensors.calibration import Calibration, Taken
+from simcompare.hardware.sensors.six_position import ON_A_TABLE
 from simcompare.model.trajectory import Array
-from simcompare.statistics.distributions import Distribution, rectangular
+from simcompare.statistics.distributions import rectangular
 
 #: rate of the Earth [rad/s]
-EARTH = rectangular(-7.2921e-5, 7.2921e-5)
+EARTH = Taken(rectangular(-7.2921e-5, 7.2921e-5), "rectangular")
 #: what a turntable with a good motor holds of its rate, part of it
-A_TABLE = rectangular(-1e-3, 1e-3)
-#: by which a box on it is off its axis, each of two tilts [rad]
-ON_IT = rectangular(-np.radians(0.5), np.radians(0.5))
-_SOURCES = {
-    "scale": "a turntable, within 0.1 %, rectangular",
-    "alignment": "a box on a turntable, within 0.5°, rectangular",
-}
+A_TURNTABLE = Taken(rectangular(-1e-3, 1e-3), "a turntable, within 0.1 %, rectangular")
 
 UNIT = "rad/s"
 NOT_SEPARABLE = (
@@ -43,9 +36,8 @@ NOT_SEPARABLE = (
 def calibrate(
     readings: Readings,
     rates: Array,
-    scale: Distribution = A_TABLE,
-    alignment: Distribution = ON_IT,
-    sources: Mapping[str, str] | None = None,
+    scale: Taken = A_TURNTABLE,
+    alignment: Taken = ON_A_TABLE,
 ) -> Calibration:
     """S and O of a gyroscope.
 
@@ -54,25 +46,24 @@ def calibrate(
         rates: at which they were read (p, 3) [rad/s], each about one axis or none.
         scale: by what part the table's rates are off, all alike.
         alignment: by which a box is off the table's axis, two angles for each axis [rad].
-        sources: where ``scale`` and ``alignment`` come from.
 
     Raises:
         InputError: an axis was not turned both ways, or about more than one axis at once.
     """
     _check(rates)
-    told = _SOURCES | dict(sources or {})
-    known = (1 - alignment.u**2) * (1 + scale.center) * rates
+    u_tilt = alignment.known.u
+    known = (1 - u_tilt**2) * (1 + scale.known.center) * rates
     found = linear_fit.fit(
-        linear_fit.Known(known, _errors(rates, scale.u, alignment.u)),
+        linear_fit.Known(known, _errors(rates, scale.known.u, u_tilt)),
         readings.means, readings.u, readings.degrees_of_freedom,
     )  # fmt: skip
     assumptions = (
-        Assumption("rate of the table", scale.center, scale.u, "1", told["scale"],
-                   "scales all of S"),
-        Assumption("alignment", alignment.center, alignment.u, "rad", told["alignment"],
-                   "goes into cross-axis terms; cancels on the diagonal"),
-        Assumption("rate of the Earth", 0.0, EARTH.u, UNIT, "rectangular", "goes into the offset"),
-    )  # fmt: skip
+        scale.assumed("rate of the table", "1", "scales all of S"),
+        alignment.assumed(
+            "alignment", "rad", "goes into cross-axis terms; cancels on the diagonal"
+        ),
+        EARTH.assumed("rate of the Earth", UNIT, "goes into the offset"),
+    )
     about = About("rate-table", UNIT, NOT_SEPARABLE, assumptions, "rate of the table")
     used = np.ones(len(rates), dtype=bool)
     return calibration_of(about, found, readings, used, known, 0.0)
@@ -99,7 +90,9 @@ def _errors(rates: Array, u_scale: float, u_tilt: float) -> dict[str, Array]:
         along = np.outer(one[axis], one[axis])
         spread = u_tilt**2 * (one - along) + u_tilt**4 * along
         tilted += np.kron(np.outer(rates[:, axis], rates[:, axis]), spread)
-    everywhere = np.asarray(np.kron(np.ones((len(rates), len(rates))), EARTH.u**2 * one), float)
+    everywhere = np.asarray(
+        np.kron(np.ones((len(rates), len(rates))), EARTH.known.u**2 * one), float
+    )
     return {
         "rate of the table": u_scale**2 * np.outer(flat, flat),
         "alignment": tilted,

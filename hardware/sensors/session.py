@@ -12,8 +12,9 @@ import numpy as np
 
 from simcompare.hardware.sensors import error_model, still_poses
 from simcompare.hardware.sensors.calibrated import Readings
+from simcompare.hardware.sensors.calibration import Taken
 from simcompare.hardware.sensors.device import Device
-from simcompare.hardware.sensors.six_position import POSITIONS
+from simcompare.hardware.sensors.six_position import ON_A_TABLE, POSITIONS
 from simcompare.hardware.sensors.still_poses import BLOCK_S, StillPose
 from simcompare.model.trajectory import Array
 from simcompare.statistics.distributions import Distribution
@@ -39,7 +40,7 @@ def hold(
     device: Device,
     generator: np.random.Generator,
     gravity_m_s2: float,
-    tilt: Distribution,
+    tilt: Taken = ON_A_TABLE,
     *,
     pose_s: float = 5.0,
     others: Array | None = None,
@@ -55,7 +56,7 @@ def hold(
         others: directions of "up" of the other poses (q, 3).
     """
     wanted = np.array([*POSITIONS.values(), *([] if others is None else others)])
-    acting = gravity_m_s2 * _tilted(wanted, tilt, generator)
+    acting = gravity_m_s2 * _tilted(wanted, tilt.known, generator)
     blocks, size = round(pose_s / BLOCK_S), round(BLOCK_S * RATE_HZ)
     force = np.repeat(acting, blocks * size, axis=0)
     slow = replace(device, rate_Hz=0.0, bandwidth_Hz=np.inf, jitter_s=0.0, latency_s=0.0)

@@ -15,7 +15,7 @@ import numpy as np
 from simcompare.errors import InputError
 from simcompare.hardware.sensors import linear_fit
 from simcompare.hardware.sensors.calibrated import About, Readings, calibration_of
-from simcompare.hardware.sensors.calibration import Assumption, Calibration
+from simcompare.hardware.sensors.calibration import Calibration, Taken
 from simcompare.model.trajectory import Array
 from simcompare.statistics.distributions import Distribution, rectangular
 
@@ -26,9 +26,11 @@ POSITIONS = {
     for sign, factor in (("+", 1.0), ("-", -1.0))
 }
 #: free fall anywhere at sea level: 9.780 (equator) to 9.832 (poles) [m/s²]
-SOMEWHERE = rectangular(9.780, 9.832)
+SOMEWHERE = Taken(rectangular(9.780, 9.832), "anywhere at sea level (WGS 84), rectangular")
 #: by which a box on a table is off the vertical, each of two tilts [rad]
-ON_A_TABLE = rectangular(-np.radians(0.5), np.radians(0.5))
+ON_A_TABLE = Taken(
+    rectangular(-np.radians(0.5), np.radians(0.5)), "a box on a table, within 0.5°, rectangular"
+)
 
 UNIT = "m/s²"
 NOT_SEPARABLE = (
@@ -42,10 +44,8 @@ NOT_SEPARABLE = (
 
 def calibrate(
     readings: Readings,
-    gravity: Distribution = SOMEWHERE,
-    tilt: Distribution = ON_A_TABLE,
-    gravity_source: str = "anywhere at sea level (WGS 84), rectangular",
-    tilt_source: str = "a box on a table, within 0.5°, rectangular",
+    gravity: Taken = SOMEWHERE,
+    tilt: Taken = ON_A_TABLE,
 ) -> Calibration:
     """S and O of an accelerometer.
 
@@ -54,8 +54,6 @@ def calibrate(
             of other names verify.
         gravity: what is known of g [m/s²].
         tilt: by which "up" is off, each of two angles in each pose [rad].
-        gravity_source: where ``gravity`` comes from.
-        tilt_source: where ``tilt`` comes from.
 
     Raises:
         InputError: a position is missing, or the readings are no accelerometer's.
@@ -63,8 +61,9 @@ def calibrate(
     used = np.array([name in POSITIONS for name in readings.names])
     _check([name for name in readings.names if name in POSITIONS])
     up = np.array([POSITIONS[name] for name in np.array(readings.names)[used]])
-    level = gravity.center * (1 - tilt.u**2)  # ε²/2 of two angles, each of variance u²
-    known = linear_fit.Known(level * up, _errors(up, gravity, tilt.u))
+    g, u_tilt = gravity.known, tilt.known.u
+    level = g.center * (1 - u_tilt**2)  # ε²/2 of two angles, each of variance u²
+    known = linear_fit.Known(level * up, _errors(up, g, u_tilt))
     effect = "goes into cross-axis terms and offset; cancels on the diagonal"
     if readings.u is None:  # six positions cannot tell it from noise: both are in what is left
         del known.errors["levelling"]
@@ -72,11 +71,11 @@ def calibrate(
     noise = None if readings.u is None else readings.u[used]
     found = linear_fit.fit(known, readings.means[used], noise, readings.degrees_of_freedom)
     assumptions = (
-        Assumption("local g", gravity.center, gravity.u, UNIT, gravity_source, "scales all of S"),
-        Assumption("levelling", tilt.center, tilt.u, "rad", tilt_source, effect),
+        gravity.assumed("local g", UNIT, "scales all of S"),
+        tilt.assumed("levelling", "rad", effect),
     )
     about = About("six-position", UNIT, NOT_SEPARABLE, assumptions, "local g")
-    return calibration_of(about, found, readings, used, level * up, gravity.center)
+    return calibration_of(about, found, readings, used, level * up, g.center)
 
 
 def nearest(mean: Array, within_rad: float = np.radians(20.0)) -> str | None:

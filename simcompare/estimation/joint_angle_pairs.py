@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from simcompare.errors import InputError
 from simcompare.estimation.joint_angle import upright
 from simcompare.hardware.sensors import error_model, session, six_position
-from simcompare.hardware.sensors.calibration import Calibration
+from simcompare.hardware.sensors.calibration import Calibration, Taken
 from simcompare.hardware.sensors.data_sheet import DataSheet, Part
 from simcompare.hardware.sensors.device import Device
 from simcompare.hardware.sensors.drawing import Devices
@@ -155,9 +155,8 @@ def _calibrated(devices: Devices, motion: Motion, side: str, seed: int) -> Itera
     known = normal(g, U_G_M_S2)
     for number, device in enumerate(devices):
         generator = stream(seed, "joint", side, "calibration", number)
-        held = session.hold(device, generator, float(known.draw(generator, 1)[0]),
-                            six_position.ON_A_TABLE)  # fmt: skip
-        yield six_position.calibrate(held.readings, known)
+        held = session.hold(device, generator, float(known.draw(generator, 1)[0]))
+        yield six_position.calibrate(held.readings, Taken(known))
 
 
 def _rates(motion: Motion, time_s: Array, part: Part, count: int, seed: int) -> dict[str, Array]:

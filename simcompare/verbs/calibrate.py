@@ -26,7 +26,7 @@ from simcompare.hardware.sensors import (
     two_point,
 )
 from simcompare.hardware.sensors.calibrated import Readings
-from simcompare.hardware.sensors.calibration import Calibration
+from simcompare.hardware.sensors.calibration import Calibration, Taken
 from simcompare.inference import sources
 from simcompare.model import plain, recording_store
 from simcompare.reports.calibration import words
@@ -34,11 +34,11 @@ from simcompare.results import store
 from simcompare.results.records.calibration import (
     CalibrationRecord,
     Truth,
-    pose_record,
+    plain_of,
     rows_of,
 )
 from simcompare.results.run_record import software
-from simcompare.statistics.distributions import Distribution, normal, rectangular
+from simcompare.statistics.distributions import normal, rectangular
 from simcompare.statistics.streams import stream
 from simcompare.verbs.calibrated import Calibrated
 
@@ -52,12 +52,10 @@ _U_SIMULATED_G = 1e-3
 
 @dataclass(frozen=True)
 class _Known:
-    """What is taken as known, and where from."""
+    """What is taken as known."""
 
-    gravity: Distribution
-    gravity_source: str
-    tilt: Distribution
-    tilt_source: str
+    gravity: Taken
+    tilt: Taken
     noise: float | None
 
 
@@ -147,25 +145,25 @@ def _known(
     gravity: str | float | None, gravity_u: str | float | None, level: str | float | None,
     noise: str | float | None, *, simulated: bool,
 ) -> _Known:  # fmt: skip
-    g, g_source = six_position.SOMEWHERE, "anywhere at sea level (WGS 84), rectangular"
+    g = six_position.SOMEWHERE
     if simulated and gravity is None:
-        g, g_source = normal(9.80665, _U_SIMULATED_G), "assumed for the simulated place"
+        g = Taken(normal(9.80665, _U_SIMULATED_G), "assumed for the simulated place")
     if gravity is not None:
         value = units.to_si(gravity, "m/s**2", "--gravity")
         u = _U_SIMULATED_G if gravity_u is None else units.to_si(gravity_u, "m/s**2", "--gravity-u")
         if not (9.7 < value < 9.9 and 0 < u < 0.1):
             fault = f"{value:g} m/s² with u = {u:g} is no g on Earth; expected 9.76 to 9.84"
             raise InputError("--gravity", [fault])
-        g, g_source = normal(value, u), "as stated"
+        g = Taken(normal(value, u))
     elif gravity_u is not None:
         raise InputError("--gravity-u", ["says nothing without --gravity"])
-    tilt, tilt_source = six_position.ON_A_TABLE, "a box on a table, within 0.5°, rectangular"
+    tilt = six_position.ON_A_TABLE
     if level is not None:
         limit = units.to_si(level, "rad", "--level")
         if not 0 < limit < 0.2:
             raise InputError("--level", [f"{limit:g} rad is none; expected up to 10 deg"])
-        tilt, tilt_source = rectangular(-limit, limit), "as stated, rectangular"
-    return _Known(g, g_source, tilt, tilt_source, _number(noise))
+        tilt = Taken(rectangular(-limit, limit), "as stated, rectangular")
+    return _Known(g, tilt, _number(noise))
 
 
 def _number(noise: str | float | None) -> float | None:
@@ -199,12 +197,11 @@ def _simulated(sheet: str, known: _Known, seed: int) -> Calibrated:
     if part is None:
         raise InputError("--simulate", [f"{loaded.title} has no accelerometer"])
     device = part.drawn(seed, "calibrated device")
-    g = float(known.gravity.draw(stream(seed, "calibrate", "g"), 1)[0])
+    g = float(known.gravity.known.draw(stream(seed, "calibrate", "g"), 1)[0])
     others = _OTHERS / np.linalg.norm(_OTHERS, axis=1, keepdims=True)
-    held = session.hold(device, stream(seed, "calibrate", "session"), g, known.tilt, others=others)
-    found = six_position.calibrate(
-        held.readings, known.gravity, known.tilt, known.gravity_source, known.tilt_source
-    )
+    generator = stream(seed, "calibrate", "session")
+    held = session.hold(device, generator, g, known.tilt, others=others)
+    found = six_position.calibrate(held.readings, known.gravity, known.tilt)
     sensitivity, offset = session.chord(device, g)
     truth = Truth(
         f"{loaded.title}, drawn with seed {seed}", rows_of(sensitivity), tuple(map(float, offset))
@@ -254,32 +251,20 @@ def _of_poses(source: str, readings: Readings, kind: str | None, known: _Known) 
         kind = "six-position" if not missing else "ellipsoid"
     try:
         if kind == "six-position":
-            return six_position.calibrate(
-                readings, known.gravity, known.tilt, known.gravity_source, known.tilt_source
-            )
-        return ellipsoid.calibrate(readings, known.gravity, known.gravity_source)
+            return six_position.calibrate(readings, known.gravity, known.tilt)
+        return ellipsoid.calibrate(readings, known.gravity)
     except InputError as error:
         wanted = f"six positions: {', '.join(missing)} missing" if missing else ""
-        told = words.of_few_poses(readings, known.gravity) if missing else ""
+        told = words.of_few_poses(readings, known.gravity.known) if missing else ""
         faults = [wanted if kind == "ellipsoid" else "", *error.faults, told]
         raise InputError(source, list(filter(None, faults))) from None
 
 
 def _result(found: Calibration, source: str, truth: Truth | None = None) -> Calibrated:
     created = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
-    u = found.u_sensitivity
     return Calibrated(
-        created=created, source=source, kind=found.kind, unit=found.unit,
-        sensitivity=rows_of(found.sensitivity), u_sensitivity=rows_of(u),
-        offset=tuple(map(float, found.offset)), u_offset=tuple(map(float, found.u_offset)),
-        covariance=rows_of(found.covariance),
-        shares={name: rows_of(share) for name, share in found.shares.items()},
-        degrees_of_freedom=tuple(map(float, found.degrees_of_freedom)),
-        noise=tuple(map(float, found.noise)), noise_from=found.noise_from, chi2=found.chi2,
-        expected_chi2=found.expected_chi2, condition=found.condition,
-        not_separable=found.not_separable, assumptions=found.assumptions,
-        poses=tuple(map(pose_record, found.poses)), truth=truth, software=software(),
-    )  # fmt: skip
+        created=created, source=source, truth=truth, software=software(), **plain_of(found)
+    )
 
 
 def _saved(

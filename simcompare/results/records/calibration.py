@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +17,8 @@ from simcompare.results.records.run import Software
 FORMAT = 1
 Row = tuple[float, ...]
 Rows = tuple[Row, ...]
+_MATRICES = ("sensitivity", "u_sensitivity", "covariance")
+_ROWS = ("offset", "u_offset", "degrees_of_freedom", "noise")
 
 
 @dataclass(frozen=True)
@@ -120,6 +123,15 @@ def rows_of(matrix: np.ndarray) -> Rows:
     return tuple(tuple(map(float, row)) for row in matrix)
 
 
-def pose_record(pose: Pose) -> PoseRecord:
-    """A pose as plain values."""
-    return PoseRecord(**{**vars(pose), "reading": tuple(map(float, pose.reading))})
+def plain_of(found: Calibration) -> dict[str, Any]:
+    """What a record holds of a calibration."""
+    return {
+        **vars(found),
+        **{name: rows_of(getattr(found, name)) for name in _MATRICES},
+        **{name: tuple(map(float, getattr(found, name))) for name in _ROWS},
+        "shares": {name: rows_of(share) for name, share in found.shares.items()},
+        "poses": tuple(
+            PoseRecord(**{**vars(pose), "reading": tuple(map(float, pose.reading))})
+            for pose in found.poses
+        ),
+    }
