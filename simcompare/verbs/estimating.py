@@ -55,10 +55,14 @@ def _errors(draws: Sequence[Estimate]) -> list[WayError]:
         for name in way.states:
             states = [one.ways[number].states[name] for one in draws]
             errors = [one.rms_error for one in states if one.rms_error is not None]
-            rms = float(np.sqrt(np.mean(np.square(errors)))) if errors else None
-            u = [np.median(one.u) for one in states if one.u is not None]
-            found.append(WayError(way.name, name, rms, float(np.median(u)) if u else None))
+            told = [one.u for one in states if one.u is not None]
+            found.append(WayError(way.name, name, _rms(errors), _rms([_rms(u) for u in told])))
     return found
+
+
+def _rms(values: Array | Sequence[float | None]) -> float | None:
+    sizes = np.array(values, dtype=float)
+    return float(np.sqrt(np.nanmean(sizes**2))) if sizes.size else None
 
 
 def _nees(draws: Sequence[Estimate]) -> Verdict | None:

@@ -27,7 +27,7 @@ class WayError:
         state: name with its unit.
         rms_error: root of the mean squared error [unit of the state]; ``None`` where nobody knows
             the truth.
-        u: median of the standard uncertainties that this way states; ``None`` where it states none.
+        u: root of the mean squared standard uncertainty that this way states; ``None`` for none.
     """
 
     way: str
