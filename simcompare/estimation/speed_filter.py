@@ -6,9 +6,9 @@ accelerometer. What changes a is white jerk of density q, so in a step of T
     F = [1 T]     Q = q·[T³/3  T²/2]     a wheel reads v, an accelerometer a + b
         [0 1]           [T²/2  T   ]
 
-A wheel whose marks are counted in a gate of T_g tells the mean speed of that gate, half a gate old:
-v - a·T_g/2. Neighbouring counts share the end of a gate, so their errors cancel, which R cannot
-say; read as a way, a state more, each count has an error of its own. R holds noise alone. A
+Marks tell a way, a state more: each sum of marks has an error of its own. Counted in a gate of T_g
+they tell its mean speed, half a gate old: v - a·T_g/2. But neighbouring counts share the end of a
+gate, so their errors cancel, which R cannot say; such a filter is too careful. R holds noise. A
 diameter that is taken for too large makes every speed too large by the same part: that is no noise
 and averages out in no filter, so it is told beside it.
 """
@@ -56,7 +56,7 @@ OPTIONS = {
     "jerk_density_m2_s5": Option("density q of the white jerk", 1.0, 1e-12, loosens=True),
     "bias": Option("1: the accelerometer's bias is a state", 0.0, 0.0, 1.0, bias_of="acceleration"),
     "u_bias_m_s2": Option("standard uncertainty of the bias at the start", 0.5, 1e-9),
-    "by_way": Option("1: marks are read as a way, a state more", 0.0, 0.0, 1.0, adds_up="marks"),
+    "by_way": Option("1: marks are read as a way, a state more", 1.0, 0.0, 1.0, adds_up="marks"),
     "u_start_speed_m_s": Option("standard uncertainty of the speed at the start", 1.0, 1e-9),
     "u_start_acceleration_m_s2": Option("the same of the acceleration", 3.0, 1e-9),
 }
