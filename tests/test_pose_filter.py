@@ -142,11 +142,12 @@ OPTIONS = {
     "u_start_m": 0.005, "u_start_heading_rad": 0.02, "u_start_speed_m_s": 0.02,
     "u_start_rate_rad_s": 0.1, "gate": 0.0,
 }  # fmt: skip
-U = {"wheel": 0.15, "gyroscope": 0.05, "range": 0.03}
+U = {"wheel": 0.15, "gyroscope": 0.05, "range": 0.03, "accelerometer": 0.05}
+AHEAD_M, BIAS_M_S2 = 0.03, 0.4
 BEACON = np.array([1.0, 0.8])
 
 
-def driven(run, *, spoilt=False):
+def driven(run, *, spoilt=False, felt=False):
     """A run whose truth is as the filter's model says, with white noise of known size."""
     generator = stream(3, "extended", run)
     time_s = STEP_S * np.arange(COUNT)
@@ -183,6 +184,11 @@ def driven(run, *, spoilt=False):
         "beacon_x": Signal(time_s, np.full(COUNT, BEACON[0])),
         "beacon_y": Signal(time_s, np.full(COUNT, BEACON[1])),
     }
+    if felt:
+        # the mean of each step, which the same bumps shake as the speed; the sensor is off the axle
+        mean = np.diff(truth[:, SPEED], prepend=0) / STEP_S - AHEAD_M * truth[:, RATE] ** 2
+        mean += BIAS_M_S2 + U["accelerometer"] * generator.standard_normal(COUNT)
+        signals["acceleration"] = Signal(time_s, mean, U["accelerometer"])
     roles = ("x", "y", "heading", "speed", "rate")
     true = {role: Signal(time_s, truth[:, i]) for i, role in enumerate(roles)}
     return Given(signals, true, dict(OPTIONS))
@@ -202,6 +208,27 @@ def test_the_extended_filter_is_consistent_on_a_truth_that_it_knows(runs):
         np.array([one.innovations.used for one in runs]),
     )
     assert nis.outcome == "consistent", nis
+
+
+def test_an_accelerometer_helps_and_the_filter_still_knows_its_error(runs):
+    """Its reading is shaken by the noise of the motion, so the two are correlated."""
+    estimator = estimators.load("pose_filter")
+    options = {**OPTIONS, "acceleration_bias": 1, "accelerometer_ahead_m": AHEAD_M}
+    given = [driven(run, felt=True) for run in range(60)]
+    found = [
+        estimators.apply(estimator, Given(one.signals, one.truth, options)) for one in given
+    ]  # fmt: skip
+    verdict = consistency.nees(np.array([one.innovations.nees for one in found]), 5)
+    assert verdict.outcome == "consistent", verdict
+    felt, unfelt = (
+        np.mean([one.best.states["speed_m_s"].rms_error for one in every])
+        for every in (found, runs)
+    )
+    assert felt < 0.9 * unfelt
+    bias = [one.numbers["last_acceleration_bias_m_s2"] for one in found]
+    # 60 runs: three standard uncertainties of their mean
+    far = abs(np.mean([one.value for one in bias]) - BIAS_M_S2)
+    assert far < 3 * bias[0].u / math.sqrt(60)
 
 
 def test_the_smoother_errs_less_than_the_filter_and_that_less_than_the_wheels(runs):

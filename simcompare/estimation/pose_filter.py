@@ -3,6 +3,10 @@
 ``pose_model`` says how the five states move and what is read; here readings are put in order of
 time, filtered, and a reading that cannot be (beyond χ²₀.₉₉ of its own innovation) is refused.
 Without motors the speed and the rate are only kept; their noise must then allow for what changes.
+
+An accelerometer reads what the speed changed by since its last reading, (v - v')/T: its bumps are
+those that shake the speed, the noise of the motion and what is read are correlated. With v' as a
+state more, the filter knows that by itself.
 """
 
 from __future__ import annotations
@@ -24,7 +28,9 @@ from simcompare.model.trajectory import Array
 __all__ = ["LABELS", "OPTIONS", "SIGNALS", "TITLE", "TRUTHS", "estimate"]
 #: √χ²₀.₉₉ with one degree of freedom
 _GATE = 2.5758293035489
-_READINGS = ("left_rate", "right_rate", "turning_rate", "range", "wall_range")
+_READINGS = ("left_rate", "right_rate", "turning_rate", "acceleration", "range", "wall_range")
+#: the speed when the accelerometer was last read
+_BEFORE = "speed_before_m_s"
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +45,7 @@ class _Setting:
     time_s: Array
     inputs: Array
     beacons: Array
+    since_s: Array
 
 
 def estimate(given: Given) -> Estimate:
@@ -69,7 +76,18 @@ def _setting(given: Given) -> _Setting:
     kind, inputs = _inputs(given, time_s)
     o = given.options
     ranger = Ranger(o["ranger_ahead_m"], o["ranger_left_m"], o["beam_rad"])
-    return _Setting(given, _robot(given, kind), ranger, gate_s, readings, time_s, inputs, beacons)
+    since_s = _since(readings, time_s)
+    robot = _robot(given, kind)
+    return _Setting(given, robot, ranger, gate_s, readings, time_s, inputs, beacons, since_s)
+
+
+def _since(readings: dict[str, Signal], time_s: Array) -> Array:
+    """Time since the accelerometer was read last (n,), infinite at its first reading, else NaN."""
+    found = np.full(len(time_s), np.nan)
+    if "acceleration" in readings:
+        at = readings["acceleration"].time_s
+        found[np.searchsorted(time_s, at - timing.SAME_S)] = np.diff(at, prepend=-np.inf)
+    return found
 
 
 def _robot(given: Given, kind: str) -> Robot:
@@ -116,7 +134,7 @@ def _filtered(setting: _Setting) -> Filtered:
     u = [o["u_start_m"]] * 2 + [
         o["u_start_heading_rad"], o["u_start_speed_m_s"], o["u_start_rate_rad_s"]
     ]  # fmt: skip
-    u += [o[f"u_{name}"] for name in _biases(setting.given)]
+    u += [o["u_start_speed_m_s" if one == _BEFORE else f"u_{one}"] for one in _more(setting.given)]
     mean = np.append(mean, [0.0] * (len(u) - 5))
     noise = np.diag([timing.variance_of(one, name) for name, one in setting.readings.items()])
 
@@ -124,12 +142,14 @@ def _filtered(setting: _Setting) -> Filtered:
         step_s = float(time_s[number] - time_s[number - 1])
         left, right = setting.inputs[number - 1]
         motion = pose_model.move(setting.robot, state[:5], step_s, left, right)
-        return _with_biases(motion, state)
+        return _with_more(setting.given, motion, state, not np.isnan(setting.since_s[number - 1]))
 
     def expect(state: Array, number: int) -> Expected:
         return _expected(setting, state, number, noise)
 
     measured = timing.placed(list(setting.readings.values()), time_s)
+    if "acceleration" in setting.readings:  # the first one has none before it
+        measured[np.isinf(setting.since_s), list(setting.readings).index("acceleration")] = np.nan
     start = Belief(mean, np.diag(np.square(u)))
     return kalman.run(start, measured, move, expect, gate=_GATE if o["gate"] else None)
 
@@ -137,6 +157,7 @@ def _filtered(setting: _Setting) -> Filtered:
 #: bias that can be a state -> the option that makes it one, and the reading that has it
 _BIASES = {
     "bias_rad_s": ("bias", "turning_rate"),
+    "acceleration_bias_m_s2": ("acceleration_bias", "acceleration"),
     "range_bias_m": ("range_bias", "range"),
 }
 
@@ -150,11 +171,18 @@ def _biases(given: Given) -> list[str]:
     ]
 
 
-def _with_biases(motion: Motion, state: Array) -> Motion:
-    """The same motion with biases that stay as they are."""
+def _more(given: Given) -> list[str]:
+    """States beside those of the robot."""
+    return [*_biases(given), *([_BEFORE] if "acceleration" in given.signals else [])]
+
+
+def _with_more(given: Given, motion: Motion, state: Array, was_read: bool) -> Motion:
+    """The same motion with states that stay as they are, but for the speed at a last reading."""
     transition, noise = np.eye(len(state)), np.zeros((len(state), len(state)))
     transition[:5, :5], noise[:5, :5] = motion.transition, motion.noise
-    return Motion(np.append(motion.mean, state[5:]), transition, noise)
+    if was_read and "acceleration" in given.signals:
+        transition[-1, [pose_model.SPEED, -1]] = 1.0, 0.0
+    return Motion(np.append(motion.mean, transition[5:] @ state), transition, noise)
 
 
 def _expected(setting: _Setting, state: Array, number: int, noise: Array) -> Expected:
@@ -166,6 +194,13 @@ def _expected(setting: _Setting, state: Array, number: int, noise: Array) -> Exp
     if "turning_rate" in setting.readings:
         values.append(state[pose_model.RATE])
         rows.append(np.eye(5)[pose_model.RATE])
+    if "acceleration" in setting.readings:
+        ahead, rate = o["accelerometer_ahead_m"], state[pose_model.RATE]
+        row = np.zeros(5)
+        row[pose_model.SPEED] = 1 / _interval(setting, number)
+        row[pose_model.RATE] = -2 * ahead * rate
+        values.append(row[pose_model.SPEED] * state[pose_model.SPEED] - ahead * rate**2)
+        rows.append(row)
     if "range" in setting.readings:
         beacon = np.nan_to_num(setting.beacons[number])
         value, row = pose_model.range_to_beacon(setting.ranger, state, beacon)
@@ -182,7 +217,15 @@ def _expected(setting: _Setting, state: Array, number: int, noise: Array) -> Exp
     names = list(setting.readings)
     for place, name in enumerate(_biases(setting.given), start=5):
         both[names.index(_BIASES[name][1]), place] = 1.0
+    if "acceleration" in names:
+        both[names.index("acceleration"), -1] = -1 / _interval(setting, number)
     return Expected(np.array(values) + both[:, 5:] @ state[5:], both, noise)
+
+
+def _interval(setting: _Setting, number: int) -> float:
+    """What the accelerometer's reading is a mean over [s]; any number where it is not read."""
+    since_s = float(setting.since_s[number])
+    return since_s if np.isfinite(since_s) else 1.0
 
 
 def _reckoned(setting: _Setting) -> Way:
@@ -209,7 +252,7 @@ def _reckoned(setting: _Setting) -> Way:
 
 def _way(given: Given, name: str, time_s: Array, means: Array, u: Array | None) -> Way:
     states = {}
-    roles = [*TRUTHS, "", ""]
+    roles = [*TRUTHS, *[""] * len(LABELS)]
     for i, state in enumerate(_names(given)[: means.shape[1]]):
         role = roles[i]
         states[state] = State(
@@ -235,7 +278,7 @@ def _innovations(setting: _Setting, filtered: Filtered, way: Way) -> Innovations
 
 
 def _names(given: Given) -> list[str]:
-    """States, those of the robot first."""
+    """States that are told, those of the robot first."""
     return [*list(LABELS)[:5], *_biases(given)]
 
 

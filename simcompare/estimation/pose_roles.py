@@ -13,6 +13,7 @@ SIGNALS = {
     "left_rate": Role("rate of the left wheel, in place of marks", "rad/s", needed=False),
     "right_rate": Role("rate of the right wheel, in place of marks", "rad/s", needed=False),
     "turning_rate": Role("reading of the gyroscope about the vertical", "rad/s", needed=False),
+    "acceleration": Role("reading of the accelerometer along the robot", "m/s**2", needed=False),
     "left_voltage": Role("voltage at the left motor", "V", needed=False),
     "right_voltage": Role("voltage at the right motor", "V", needed=False),
     "left_current": Role("current of the left motor, in place of the voltage", "A", needed=False),
@@ -59,6 +60,11 @@ OPTIONS = {
     "wall_m": Option("distance of the wall from the origin", 0.0, -math.inf),
     "bias": Option("1: the gyroscope's bias is a state", 0.0, 0.0, 1.0, bias_of="turning_rate"),
     "u_bias_rad_s": Option("standard uncertainty of the bias at the start", 0.35, 1e-9),
+    "acceleration_bias": Option(
+        "1: the accelerometer's bias is a state", 0.0, 0.0, 1.0, bias_of="acceleration"
+    ),
+    "u_acceleration_bias_m_s2": Option("standard uncertainty of it at the start", 0.5, 1e-9),
+    "accelerometer_ahead_m": Option("place of the accelerometer ahead of the axle", 0.0, -math.inf),
     "range_bias": Option(
         "1: what all ranges read too long is a state", 0.0, 0.0, 1.0, bias_of="range"
     ),
@@ -72,5 +78,6 @@ LABELS = {
     "speed_m_s": "Speed",
     "rate_rad_s": "Turning rate",
     "bias_rad_s": "Bias of the gyroscope",
+    "acceleration_bias_m_s2": "Bias of the accelerometer",
     "range_bias_m": "Bias of the ranges",
 }
