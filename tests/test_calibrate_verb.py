@@ -171,6 +171,7 @@ def test_bad_arguments_are_told(arguments, told):
         ("pose,speed\n+x,1\n", "expected pose,ax,ay,az"),
         ("pose,gx (deg/s),gy,gz\nfast,1,2,3\n", r"line 2: 'fast' is no pose"),
         ("pose,ax (g),ay,az\n", "has no rows"),
+        ("pose,ax (kg),ay,az\n+x,1,0,0\n", "line 1: 'kg' is no unit that fits; .* such as 1 mg"),
         ("pose,ax (g),ay,az\n+x,nan,0,0\n", "'nan' is no number"),
         ("pose,ax (g),ay,az,u\n+x,1,0,0,-1\n", "line 2, column u: -1 is no uncertainty"),
     ],

@@ -91,7 +91,7 @@ class Calibration:
 
     Attributes:
         kind: "six-position", "ellipsoid", "rate-table" or "two-point".
-        unit: of readings and offset; those of the sensitivity are parts of 1.
+        unit: SI, of readings and offset; those of the sensitivity are parts of 1.
         sensitivity: S (k, k), k is 1 or 3.
         offset: O (k,).
         covariance: of the rows of S one after the other, then O (k² + k, k² + k).

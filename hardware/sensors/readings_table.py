@@ -21,17 +21,14 @@ from pathlib import Path
 
 import numpy as np
 
-from simcompare import units
 from simcompare.errors import InputError
+from simcompare.hardware.sensors import sheet_units
 from simcompare.hardware.sensors.calibrated import Readings
 from simcompare.model.trajectory import Array
 from simcompare.statistics.distributions import Distribution, fixed, normal
 
 _HEAD = re.compile(r"^\s*(?P<name>[^\s(\[]+)\s*[(\[]?(?P<unit>[^)\]]*)[)\]]?\s*$")
 _RATE = re.compile(r"^\s*(?P<sign>[+-])(?P<axis>[xyz])\s+(?P<rate>[\d.]+)\s*$", re.I)
-#: what people write for a unit that means something else elsewhere
-_SPOKEN = {"g": "g_0", "mg": "mg_0", "dps": "deg/s"}
-_G_0 = {"g_0": 9.80665, "mg_0": 9.80665e-3}
 #: size of specific force at rest that can be none else [m/s²]
 _AT_REST = (5.0, 15.0)
 FORMS = "pose,ax,ay,az or pose,gx,gy,gz or known,u,reading"
@@ -170,12 +167,12 @@ def _number(cell: str, name: str) -> tuple[float, str]:
 
 
 def _factor(path: Path, written: str, unit: str) -> float:
-    meant = _SPOKEN.get(written, written)
-    if not meant:
+    if not written:
         return 1.0
-    if meant in _G_0 and unit == "m/s**2":
-        return _G_0[meant]
-    return units.conversion_factor(meant, unit, f"{path}, line 1")
+    try:
+        return sheet_units.amount(f"1 {written}", unit)
+    except ValueError as error:
+        raise InputError(str(path), [f"line 1: {error}"]) from None
 
 
 def _check_size(path: Path, means: Array) -> None:

@@ -59,6 +59,12 @@ def amount(text: str | float, unit: str, per: str = "") -> float:
     return float(match[1]) * factor / size
 
 
+def spoken(unit: str) -> tuple[str, float]:
+    """The unit in which sheets speak of an SI unit, and its size."""
+    name = EXAMPLES.get(unit, units.symbol(unit))
+    return name, amount(f"1 {name}", unit)
+
+
 def step(text: str | float, unit: str) -> float:
     """Size of one count in SI, from ``"16384 LSB/g"``, ``"0.061 mg/LSB"`` or ``"0.061 mg"``.
 

@@ -32,7 +32,7 @@ ON_A_TABLE = Taken(
     rectangular(-np.radians(0.5), np.radians(0.5)), "a box on a table, within 0.5°, rectangular"
 )
 
-UNIT = "m/s²"
+UNIT = "m/s**2"
 NOT_SEPARABLE = (
     "A rotation of the sensor in its box and cross-axis terms: what is in S is seen from the box.",
     "The unit of g and the sensitivity: an error of g scales all of S.",

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import re
 import shlex
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from simcompare import units
 from simcompare.errors import InputError
 from simcompare.hardware.sensors.calibration import Calibration
-from simcompare.model.recording import INFO, Recording, Repair, Stream
+from simcompare.model.recording import INFO, Recording, Repair
 from simcompare.model.trajectory import Array
-
-#: unit of a calibration -> that of a channel, and the end of its name
-_UNITS = {"m/s²": ("m/s**2", "m_s2"), "rad/s": ("rad/s", "rad_s"), "Pa": ("Pa", "Pa")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +38,7 @@ def find(recording: Recording, unit: str, wanted: str = "") -> Triad:
 
     Args:
         recording: where it is sought.
-        unit: of a calibration, such as "m/s²".
+        unit: of a calibration, such as "m/s**2".
         wanted: begin of the names of its channels, such as "acc"; needed where there are several.
 
     Raises:
@@ -51,13 +48,16 @@ def find(recording: Recording, unit: str, wanted: str = "") -> Triad:
     if len(found) == 1:
         return next(iter(found.values()))
     if not found:
-        text = f"has no sensor with the axes x, y and z in {unit}" if unit != "Pa" else "has no Pa"
+        axes = "" if unit == "Pa" else " with the axes x, y and z"
+        text = f"has no sensor{axes} in {units.symbol(unit)}"
         cure = "name its columns in a mapping file (simcompare import LOG --template)"
         raise InputError(recording.provenance.file, [f"{text}; {cure}"])
     named = ", ".join(found)
     log = shlex.quote(recording.provenance.file)
     cure = f"name one: simcompare calibrate {log} --sensor {next(iter(found))}"
-    raise InputError(recording.provenance.file, [f"has several sensors in {unit}: {named}; {cure}"])
+    raise InputError(
+        recording.provenance.file, [f"has several sensors in {units.symbol(unit)}: {named}; {cure}"]
+    )
 
 
 def corrected(recording: Recording, triad: Triad, calibration: Calibration) -> Recording:
@@ -81,23 +81,15 @@ def corrected(recording: Recording, triad: Triad, calibration: Calibration) -> R
 
 
 def _triads(recording: Recording, unit: str) -> Iterator[tuple[str, Triad]]:
-    si, ending = _UNITS[unit]
+    """Sensors, by how the names of their channels begin."""
+    ending = units.suffix_for(unit)
     for name, stream in recording.streams.items():
-        if si == "Pa":
-            for channel, content in stream.channels.items():
-                if content.unit == si:
-                    yield channel, Triad(name, (channel,))
-            continue
-        yield from _of_stream(name, stream, si, ending)
-
-
-def _of_stream(name: str, stream: Stream, si: str, ending: str) -> Iterator[tuple[str, Triad]]:
-    pattern = re.compile(rf"^(?P<stem>.*?)_?x_{ending}$", re.I)
-    for channel, content in stream.channels.items():
-        match = pattern.match(channel)
-        if match is None or content.unit != si:
-            continue
-        place = channel.rindex(f"x_{ending}") if f"x_{ending}" in channel else -1
-        every = tuple(channel[:place] + axis + channel[place + 1 :] for axis in "xyz")
-        if place >= 0 and all(one in stream.channels for one in every):
-            yield match["stem"] or channel, Triad(name, every)
+        for channel, content in stream.channels.items():
+            stem = channel.removesuffix(f"x{ending}")
+            every = tuple(f"{stem}{axis}{ending}" for axis in "xyz")
+            if content.unit != unit:
+                continue
+            if unit == "Pa":
+                yield channel, Triad(name, (channel,))
+            elif stem != channel and all(one in stream.channels for one in every):
+                yield stem.removesuffix("_") or channel, Triad(name, every)

@@ -7,6 +7,7 @@ import numpy as np
 from simcompare.reports.render.figures import Band, Figure, Panel, Series
 from simcompare.reports.render.styles import Style
 from simcompare.results.records.calibration import CalibrationRecord
+from simcompare.units import symbol
 
 _BEFORE = Style("#D55E00", marker="square")
 _FITTED, _OTHERS = Style("#0072B2"), Style("#0072B2", marker="diamond", hollow=True)
@@ -29,7 +30,7 @@ def of(record: CalibrationRecord) -> Figure:
             Series("took no part: | f | − g", x[others], after[others], _OTHERS,
                    1.96 * u[others], points=True, line=False)
         )  # fmt: skip
-    label = f"Off by ({record.unit})"
+    label = f"Off by ({symbol(record.unit)})"
     panels = (
         Panel("As it is", "", label, (Series("as it is", x, before, _BEFORE, points=True,
               line=False),), x_ticks=names),

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
+from simcompare.hardware.sensors import sheet_units
 from simcompare.notation import capital, number, places
 from simcompare.reports.calibration.words import deviations
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.results.records.calibration import CalibrationRecord, Rows
+from simcompare.units import symbol
 
-#: unit -> that of data sheets, and its size
-_SPOKEN = {"m/s²": ("mg", 9.80665e-3), "rad/s": ("°/s", math.radians(1)), "Pa": ("hPa", 100.0)}
 #: part of the whole below which a share is none
 _NONE = 1e-6
 
@@ -21,15 +20,14 @@ def terms(record: CalibrationRecord) -> Table:
     """S and O, each with its standard uncertainty in the last digits."""
     axes = "xyz" if len(record.offset) == 3 else "p"
     columns = [Column("Axis", text=True), *(Column(f"S, {axis}") for axis in axes)]
-    columns.append(Column(f"O ({record.unit})"))
-    spoken, size = _SPOKEN.get(record.unit, ("", 1.0))
-    columns += [Column(f"O ({spoken})")] if spoken else []
+    spoken, size = ("hPa", 100.0) if record.unit == "Pa" else sheet_units.spoken(record.unit)
+    columns += [Column(f"O ({symbol(record.unit)})"), Column(f"O ({spoken})")]
     rows = tuple(
         (
             axis,
             *(number(s, u) for s, u in zip(row, u_row, strict=True)),
             number(offset, u_offset),
-            *([number(offset / size, u_offset / size)] if spoken else []),
+            number(offset / size, u_offset / size),
         )
         for axis, row, u_row, offset, u_offset in zip(
             axes, record.sensitivity, record.u_sensitivity, record.offset, record.u_offset,
@@ -66,8 +64,8 @@ def poses(record: CalibrationRecord) -> Table:
     """What each pose is off by, before and after."""
     columns = (
         Column("Known value" if record.kind == "two-point" else "Pose", text=True),
-        Column(f"As it is ({record.unit})"),
-        Column(f"Corrected ({record.unit})"),
+        Column(f"As it is ({symbol(record.unit)})"),
+        Column(f"Corrected ({symbol(record.unit)})"),
     )  # fmt: skip
     groups = []
     for title, fitted in (("", True), ("Took no part", False)):
@@ -91,8 +89,8 @@ def assumed(record: CalibrationRecord) -> Table:
     rows = tuple(
         (
             capital(one.quantity),
-            number(one.value), number(one.u), "" if one.unit == "1" else one.unit, one.source,
-            one.effect,
+            number(one.value), number(one.u), "" if one.unit == "1" else symbol(one.unit),
+            one.source, one.effect,
         )
         for one in record.assumptions
     )  # fmt: skip
@@ -105,7 +103,7 @@ def shares(record: CalibrationRecord) -> Table:
     kinds = {
         "Scale": [*range(0, k * k, k + 1)],
         "Cross-axis": [i for i in range(k * k) if i % (k + 1)],
-        f"Offset ({record.unit})": [*range(k * k, k * k + k)],
+        f"Offset ({symbol(record.unit)})": [*range(k * k, k * k + k)],
     }
     kinds = {kind: places for kind, places in kinds.items() if places}
     columns = (Column("Source", text=True), *(Column(kind) for kind in kinds))

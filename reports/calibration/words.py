@@ -13,6 +13,7 @@ from simcompare.notation import number
 from simcompare.reports.render import numbers
 from simcompare.results.records.calibration import CalibrationRecord, PoseRecord
 from simcompare.statistics.distributions import Distribution
+from simcompare.units import symbol
 
 #: chance of a χ² as large, below which readings and their uncertainties do not agree
 _UNLIKELY = 0.01
@@ -55,7 +56,7 @@ def _terms(record: CalibrationRecord) -> str:
     axes = "xyz" if len(offset) == 3 else ("",)
     scales = _listed(axes, 100 * scale, 100 * np.diag(np.array(record.u_sensitivity)))
     offsets = _listed(axes, offset, np.array(record.u_offset))
-    text = f"Offset {offsets} {record.unit}; scale error {scales} %"
+    text = f"Offset {offsets} {symbol(record.unit)}; scale error {scales} %"
     if len(offset) == 1:
         return text + "."
     cross = np.abs(sensitivity - np.diag(np.diag(sensitivity)))
@@ -130,8 +131,9 @@ def _agreement(record: CalibrationRecord) -> str:
 def _poses(record: CalibrationRecord) -> str:
     if record.kind == "two-point":
         return (
-            f"O is the reading at 0 {record.unit}, far from these values, and errors of O and S go"
-            " together: between the known values a corrected reading is known far better than O."
+            f"O is the reading at 0 {symbol(record.unit)}, far from these values, and errors of O"
+            " and S go together: between the known values a corrected reading is known far better"
+            " than O."
         )
     return (
         f"Condition number of the poses: {record.condition:.2g} (six positions have 1.7; beyond 100"
@@ -183,4 +185,4 @@ def _u_corrected(record: CalibrationRecord) -> float:
 
 
 def _size(value: float, unit: str) -> str:
-    return f"{numbers.plain(value, 2)} {unit}"
+    return f"{numbers.plain(value, 2)} {symbol(unit)}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from simcompare.hardware.sensors import sheet_units
 from simcompare.reports.render import numbers
 from simcompare.reports.render.figures import Bars, Figure, Panel, Series, Span
 from simcompare.reports.render.styles import TRUTH_STYLE, numbered_style
@@ -38,7 +39,7 @@ def shares(found: SensorReading) -> Figure:
 
 def readings(found: SensorReading) -> Figure:
     """What drawn devices read, and what the first order expects."""
-    name, size = words.spoken(found.unit)
+    name, size = sheet_units.spoken(found.unit)
     edges = np.array(found.edges) / size
     width = np.diff(edges)
     share = np.array(found.counts) / sum(found.counts) / width

@@ -5,21 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from simcompare.hardware.sensors import sheet_units
 from simcompare.notation import capital, fixed, sentence
 from simcompare.reports.render import numbers
 from simcompare.reports.run.listing import joined
 from simcompare.results.records.sensor import CheckRow, SensorReading
 from simcompare.units import symbol
 
-#: SI unit -> the unit in which sheets speak, and its size
-_SPOKEN = {
-    "m/s**2": ("mg", 9.80665e-3),
-    "rad/s": ("°/s", 0.017453292519943295),
-    "rad": ("°", 0.017453292519943295),
-    "m": ("mm", 1e-3),
-    "A": ("mA", 1e-3),
-    "V": ("mV", 1e-3),
-}
 #: terms that one reading does not show
 _SLOW = ("bias_instability", "random_walk")
 #: a density and an rms that are apart by less say the same
@@ -30,18 +22,13 @@ def amount(value: float, unit: str, digits: int = 2) -> str:
     """An amount in SI, and as sheets state it: ``0.84 m/s² (86 mg)``."""
     si = f"{numbers.plain(value, digits)} {symbol(unit)}"
     spoken = told(value, unit, digits)
-    return si if unit not in _SPOKEN else f"{si} ({spoken})"
+    return si if spoken == si else f"{si} ({spoken})"
 
 
 def told(value: float, unit: str, digits: int = 2) -> str:
     """An amount as sheets state it: ``86 mg``."""
-    name, size = spoken(unit)
+    name, size = sheet_units.spoken(unit)
     return f"{numbers.plain(value / size, digits)} {name}"
-
-
-def spoken(unit: str) -> tuple[str, float]:
-    """The unit in which sheets speak of an SI unit, and its size."""
-    return _SPOKEN.get(unit, (symbol(unit), 1.0))
 
 
 def answer(found: SensorReading) -> str:
@@ -133,7 +120,7 @@ def _cut_off(found: SensorReading) -> str:
 
 def _ends(found: SensorReading) -> str:
     """Ends of the middle 95 %, to the second digit of u."""
-    name, size = spoken(found.unit)
+    name, size = sheet_units.spoken(found.unit)
     place = max(0, 1 - math.floor(math.log10(found.u / size)))
     low, high = (fixed(value / size, place) for value in (found.low, found.high))
     return f"{low} and {high} {name}"
