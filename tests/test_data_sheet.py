@@ -210,15 +210,6 @@ def test_first_order_and_drawn_devices_agree_on_every_sheet():
             ), f"{name} {part.name}"
 
 
-def test_a_saturated_sensor_is_said_not_to_agree():
-    part = data_sheet.load("mpu6050").part()
-    now = Situation("x", 2 * G, 0.0, part.settings(range="2 g"))
-    drawn = reading_uncertainty.drawn(part, now, 4000, seed=0)
-    assert drawn.saturated > 0.3
-    u = reading_uncertainty.combined(reading_uncertainty.shares(part, now))
-    assert not reading_uncertainty.agree(u, drawn)
-
-
 def test_noise_is_the_density_behind_the_low_pass():
     part = data_sheet.load("mpu6050").part("accelerometer")
     now = Situation("z", G, 0.0, part.settings(bandwidth_Hz=44.0))

@@ -273,8 +273,3 @@ def test_half_of_the_rate_is_a_possible_bandwidth():
 def test_all_faults_at_once():
     with pytest.raises(InputError, match="3 faults"):
         read(three(rate_Hz=-1.0, poles=0), WAVES[:, 0])
-
-
-def test_axes_must_fit():
-    with pytest.raises(InputError, match="it has 3 axes and the signal has 1"):
-        read(three(), WAVES[:, 0])

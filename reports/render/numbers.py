@@ -69,6 +69,11 @@ def with_u(
     return f"({text})·10{raised(power)}{after}"
 
 
+def thousands(count: int) -> str:
+    """A whole number with a space before each thousand."""
+    return f"{count:,}".replace(",", " ")
+
+
 def percent(part: float | None) -> str:
     """A part of 1 as per cent, in two significant digits where it is below 100 %."""
     if part is None or not math.isfinite(part):

@@ -60,7 +60,7 @@ def readings(found: SensorReading) -> Figure:
     )  # fmt: skip
     return Figure(
         "readings",
-        f"What {words.thousands(found.draws)} devices read of {found.reading_text}",
+        f"What {numbers.thousands(found.draws)} devices read of {found.reading_text}",
         "Each device has an error of its own; on one device, repeating does not show it.",
         (panel,),
     )

@@ -78,7 +78,7 @@ def settings(found: SensorReading) -> str:
     """Settings in one sentence."""
     width = (
         f"bandwidth {found.bandwidth_Hz:g} Hz"
-        if found.bandwidth_Hz == found.bandwidth_Hz and found.bandwidth_Hz < 1e12
+        if math.isfinite(found.bandwidth_Hz)
         else "no low-pass"
     )
     return (
@@ -89,7 +89,7 @@ def settings(found: SensorReading) -> str:
 
 
 def _drawn(found: SensorReading) -> str:
-    how = f"{thousands(found.draws)} devices drawn from the sheet"
+    how = f"{numbers.thousands(found.draws)} devices drawn from the sheet"
     ends = _ends(found)
     if found.agrees:
         return (
@@ -105,11 +105,6 @@ def _drawn(found: SensorReading) -> str:
         f"{how} give u = {amount(found.u_drawn, found.unit)}, not the {told(found.u, found.unit)}"
         f" of the first order: {why}. 95 % of them read between {ends}; trust the draws."
     )
-
-
-def thousands(count: int) -> str:
-    """A whole number with a space before each thousand."""
-    return f"{count:,}".replace(",", " ")
 
 
 def _cut_off(found: SensorReading) -> str:

@@ -163,8 +163,7 @@ def notes(result: Uncertainty) -> list[str]:
     trials = next((found.monte_carlo for _, found in known if found.monte_carlo), None)
     if trials is not None:
         stable = "" if trials.stable else "; more (--trials) make the second digit of u sure"
-        count = f"{trials.trials:,}".replace(",", " ")
-        said.append(f"Monte Carlo: {count} trials{stable}")
+        said.append(f"Monte Carlo: {numbers.thousands(trials.trials)} trials{stable}")
     if any(row.name == NUMERICAL for _, found in known for row in found.budget.rows):
         said.append(f"{NUMERICAL}: between repeats of an engine that fall otherwise in its steps")
     if not result.correlation:
