@@ -6,6 +6,7 @@ import math
 
 from simcompare import notation, units
 from simcompare.hardware.sensors.drawn_terms import DrawnTerm
+from simcompare.model.sensor_errors import SIZES
 from simcompare.reports.render import numbers
 from simcompare.results.records.sensing import Sensing, SensorRecord, SourceDeviation
 
@@ -71,23 +72,16 @@ def unit_words(unit: str) -> str:
 def value_words(term: DrawnTerm) -> tuple[str, str, str]:
     """Value, what any device has, and their unit; parts are told in per cent."""
     factor, unit = _scale(term)
-    sign = numbers.plain if term.kind == "fixed" and not is_deviation(term) else signed
-    value = sign(factor * term.value) if sign is signed else numbers.plain(factor * term.value, 3)
-    return value, known_words(term.kind, factor * term.u), unit
+    value = factor * term.value
+    told = numbers.plain(value, 3) if term.term in SIZES else signed(value)
+    return told, _known(term.kind, factor * term.u), unit
 
 
-def known_words(kind: str, u: float) -> str:
+def _known(kind: str, u: float) -> str:
     """A distribution in words."""
     if kind == "fixed" or u == 0:
         return "the same"
     return f"{kind.replace('_', ' ')}, u = {numbers.plain(u, 2)}"
-
-
-def is_deviation(term: DrawnTerm) -> bool:
-    """Whether a term has a sign: all but the sizes of noise, of a count and of a range."""
-    return "noise" not in term.term and term.term not in (
-        "bias_instability", "random_walk", "resolution", "full_scale",
-    )  # fmt: skip
 
 
 def _scale(term: DrawnTerm) -> tuple[float, str]:
