@@ -43,18 +43,26 @@ def samples(
     """
     import pandas as pd
 
+    rows = [_frame(one, run.record.probes) for one in chosen(run, source, contact, repeat)]
+    table = pd.concat(rows, ignore_index=True)
+    unused = [name for name in ("parameters", "segment") if not table[name].any()]
+    return table.drop(columns=unused)
+
+
+def chosen(
+    run: Run, source: str | None, contact: str | None, repeat: int | None = None
+) -> list[Stored]:
+    """The trajectories of which ``samples`` gives a table; one or more."""
     wanted = run.record.repeats // 2 if repeat is None else repeat
-    _check_names(run, source, contact)
-    chosen = [
+    check_names(run, source, contact)
+    found = [
         one
         for one in run.trajectories
         if source in (None, one.source) and contact in (None, one.contact) and one.repeat == wanted
     ]
-    if not chosen:
+    if not found:
         raise InputError("samples", _reasons(run, source, contact, wanted))
-    table = pd.concat([_frame(one, run.record.probes) for one in chosen], ignore_index=True)
-    unused = [name for name in ("parameters", "segment") if not table[name].any()]
-    return table.drop(columns=unused)
+    return found
 
 
 def columns(trajectory: Trajectory, probes: Mapping[str, Probe]) -> dict[str, Array]:
@@ -80,7 +88,8 @@ def _observed(trajectory: Trajectory, probe: Probe) -> Array | None:
         return None
 
 
-def _check_names(run: Run, source: str | None, contact: str | None) -> None:
+def check_names(run: Run, source: str | None, contact: str | None) -> None:
+    """Refuses names of sources and of contact levels that the run does not have."""
     named = [(one.name, one.contact) for one in run.record.sources]
     named += [(one.source, one.contact) for one in run.trajectories]
     known, levels = (dict.fromkeys(filter(None, names)) for names in zip(*named, strict=True))

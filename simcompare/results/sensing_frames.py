@@ -10,6 +10,7 @@ from simcompare.errors import InputError, UnknownName
 from simcompare.hardware.sensors.error_model import Reading
 from simcompare.hardware.sensors.signals import owner_of
 from simcompare.model.trajectory import Array
+from simcompare.results import frames
 from simcompare.results.records.run import RunRecord
 from simcompare.results.run import Run
 
@@ -46,8 +47,11 @@ def readings(
     if not run.stored_readings:
         fault = "all sensors of this run are ideal; ask for a real one, such as"
         raise InputError("readings", [f'{fault} run(…, sensor={{"imu": "mpu6050"}})'])
-    _check(run, signal, source, contact)
-    frames = [
+    frames.check_names(run, source, contact)
+    signals = [name for one in run.stored_readings for name in (one.signal, owner_of(one.signal))]
+    if signal is not None and signal not in signals:
+        raise UnknownName("signal that was read", signal, dict.fromkeys(signals))
+    found = [
         pd.DataFrame(
             {"source": one.source, "contact": one.contact, "signal": one.signal}
             | columns(one.reading)
@@ -57,9 +61,9 @@ def readings(
         and source in (None, one.source)
         and contact in (None, one.contact)
     ]
-    if not frames:
+    if not found:
         raise InputError("readings", ["no source gives this signal at this level"])
-    return pd.concat(frames, ignore_index=True)
+    return pd.concat(found, ignore_index=True)
 
 
 def columns(reading: Reading) -> dict[str, Array]:
@@ -70,15 +74,3 @@ def columns(reading: Reading) -> dict[str, Array]:
         axes = "xyz" if values.ndim > 1 else ""
         found |= {f"{kind}.{axis}": values[:, i] for i, axis in enumerate(axes)} or {kind: values}
     return found
-
-
-def _check(run: Run, signal: str | None, source: str | None, contact: str | None) -> None:
-    read = run.stored_readings
-    signals = [name for one in read for name in (one.signal, owner_of(one.signal))]
-    for kind, given, known in (
-        ("signal that was read", signal, signals),
-        ("source of this run", source, [one.source for one in read]),
-        ("contact level of this run", contact, [one.contact for one in read if one.contact]),
-    ):
-        if given is not None and given not in known:
-            raise UnknownName(kind, given, dict.fromkeys(known))

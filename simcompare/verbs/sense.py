@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from simcompare.arguments import checked
-from simcompare.errors import InputError, UnknownName
+from simcompare.errors import InputError
 from simcompare.hardware.sensors import signals as names
 from simcompare.hardware.sensors.device import Device
 from simcompare.hardware.sensors.drawn import DrawnSensor, drawn
@@ -19,7 +19,7 @@ from simcompare.model.recording import Recording
 from simcompare.model.sensor_errors import SensorErrors
 from simcompare.model.trajectory import Array, Trajectory
 from simcompare.model.yaml_file import describe, faults_of
-from simcompare.results import sensing
+from simcompare.results import frames, sensing
 from simcompare.results.run import Run, Stored
 from simcompare.verbs.sensed import Sensed
 
@@ -82,19 +82,7 @@ def _moved(
     """A trajectory, and whose it is."""
     if isinstance(thing, Trajectory):
         return thing.source, thing
-    middle = thing.record.repeats // 2
-    nominal = [one for one in thing.trajectories if one.repeat == middle]
-    sources = dict.fromkeys(one.source for one in nominal)
-    if engine is not None and engine not in sources:
-        raise UnknownName("source of this run", engine, sources)
-    levels = dict.fromkeys(one.contact for one in nominal if one.contact)
-    if contact is not None and contact not in levels:
-        raise UnknownName("contact level of this run", contact, levels)
-    wanted = [
-        one for one in nominal if engine in (None, one.source) and contact in (None, one.contact)
-    ]
-    if not wanted:
-        raise InputError("sense", ["there are no samples of what was asked for"])
+    wanted = frames.chosen(thing, engine, contact)
     true = [one for one in wanted if not one.contact]
     one = (true or wanted)[0 if true else -1]
     return " ".join(filter(None, (one.source, one.contact))), one.trajectory
