@@ -133,17 +133,16 @@ def _noise(part: PartData, now: Situation) -> Iterator[Share]:
 
 def drawn(part: PartData, now: Situation, count: int, seed: int) -> Drawn:
     """Readings of that many devices of the same value, each with its own noise."""
-    devices = [
-        replace(device, rate_error=0.0)
-        for device in drawing.many(part, now.settings, seed, count, "reading")
-    ]
+    devices = drawing.many(part, now.settings, seed, count, "reading")
+    devices = replace(devices, rate_error=np.zeros(count))
     place = part.axes.index(now.axis)
-    true = np.full(len(part.axes), 0.0)
+    true = np.zeros(len(part.axes))
     if len(true) > 1:
         true[(place + 1) % len(true)] = now.across
     true[place] = now.reading
     time_s = np.array([0.0, 1.0]) / now.settings.rate_Hz
-    read = measured_by(devices, time_s, np.stack([true, true]), stream(seed, "reading", "noise"))
+    noise = stream(seed, "reading", "noise")
+    read = measured_by(list(devices), time_s, np.stack([true, true]), noise)
     values = read.measured[:, 0, place]
     low, high = np.quantile(values, [0.025, 0.975])
     return Drawn(
