@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from simcompare.reports.calibration import words
 from simcompare.reports.render.figures import Band, Figure, Panel, Series
 from simcompare.reports.render.styles import Style
 from simcompare.results.records.calibration import CalibrationRecord
@@ -20,15 +21,15 @@ def of(record: CalibrationRecord) -> Figure:
     x = np.arange(len(names), dtype=float)
     before = np.array([pose.before for pose in record.poses])
     after = np.array([pose.after for pose in record.poses])
-    u = np.array([pose.u_after for pose in record.poses])
+    expanded = words.coverage(record) * np.array([pose.u_after for pose in record.poses])
     fitted = np.array([pose.fitted for pose in record.poses])
-    corrected = [Series("took part", x[fitted], after[fitted], _FITTED, 1.96 * u[fitted],
+    corrected = [Series("took part", x[fitted], after[fitted], _FITTED, expanded[fitted],
                         points=True, line=False)]  # fmt: skip
     if not fitted.all():
         others = ~fitted
         corrected.append(
             Series("took no part: | f | − g", x[others], after[others], _OTHERS,
-                   1.96 * u[others], points=True, line=False)
+                   expanded[others], points=True, line=False)
         )  # fmt: skip
     label = f"Off by ({symbol(record.unit)})"
     panels = (

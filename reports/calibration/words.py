@@ -12,6 +12,7 @@ from simcompare.hardware.sensors.calibration import COVERAGE
 from simcompare.notation import number
 from simcompare.reports.render import numbers
 from simcompare.results.records.calibration import CalibrationRecord, PoseRecord
+from simcompare.statistics.budget import coverage_factor
 from simcompare.statistics.distributions import Distribution
 from simcompare.units import symbol
 
@@ -79,7 +80,8 @@ def _verified(record: CalibrationRecord) -> list[str]:
     if not poses:
         return []
     before, after = (_largest(poses, which) for which in ("before", "after"))
-    inside = sum(abs(pose.after) <= 1.96 * pose.u_after for pose in poses)
+    k = coverage(record)
+    inside = sum(abs(pose.after) <= k * pose.u_after for pose in poses)
     return [
         f"In {len(poses)} other poses, which took no part, | |f| − g | was up to"
         f" {_size(before, record.unit)} and is now up to {_size(after, record.unit)};"
@@ -109,7 +111,7 @@ def deviations(record: CalibrationRecord) -> list[float]:
 
 def _agreement(record: CalibrationRecord) -> str:
     if record.chi2 is None:
-        dof = min(record.degrees_of_freedom, default=math.inf)
+        dof = _least_dof(record)
         return (
             f"The noise of a mean reading was told by {record.noise_from}: there are few degrees of"
             f" freedom ({dof:.3g} at least), and no test of the uncertainties is left."
@@ -143,13 +145,19 @@ def _poses(record: CalibrationRecord) -> str:
 
 def _limits(record: CalibrationRecord) -> list[str]:
     u = f"Uncertainties are standard uncertainties; {100 * COVERAGE:g} % intervals need k from"
-    dof = min((d for d in record.degrees_of_freedom if math.isfinite(d)), default=math.inf)
+    dof, k = _least_dof(record), coverage(record)
     if math.isinf(dof):
-        return [f"{u} the normal distribution, 1.96."]
-    from scipy import stats
-
-    k = float(stats.t.ppf(0.5 + COVERAGE / 2, dof))
+        return [f"{u} the normal distribution, {k:.2f}."]
     return [f"{u} Student's t: {k:.2f} at most, of {dof:.3g} degrees of freedom."]
+
+
+def coverage(record: CalibrationRecord) -> float:
+    """Coverage factor k that is large enough for every term."""
+    return coverage_factor(_least_dof(record), COVERAGE)
+
+
+def _least_dof(record: CalibrationRecord) -> float:
+    return min((d for d in record.degrees_of_freedom if math.isfinite(d)), default=math.inf)
 
 
 def of_few_poses(readings: Readings, gravity: Distribution) -> str:

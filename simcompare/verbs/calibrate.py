@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import datetime
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -27,12 +25,13 @@ from simcompare.hardware.sensors import (
 )
 from simcompare.hardware.sensors.calibrated import Readings
 from simcompare.hardware.sensors.calibration import Calibration, Taken
+from simcompare.hardware.sensors.triads import Triad
 from simcompare.inference import sources
 from simcompare.model import plain, recording_store
+from simcompare.model.recording import Recording
 from simcompare.reports.calibration import words
 from simcompare.results import store
 from simcompare.results.records.calibration import (
-    CalibrationRecord,
     Truth,
     plain_of,
     rows_of,
@@ -218,8 +217,7 @@ def _measured(
     if kind in ("rate-table", "two-point"):
         cure = f"give a table ({readings_table.FORMS}); a recording does not say what acted"
         raise InputError(source, [f"{kind}: {cure}"])
-    recording = sources.find(source, mapping=mapping).recording
-    triad = triads.find(recording, six_position.UNIT, sensor)
+    recording, triad = _sensor(source, six_position.UNIT, sensor, mapping)
     poses = still_poses.find(recording.streams[triad.stream].time_s, triad.values(recording))
     return _result(_of_poses(source, still_poses.readings_of(poses), kind, known), source)
 
@@ -271,9 +269,11 @@ def _saved(
     found: Calibrated, folder: Path, apply: str | Path | None, sensor: str,
     mapping: str | Path | None,
 ) -> Calibrated:  # fmt: skip
-    applied = None if apply is None else _applied(found, apply, sensor, mapping)
-    name = "calibration"
-    with store.new_folder(folder, found.created, name, "calibration") as (place, partial):
+    applied = None
+    if apply is not None:
+        recording, triad = _sensor(str(apply), found.unit, sensor, mapping)
+        applied = triads.corrected(recording, triad, found.calibration)
+    with store.new_folder(folder, found.created, "calibration", "calibration") as (place, partial):
         if applied is not None:
             recording_store.save(applied, partial / "corrected.rec")
         corrected = None if applied is None else place / "corrected.rec"
@@ -282,12 +282,9 @@ def _saved(
     return stored
 
 
-def _applied(
-    found: CalibrationRecord, log: str | Path, sensor: str, mapping: str | Path | None
-) -> Any:  # noqa: ANN401
-    recording = sources.find(str(log), mapping=mapping).recording
-    triad = triads.find(recording, found.unit, sensor)
-    return triads.corrected(recording, triad, found.calibration)
-
-
-__all__ = ["KINDS", "Mapping", "calibrate"]
+def _sensor(
+    log: str, unit: str, sensor: str, mapping: str | Path | None
+) -> tuple[Recording, Triad]:
+    """A recording, and the sensor in it that measures in a unit."""
+    recording = sources.find(log, mapping=mapping).recording
+    return recording, triads.find(recording, unit, sensor)
