@@ -7,7 +7,7 @@ import pytest
 
 from simcompare.errors import InputError
 from simcompare.estimation import consistency, kalman
-from simcompare.estimation.kalman import Belief, Expected
+from simcompare.estimation.kalman import Belief
 from simcompare.estimation.linear import Linear, steady_gain
 from simcompare.estimation.smoother import smooth
 from simcompare.estimation.speed_filter import matrices
@@ -205,11 +205,6 @@ def test_the_gate_refuses_a_reading_that_cannot_be():
     kept = kalman.run(START, spoilt, linear.move, linear.expect, gate=4.0)
     assert kept.refused.sum() == 1
     assert kept.refused[25, 0]
-
-
-def test_angles_are_compared_round_the_circle():
-    expected = Expected(np.array([3.1]), np.eye(1), np.eye(1), (True,))
-    assert kalman.innovation_of(np.array([-3.1]), expected) == pytest.approx([2 * np.pi - 6.2])
 
 
 def test_a_singular_start_is_refused():

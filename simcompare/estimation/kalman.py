@@ -65,13 +65,11 @@ class Expected:
         values: (m,).
         observation: H (m, n), their derivative after the state.
         noise: R (m, m).
-        circular: readings that are angles (m,), whose innovations lie within ±π; none where empty.
     """
 
     values: Array
     observation: Array
     noise: Array
-    circular: tuple[bool, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +128,7 @@ def update(belief: Belief, measured: Array, expected: Expected) -> Mended:
     Raises:
         InputError: the covariance of the innovation is singular.
     """
-    innovation = innovation_of(measured, expected)
+    innovation = measured - expected.values
     covariance = innovation_covariance(belief, expected)
     _refuse_singular(covariance, "innovations")
     gain = np.asarray(
@@ -139,15 +137,6 @@ def update(belief: Belief, measured: Array, expected: Expected) -> Mended:
     mean = belief.mean + gain @ innovation
     nis = float(innovation @ np.linalg.solve(covariance, innovation))
     return Mended(Belief(mean, joseph(belief, gain, expected)), innovation, covariance, nis)
-
-
-def innovation_of(measured: Array, expected: Expected) -> Array:
-    """What was measured beyond what was expected; angles within ±π."""
-    difference = measured - expected.values
-    for i, is_angle in enumerate(expected.circular):
-        if is_angle:
-            difference[i] = np.angle(np.exp(1j * difference[i]))
-    return difference
 
 
 def innovation_covariance(belief: Belief, expected: Expected) -> Array:
@@ -219,7 +208,7 @@ def _step(
     there = np.isfinite(reading)
     refused = np.zeros(len(reading), dtype=bool)
     if gate is not None:
-        refused = there & (np.abs(innovation_of(reading, expected)) > gate * u)
+        refused = there & (np.abs(reading - expected.values) > gate * u)
     part = np.flatnonzero(there & ~refused)
     innovation = np.full(len(reading), np.nan)
     if not len(part):
@@ -233,9 +222,8 @@ def _step(
 
 def _part_of(expected: Expected, part: NDArray[np.intp]) -> Expected:
     """Only some of the readings."""
-    circular = tuple(expected.circular[i] for i in part) if expected.circular else ()
     noise = expected.noise[np.ix_(part, part)]
-    return Expected(expected.values[part], expected.observation[part], noise, circular)
+    return Expected(expected.values[part], expected.observation[part], noise)
 
 
 def _gathered(steps: Sequence[_Step]) -> Filtered:
