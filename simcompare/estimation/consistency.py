@@ -15,7 +15,8 @@ from typing import Literal
 
 import numpy as np
 
-from simcompare.estimation.estimate import Way
+from simcompare.estimation.estimate import Innovations, Way
+from simcompare.estimation.kalman import Filtered
 from simcompare.model.plain import Finite
 from simcompare.model.trajectory import Array
 
@@ -85,6 +86,24 @@ def nees_of_states(way: Way, covariances: Array) -> tuple[Array | None, int]:
     part = covariances[np.ix_(np.flatnonzero(there), known, known)]
     found[there] = nees_of(rows[there], part)
     return found, len(known)
+
+
+def innovations_of(
+    filtered: Filtered, way: Way, names: Sequence[str], counted: tuple[str, ...] = ()
+) -> Innovations:
+    """What the consistency of a filter is judged by.
+
+    Args:
+        filtered: all that it went through.
+        way: its states, beside the truth.
+        names: of its readings.
+        counted: those that are differences of counts.
+    """
+    ratios = filtered.innovations / filtered.innovation_u
+    whitened = {name: ratios[np.isfinite(ratios[:, i]), i] for i, name in enumerate(names)}
+    refused = {name: int(filtered.refused[:, i].sum()) for i, name in enumerate(names)}
+    nees, states = nees_of_states(way, filtered.covariances)
+    return Innovations(filtered.nis, filtered.used, whitened, refused, nees, states, counted)
 
 
 def nees(values: Array, states: int) -> Verdict:

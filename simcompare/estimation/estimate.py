@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from simcompare import units
 from simcompare.errors import InputError
 from simcompare.model.trajectory import Array
 
@@ -110,6 +111,15 @@ class Way:
     name: str
     time_s: Array
     states: Mapping[str, State]
+
+    @property
+    def last(self) -> dict[str, Number]:
+        """The states at the end as key numbers."""
+        found = {}
+        for name, one in self.states.items():
+            u = None if one.u is None else float(one.u[-1])
+            found[f"last_{name}"] = Number(float(one.values[-1]), units.unit_of(name), u)
+        return found
 
 
 @dataclass(frozen=True)

@@ -15,14 +15,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from simcompare import units
 from simcompare.errors import InputError
 from simcompare.estimation import consistency, kalman, pose_model, timing
-from simcompare.estimation.estimate import Estimate, Given, Innovations, Number, Signal, State, Way
+from simcompare.estimation.estimate import Estimate, Given, Signal, State, Way
 from simcompare.estimation.kalman import Belief, Expected, Filtered, Motion
 from simcompare.estimation.pose_model import Ranger, Robot
 from simcompare.estimation.pose_roles import LABELS, OPTIONS, SIGNALS, TITLE, TRUTHS
 from simcompare.estimation.smoother import smooth
+from simcompare.hardware.sensors import odometer
 from simcompare.model.trajectory import Array
 
 __all__ = ["LABELS", "OPTIONS", "SIGNALS", "TITLE", "TRUTHS", "estimate"]
@@ -60,8 +60,9 @@ def estimate(given: Given) -> Estimate:
         _reckoned(setting),
     )
     labels = {name: LABELS[name] for name in ways[0].states}
-    innovations = _innovations(setting, filtered, ways[0])
-    return Estimate(ways, labels, innovations, _numbers(given, filtered))
+    counted = tuple(f"{s}_rate" for s in ("left", "right") if f"{s}_marks" in given.signals)
+    innovations = consistency.innovations_of(filtered, ways[0], [*setting.readings], counted)
+    return Estimate(ways, labels, innovations, ways[0].last)
 
 
 def _setting(given: Given) -> _Setting:
@@ -233,20 +234,13 @@ def _reckoned(setting: _Setting) -> Way:
     left, right = setting.readings["left_rate"], setting.readings["right_rate"]
     time_s, robot, o = left.time_s, setting.robot, setting.given.options
     both = robot.radius_m * np.array([left.values, right.at(time_s)])
-    speed, rate = np.nan_to_num(both.mean(axis=0)), np.nan_to_num(both[1] - both[0]) / robot.track_m
-    steps = np.diff(time_s, prepend=time_s[0] - setting.gate_s)
-    turned = np.cumsum(steps * rate)
-    heading = o["start_heading_rad"] + turned
-    middle = heading - steps * rate / 2
-    means = np.array(
-        [
-            o["start_x_m"] + np.cumsum(steps * speed * np.cos(middle)),
-            o["start_y_m"] + np.cumsum(steps * speed * np.sin(middle)),
-            heading,
-            speed,
-            rate,
-        ]
-    ).T
+    both[:, np.isnan(both).any(axis=0)] = 0.0
+    ways = np.cumsum(np.diff(time_s, prepend=time_s[0] - setting.gate_s) * both, axis=1)
+    rolled_left, rolled_right = np.insert(ways, 0, 0.0, axis=1)
+    start = (o["start_x_m"], o["start_y_m"], o["start_heading_rad"])
+    driven = odometer.arcs(rolled_left, rolled_right, robot.track_m, start[2])
+    rates = (both.mean(axis=0), (both[1] - both[0]) / robot.track_m)
+    means = np.column_stack((odometer.poses(driven, start)[1:], *rates))
     return _way(setting.given, "wheels alone", time_s, means, None)
 
 
@@ -262,30 +256,6 @@ def _way(given: Given, name: str, time_s: Array, means: Array, u: Array | None) 
     return Way(name, time_s, states)
 
 
-def _innovations(setting: _Setting, filtered: Filtered, way: Way) -> Innovations:
-    ratios = filtered.innovations / filtered.innovation_u
-    names = list(setting.readings)
-    nees, states = consistency.nees_of_states(way, filtered.covariances)
-    return Innovations(
-        filtered.nis,
-        filtered.used,
-        {name: ratios[np.isfinite(ratios[:, i]), i] for i, name in enumerate(names)},
-        {name: int(filtered.refused[:, i].sum()) for i, name in enumerate(names)},
-        nees,
-        states,
-        tuple(f"{s}_rate" for s in ("left", "right") if f"{s}_marks" in setting.given.signals),
-    )
-
-
 def _names(given: Given) -> list[str]:
     """States that are told, those of the robot first."""
     return [*list(LABELS)[:5], *_biases(given)]
-
-
-def _numbers(given: Given, filtered: Filtered) -> dict[str, Number]:
-    """Every state at the end."""
-    last, u = filtered.means[-1], filtered.uncertainties[-1]
-    return {
-        f"last_{name}": Number(float(last[i]), units.unit_of(name), float(u[i]))
-        for i, name in enumerate(_names(given))
-    }

@@ -16,17 +16,14 @@ and averages out in no filter, so it is told beside it.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 
-from simcompare import units
 from simcompare.errors import InputError
 from simcompare.estimation import consistency, kalman, timing
 from simcompare.estimation.estimate import (
     Estimate,
     Given,
-    Innovations,
     Number,
     Signal,
     State,
@@ -90,9 +87,11 @@ def estimate(given: Given) -> Estimate:
             _integrated(given, acceleration, float(wheel.values[0])),
             _alone(given, "accelerometer alone", acceleration, "acceleration", 0.0),
         ]
-    innovations = _innovations(given, filtered, ways[0])
+    names = ("wheel", "accelerometer")[: filtered.innovations.shape[1]]
+    counted = ("wheel",) if "marks" in given.signals and not _by_way(given) else ()
+    innovations = consistency.innovations_of(filtered, ways[0], names, counted)
     labels = {name: LABELS[name] for name in _names(given)}
-    return Estimate(tuple(ways), labels, innovations, _numbers(given, filtered))
+    return Estimate(tuple(ways), labels, innovations, {**_open(given, ways[0]), **ways[0].last})
 
 
 def matrices(step_s: float, jerk_density_m2_s5: float) -> tuple[Array, Array]:
@@ -209,25 +208,8 @@ def _integrated(given: Given, acceleration: Signal, first_m_s: float) -> Way:
     return Way("acceleration summed up", time_s, {"speed_m_s": state})
 
 
-def _innovations(given: Given, filtered: Filtered, way: Way) -> Innovations:
-    names = ("wheel", "accelerometer")[: filtered.innovations.shape[1]]
-    ratios = filtered.innovations / filtered.innovation_u
-    whitened: Mapping[str, Array] = {
-        name: ratios[np.isfinite(ratios[:, i]), i] for i, name in enumerate(names)
-    }
-    refused = {name: int(filtered.refused[:, i].sum()) for i, name in enumerate(names)}
-    nees, states = consistency.nees_of_states(way, filtered.covariances)
-    counted = ("wheel",) if "marks" in given.signals and not _by_way(given) else ()
-    return Innovations(filtered.nis, filtered.used, whitened, refused, nees, states, counted)
-
-
-def _numbers(given: Given, filtered: Filtered) -> dict[str, Number]:
-    """What the diameter leaves open, and the last value of every state."""
+def _open(given: Given, way: Way) -> dict[str, Number]:
+    """What the diameter leaves open."""
     diameter_m, u_m = given.options["diameter_m"], given.options["u_diameter_m"]
-    speed = float(np.abs(filtered.means[-1, 0]))
-    numbers = {"speed_open_by_diameter": Number(speed * u_m / diameter_m, "m/s")} if u_m else {}
-    for i, name in enumerate(_names(given)):
-        u = float(filtered.uncertainties[-1, i])
-        value = float(filtered.means[-1, i])
-        numbers[f"last_{name}"] = Number(value, units.unit_of(name), u)
-    return numbers
+    speed = float(np.abs(way.states["speed_m_s"].values[-1]))
+    return {"speed_open_by_diameter": Number(speed * u_m / diameter_m, "m/s")} if u_m else {}
