@@ -9,6 +9,7 @@ import numpy as np
 
 from simcompare.errors import InputError
 from simcompare.estimation.dead_reckoning import DeadReckoning
+from simcompare.measures.heading import wrapped
 from simcompare.model.trajectory import Array
 
 #: probability of a coverage region
@@ -56,11 +57,6 @@ class Drift:
     def u_per_metre(self) -> float | None:
         """Its standard uncertainty."""
         return float(self.u_distance_m[-1] / self.way_m[-1]) if self.way_m[-1] > 0 else None
-
-    @property
-    def rms_m(self) -> float:
-        """Root mean square of the distance."""
-        return math.sqrt(float(np.mean(self.distance_m**2)))
 
     @property
     def explained(self) -> bool | None:
@@ -124,11 +120,6 @@ def ellipse(covariance: Array, probability: float = COVERED, points: int = 73) -
     half = np.sqrt(np.maximum(size, 0) * -2 * math.log(1 - probability))
     angle = np.linspace(0, 2 * math.pi, points)
     return np.asarray(np.column_stack((np.cos(angle), np.sin(angle))) * half @ axes.T)
-
-
-def wrapped(angle_rad: Array) -> Array:
-    """The same angles between -π and π."""
-    return np.asarray((angle_rad + math.pi) % (2 * math.pi) - math.pi)
 
 
 def _way(place_m: Array) -> Array:

@@ -9,6 +9,7 @@ import numpy as np
 
 from simcompare import units
 from simcompare.errors import InputError
+from simcompare.measures.heading import wrapped
 from simcompare.model.trajectory import Array
 
 
@@ -88,7 +89,7 @@ class State:
         if self.truth is None:
             return None
         error = self.values - self.truth
-        return np.angle(np.exp(1j * error)) if self.circular else error
+        return wrapped(error) if self.circular else error
 
     @property
     def rms_error(self) -> float | None:

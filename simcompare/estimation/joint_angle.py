@@ -8,9 +8,10 @@ About an axis that stands upright nothing is told: gravity has no component acro
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from simcompare.errors import InputError
 from simcompare.estimation.estimate import Estimate, Given, Number, Signal, State, Way
@@ -101,8 +102,13 @@ def _trusted(given: Given) -> Array:
     first = given.signal("first")
     moving = first.time_s > options["moving_from_s"]
     forces = (first.values, given.signal("second").at(first.time_s))
-    near = [np.abs(np.linalg.norm(f, axis=1) - g) < options["gate"] * g for f in forces]
-    return np.asarray(np.logical_and(*near)[moving], dtype=float)
+    return trusted(forces, g, options["gate"])[moving].astype(float)
+
+
+def trusted(forces: Sequence[Array], gravity_m_s2: float, gate: float) -> NDArray[np.bool_]:
+    """Where forces (…, 3) are all g to within this part of it (…,)."""
+    off = [np.abs(np.linalg.norm(force, axis=-1) - gravity_m_s2) for force in forces]
+    return np.asarray(np.max(off, axis=0) < gate * gravity_m_s2)
 
 
 def _refuse_upright(first: Signal, second: Signal, options: Mapping[str, float]) -> None:
@@ -110,16 +116,23 @@ def _refuse_upright(first: Signal, second: Signal, options: Mapping[str, float])
     for name, signal in (("first", first), ("second", second)):
         still = signal.time_s <= options["still_until_s"] * (1 + 1e-9)
         force = signal.values[still] if still.any() else signal.values[:1]
-        mean = np.nanmean(force, axis=0)
-        across = float(np.hypot(mean[0], mean[2]))
-        if across < _ACROSS * g:
-            raise InputError(f"estimate, {name}", [upright(across)])
+        refuse_upright(f"estimate, {name}", force, g)
 
 
-def upright(across_m_s2: float) -> str:
-    """Why an angle about an upright axis cannot be told."""
-    return (
-        f"gravity has only {across_m_s2:.2g} m/s² across the joint's axis, which stands upright or"
-        " nearly so: two accelerometers cannot tell an angle about it; lay the axis down, or"
-        " measure that angle with an encoder"
-    )
+def refuse_upright(where: str, force: Array, gravity_m_s2: float) -> None:
+    """Ends where the axis stands upright, by the forces (n, 3) at rest.
+
+    Raises:
+        InputError: an angle about such an axis cannot be told.
+    """
+    mean = np.nanmean(force, axis=0)
+    across = float(np.hypot(mean[0], mean[2]))
+    if across < _ACROSS * gravity_m_s2:
+        raise InputError(
+            where,
+            [
+                f"gravity has only {across:.2g} m/s² across the joint's axis, which stands upright"
+                " or nearly so: two accelerometers cannot tell an angle about it; lay the axis"
+                " down, or measure that angle with an encoder"
+            ],
+        )

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.errors import InputError
-from simcompare.estimation.joint_angle import upright
+from simcompare.estimation.joint_angle import refuse_upright
 from simcompare.hardware.sensors import error_model, session, six_position
 from simcompare.hardware.sensors.calibration import Calibration, Taken
 from simcompare.hardware.sensors.data_sheet import DataSheet, Part
@@ -23,8 +23,6 @@ from simcompare.statistics.streams import stream
 SIDES = ("first", "second")
 #: g is known from a map and the height above the sea [m/s²]
 U_G_M_S2 = 1e-3
-#: gravity has at least this part of itself across the axis
-_ACROSS = 0.2
 #: a range is taken that the motion fills to at most this part
 _FILLED = 0.8
 
@@ -75,10 +73,8 @@ class Motion:
             fault = "needs two samples at rest and some in motion; correct still_until_s and"
             raise InputError("joint angle", [f"{fault} moving_from_s"])
         for side in SIDES:
-            force = self.forces[side][still].mean(axis=0)
-            across = float(np.hypot(force[0], force[2]))
-            if across < _ACROSS * self.gravity_m_s2:
-                raise InputError(f"joint angle, {side}", [upright(across)])
+            force = self.forces[side][still]
+            refuse_upright(f"joint angle, {side}", force, self.gravity_m_s2)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,14 +12,21 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from simcompare.errors import InputError
 from simcompare.estimation import joint_angle_first_order as first_order
 from simcompare.estimation.estimate import Given
-from simcompare.estimation.joint_angle import AS_READ, AT_AXIS, CORRECTED, angles, corrected_force
+from simcompare.estimation.joint_angle import (
+    AS_READ,
+    AT_AXIS,
+    CORRECTED,
+    angles,
+    corrected_force,
+    trusted,
+)
 from simcompare.estimation.joint_angle_pairs import SIDES, Motion, Pairs, drawn_pairs
 from simcompare.hardware.sensors import data_sheet
+from simcompare.measures.heading import wrapped
 from simcompare.measures.joint_angle_estimate import EDGE
 from simcompare.model.trajectory import Array
 
@@ -138,7 +145,7 @@ def _of_sheet(motion: Motion, name: str, pairs: int, seed: int) -> Iterator[Feas
         read = drawn.forces if state == BOUGHT else drawn.corrected
         ways = dict(_ways(motion, drawn, read))
         truth = np.interp(drawn.time_s, motion.time_s, motion.angle_rad)
-        errors = {way: _wrapped(told - truth) for way, told in ways.items()}
+        errors = {way: wrapped(told - truth) for way, told in ways.items()}
         still = motion.still(drawn.time_s)
         yield Feasibility(
             name, sheet.title, state, pairs, _accuracy(errors[AS_READ][:, still].mean(axis=1)),
@@ -170,23 +177,11 @@ def _moving(
     moving[-EDGE:] = False
     for way, error in errors.items():
         yield way, _accuracy(error[:, moving])
-    trusted = _trusted(motion, read) & moving
-    if trusted.any():
-        yield TRUSTED, _accuracy(errors[AS_READ][trusted])
-
-
-def _trusted(motion: Motion, read: Mapping[str, Array]) -> NDArray[np.bool_]:
-    """Samples (d, n) at which both sensors read g to within the gate."""
-    g = motion.gravity_m_s2
-    sizes = [np.linalg.norm(read[side], axis=2) for side in SIDES]
-    near = [np.abs(size - g) < motion.gate * g for size in sizes]
-    return np.asarray(near[0] & near[1])
+    near = trusted([read[side] for side in SIDES], motion.gravity_m_s2, motion.gate) & moving
+    if near.any():
+        yield TRUSTED, _accuracy(errors[AS_READ][near])
 
 
 def _accuracy(errors: Array) -> Accuracy:
     sizes = np.abs(errors)
     return Accuracy(float(np.sqrt(np.mean(sizes**2))), float(np.quantile(sizes, 0.95)))
-
-
-def _wrapped(angle: Array) -> Array:
-    return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi, dtype=float)

@@ -34,3 +34,8 @@ def yaw_of(orientation_wxyz: Array) -> Array:
     """Direction of the body's x axis on the ground, counted on through whole turns (n,) [rad]."""
     w, x, y, z = orientation_wxyz.T
     return np.unwrap(np.arctan2(2 * (w * z + x * y), 1 - 2 * (y**2 + z**2)))
+
+
+def wrapped(angle_rad: Array) -> Array:
+    """The same angles between -π and π."""
+    return np.asarray((angle_rad + np.pi) % (2 * np.pi) - np.pi, dtype=float)

@@ -17,6 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from simcompare.measures import OF_PROBE, Measured, Request, _window
+from simcompare.measures.heading import wrapped
 from simcompare.model.trajectory import Array, Trajectory
 
 #: samples at the end of a record where differences of differences are one-sided
@@ -73,7 +74,7 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
             )
         )
     )
-    error, rest = _wrapped(estimate - angle), _wrapped(corrected - angle)
+    error, rest = wrapped(estimate - angle), wrapped(corrected - angle)
     still = time_s <= options["still_until_s"] * (1 + 1e-9)
     moving = time_s > options["moving_from_s"] * (1 + 1e-9)
     moving[-EDGE:] = False
@@ -116,7 +117,3 @@ def without_lever_arm(felt: _Plane, rate: Array, time_s: Array, lever_m: float) 
 
 def _components(trajectory: Trajectory, request: Request, side: str) -> _Plane:
     return request.observed(trajectory, f"{side}_x"), request.observed(trajectory, f"{side}_z")
-
-
-def _wrapped(angle: Array) -> Array:
-    return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi, dtype=float)
