@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import datetime
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +17,9 @@ from simcompare.characterization.joint import JointQuestion
 from simcompare.comparison.repeats import one_step_s, step_found, step_wanted
 from simcompare.engine import engines
 from simcompare.errors import BackendError, InputError, UnknownName
-from simcompare.model import plain
 from simcompare.model.settings import CONTACT_LEVELS, OLD_LEVELS
 from simcompare.reports.characterization import findings
-from simcompare.results import store
+from simcompare.results import result_file, store
 from simcompare.results.records.characterization import Trial
 from simcompare.results.run_record import software
 from simcompare.running.jobs import MISSING, Inquiry, Reply
@@ -104,7 +102,7 @@ def characterize(
         step_s=step_s, experiments=tuple(names), contact=tuple(levels), engines_asked=engine,
         sentences=tuple(findings.sentences(answers, step_s)), answers=answers, software=software(),
     )  # fmt: skip
-    return result if out is None else _saved(result, Path(out))
+    return result if out is None else result_file.save(result, Path(out), "characterization", FILE)
 
 
 def _chosen(kind: str, asked: str | Sequence[str], known: Iterable[str]) -> list[str]:
@@ -145,14 +143,3 @@ def _trial(reply: Reply[Behaviour]) -> Trial:
     return Trial(
         reply.job.engine, reply.version, name, level, reply.status, reply.reason, reply.value
     )
-
-
-def _saved(result: Characterized, folder: Path) -> Characterized:
-    with store.new_folder(folder, result.created, "characterization", "results") as (
-        place,
-        partial,
-    ):
-        stored_result = replace(result, folder=place)
-        text = plain.text(stored_result, indent=1)
-        (partial / FILE).write_text(text + "\n", encoding="utf-8")
-    return stored_result

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,13 +14,11 @@ from simcompare.estimation import estimators, measuring
 from simcompare.estimation.estimate import Estimate
 from simcompare.estimation.estimators import Estimator
 from simcompare.hardware.sensors.device import Device
-from simcompare.model import plain
 from simcompare.model.estimate_plan import EstimatePlan
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, Settings
-from simcompare.results import store
+from simcompare.results import result_file, store
 from simcompare.results.records.estimation import SourceEstimate
-from simcompare.results.run_record import software
 from simcompare.running.jobs import Job, Outcome
 from simcompare.running.runner import TIME_LIMIT_S, Progress, run_jobs
 from simcompare.scenarios import catalogue
@@ -32,8 +29,6 @@ from simcompare.verbs.estimated import Estimated
 from simcompare.verbs.notebook_line import with_line
 
 FILE = "estimate.json"
-#: what is asked where chips are compared
-_OF_CHIPS = "Which chips can tell it, before and after a calibration, at rest and in motion?"
 #: draws of the sensors beyond which nothing new is seen
 MAX_DRAWS = 10_000
 
@@ -115,7 +110,7 @@ def estimate(
             scenario=scenario, recording=str(recording), mapping=mapping, estimator=estimator,
             options=options,
         )  # fmt: skip
-        return _saved(estimate_recorded.estimated(request), out)
+        return _stored(estimate_recorded.estimated(request), out)
     if contact not in CONTACT_LEVELS:
         raise UnknownName("contact level", contact, CONTACT_LEVELS)
     chosen = engines.select(engine)
@@ -135,7 +130,11 @@ def estimate(
         sensors=(*chips, *(f"{k}={v}" for k, v in requests.sheets_of(sensors).items())),
     )  # fmt: skip
     sources = tuple(_of_engine(asked, outcome) for outcome in outcomes)
-    return _saved(_result(asked, sources, request), out)
+    found = estimating.estimated(
+        request, asked.estimator, asked.plan, sources, title=scene.title, scenario=scene.name,
+        draws=draws, seed=seed, sensors=asked.plan.sensors, engines_asked=request.engine,
+    )  # fmt: skip
+    return _stored(found, out)
 
 
 def _asked(
@@ -182,38 +181,6 @@ def _of_engine(asked: _Asked, outcome: Outcome) -> SourceEstimate:
     )
 
 
-def _result(
-    asked: _Asked, sources: tuple[SourceEstimate, ...], request: EstimateRequest
-) -> Estimated:
-    scene, estimator = asked.scenario, asked.estimator
-    return estimating.with_words(
-        Estimated(
-            created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-            title=f"{estimator.title}: {scene.title}",
-            question=_OF_CHIPS if estimator.study else estimating.QUESTION,
-            scenario=scene.name,
-            estimator=estimator.name,
-            sensors=asked.plan.sensors,
-            options=asked.plan.options,
-            loosen=estimator.loosening,
-            biases=estimator.biases(asked.plan.signals),
-            sums=estimator.sums(asked.plan.signals),
-            draws=asked.draws,
-            seed=asked.seed,
-            engines_asked=request.engine,
-            sources=sources,
-            command=request.command(),
-            software=software(),
-        )
-    )
-
-
-def _saved(result: Estimated, out: str | Path | None) -> Estimated:
-    if out is None:
-        return result
-    name = f"{result.scenario}-{result.estimator}"
-    with store.new_folder(Path(out), result.created, name, "results") as (place, partial):
-        stored = replace(result, folder=place)
-        text = plain.text(stored, indent=1)
-        (partial / FILE).write_text(text + "\n", encoding="utf-8")
-    return stored
+def _stored(found: Estimated, out: str | Path | None) -> Estimated:
+    name = f"{found.scenario}-{found.estimator}"
+    return found if out is None else result_file.save(found, Path(out), name, FILE)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import datetime
 from dataclasses import replace
 
 from simcompare.estimation import estimators, recorded
 from simcompare.inference import sources
 from simcompare.reports.validation import answer
-from simcompare.results.run_record import software
 from simcompare.scenarios import catalogue
 from simcompare.verbs import estimate_request as requests
 from simcompare.verbs import estimating
@@ -32,25 +30,9 @@ def estimated(request: EstimateRequest) -> Estimated:
     given = recorded.given_of(source.recording, plan, estimator, source.name)
     found = estimating.of_source(source.name, None, [estimators.apply(estimator, given)])
     found = replace(found, notes=(*found.notes, *filter(None, [plan.note])))
-    told = estimating.with_words(
-        Estimated(
-            created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-            title=f"{estimator.title}: {source.about.get('title', source.name)}",
-            question=estimating.QUESTION,
-            scenario=name,
-            estimator=estimator.name,
-            sensors={},
-            options=options,
-            loosen=estimator.loosening,
-            biases=estimator.biases(plan.signals),
-            sums=estimator.sums(plan.signals),
-            draws=1,
-            seed=0,
-            recording=source.name,
-            sources=(found,),
-            command=request.command(),
-            software=software(),
-        )
-    )
+    told = estimating.estimated(
+        request, estimator, plan, (found,), title=source.about.get("title", source.name),
+        scenario=name, draws=1, seed=0, recording=source.name,
+    )  # fmt: skip
     doubts = answer.contradictions(source.recording.provenance)
     return replace(told, sentences=(*told.sentences, *doubts))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import datetime
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,13 +11,20 @@ import numpy as np
 from simcompare.estimation import consistency
 from simcompare.estimation.consistency import Verdict
 from simcompare.estimation.estimate import Estimate, Innovations, State, Way
+from simcompare.estimation.estimators import Estimator
+from simcompare.model.estimate_plan import EstimatePlan, RecordedPlan
+from simcompare.model.sensor_errors import SensorErrors
 from simcompare.model.trajectory import Array
 from simcompare.reports.estimation import words
 from simcompare.results.records.estimation import Curve, Reading, SourceEstimate, WayError
+from simcompare.results.run_record import software
 from simcompare.running.jobs import OK
+from simcompare.verbs.estimate_request import EstimateRequest
 from simcompare.verbs.estimated import Estimated
 
 QUESTION = "How well do its sensors tell the motion, and does the filter know how well?"
+#: what is asked where chips are compared
+_OF_CHIPS = "Which chips can tell it, before and after a calibration, at rest and in motion?"
 #: points of a stored curve at most
 _POINTS = 2000
 
@@ -36,17 +44,38 @@ def of_source(source: str, version: str | None, draws: Sequence[Estimate]) -> So
         readings=_readings(draws),
         numbers=first.numbers,
         notes=first.notes,
-        curves=tuple(_curve(way, name, one) for way in first.ways for name, one in _states(way)),
+        curves=tuple(
+            _curve(way, name, one) for way in first.ways for name, one in way.states.items()
+        ),
     )
 
 
-def with_words(result: Estimated) -> Estimated:
-    """The same with its sentences."""
-    return replace(result, sentences=tuple(words.sentences(result)))
-
-
-def _states(way: Way) -> list[tuple[str, State]]:
-    return list(way.states.items())
+def estimated(
+    request: EstimateRequest,
+    estimator: Estimator,
+    plan: EstimatePlan | RecordedPlan,
+    sources: tuple[SourceEstimate, ...],
+    *,
+    title: str,
+    scenario: str,
+    draws: int,
+    seed: int,
+    recording: str = "",
+    sensors: Mapping[str, SensorErrors] | None = None,
+    engines_asked: str = "all",
+) -> Estimated:
+    """All of it, with its sentences."""
+    found = Estimated(
+        created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        title=f"{estimator.title}: {title}",
+        question=_OF_CHIPS if estimator.study and not recording else QUESTION,
+        scenario=scenario, estimator=estimator.name, sensors=sensors or {}, options=plan.options,
+        loosen=estimator.loosening, biases=estimator.biases(plan.signals),
+        sums=estimator.sums(plan.signals), draws=draws, seed=seed, recording=recording,
+        engines_asked=engines_asked, sources=sources, command=request.command(),
+        software=software(),
+    )  # fmt: skip
+    return replace(found, sentences=tuple(words.sentences(found)))
 
 
 def _errors(draws: Sequence[Estimate]) -> list[WayError]:

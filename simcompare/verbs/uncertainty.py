@@ -9,11 +9,10 @@ from pathlib import Path
 from simcompare.arguments import checked
 from simcompare.engine import engines
 from simcompare.errors import InputError, UnknownName
-from simcompare.model import plain
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS
 from simcompare.propagation.inputs import NO_FILE, read_file
 from simcompare.propagation.propagated import Asked
-from simcompare.results import store
+from simcompare.results import result_file, store
 from simcompare.running.runner import TIME_LIMIT_S, Progress, check_time_limit
 from simcompare.verbs.notebook_line import with_line
 from simcompare.verbs.request import UncertaintyRequest
@@ -103,7 +102,7 @@ def uncertainty(
         record = of_scenario(request, asked, stated, reasons, time_limit_s, progress)
     command = UncertaintyRequest(**{**vars(request), "set": set}).command()
     record = replace(record, command=" ".join(map(_quoted, command)))
-    return record if out is None else _saved(record, Path(out))
+    return record if out is None else result_file.save(record, Path(out), "uncertainty", FILE)
 
 
 def _check(request: UncertaintyRequest, time_limit_s: float) -> None:
@@ -155,10 +154,3 @@ def _pairs(given: Mapping[str, str | float]) -> dict[tuple[str, str], float]:
 def _quoted(word: str) -> str:
     """A word as a shell takes it, in quotes that every system knows."""
     return f'"{word}"' if any(sign in word for sign in " *()%±<>|&;,") else word
-
-
-def _saved(record: Uncertain, folder: Path) -> Uncertain:
-    with store.new_folder(folder, record.created, "uncertainty", "results") as (place, partial):
-        stored = replace(record, folder=place)
-        (partial / FILE).write_text(plain.text(stored, indent=1) + "\n", encoding="utf-8")
-    return stored
