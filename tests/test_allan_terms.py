@@ -41,6 +41,19 @@ def test_gauss_markov_noise_is_recovered() -> None:
     assert found.u_time_s < 0.15
 
 
+def test_white_noise_beside_a_gauss_markov_noise_is_known_less_well() -> None:
+    """Their deviations overlap: the time of the one is a part of the uncertainty of the other."""
+    z = []
+    for seed in range(6):
+        draw = np.random.default_rng(seed)
+        markov = noise_records.gauss_markov(draw, 4000, 100.0, 0.2)
+        terms = allan_terms.fitted(draw.normal(size=4000) + markov, 100.0)
+        assert terms.gauss_markov is not None
+        z.append((terms["N"].value - 0.1) / terms["N"].u)
+    # the mean square of six normal numbers is below 4 in all but one of 2000 trials
+    assert np.mean(np.square(z)) < 4
+
+
 def test_what_a_short_record_cannot_show_is_a_limit() -> None:
     draw = np.random.default_rng(5)
     rates = 0.1 * noise_records.white(draw, 2000, RATE_HZ) + 0.01 * noise_records.flicker(

@@ -230,8 +230,7 @@ def _likelihood(values: Array, expected: Array, covariance: Array) -> tuple[floa
 def with_markov(plain: Fit) -> Fit:
     """The fit with a Gauss-Markov noise, where the record is much likelier with it."""
     observed = plain.observed
-    slow = {"B", "K"} & {*plain.variances}
-    if "GM" in plain.variances or len(observed.values) < 8 or not slow or plain.chance > _WELL:
+    if "GM" in plain.variances or len(observed.values) < 8 or plain.chance > _WELL:
         return plain
     best = _markov(observed, list(dict.fromkeys(["N", *plain.variances, "GM"])))
     return best if best is not None and plain.unlikelihood - best.unlikelihood > _WORTH else plain
@@ -241,7 +240,7 @@ def _markov(observed: Observed, names: list[str]) -> Fit | None:
     """The best fit with a Gauss-Markov noise whose peak lies within the averaging times."""
     from scipy import optimize
 
-    low, high, step = math.log(4.0), math.log(observed.samples / 10), math.log(3.0)
+    low, high, step = math.log(2.0), math.log(observed.samples / 10), math.log(3.0)
 
     def fit_at(logarithm: float) -> Fit:
         length = math.exp(logarithm)
@@ -259,20 +258,24 @@ def _markov(observed: Observed, names: list[str]) -> Fit | None:
         lambda one: beside(one).unlikelihood, bounds=(centre - step, centre + step),
         method="bounded", options={"xatol": 0.01},
     ).x)  # fmt: skip
-    fit = beside(best)
-    if not low <= best <= high or fit.variances["GM"] <= 0:
+    fit = _kept(observed.added(math.exp(best)), kept)
+    if not low <= best <= high or "GM" not in fit.variances:
         return None
+    kept = [*fit.variances]
     return _with_length(fit, best, [beside(best - 0.1), beside(best + 0.1)])
 
 
 def _with_length(fit: Fit, logarithm: float, sides: list[Fit]) -> Fit:
-    """With the uncertainty of the correlation time, also in the size of the noise."""
+    """With the uncertainty of the correlation time, also in the size of each noise."""
     curvature = sum(_worth(side) - _worth(fit) for side in sides) / 0.1**2
     u = math.sqrt(2 / curvature) if curvature > 0 else math.nan
-    low, high = (side.variances.get("GM", math.nan) for side in sides)
-    spread = math.hypot(fit.u["GM"], (high - low) / 0.2 * u)
+    low, high = (side.variances for side in sides)
+    wider = {
+        name: math.hypot(alone, (high[name] - low[name]) / 0.2 * u)
+        for name, alone in fit.u.items()
+    }  # fmt: skip
     length = math.exp(logarithm)
-    return replace(fit, length=length, u_length=length * u, u={**fit.u, "GM": spread})
+    return replace(fit, length=length, u_length=length * u, u=wider)
 
 
 def _worth(fit: Fit) -> float:

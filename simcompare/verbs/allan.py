@@ -17,11 +17,11 @@ from simcompare.hardware.sensors import data_sheet, noise_units
 from simcompare.inference import sources
 from simcompare.model.recording import Recording
 from simcompare.model.trajectory import Array
-from simcompare.results.records.allan import AgainstSheet, AxisNoise, Forgetting, NoiseTerm
+from simcompare.results.records.allan import AxisNoise, Forgetting, NoiseTerm
 from simcompare.results.run_record import software
 from simcompare.statistics import allan as deviation
 from simcompare.statistics import allan_bounds, allan_terms
-from simcompare.verbs import allan_audit, allan_stretch
+from simcompare.verbs import allan_audit, allan_sheets, allan_stretch
 from simcompare.verbs.allan_shown import Allan
 from simcompare.verbs.allan_stretch import Stretch
 
@@ -87,14 +87,14 @@ def allan(
         whole, _ = _loud(whole)
         second = (whole, [axis_of(name, whole) for name in whole.values])
     found = allan_audit.findings(stretch, axes, held, claims or {}, second, silent) if audit else ()
-    matches = allan_audit.matches(axes, stretch.rate_Hz) if audit else ()
+    matches = allan_sheets.matches(axes, stretch.rate_Hz) if audit else ()
     return Allan(
         created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         source=source, title=title, rate_Hz=stretch.rate_Hz, start_s=stretch.start_s,
         end_s=stretch.start_s + (stretch.count - 1) / stretch.rate_Hz,
         length_s=stretch.length_s, chosen=stretch.chosen, still_s=stretch.still_s, axes=axes,
         silent=silent,
-        against=() if held is None else tuple(_against(axes, held)), audited=audit,
+        against=() if held is None else tuple(allan_sheets.against(axes, held)), audited=audit,
         findings=found, matches=matches, software=software(),
     )  # fmt: skip
 
@@ -190,28 +190,3 @@ def _term(term: allan_terms.Term, unit: str) -> NoiseTerm:
 
 def _markov(found: allan_terms.GaussMarkov | None) -> Forgetting | None:
     return None if found is None else Forgetting(**vars(found))
-
-
-def _against(axes: Sequence[AxisNoise], sheet: data_sheet.DataSheet) -> list[AgainstSheet]:
-    """White noise of each channel beside the typical one of its axis."""
-    rows = []
-    for unit in dict.fromkeys(axis.unit for axis in axes):
-        part = sheet.part_for(unit)
-        if part is None:
-            continue
-        stated = part.typical().noise_density
-        group = [axis for axis in axes if axis.unit == unit]
-        for i, axis in enumerate(group):
-            rows += _beside(axis, float(stated[min(i, len(stated) - 1)]), sheet.name, part.name)
-    if not rows:
-        known = ", ".join(part.unit for part in sheet.parts.values())
-        raise InputError("--sheet", [f"{sheet.name} measures in {known}; no channel does"])
-    return rows
-
-
-def _beside(axis: AxisNoise, stated: float, sheet: str, part: str) -> list[AgainstSheet]:
-    white = axis.term("N")
-    if white.value is None or white.u is None or not stated > 0:
-        return []
-    found, u = 2**0.5 * white.value, 2**0.5 * white.u
-    return [AgainstSheet(axis.channel, sheet, part, stated, found, u, found / stated, u / stated)]

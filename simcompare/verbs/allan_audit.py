@@ -10,9 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from simcompare.errors import InputError, UnknownName
-from simcompare.hardware.sensors import data_sheet
 from simcompare.hardware.sensors.data_sheet import DataSheet, Part
-from simcompare.results.records.allan import AxisNoise, Finding, Match, NoiseTerm
+from simcompare.results.records.allan import AxisNoise, Finding, NoiseTerm
 from simcompare.statistics import allan_bounds, allan_covariance, noise_audit
 from simcompare.statistics.noise_audit import Told
 from simcompare.verbs.allan_stretch import Stretch
@@ -25,8 +24,6 @@ CLAIMS = {
     "bias": "standard deviation of the bias process, in SI",
     "bias_time": "its correlation time, in s",
 }
-#: data sheets round by so much
-_ROUNDED = 0.03
 _GRAVITY, _ACCELERATION = 9.80665, "m/s**2"
 
 
@@ -62,45 +59,6 @@ def checked_claims(claims: Mapping[str, float]) -> None:
             raise InputError("--claim", [f"{name}={value:g}: expected a number above 0"])
     if ("bias" in claims) != ("bias_time" in claims):
         raise InputError("--claim", ["a bias process has both bias and bias_time; give both"])
-
-
-def matches(axes: Sequence[AxisNoise], rate_Hz: float) -> tuple[Match, ...]:
-    """Every sensor of every sheet that measures the same, the nearest first.
-
-    A sampled sensor has more noise than its sheet states: what is faster than half the rate and
-    passes its filter is folded down, and rounding to counts adds some.
-    """
-    found = []
-    for name in data_sheet.names():
-        for part in data_sheet.load(name).parts.values():
-            group = [axis for axis in axes if axis.unit == part.unit]
-            ratios = _ratios(group, part)
-            if ratios:
-                most = _sampled(part, rate_Hz)
-                fits = all(1 - 3 * u - _ROUNDED <= r <= most + 3 * u + _ROUNDED for r, u in ratios)
-                mean = math.exp(float(np.mean([math.log(r) for r, _ in ratios])))
-                found.append(Match(name, part.name, mean, fits))
-    return tuple(sorted(found, key=lambda one: (not one.fits, abs(math.log(one.ratio)))))
-
-
-def _sampled(part: Part, rate_Hz: float) -> float:
-    """How many times its stated noise a sensor has, at that rate and its usual bandwidth."""
-    device = part.typical()
-    x = math.pi * device.bandwidth_Hz / rate_Hz
-    folded = x / math.tanh(x) if math.isfinite(x) else 1.0
-    rounding = device.resolution**2 / 6 / rate_Hz / float(np.min(device.noise_density)) ** 2
-    return math.sqrt(folded + rounding)
-
-
-def _ratios(axes: Sequence[AxisNoise], part: Part) -> list[tuple[float, float]]:
-    stated = part.typical().noise_density
-    ratios = []
-    for i, axis in enumerate(axes):
-        typical, white = float(stated[min(i, len(stated) - 1)]), axis.term("N")
-        if white.value is None or white.u is None or not typical > 0:
-            return []
-        ratios.append((2**0.5 * white.value / typical, 2**0.5 * white.u / typical))
-    return ratios
 
 
 def _finding(test: str, channel: str, told: Told) -> Finding:
