@@ -214,7 +214,8 @@ def test_noise_is_the_density_behind_the_low_pass():
     part = data_sheet.load("mpu6050").part("accelerometer")
     now = Situation("z", G, 0.0, part.settings(bandwidth_Hz=44.0))
     noise = next(row for row in reading_uncertainty.shares(part, now) if row.term == "noise")
-    assert noise.u == pytest.approx(3.33e-3 * G, rel=2e-3)  # 400 µg/√Hz, one pole of 44 Hz
+    # 400 µg/√Hz, one pole of 44 Hz read 1000 times a second: 400·√(500·tanh(0.044·π))
+    assert noise.u == pytest.approx(3.315e-3 * G, rel=1e-3)
 
 
 def test_an_rms_of_one_reading_stays_what_it_is_at_any_rate():
@@ -233,9 +234,11 @@ def test_two_lines_that_state_noise_are_held_against_each_other():
 
 
 def test_an_rms_in_counts_holds_the_rounding_to_counts():
-    for check in reading_uncertainty.cross_checks(data_sheet.load("adxl345").part()):
-        # 0.75 and 1.1 counts against the density: the sheet agrees with itself within 10 %
-        assert check.expected == pytest.approx(check.rms, rel=0.1)
+    checks = reading_uncertainty.cross_checks(data_sheet.load("adxl345").part())
+    assert [check.rms * 256 / G for check in checks] == pytest.approx([0.75, 1.1])
+    # 100 samples a second behind one pole of 50 Hz: n·√(50 Hz·tanh(π/2)) and 1/√12 count
+    expected = [math.hypot(256e-6 * n * math.sqrt(45.858), 12**-0.5) for n in (290, 430)]
+    assert [check.expected * 256 / G for check in checks] == pytest.approx(expected, rel=1e-4)
 
 
 def test_a_relative_accuracy_turns_about_its_reading():

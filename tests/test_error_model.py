@@ -131,9 +131,21 @@ def test_filtered_noise_has_the_noise_bandwidth(poles, bandwidth_Hz):
     impulse[0] = 1.0
     h = signal.lfilter(b, a, impulse)
     rms = math.sqrt(500.0 * np.sum(h**2))  # density 1 at 1 kHz
-    wanted = math.sqrt(low_pass.noise_bandwidth(bandwidth_Hz, poles))
+    wanted = math.sqrt(low_pass.noise_bandwidth(bandwidth_Hz, poles, 1000.0))
     # 1e-4 where the filter is so slow that the bilinear one is taken
     assert rms == pytest.approx(wanted, rel=1e-4)
+    # the density of the output at low frequencies is that which was stated: nothing folds back
+    assert np.sum(h) == pytest.approx(1.0, abs=1e-9)
+
+
+def test_a_filter_that_is_slow_against_the_rate_folds_nothing():
+    for poles in (1, 2, 3, 4):
+        slow, continuous = (low_pass.noise_bandwidth(1.0, poles, rate) for rate in (1e3, math.inf))
+        # of one pole (π/1000)²/3 is left, of more far less
+        assert slow == pytest.approx(continuous, rel=4e-6)
+    # one pole at half the rate: rate/2·tanh(π/2)
+    assert low_pass.noise_bandwidth(50.0, 1, 100.0) == pytest.approx(50 * math.tanh(math.pi / 2))
+    assert low_pass.noise_bandwidth(math.inf, 1, 100.0) == 50.0
 
 
 def test_noise_bandwidths_of_butterworth_filters():
@@ -145,7 +157,7 @@ def test_noise_bandwidths_of_butterworth_filters():
 def test_filtered_noise_is_steady_from_its_first_sample(poles):
     drawn = noise.white(np.ones((40_000, 1)), np.full(40_000, 0.01), 3, stream(1), 40.0, poles)
     # 40,000 draws: five times 1/√80,000
-    rms = math.sqrt(low_pass.noise_bandwidth(40.0, poles))
+    rms = math.sqrt(low_pass.noise_bandwidth(40.0, poles, 100.0))
     assert drawn.std(axis=0).ravel() == pytest.approx(np.full(3, rms), rel=0.018)
 
 

@@ -132,7 +132,7 @@ def density(part: PartData, settings: Settings, axis: str) -> float:
         return entry.stated.typ
     if math.isnan(entry.bandwidth_Hz):  # of one reading, whatever the rate
         return entry.stated.typ / math.sqrt(settings.noise_bandwidth)
-    return entry.stated.typ / math.sqrt(part.noise_factor * entry.bandwidth_Hz)
+    return entry.stated.typ / math.sqrt(part.noise_bandwidth(entry.bandwidth_Hz))
 
 
 def _per_axis(part: PartData, settings: Settings, term: str) -> Array:

@@ -4,6 +4,10 @@ The filter is that of continuous time, so a bandwidth may reach up to half of th
 usual bilinear filters fail. The signal is taken as straight between its samples. White noise of a
 one-sided density n leaves it with the standard deviation n·√B, where the noise bandwidth B is
 f·π/2 for one pole and f·1.1107, 1.0472, 1.0262 for two to four (f: the bandwidth at -3 dB).
+
+Sampled noise keeps its density n at low frequencies: a chip filters in digital form before it
+gives a reading, so nothing from above half the rate folds back. Near half the rate B is less
+therefore: rate/2·tanh(π·f/rate) for one pole.
 """
 
 from __future__ import annotations
@@ -19,10 +23,27 @@ from simcompare.model.trajectory import Array
 _SLOW = 0.01
 
 
-def noise_bandwidth(bandwidth_Hz: float, poles: int) -> float:
-    """Width of the ideal filter that lets the same white noise through [Hz]."""
+def noise_bandwidth(bandwidth_Hz: float, poles: int, rate_Hz: float = math.inf) -> float:
+    """Width of the ideal filter that lets the same white noise through [Hz].
+
+    Args:
+        bandwidth_Hz: -3 dB of the filter; infinite: all noise up to half of the rate passes.
+        poles: 1 to 4.
+        rate_Hz: samples in a second; infinite: not sampled.
+    """
+    if math.isinf(bandwidth_Hz):
+        return rate_Hz / 2
     share = math.pi / (2 * poles)
-    return bandwidth_Hz * share / math.sin(share)
+    return bandwidth_Hz * share / math.sin(share) / _folded(bandwidth_Hz / rate_Hz, poles)
+
+
+def _folded(part: float, poles: int) -> float:
+    """Power at 0 Hz once the filter's output is sampled and folds: Σ 1/(1 + (j/part)^(2·poles))."""
+    if part == 0.0:
+        return 1.0
+    # the sum over all whole j, by its residues
+    at = math.pi * part * np.exp(1j * math.pi * (np.arange(poles) + 0.5) / poles)
+    return float(np.real(np.mean(at / np.tan(at))))
 
 
 def smoothed(values: Array, step_s: float, bandwidth_Hz: float, poles: int) -> Array:
@@ -51,21 +72,20 @@ def noise_filter(step_s: float, bandwidth_Hz: float, poles: int) -> tuple[Array,
     """Numerator b and denominator a that make sampled white noise what leaves the filter.
 
     Noise of standard deviation n·√(f/2) at the rate f goes in, noise of n·√B comes out, with the
-    correlation of the continuous filter at these instants.
+    correlation of the continuous filter at these instants and the density n at low frequencies.
     """
     if math.isinf(bandwidth_Hz):
         return np.ones(1), np.ones(1)
     turn = 2 * math.pi * bandwidth_Hz * step_s
     if poles == 1:
-        # a Gauss-Markov process: variance n²·ω/4, where n²/(2·step) goes in
-        gain = math.sqrt(-math.expm1(-2 * turn) * turn / 2)
-        return np.array([gain]), np.array([1.0, -math.exp(-turn)])
+        return np.array([-math.expm1(-turn)]), np.array([1.0, -math.exp(-turn)])
     if turn < _SLOW:
         from scipy import signal
 
         b, a = signal.butter(poles, turn / math.pi)
         return np.asarray(b, dtype=float), np.asarray(a, dtype=float)
-    return _sampled_noise(turn, poles)
+    b, a = _sampled_noise(turn, poles)
+    return b / math.sqrt(_folded(bandwidth_Hz * step_s, poles)), a
 
 
 def _sampled_noise(turn: float, poles: int) -> tuple[Array, Array]:

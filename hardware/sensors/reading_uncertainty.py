@@ -191,7 +191,7 @@ def cross_checks(part: PartData) -> list[CrossCheck]:
             continue
         n, width = density.stated.typ, entry.bandwidth_Hz
         rounding = part.ranges[range_name].count / math.sqrt(12)
-        smooth = n * math.sqrt(part.noise_factor * width)
+        smooth = n * math.sqrt(part.noise_bandwidth(width))
         found.append(
             CrossCheck(
                 entry, density, entry.stated.typ, math.hypot(smooth, rounding),

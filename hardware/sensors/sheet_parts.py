@@ -52,9 +52,7 @@ class Settings:
     @property
     def noise_bandwidth(self) -> float:
         """Width [Hz] of a sharp filter that lets as much white noise through."""
-        if math.isinf(self.bandwidth_Hz):
-            return self.rate_Hz / 2
-        return noise_bandwidth(self.bandwidth_Hz, self.poles)
+        return noise_bandwidth(self.bandwidth_Hz, self.poles, self.rate_Hz)
 
 
 @dataclass(frozen=True)
@@ -110,7 +108,8 @@ class PartData:
         )
         return next(fitting, None)
 
-    @property
-    def noise_factor(self) -> float:
-        """Noise bandwidth over the -3 dB bandwidth of its low-pass."""
-        return noise_bandwidth(1.0, self.poles)
+    def noise_bandwidth(self, bandwidth_Hz: float) -> float:
+        """Noise bandwidth of its low-pass [Hz], at the rate that belongs to it, if one does."""
+        tied = not math.isnan(self.bandwidth_per_rate)
+        rate_Hz = bandwidth_Hz / self.bandwidth_per_rate if tied else math.inf
+        return noise_bandwidth(bandwidth_Hz, self.poles, rate_Hz)

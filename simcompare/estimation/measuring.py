@@ -16,6 +16,7 @@ from simcompare.errors import InputError
 from simcompare.estimation.estimate import Given, Signal
 from simcompare.estimation.observing import ORIENTATION, Observed, observed
 from simcompare.hardware.sensors.device import Device
+from simcompare.hardware.sensors.device_checks import mean_rate
 from simcompare.hardware.sensors.drawn import drawn
 from simcompare.hardware.sensors.error_model import measured
 from simcompare.hardware.sensors.low_pass import noise_bandwidth
@@ -87,11 +88,9 @@ def devices_of(scenario: Scenario, plan: EstimatePlan, seed: int) -> dict[str, D
     return found
 
 
-def noise_of(device: Device, component: int) -> float:
-    """Standard uncertainty of one reading by noise and rounding, along one axis."""
-    width = device.rate_Hz / 2
-    if math.isfinite(device.bandwidth_Hz):
-        width = noise_bandwidth(device.bandwidth_Hz, device.poles)
+def noise_of(device: Device, component: int, rate_Hz: float) -> float:
+    """Standard uncertainty of one reading at that rate by noise and rounding, along one axis."""
+    width = noise_bandwidth(device.bandwidth_Hz, device.poles, rate_Hz)
     white = device.noise_density[component] * math.sqrt(width)
     return float(math.hypot(white, device.resolution / math.sqrt(12)))
 
@@ -112,7 +111,8 @@ def _measured(
         reading = measured(device, trajectory.time_s, ideal, noise, held=held)
         values = _component(reading.measured, what)
         axes = range(device.axes) if what.component is None else [what.component]
-        u = np.array([noise_of(device, axis) for axis in axes])
+        rate_Hz = device.rate_Hz or mean_rate(trajectory.time_s)
+        u = np.array([noise_of(device, axis, rate_Hz) for axis in axes])
         return Signal(reading.time_s, values, u if what.component is None else float(u[0]))
     if sensor is not None and sensor.type == "encoder":
         return Signal(trajectory.time_s, _counts(scenario, what.owner, trajectory, seed))
