@@ -33,7 +33,6 @@ class Drift:
             it is not told from 0.
         way_m: length of the true path (n,); that of odometry has marks of both signs in it while
             the robot turns on the spot.
-        chi2: of the last place, error² over its covariance; ``None`` where that is singular.
     """
 
     time_s: Array
@@ -46,7 +45,6 @@ class Drift:
     u_heading_rad: Array | None
     u_distance_m: Array
     way_m: Array
-    chi2: float | None
 
     @property
     def per_metre(self) -> float | None:
@@ -57,12 +55,6 @@ class Drift:
     def u_per_metre(self) -> float | None:
         """Its standard uncertainty."""
         return float(self.u_distance_m[-1] / self.way_m[-1]) if self.way_m[-1] > 0 else None
-
-    @property
-    def explained(self) -> bool | None:
-        """Whether the last error lies in the 95 % region of its covariance."""
-        limit = -2 * math.log(1 - COVERED)  # of chi² with two degrees of freedom
-        return None if self.chi2 is None else self.chi2 <= limit
 
 
 def drift(
@@ -104,7 +96,7 @@ def drift(
         reckoned.time_s, np.sum(apart * ahead, axis=1), np.sum(apart * left, axis=1), turned,
         distance, _u_of(covariance, ahead), _u_of(covariance, left), u_turned,
         np.where(distance > 0, _u_of(covariance, apart / safe[:, None]), largest),
-        _way(place_m), _chi2(apart[-1], covariance[-1]),
+        _way(place_m),
     )  # fmt: skip
 
 
@@ -130,9 +122,3 @@ def _way(place_m: Array) -> Array:
 
 def _u_of(covariance: Array, direction: Array) -> Array:
     return np.asarray(np.sqrt(np.einsum("ni,nij,nj->n", direction, covariance, direction)))
-
-
-def _chi2(apart: Array, covariance: Array) -> float | None:
-    if not np.linalg.cond(covariance) < 1e12:
-        return None
-    return float(apart @ np.linalg.solve(covariance, apart))
