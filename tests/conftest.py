@@ -139,6 +139,24 @@ def fall(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.fixture(scope="module")
+def one_motion():
+    """Lets ``estimate`` simulate each motion once in a module, however often it is measured."""
+    from simcompare.verbs import estimate as verb
+
+    run, kept = verb.run_jobs, {}
+
+    def once(jobs, **rest):
+        asked = repr(jobs)
+        if asked not in kept:
+            kept[asked] = run(jobs, **rest)
+        return kept[asked]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(verb, "run_jobs", once)
+        yield
+
+
 @pytest.fixture(scope="session")
 def sweep(tmp_path_factory) -> tuple[Any, ...]:
     """Three stored runs of one engine from three heights; tests copy what they change."""

@@ -11,6 +11,7 @@ from simcompare.estimation.dead_reckoning import Wheels, from_counts
 from simcompare.estimation.estimate import Given, Signal
 from simcompare.verbs.estimate import estimate
 
+pytestmark = pytest.mark.usefixtures("one_motion")
 TIME = np.linspace(0, 5, 101)
 OPTIONS = {"radius_m": 0.03, "track_m": 0.1, "marks": 500, "u_radius_m": 1e-4, "u_track_m": 1e-3}
 

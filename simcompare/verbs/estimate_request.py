@@ -81,7 +81,7 @@ def recorded_plan_of(source: Source, scenario: str, estimator: str | None) -> Re
 
 def prepared() -> list[str]:
     """Scenarios of which something is estimated."""
-    return [name for name in catalogue.names() if catalogue.load(name).resolve().estimate]
+    return [name for name in catalogue.names() if catalogue.load(name).tree.get("estimate")]
 
 
 def sheets_of(text: Sheets | None) -> dict[str, str]:
