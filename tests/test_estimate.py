@@ -20,11 +20,12 @@ from simcompare.reports.estimation import figures, page, words
 from simcompare.verbs import estimating
 
 SCENARIO = "robot_motor"
+pytestmark = pytest.mark.usefixtures("one_motion")
 needs_mujoco = pytest.mark.engines("mujoco")
 
 
 @pytest.fixture(scope="module")
-def found():
+def found(one_motion):
     return simcompare.estimate(SCENARIO, engine="mujoco", draws=8)
 
 
@@ -112,7 +113,7 @@ def test_another_data_sheet_is_another_noise():
     options = {"engine": "mujoco", "draws": 2}
     noisy = simcompare.estimate(SCENARIO, sensors={"imu": "adxl345"}, **options)
     assert noisy.sensors["imu"].sheet == "adxl345"
-    assert noisy.command[-2:] == ("imu=adxl345", "5") or "imu=adxl345" in noisy.command
+    assert "imu=adxl345" in noisy.command
 
 
 @needs_mujoco
@@ -126,7 +127,7 @@ def test_the_pose_filter_knows_the_turning_rate_better_than_the_wheels():
 def test_an_estimation_shows_itself(found):
     table = found.table()
     assert list(table.columns)[-2:] == ["NEES", "Filter"]
-    assert "filtered" in repr(found)
+    assert "Filtered, the speed is off by" in repr(found)
     assert "<img" in found._repr_html_()
     assert found.plot("nees") is not None
     with pytest.raises(UnknownName, match="no figure is called 'speed'"):

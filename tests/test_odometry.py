@@ -88,7 +88,7 @@ def test_the_answer_tells_how_far_and_whether_that_is_explained():
     found = estimate("robot_line", estimator="odometry", engine="mujoco", draws=2)
     text = " ".join(found.sentences)
     assert "After 1 m odometry ends 21" in text
-    assert "explain that: it is 1.2 standard uncertainties" in text
+    assert "That is 1.2 standard uncertainties: what is not known of wheels, track, start" in text
     assert found.plot("path") is not None
     assert "Across ± u (mm)" in found.table().columns
 
@@ -96,4 +96,4 @@ def test_the_answer_tells_how_far_and_whether_that_is_explained():
 def test_better_callipers_show_that_the_wheels_are_unequal():
     options = {"u_radius_m": 1e-5, "u_track_m": 1e-4}
     found = estimate("robot_line", estimator="odometry", engine="mujoco", draws=1, options=options)
-    assert "do not explain that" in " ".join(found.sentences)
+    assert "start and counting does not explain it" in " ".join(found.sentences)

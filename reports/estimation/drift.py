@@ -44,9 +44,8 @@ def sentences(result: Estimation) -> Iterator[str]:
         return
     explains = max(shares) <= _EXPLAINED
     yield (
-        "What is not known of wheels, track and start, and the counting,"
-        f" {'explain' if explains else 'do not explain'} that: it is {_span(shares, 2)} standard"
-        " uncertainties."
+        f"That is {_span(shares, 2)} standard uncertainties: what is not known of wheels, track,"
+        f" start and counting {'explains' if explains else 'does not explain'} it."
     )
 
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from simcompare import units
 from simcompare.estimation.consistency import Verdict
-from simcompare.reports.characterization.words import rounded
+from simcompare.reports.characterization.words import capital, rounded
 from simcompare.reports.estimation import chips, drift, units_of
 from simcompare.reports.run.listing import joined
 from simcompare.results.records.estimation import Estimation, Reading, SourceEstimate
@@ -28,12 +28,10 @@ def sentences(result: Estimation) -> Iterator[str]:
     if not result.done:
         yield from (f"{one.source}: {one.reason}" for one in result.sources if one.reason)
         return
-    yield from chips.sentences(result)
-    state = lead_state(result)
-    yield from _errors(result, state)
+    answer = [*chips.sentences(result), *drift.sentences(result)]
+    yield from answer or _errors(result, lead_state(result))
     yield from _verdicts(result)
     yield from _diameter(result)
-    yield from drift.sentences(result)
     for one in result.done:
         for row in one.readings:
             if row.refused >= 1:
@@ -58,18 +56,22 @@ def ways_of(result: Estimation, state: str) -> list[str]:
 
 
 def _errors(result: Estimation, state: str) -> Iterator[str]:
-    """How far each way is off, over all sources."""
+    """How far each way is off over all sources, the estimator's own answer first."""
     ways = {way: _rms(result, way, state) for way in ways_of(result, state)}
-    ways = {way: errors for way, errors in ways.items() if errors}
+    ways = {way: ways[way] for way in dict.fromkeys([*result.done[0].ways, *ways]) if ways.get(way)}
     label = result.labels[state].lower()
     if not ways:
         yield f"Nobody knows the true {label}, so no error is told."
         return
     factor, unit = units_of.scale(state, [one for row in ways.values() for one in row])
-    said = [f"{way} {_span(row, factor)} {unit}" for way, row in ways.items()]
+    (first, own), *rest = [(way, f"{_span(row, factor)} {unit}") for way, row in ways.items()]
+    others = joined([f"{way} by {size}" for way, size in rest])
     whose = joined([one.source for one in result.done])
-    often = f", {result.draws} draws of the sensors" if result.draws > 1 else ""
-    yield f"Error of the {label} (rms): {joined(said)} ({whose}{often})."
+    often = f"; {result.draws} draws of the sensors" if result.draws > 1 else ""
+    yield (
+        f"{capital(first)}, the {label} is off by {own}{f'; {others}' if others else ''}"
+        f" (rms; {whose}{often})."
+    )
 
 
 def _rms(result: Estimation, way: str, state: str) -> list[float]:
