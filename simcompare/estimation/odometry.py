@@ -6,7 +6,6 @@ counting of marks, is all that its uncertainty says. Slip is in neither.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -16,21 +15,12 @@ from simcompare.errors import InputError
 from simcompare.estimation.dead_reckoning import DeadReckoning, Wheels, from_counts, from_rates
 from simcompare.estimation.drift import Drift, drift, ellipse
 from simcompare.estimation.estimate import Estimate, Given, Number, Signal, State, Way
-from simcompare.estimation.estimators import Option, Role
+from simcompare.estimation.estimators import Option
+from simcompare.estimation.pose_roles import PLACE, START, WHEELS
 from simcompare.model.trajectory import Array
 
 TITLE = "Dead reckoning of a robot on two wheels"
-SIGNALS = {
-    "left_marks": Role("marks of the left wheel that have passed", "1", needed=False),
-    "right_marks": Role("marks of the right wheel that have passed", "1", needed=False),
-    "left_rate": Role("rate of the left wheel, in place of marks", "rad/s", needed=False),
-    "right_rate": Role("rate of the right wheel, in place of marks", "rad/s", needed=False),
-}
-TRUTHS = {
-    "x": Role("place of the middle of the axle along x", "m", needed=False),
-    "y": Role("place of the middle of the axle along y", "m", needed=False),
-    "heading": Role("heading", "rad", needed=False),
-}
+SIGNALS, TRUTHS = WHEELS, PLACE
 OPTIONS = {
     "radius_m": Option("radius of the left wheel, as odometry believes it", least=1e-3),
     "right_larger": Option(
@@ -41,9 +31,7 @@ OPTIONS = {
     "u_radius_m": Option("standard uncertainty of each radius", 0.0),
     "correlation": Option("of the errors of both radii", 0.0, -1.0, 1.0),
     "u_track_m": Option("standard uncertainty of the track", 0.0),
-    "start_x_m": Option("where it starts along x", 0.0, -math.inf),
-    "start_y_m": Option("where it starts along y", 0.0, -math.inf),
-    "start_heading_rad": Option("its heading there", 0.0, -math.inf),
+    **START,
     "u_start_m": Option("standard uncertainty of that place", 0.0),
     "u_start_heading_rad": Option("standard uncertainty of that heading", 0.0),
     "u_place_m": Option("standard uncertainty of the true place", 0.0),

@@ -7,11 +7,25 @@ import math
 from simcompare.estimation.estimators import Option, Role
 
 TITLE = "Pose of a robot on two wheels"
-SIGNALS = {
+#: what odometry shares
+WHEELS = {
     "left_marks": Role("marks of the left wheel that have passed", "1", needed=False),
     "right_marks": Role("marks of the right wheel that have passed", "1", needed=False),
     "left_rate": Role("rate of the left wheel, in place of marks", "rad/s", needed=False),
     "right_rate": Role("rate of the right wheel, in place of marks", "rad/s", needed=False),
+}
+PLACE = {
+    "x": Role("place of the middle of the axle along x", "m", needed=False),
+    "y": Role("place of the middle of the axle along y", "m", needed=False),
+    "heading": Role("heading", "rad", needed=False),
+}
+START = {
+    "start_x_m": Option("where it starts along x", 0.0, -math.inf),
+    "start_y_m": Option("where it starts along y", 0.0, -math.inf),
+    "start_heading_rad": Option("its heading there", 0.0, -math.inf),
+}
+SIGNALS = {
+    **WHEELS,
     "turning_rate": Role("reading of the gyroscope about the vertical", "rad/s", needed=False),
     "acceleration": Role("reading of the accelerometer along the robot", "m/s**2", needed=False),
     "left_voltage": Role("voltage at the left motor", "V", needed=False),
@@ -24,9 +38,7 @@ SIGNALS = {
     "wall_range": Role("range to the wall", "m", needed=False),
 }
 TRUTHS = {
-    "x": Role("place of the middle of the axle along x", "m", needed=False),
-    "y": Role("place of the middle of the axle along y", "m", needed=False),
-    "heading": Role("heading", "rad", needed=False),
+    **PLACE,
     "speed": Role("speed along the heading", "m/s", needed=False),
     "rate": Role("turning rate", "rad/s", needed=False),
 }
@@ -46,9 +58,7 @@ OPTIONS = {
     "turn_noise_rad2_s3": Option(
         "density of unknown angular accelerations", 1.0, 1e-12, loosens=True
     ),
-    "start_x_m": Option("where it starts along x", 0.0, -math.inf),
-    "start_y_m": Option("where it starts along y", 0.0, -math.inf),
-    "start_heading_rad": Option("its heading there", 0.0, -math.inf),
+    **START,
     "u_start_m": Option("standard uncertainty of that place", 0.001, 1e-9),
     "u_start_heading_rad": Option("standard uncertainty of that heading", 0.001, 1e-9),
     "u_start_speed_m_s": Option("standard uncertainty of the speed there", 0.1, 1e-9),
