@@ -142,16 +142,14 @@ def _deviations(
         case "u_shaped":
             return known.half_width * np.sin(generator.uniform(-math.pi, math.pi, size))
         case "truncated_normal":
-            return _truncated(known, generator, size)
+            # by its quantiles, so that every draw takes one number
+            return truncated_at(known, generator.uniform(size=size))
     return generator.uniform(-known.half_width, known.half_width, size)
 
 
-def _truncated(
-    known: Distribution, generator: np.random.Generator, size: int | tuple[int, ...]
-) -> Array:
-    """By the inverse of the distribution function, so that every draw takes one number."""
+def truncated_at(known: Distribution, chance: Array) -> Array:
+    """Deviation of a truncated normal from its centre at probabilities."""
     from scipy import special
 
     edge = special.ndtr(known.half_width / known.scale)
-    chance = generator.uniform(1 - edge, edge, size)
-    return np.asarray(known.scale * special.ndtri(chance), dtype=float)
+    return np.asarray(known.scale * special.ndtri(1 - edge + chance * (2 * edge - 1)))

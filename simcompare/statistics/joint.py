@@ -14,7 +14,7 @@ import numpy as np
 
 from simcompare.errors import InputError
 from simcompare.model.trajectory import Array
-from simcompare.statistics.distributions import Distribution
+from simcompare.statistics.distributions import Distribution, truncated_at
 from simcompare.statistics.streams import stream
 
 #: two names -> their coefficient of correlation
@@ -119,13 +119,6 @@ def _triangular(known: Distribution, chance: Array) -> Array:
     return np.asarray(known.half_width * np.where(chance < 0.5, lower, -lower))
 
 
-def _truncated(known: Distribution, chance: Array) -> Array:
-    from scipy import special
-
-    edge = special.ndtr(known.half_width / known.scale)
-    return np.asarray(known.scale * special.ndtri(1 - edge + chance * (2 * edge - 1)))
-
-
 def _student(known: Distribution, chance: Array) -> Array:
     from scipy import stats
 
@@ -137,6 +130,6 @@ _QUANTILES: Mapping[str, Callable[[Distribution, Array], Array]] = {
     "rectangular": lambda known, chance: known.half_width * (2 * chance - 1),
     "triangular": _triangular,
     "u_shaped": lambda known, chance: known.half_width * np.sin(math.pi * (chance - 0.5)),
-    "truncated_normal": _truncated,
+    "truncated_normal": truncated_at,
     "student_t": _student,
 }
