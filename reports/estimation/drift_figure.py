@@ -9,7 +9,6 @@ from simcompare.reports.render.figures import Figure, Panel, Series
 from simcompare.reports.render.styles import TRUTH_STYLE, Style, numbered_style
 from simcompare.results.records.estimation import Curve, Estimation, SourceEstimate
 
-_ODOMETRY, _REGION = 0, 1
 #: standard uncertainties in a band of about 95 %
 _BAND = 2.0
 
@@ -21,7 +20,7 @@ def figure(result: Estimation, source: SourceEstimate) -> Figure:
         result: the estimation.
         source: one of which the end was told.
     """
-    panels = (_above(source), _distance(source))
+    panels = (above(source), _distance(source))
     draw = ", first draw" if result.draws > 1 else ""
     caption = (
         f"{source.source}{draw}. The dashed line holds the end with 95 %, as what is not known of"
@@ -30,16 +29,16 @@ def figure(result: Estimation, source: SourceEstimate) -> Figure:
     return Figure("path", "Where odometry believes the robot, and where it is", caption, panels)
 
 
-def _above(source: SourceEstimate) -> Panel:
+def above(source: SourceEstimate) -> Panel:
+    """The place from above: the truth, and each way of telling it."""
     series = []
     for number, way in enumerate(source.ways):
         x, y = source.curve_of(way, "x_m"), source.curve_of(way, "y_m")
         if x is None or y is None:
             continue
-        if x.truth is not None and y.truth is not None:
+        if number == 0 and x.truth is not None and y.truth is not None:
             series.append(Series("truth", np.array(x.truth), np.array(y.truth), TRUTH_STYLE))
-        style = numbered_style(_REGION if number else _ODOMETRY)
-        series.append(Series(way, np.array(x.values), np.array(y.values), style))
+        series.append(Series(way, np.array(x.values), np.array(y.values), numbered_style(number)))
     return Panel("Seen from above", "x (m)", "y (m)", tuple(series))
 
 

@@ -106,18 +106,9 @@ def _error_panel(rows: list[Curve], best: str, state: str, label: str) -> Panel 
 
 
 def _path(result: Estimation, source: SourceEstimate) -> Figure:
-    """The place from above: truth, wheels alone, filter and smoother."""
-    series = []
-    for number, way in enumerate(source.ways):
-        x, y = source.curve_of(way, "x_m"), source.curve_of(way, "y_m")
-        if x is None or y is None:
-            continue
-        if number == 0 and x.truth is not None and y.truth is not None:
-            series.append(Series("truth", np.array(x.truth), np.array(y.truth), TRUTH_STYLE))
-        series.append(Series(way, np.array(x.values), np.array(y.values), numbered_style(number)))
-    panel = Panel("Seen from above", "x (m)", "y (m)", tuple(series))
     caption = f"{_whose(result, source)}."
-    return Figure("path", "The path as the sensors tell it", caption, (panel,))
+    title = "The path as the sensors tell it"
+    return Figure("path", title, caption, (drift_figure.above(source),))
 
 
 def _whose(result: Estimation, source: SourceEstimate) -> str:
