@@ -14,6 +14,7 @@ from simcompare.cli import app, register
 from simcompare.errors import InputError, UnknownName
 from simcompare.hardware.sensors.six_position import POSITIONS
 from simcompare.model import recording_store
+from simcompare.reports.calibration import figures, words
 from simcompare.statistics.streams import stream
 
 G_M_S2 = 9.80665
@@ -181,6 +182,21 @@ def test_bad_tables_are_told(text, told, tmp_path):
     table.write_text(text)
     with pytest.raises(InputError, match=told):
         simcompare.calibrate(table)
+
+
+def test_noise_that_few_readings_tell_widens_the_intervals(tmp_path):
+    scatter = stream(3, "few").normal(0, 0.004, (6, 3))
+    table = tmp_path / "few.csv"
+    rows = [
+        ",".join([name, *map(str, G_M_S2 * up + off)])
+        for (name, up), off in zip(POSITIONS.items(), scatter, strict=True)
+    ]
+    table.write_text("\n".join(["pose,ax,ay,az", *rows]), encoding="utf-8")
+    found = simcompare.calibrate(table)
+    # Student's t of three degrees of freedom
+    assert words.coverage(found) == pytest.approx(3.182, abs=5e-4)
+    bars, left = figures.of(found).panels[1].series[0].u, [pose.u_after for pose in found.poses]
+    assert bars == pytest.approx(3.182 * np.array(left), rel=1e-3)
 
 
 def test_a_table_with_semicolons_and_decimal_commas_is_the_same(tmp_path):
