@@ -35,9 +35,9 @@ class Device:
         bias_instability: B (k,), flicker noise; the floor of the Allan deviation is 0.664·B [unit].
         random_walk: K (k,), [unit/√s].
         noise_per_reading: white noise that grows with the reading (k,), part of it (ranges).
-        temperature_C: of the device.
         sensitivity_per_K: s (k,) [1/K].
         offset_per_K: o (k,) [unit/K].
+        temperature_C: of the device.
         mounting_wxyz: how the sensor's axes are turned in its box; box from sensor.
         bandwidth_Hz: -3 dB; infinite where nothing is smoothed.
         poles: of a Butterworth low-pass of that bandwidth, 1 to 4.
@@ -57,9 +57,9 @@ class Device:
     bias_instability: Array
     random_walk: Array
     noise_per_reading: Array
+    sensitivity_per_K: Array
+    offset_per_K: Array
     temperature_C: float = REFERENCE_C
-    sensitivity_per_K: Array | None = None
-    offset_per_K: Array | None = None
     mounting_wxyz: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
     bandwidth_Hz: float = np.inf
     poles: int = 1
@@ -78,4 +78,4 @@ class Device:
 def perfect(name: str, axes: int) -> Device:
     """A device without any error; ``dataclasses.replace`` gives it some."""
     none = np.zeros(axes)
-    return Device(name, np.eye(axes), none, none, np.inf, none, none, none, none)
+    return Device(name, np.eye(axes), none, none, np.inf, none, none, none, none, none, none)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from simcompare.hardware.sensors.device import Device
+from simcompare.hardware.sensors.device import Device, perfect
 from simcompare.hardware.sensors.sheet_parts import PartData, Settings
 from simcompare.model.trajectory import Array
 from simcompare.statistics.streams import stream
@@ -44,36 +44,27 @@ class Devices:
 
     def device(self, number: int) -> Device:
         """One of them."""
-        return Device(
-            **{
-                **vars(self.like),
-                "sensitivity": self.sensitivity[number],
-                "offset": self.offset[number],
-                "nonlinearity": self.nonlinearity[number],
-                "sensitivity_per_K": self.sensitivity_per_K[number],
-                "offset_per_K": self.offset_per_K[number],
-                "rate_error": float(self.rate_error[number]),
-            }
+        return replace(
+            self.like,
+            sensitivity=self.sensitivity[number],
+            offset=self.offset[number],
+            nonlinearity=self.nonlinearity[number],
+            sensitivity_per_K=self.sensitivity_per_K[number],
+            offset_per_K=self.offset_per_K[number],
+            rate_error=float(self.rate_error[number]),
         )
 
 
 def typical(part: PartData, settings: Settings, device_name: str = "") -> Device:
     """A device without systematic errors: noise, resolution and range as in the sheet."""
-    axes = len(part.axes)
-    none = np.zeros(axes)
-    return Device(
-        name=device_name or part.sheet,
-        sensitivity=np.eye(axes),
-        offset=none,
-        nonlinearity=none,
+    return replace(
+        perfect(device_name or part.sheet, len(part.axes)),
         full_scale=settings.range.full_scale,
         noise_density=_per_axis(part, settings, "noise"),
         bias_instability=_per_axis(part, settings, "bias_instability"),
         random_walk=_per_axis(part, settings, "random_walk"),
         noise_per_reading=_per_axis(part, settings, "noise_per_reading"),
         temperature_C=settings.temperature_C,
-        sensitivity_per_K=none,
-        offset_per_K=none,
         bandwidth_Hz=settings.bandwidth_Hz,
         poles=settings.poles,
         rate_Hz=settings.rate_Hz,

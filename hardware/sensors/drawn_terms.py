@@ -106,7 +106,7 @@ def _values(device: Device, term: str, axes: str) -> Iterator[tuple[str, float]]
     numbers = getattr(device, term)
     if term == "sensitivity":
         numbers = np.diag(numbers) - 1
-    for axis, value in zip(axes, np.zeros(len(axes)) if numbers is None else numbers, strict=True):
+    for axis, value in zip(axes, numbers, strict=True):
         yield axis, float(value)
 
 

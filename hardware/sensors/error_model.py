@@ -242,10 +242,8 @@ def _systematic(devices: Sequence[Device], felt: Array) -> Array:
 
 
 def _stacked(devices: Sequence[Device], name: str) -> Array:
-    """One term of all devices (d, k); a term that is not given is 0."""
-    none = np.zeros(devices[0].axes)
-    values = (getattr(device, name) for device in devices)
-    return np.array([none if value is None else value for value in values], dtype=float)
+    """One term of all devices (d, k)."""
+    return np.array([getattr(device, name) for device in devices], dtype=float)
 
 
 def _noise(

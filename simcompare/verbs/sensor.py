@@ -17,6 +17,7 @@ from simcompare.hardware.sensors.reading_uncertainty import CrossCheck, Drawn, S
 from simcompare.hardware.sensors.sheet_entries import Entry
 from simcompare.hardware.sensors.sheet_parts import Settings
 from simcompare.hardware.sensors.sheet_rules import RULE_OF_KIND, RULES
+from simcompare.results.records.calibration import rows_of
 from simcompare.results.records.sensor import (
     CheckRow,
     DeviceRow,
@@ -285,13 +286,5 @@ def _devices(part: Part, now: Situation, draw: int, seed: int) -> list[DeviceRow
 
 
 def _device(one: Device) -> DeviceRow:
-    per_K = one.sensitivity_per_K, one.offset_per_K
-    assert per_K[0] is not None
-    assert per_K[1] is not None
-    return DeviceRow(
-        sensitivity=tuple(tuple(row) for row in one.sensitivity.tolist()),
-        offset=tuple(one.offset.tolist()),
-        nonlinearity=tuple(one.nonlinearity.tolist()),
-        sensitivity_per_K=tuple(per_K[0].tolist()),
-        offset_per_K=tuple(per_K[1].tolist()),
-    )
+    per_axis = one.offset, one.nonlinearity, one.sensitivity_per_K, one.offset_per_K
+    return DeviceRow(rows_of(one.sensitivity), *(tuple(term.tolist()) for term in per_axis))
