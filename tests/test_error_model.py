@@ -278,6 +278,19 @@ def test_impossible_devices_are_refused(terms, said):
     assert said in str(error.value)
 
 
+@pytest.mark.parametrize(
+    ("terms", "said"),
+    [
+        ({"random_walk": np.array([0.0, 0.0, -2.0])}, "random_walk is -2; expected 0 or more"),
+        ({"nonlinearity": np.ones(3)}, "give full_scale"),
+        ({"rate_Hz": 100.0}, "devices differ in axes, rate, bandwidth"),
+    ],
+)
+def test_one_impossible_device_of_many_is_refused(terms, said):
+    with pytest.raises(InputError, match=said):
+        measured_by([three(), three(), three(**terms)], TIME, WAVES, stream(1))
+
+
 def test_half_of_the_rate_is_a_possible_bandwidth():
     assert len(read(three(rate_Hz=100.0, bandwidth_Hz=50.0)).measured) == 101
 

@@ -12,25 +12,29 @@ from simcompare.model.trajectory import Array
 
 #: samples of all devices; more fill the memory of an ordinary machine
 MAX_SAMPLES = 5e7
+_NEVER_NEGATIVE = (
+    "noise_density", "bias_instability", "random_walk", "noise_per_reading", "rate_Hz",
+    "jitter_s", "resolution",
+)  # fmt: skip
 
 
-def faults_of(device: Device, signal_rate_Hz: float) -> list[str]:
-    """What a device cannot be, a sentence each.
+def faults_of(devices: Sequence[Device], signal_rate_Hz: float) -> list[str]:
+    """What devices of one kind cannot be, a sentence each.
 
     Args:
-        device: its numbers.
-        signal_rate_Hz: of the signal, for a device without a rate of its own.
+        devices: their numbers.
+        signal_rate_Hz: of the signal, for devices without a rate of their own.
     """
+    device = devices[0]
+    least = {name: np.min([getattr(one, name) for one in devices]) for name in _NEVER_NEGATIVE}
     faults = [
-        f"{name} is {np.min(value):g}; expected 0 or more"
-        for name, value in _never_negative(device).items()
-        if np.min(value) < 0
+        f"{name} is {value:g}; expected 0 or more" for name, value in least.items() if value < 0
     ]
     if device.poles not in (1, 2, 3, 4):
         faults.append(f"its low-pass has {device.poles} poles; expected 1 to 4")
     if not device.bandwidth_Hz > 0 or not device.full_scale > 0:
         faults.append("bandwidth and range are above 0")
-    if np.any(device.nonlinearity) and math.isinf(device.full_scale):
+    if math.isinf(device.full_scale) and np.any([one.nonlinearity for one in devices]):
         faults.append("non-linearity is a part of full scale; give full_scale")
     rate = device.rate_Hz or signal_rate_Hz
     if rate / 2 < device.bandwidth_Hz < math.inf:
@@ -70,11 +74,3 @@ def coarser(device: Device, time_s: Array) -> tuple[str, ...]:
 def mean_rate(time_s: Array) -> float:
     """Samples in a second [Hz]."""
     return float((len(time_s) - 1) / (time_s[-1] - time_s[0]))
-
-
-def _never_negative(device: Device) -> dict[str, Array | float]:
-    names = (
-        "noise_density", "bias_instability", "random_walk", "noise_per_reading", "rate_Hz",
-        "jitter_s", "resolution",
-    )  # fmt: skip
-    return {name: getattr(device, name) for name in names}

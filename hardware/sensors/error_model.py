@@ -131,20 +131,21 @@ def _checked(devices: Sequence[Device], time_s: Array, ideal: Array) -> Device:
         faults.append(f"{len(time_s)} times and {len(ideal)} values; expected as many, 2 or more")
     if len(time_s) > 1:
         faults += faults_of_count(devices, float(time_s[-1] - time_s[0]))
-    for device in devices:
-        faults += faults_of(device, mean_rate(time_s) if len(time_s) > 1 else math.inf)
-        if device.axes != axes:
-            faults.append(f"it has {device.axes} axes and the signal has {axes}")
-        if _kind(device) != _kind(one):
-            faults.append("devices differ in rate, bandwidth, poles, resolution or range")
-        if faults:
-            raise InputError(f"sensor {device.name}", faults)
+    if one.axes != axes:
+        faults.append(f"it has {one.axes} axes and the signal has {axes}")
+    if len(set(map(_kind, devices))) > 1:
+        faults.append("devices differ in axes, rate, bandwidth, poles, resolution or range")
+    else:
+        faults += faults_of(devices, mean_rate(time_s) if len(time_s) > 1 else math.inf)
+    if faults:
+        raise InputError(f"sensor {one.name}", faults)
     return one
 
 
 def _kind(device: Device) -> tuple[float, ...]:
     return (
-        device.rate_Hz, device.bandwidth_Hz, device.poles, device.resolution, device.full_scale
+        device.axes, device.rate_Hz, device.bandwidth_Hz, device.poles, device.resolution,
+        device.full_scale,
     )  # fmt: skip
 
 
