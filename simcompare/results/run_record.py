@@ -105,7 +105,7 @@ def of_run(
     """
     nominal = scenarios[len(scenarios) // 2]
     return kind(
-        created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        created=now(),
         scenario=nominal.name,
         title=nominal.title,
         question=nominal.question,
@@ -173,6 +173,11 @@ def _wall(walls: Sequence[Mapping[str, float]]) -> Wall:
         statistics.median(wall.get(stage, 0.0) for wall in walls) for stage in ("build", "step")
     )
     return Wall(walls[0].get("import"), build, step)
+
+
+def now() -> str:
+    """Date and time, ISO 8601."""
+    return datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
 
 
 def software() -> Software:

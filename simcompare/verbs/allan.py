@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +17,7 @@ from simcompare.inference import sources
 from simcompare.model.recording import Recording
 from simcompare.model.trajectory import Array
 from simcompare.results.records.allan import AxisNoise, Forgetting, NoiseTerm
-from simcompare.results.run_record import software
+from simcompare.results.run_record import now, software
 from simcompare.statistics import allan as deviation
 from simcompare.statistics import allan_bounds, allan_terms
 from simcompare.verbs import allan_audit, allan_sheets, allan_stretch
@@ -89,7 +88,7 @@ def allan(
     found = allan_audit.findings(stretch, axes, held, claims or {}, second, silent) if audit else ()
     matches = allan_sheets.matches(axes, stretch.rate_Hz) if audit else ()
     return Allan(
-        created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        created=now(),
         source=source, title=title, rate_Hz=stretch.rate_Hz, start_s=stretch.start_s,
         end_s=stretch.start_s + (stretch.count - 1) / stretch.rate_Hz,
         length_s=stretch.length_s, chosen=stretch.chosen, still_s=stretch.still_s, axes=axes,

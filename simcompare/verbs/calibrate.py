@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -36,7 +35,7 @@ from simcompare.results.records.calibration import (
     plain_of,
     rows_of,
 )
-from simcompare.results.run_record import software
+from simcompare.results.run_record import now, software
 from simcompare.statistics.distributions import normal, rectangular
 from simcompare.statistics.streams import stream
 from simcompare.verbs.calibrated import Calibrated
@@ -259,9 +258,8 @@ def _of_poses(source: str, readings: Readings, kind: str | None, known: _Known) 
 
 
 def _result(found: Calibration, source: str, truth: Truth | None = None) -> Calibrated:
-    created = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
     return Calibrated(
-        created=created, source=source, truth=truth, software=software(), **plain_of(found)
+        created=now(), source=source, truth=truth, software=software(), **plain_of(found)
     )
 
 

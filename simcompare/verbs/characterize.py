@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ from simcompare.model.settings import CONTACT_LEVELS, OLD_LEVELS
 from simcompare.reports.characterization import findings
 from simcompare.results import result_file, store
 from simcompare.results.records.characterization import Trial
-from simcompare.results.run_record import software
+from simcompare.results.run_record import now, software
 from simcompare.running.jobs import MISSING, Inquiry, Reply
 from simcompare.running.runner import TIME_LIMIT_S, Progress, check_time_limit, run_jobs
 from simcompare.verbs.characterized import Characterized
@@ -98,7 +97,7 @@ def characterize(
     _refuse_nothing(replies)
     answers = tuple(map(_trial, replies))
     result = Characterized(
-        created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        created=now(),
         step_s=step_s, experiments=tuple(names), contact=tuple(levels), engines_asked=engine,
         sentences=tuple(findings.sentences(answers, step_s)), answers=answers, software=software(),
     )  # fmt: skip

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -17,7 +16,7 @@ from simcompare.model.sensor_errors import SensorErrors
 from simcompare.model.trajectory import Array
 from simcompare.reports.estimation import words
 from simcompare.results.records.estimation import Curve, Reading, SourceEstimate, WayError
-from simcompare.results.run_record import software
+from simcompare.results.run_record import now, software
 from simcompare.running.jobs import OK
 from simcompare.verbs.estimate_request import EstimateRequest
 from simcompare.verbs.estimated import Estimated
@@ -66,7 +65,7 @@ def estimated(
 ) -> Estimated:
     """All of it, with its sentences."""
     found = Estimated(
-        created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        created=now(),
         title=f"{estimator.title}: {title}",
         question=_OF_CHIPS if estimator.study and not recording else QUESTION,
         scenario=scenario, estimator=estimator.name, sensors=sensors or {}, options=plan.options,

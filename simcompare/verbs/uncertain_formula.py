@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -11,7 +10,7 @@ from simcompare.propagation.inputs import Known
 from simcompare.propagation.propagated import Asked
 from simcompare.reports.uncertainty.answer import words
 from simcompare.results.records.uncertainty import FORMULA, Input, Way
-from simcompare.results.run_record import software
+from simcompare.results.run_record import now, software
 from simcompare.verbs.request import UncertaintyRequest
 from simcompare.verbs.uncertain import Uncertain
 
@@ -58,7 +57,7 @@ def record_of(
     """What was found, with all that it was asked with."""
     what = words(of) if of else subject
     return Uncertain(
-        created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        created=now(),
         title=f"Uncertainty of {what}{f' of {subject}' if of else ''}",
         question=f"How well is {what} known, and which input matters most?",
         subject=subject, of=of, unit=unit,
