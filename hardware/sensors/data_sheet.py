@@ -132,12 +132,11 @@ def names() -> list[str]:
     return sheets.names()
 
 
-def load(name_or_path: str | Path, *, typ_is_sigma: float = 1.0) -> DataSheet:
+def load(name_or_path: str | Path) -> DataSheet:
     """A data sheet by its name, or the user's own by its path.
 
     Args:
         name_or_path: "mpu6050", or a YAML file.
-        typ_is_sigma: which part of a typical value is one standard deviation.
 
     Raises:
         UnknownName: no sheet is called so.
@@ -151,7 +150,7 @@ def load(name_or_path: str | Path, *, typ_is_sigma: float = 1.0) -> DataSheet:
     if not path.is_file():
         raise unknown_or_missing("data sheet", str(name_or_path), known)
     content, lines = sheet_reading.read(path)
-    parts = sheet_reading.parts(content, lines, path, typ_is_sigma)
+    parts = sheet_reading.parts(content, lines, path)
     made = {name: Part(**vars(part)) for name, part in parts.items()}
     source = content.source
     return DataSheet(

@@ -113,9 +113,7 @@ def _faults_of_rule(name: str, kind: str, term: Term) -> Iterator[str]:
 _KINDS_WANTED = "typ, max, min and max, typ and max, rms or density"
 
 
-def entry(
-    given: EntryFile, unit: str, axes: str, count: float, source: str, typ_is_sigma: float
-) -> Entry:
+def entry(given: EntryFile, unit: str, axes: str, count: float, source: str) -> Entry:
     """The entry in SI.
 
     Args:
@@ -124,7 +122,6 @@ def entry(
         axes: of the part.
         count: size of one count, of values that are stated in LSB.
         source: of the sheet.
-        typ_is_sigma: which part of a typical value is one standard deviation.
 
     Raises:
         ValueError: a number that cannot be read, or that no sensor has; place and sentence.
@@ -144,7 +141,7 @@ def entry(
         unit=sheet_units.written(base, "" if given.rms is not None else term.per),
         axes=own,
         ranges=given.ranges,
-        stated=replace(_Amounts(given, unit, count).stated(), typ_is_sigma=typ_is_sigma),
+        stated=_Amounts(given, unit, count).stated(),
         rule=RULES[given.rule or term.rule or RULE_OF_KIND[given.kind]],
         bandwidth_Hz=_frequency(given.bandwidth),
         about=0.0 if given.about is None else _read("about", given.about, unit),

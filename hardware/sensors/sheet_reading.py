@@ -25,15 +25,13 @@ def document(source: SourceFile) -> str:
     return f"{source.document}, rev. {source.revision}{date}"
 
 
-def parts(
-    content: SheetFile, lines: Mapping[str, int], path: Path, typ_is_sigma: float
-) -> dict[str, PartData]:
+def parts(content: SheetFile, lines: Mapping[str, int], path: Path) -> dict[str, PartData]:
     """The parts of a sheet.
 
     Raises:
         InputError: numbers that cannot be read, or that no sensor has; all of them at once.
     """
-    reader = _Reader(content, path.stem, typ_is_sigma)
+    reader = _Reader(content, path.stem)
     found = {name: reader.part(name, part) for name, part in content.parts.items()}
     if reader.faults:
         raise InputError(str(path), describe(reader.faults, lines))
@@ -43,8 +41,8 @@ def parts(
 class _Reader:
     """Reads a sheet and keeps every fault with its place."""
 
-    def __init__(self, content: SheetFile, sheet: str, typ_is_sigma: float) -> None:
-        self.content, self.sheet, self.typ_is_sigma = content, sheet, typ_is_sigma
+    def __init__(self, content: SheetFile, sheet: str) -> None:
+        self.content, self.sheet = content, sheet
         self.faults: dict[str, str] = {}
 
     def part(self, name: str, given: PartFile) -> PartData | None:
@@ -117,9 +115,7 @@ class _Reader:
             if faults:
                 continue
             try:
-                entry = sheet_entries.entry(
-                    one, unit, axes, count, document(self.content.source), self.typ_is_sigma
-                )
+                entry = sheet_entries.entry(one, unit, axes, count, document(self.content.source))
             except ValueError as error:
                 name, _, sentence = str(error).partition(": ")
                 self.faults[f"{here}.{name}"] = sentence

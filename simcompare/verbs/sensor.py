@@ -88,8 +88,8 @@ def sensor(
     if name is None:
         return SensorSheets(sheets=tuple(_sheets()), rules=rules())
     _check(draw, temperature, typ_is_sigma)
-    sheet = data_sheet.load(name, typ_is_sigma=typ_is_sigma)
-    one = sheet.part(part)
+    sheet = data_sheet.load(name)
+    one = sheet.part(part).with_sigma(typ_is_sigma)
     settings = one.settings(
         range=range, rate_Hz=_hertz("--rate", rate), bandwidth_Hz=_hertz("--bandwidth", bandwidth),
         temperature_C=temperature,
