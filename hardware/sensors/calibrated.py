@@ -81,7 +81,7 @@ def calibration_of(
         if taking_part:
             poses.append(_fitted(bare, name, mean, *next(fitted)))
         else:
-            poses.append(verified(bare, name, mean, size, about.scale))
+            poses.append(_verified(bare, name, mean, size, about.scale))
     return replace(bare, poses=tuple(poses))
 
 
@@ -94,7 +94,7 @@ def _fitted(bare: Calibration, name: str, mean: Array, known: Array, left: Array
     return Pose(name, size, mean, float(along @ before), float(along @ after), u_after)
 
 
-def verified(bare: Calibration, name: str, mean: Array, size: float, scale: str) -> Pose:
+def _verified(bare: Calibration, name: str, mean: Array, size: float, scale: str) -> Pose:
     """A pose that took no part in a fit: its size alone is known."""
     corrected = bare.apply(mean)
     found = float(np.linalg.norm(corrected))

@@ -7,8 +7,6 @@ import math
 from simcompare import units
 
 _G, _DEGREE, _HOUR = 9.80665, math.pi / 180, 3600.0
-#: seconds by which the unit of a coefficient differs from that of the reading, as an exponent
-POWERS = {"N": 0.5, "B": 0.0, "K": -0.5, "Q": 1.0, "R": -1.0}
 #: unit of the reading -> coefficient -> unit of data sheets, and its size in SI
 _SHEETS = {
     "m/s**2": {

@@ -30,7 +30,7 @@ def sensor_lines(sensor: SensorRecord) -> list[str]:
     leading = lead(sensor)
     if leading is None:
         return [f"{sensor.signal}: no source gives this signal, so there is nothing to read."]
-    return [f"{sensor.signal}, read by {device_words(sensor)}: {off_words(sensor, leading)}."]
+    return [f"{sensor.signal}, read by {_device_words(sensor)}: {_off_words(sensor, leading)}."]
 
 
 def lead(sensor: SensorRecord) -> SourceDeviation | None:
@@ -39,14 +39,14 @@ def lead(sensor: SensorRecord) -> SourceDeviation | None:
     return next((one for one in known if not one.contact), known[-1] if known else None)
 
 
-def device_words(sensor: SensorRecord) -> str:
+def _device_words(sensor: SensorRecord) -> str:
     """Which device it is."""
     if sensor.chip:
         return f"one {sensor.chip} ({sensor.part.replace('_', ' ')})"
     return "one device with the terms that were given"
 
 
-def off_words(sensor: SensorRecord, one: SourceDeviation) -> str:
+def _off_words(sensor: SensorRecord, one: SourceDeviation) -> str:
     """Mean deviation, scatter and saturation."""
     unit = unit_words(sensor.unit)
     means = ", ".join(f"{axis.axis} {signed(axis.mean)}".strip() for axis in one.axes)

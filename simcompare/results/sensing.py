@@ -122,7 +122,7 @@ def _record(sensor: DrawnSensor, read: Sequence[StoredReading]) -> SensorRecord:
         deviations=tuple(
             SourceDeviation(
                 one.source, one.contact, len(one.reading.time_s),
-                deviations_of(one.reading, sensor.axes), one.reading.notes,
+                _deviations_of(one.reading, sensor.axes), one.reading.notes,
             )
             for one in read
             if one.signal == sensor.signal
@@ -130,7 +130,7 @@ def _record(sensor: DrawnSensor, read: Sequence[StoredReading]) -> SensorRecord:
     )  # fmt: skip
 
 
-def deviations_of(reading: Reading, axes: str) -> tuple[AxisDeviation, ...]:
+def _deviations_of(reading: Reading, axes: str) -> tuple[AxisDeviation, ...]:
     """How far each axis of a reading is from the ideal signal."""
     count = len(reading.time_s)
     off = (reading.measured - reading.ideal).reshape(count, -1)
