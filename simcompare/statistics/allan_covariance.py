@@ -20,7 +20,7 @@ from simcompare.model.trajectory import Array
 Kernel = Callable[[Array], Array]
 #: the kernel of white phase, which is 1 at lag 0 alone
 WHITE_PHASE = "Q"
-_STEPS, _FARTHEST, _BEYOND = 8, 4096, 2
+_STEPS, _FAR, _FARTHEST, _BEYOND = 8, 30, 4096, 2
 #: order of a difference of phase -> its weights, and by what its square is divided
 _WEIGHTS = {2: (1.0, -2.0, 1.0), 3: (-1.0, 3.0, -3.0, 1.0)}
 _DIVISORS = {2: 2, 3: 6}
@@ -177,10 +177,8 @@ class _Pair:
     def _differenced(self, kernel: Kernel, lags: Array, spikes: Array) -> tuple[Array, Array]:
         """Differences of a kernel over both averaging times, at lags and spikes."""
         at = np.concatenate((lags, spikes))
-        total = np.zeros(len(at))
-        for p, left in enumerate(_WEIGHTS[self.order]):
-            for q, right in enumerate(_WEIGHTS[self.order]):
-                total += left * right * kernel(at + p * self.short - q * self.long)
+        shared = _shared(self.short, self.long, self.order)
+        total = np.array(list(shared.values())) @ kernel(at - np.array([*shared])[:, None])
         return total[: len(lags)], total[len(lags) :]
 
 
@@ -223,7 +221,7 @@ def _lags(short: int, long: int, room: list[int], order: int) -> tuple[Array, Ar
     """
     width = max(1, min(short, *room) // _STEPS)
     dense = np.arange(-(order + 4) * short, 4 * short + 1, width)
-    far = np.geomspace(4 * short, max(5 * short, _BEYOND * long), 120)
+    far = np.geomspace(4 * short, max(5 * short, _BEYOND * long), _FAR)
     about = np.concatenate((-order * short - far[::-1], dense, far)).round()
     lags = np.unique(np.concatenate([about + k * long for k in range(order + 1)]))
     lags = lags[(lags > -room[1]) & (lags < room[0])]
