@@ -41,17 +41,15 @@ def test_gauss_markov_noise_is_recovered() -> None:
     assert found.u_time_s < 0.15
 
 
-def test_white_noise_beside_a_gauss_markov_noise_is_known_less_well() -> None:
-    """Their deviations overlap: the time of the one is a part of the uncertainty of the other."""
-    z = []
-    for seed in range(6):
-        draw = np.random.default_rng(seed)
-        markov = noise_records.gauss_markov(draw, 4000, 100.0, 0.2)
-        terms = allan_terms.fitted(draw.normal(size=4000) + markov, 100.0)
-        assert terms.gauss_markov is not None
-        z.append((terms["N"].value - 0.1) / terms["N"].u)
-    # the mean square of six normal numbers is below 4 in all but one of 2000 trials
-    assert np.mean(np.square(z)) < 4
+def test_white_noise_that_overlaps_with_a_bias_is_known_less_well() -> None:
+    """Whether the bias is flicker or Gauss-Markov cannot be told, and N hangs on that."""
+    draw = np.random.default_rng(6)
+    markov = noise_records.gauss_markov
+    rates = draw.normal(size=10_000) + 0.3 * markov(draw, 10_000, 100.0, 0.3)
+    terms = allan_terms.fitted(rates, 100.0)
+    assert terms.gauss_markov is None
+    # 0.0085 if it were surely flicker, and 0.023 between both readings
+    assert terms["N"].u > 0.02 * 0.1
 
 
 def test_what_a_short_record_cannot_show_is_a_limit() -> None:
@@ -104,7 +102,7 @@ def test_covariance_of_variances_is_that_of_many_records() -> None:
 def test_white_noise_behind_a_filter_is_told_from_longer_times() -> None:
     """A low-pass of 30 Hz at 1000 Hz smooths neighbours; slow averages know nothing of it."""
     draw, kept = np.random.default_rng(9), np.exp(-2 * np.pi * 30 / 1000)
-    rates = signal.lfilter([1 - kept], [1, -kept], noise_records.white(draw, 60_000, 1000.0))
+    rates = signal.lfilter([1 - kept], [1, -kept], noise_records.white(draw, 30_000, 1000.0))
     terms = allan_terms.fitted(rates, 1000.0)
     # 30 times its time at least, for a smoothing below 5 %
     assert terms.from_s > 0.05

@@ -228,12 +228,24 @@ def _likelihood(values: Array, expected: Array, covariance: Array) -> tuple[floa
 
 
 def with_markov(plain: Fit) -> Fit:
-    """The fit with a Gauss-Markov noise, where the record is much likelier with it."""
+    """The fit with a Gauss-Markov noise, where the record is much likelier with it.
+
+    Where it is only somewhat likelier, the record cannot tell: what the other fit makes of each
+    noise is a part of the uncertainty.
+    """
     observed = plain.observed
     if "GM" in plain.variances or len(observed.values) < 8 or plain.chance > _WELL:
         return plain
     best = _markov(observed, list(dict.fromkeys(["N", *plain.variances, "GM"])))
-    return best if best is not None and plain.unlikelihood - best.unlikelihood > _WORTH else plain
+    if best is None or best.unlikelihood > plain.unlikelihood:
+        return plain
+    if plain.unlikelihood - best.unlikelihood > _WORTH:
+        return best
+    wider = {
+        name: math.hypot(alone, best.variances.get(name, size) - size)
+        for (name, alone), size in zip(plain.u.items(), plain.variances.values(), strict=True)
+    }  # fmt: skip
+    return replace(plain, u=wider)
 
 
 def _markov(observed: Observed, names: list[str]) -> Fit | None:
