@@ -9,10 +9,13 @@ from simcompare import units
 from simcompare.hardware.sensors import noise_units
 from simcompare.reports.render import numbers
 from simcompare.reports.run.listing import joined
-from simcompare.results.records.allan import AgainstSheet, AxisNoise, Finding, NoiseAnalysis
+from simcompare.results.records.allan import AgainstSheet, AxisNoise, Finding, Match, NoiseAnalysis
 
 #: what a sensor with readings in a unit is called
 _SENSORS = {"m/s**2": "accelerometer", "rad/s": "gyroscope"}
+#: how much larger readings are in another unit that is often meant, and which
+_OTHER_UNITS = {"m/s**2": (1 / 9.80665, "g"), "rad/s": (180 / math.pi, "°/s")}
+_NEARLY = 0.1
 #: a ratio that is as good as 1: data sheets round
 _SAME = 0.15
 #: of faults that are told in sentences
@@ -98,42 +101,57 @@ def audit(found: NoiseAnalysis) -> list[str]:
 
 
 def _whose(found: NoiseAnalysis) -> list[str]:
-    said = []
+    """One sentence for all kinds of sensor."""
+    by_verdict: dict[str, list[str]] = {}
     for unit in by_unit(found):
         of = [one for one in found.matches if _SENSORS.get(unit) == one.part]
         fits = [one.sheet for one in of if one.fits]
-        if fits:
-            said.append(f"The noise of the {sensor(unit)} is that of {joined(fits)}.")
-        elif of:
-            near = f"it is {numbers.plain(of[0].ratio, 2)} times that of {of[0].sheet}, the nearest"
-            said.append(f"The noise of the {sensor(unit)} is that of no data sheet here; {near}.")
-    return said
+        if of:
+            verdict = f"that of {joined(fits)}" if fits else _none(unit, of)
+            by_verdict.setdefault(verdict, []).append(sensor(unit))
+    told = [f"the noise of the {joined(who)} is {what}" for what, who in by_verdict.items()]
+    return [f"T{'; '.join(told)[1:]}."] if told else []
+
+
+def _none(unit: str, of: Sequence[Match]) -> str:
+    """The nearest sheet, or one that fits if the unit of the readings is not the one it has."""
+    size, readings = _OTHER_UNITS[unit]
+    other = [one for one in of if abs(one.ratio / size - 1) < _NEARLY]
+    nearest = (other or of)[0]
+    why = f", as readings in {readings} have" if other else ", the nearest"
+    ratio = numbers.plain(nearest.ratio, 2)
+    return f"that of no data sheet here ({ratio} times that of {nearest.sheet}{why})"
 
 
 def _faults(found: NoiseAnalysis) -> list[str]:
     by_text: dict[str, list[Finding]] = {}
     for one in found.findings:
         if one.fault:
-            # a number in brackets is of one channel
+            # what is in brackets is of one channel
             by_text.setdefault(one.text.partition(" (")[0], []).append(one)
-    count = len(found.findings)
-    chance = "of 100 faultless streams 2 at most fail any"
+    count = f"{len(found.findings)} tests; of 100 faultless streams 2 at most fail any"
     if not by_text:
-        return [f"No fault is found in {count} tests ({chance})."]
+        return [f"No fault is found ({count})."]
     told = [_fault(text, ones) for text, ones in [*by_text.items()][:_TOLD]]
     more = len(by_text) - _TOLD
-    rest = f" And {more} more, in the table." if more > 0 else ""
-    return [f"Faults, in {count} tests ({chance}): {'; '.join(told)}.{rest}"]
+    rest = [f"{more} more are in the table."] if more > 0 else []
+    name = "Fault" if len(by_text) == 1 else f"{len(by_text)} faults"
+    return [f"{name}: {'; '.join(told)}.", *rest, f"Made: {count}."]
 
 
 def _fault(text: str, ones: Sequence[Finding]) -> str:
-    channels = [
-        " with ".join(map(short, one.channel.split(", "))) if one.test == "independent axes"
-        else ", ".join(map(short, one.channel.split(", ")))
-        for one in ones if one.channel
-    ]  # fmt: skip
-    where = f"{joined(channels)}: " if channels else ""
-    return f"{where}{text} ({chance_of(max(one.p for one in ones))})"
+    worst = max(ones, key=lambda one: one.p)
+    told = worst.text.partition(" (")[2].rstrip(")")
+    first = f"{_channels(worst)}: " if len(ones) > 1 else ""
+    seen = f"{first}{told}; " if told else ""
+    names = sorted(_channels(one) for one in ones if one.channel)
+    where = f"{joined(names)}: " if names else ""
+    return f"{where}{text} ({seen}test of {worst.test}, {chance_of(worst.p)})"
+
+
+def _channels(one: Finding) -> str:
+    names = map(short, one.channel.split(", "))
+    return (" with " if one.test == "independent axes" else ", ").join(names)
 
 
 def chance_of(p: float) -> str:
@@ -162,6 +180,8 @@ def stretch(found: NoiseAnalysis) -> str:
     match found.chosen:
         case "all":
             return f"Taken: the whole record, {size}; nothing moves in it."
+        case "whole":
+            return f"Taken: the whole record, {size}."
         case "still":
             return f"Taken: {part} {whole}, the longest stretch in which nothing moves; {size}."
         case "gap":
@@ -174,8 +194,8 @@ def _moving(found: NoiseAnalysis) -> list[str]:
         return []
     start, end = (numbers.plain(one, 4) for one in found.still_s)
     return [
-        "Something may move in this stretch, which then counts as noise; the longest still part of"
-        f" it is --from {start}s --until {end}s."
+        "Something may move in this stretch, or its mean wanders; both count as noise. The longest"
+        f" still part of it is --from {start}s --until {end}s."
     ]
 
 

@@ -25,7 +25,7 @@ def allan(
     start: str = typer.Option(
         None,
         "--from",
-        help="Where it begins, such as 5s; the longest still stretch if left out.",
+        help="Where it begins, such as 5s; the longest still stretch if left out, all in an audit.",
     ),
     until: str = typer.Option(None, help="Where the stretch ends."),
     mapping: Path = typer.Option(None, "--map", help="YAML file that says what the log cannot."),

@@ -1,7 +1,7 @@
 """Tests of whether a stream at rest can be the noise of a sensor at all.
 
 Each gives the chance of so extreme a stream without the fault. What moves slowly, such as a bias,
-is taken off first: every reading counts from the mean of its block of 32.
+is taken off first: readings count from the mean of their block of 32, or two by two.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from simcompare.model.trajectory import Array
-from simcompare.statistics.noise import correlation_length
+from simcompare.statistics.noise import autocovariance, correlation_length
 
 _BLOCK = 32
 #: lags below which filters correlate readings
 _NEAR = 64
 #: excess kurtosis of uniform numbers, and how near it is called so
-_UNIFORM, _NEARLY = -1.2, 0.25
+_UNIFORM, _NEARLY = -1.2, 0.4
 
 
 @dataclass(frozen=True)
@@ -52,24 +52,25 @@ def normal(values: Array) -> Told | None:
     """Whether the noise is normal, by skewness and kurtosis (D'Agostino and Pearson, 1973)."""
     from scipy import stats
 
-    white = _independent(values)
-    if len(white) < 100 or smallest_step(values) > white.std():
+    differences = _differences(values)
+    if len(differences) < 100 or smallest_step(values) >= differences.std():
         return None
-    p = float(stats.normaltest(white).pvalue)
-    excess = float(stats.kurtosis(white))
+    p = float(stats.normaltest(differences).pvalue)
+    excess = 2 * float(stats.kurtosis(differences))  # that of one reading
     if abs(excess - _UNIFORM) < _NEARLY:
         return Told(p, f"numbers are uniform, not normal (excess kurtosis {excess:.2f})")
     tails = "heavier" if excess > 0 else "lighter"
-    return Told(p, f"numbers are not normal: tails are {tails} (excess kurtosis {excess:.2f})")
+    return Told(p, f"numbers are not normal, tails are {tails} (excess kurtosis {excess:.2f})")
 
 
-def _independent(values: Array) -> Array:
-    """The white part, thinned where a filter correlates neighbours."""
-    white = white_part(values)
-    if not white.std() > 0:
-        return white[:0]
-    every = math.ceil(correlation_length(white[:4096]) - 0.2)
-    return white[:: max(1, every)]
+def _differences(values: Array) -> Array:
+    """Of pairs of readings, so far apart that no filter correlates them.
+
+    Normal where the noise is, also where a bias wanders; and independent of each other.
+    """
+    every = max(1, math.ceil(correlation_length(white_part(values)[:4096]) - 0.2))
+    thinned = values[::every]
+    return np.asarray(thinned[1::2] - thinned[: len(thinned) // 2 * 2 : 2])
 
 
 def repeated(values: Array) -> Told:
@@ -78,12 +79,10 @@ def repeated(values: Array) -> Told:
 
     white = white_part(values)
     white = white / (white.std() or 1.0)
-    size = 1 << (2 * len(white) - 1).bit_length()
-    power = np.abs(np.fft.rfft(white, size)) ** 2
     lags = np.arange(_NEAR, len(white) // 2)
     if not len(lags):
         return Told(1.0, "")
-    z = np.fft.irfft(power, size)[lags] / np.sqrt(len(white) - lags)
+    z = autocovariance(white)[lags] * len(white) / np.sqrt(len(white) - lags)
     best = int(np.argmax(z))
     # a filter makes correlations scatter more
     spread = math.sqrt(correlation_length(white[:4096]))

@@ -16,7 +16,7 @@ from simcompare.hardware.sensors import data_sheet, noise_units
 from simcompare.inference import sources
 from simcompare.model.recording import Recording
 from simcompare.model.trajectory import Array
-from simcompare.results.records.allan import AxisNoise, Forgetting, NoiseTerm
+from simcompare.results.records.allan import AxisNoise, NoiseTerm
 from simcompare.results.run_record import now, software
 from simcompare.statistics import allan as deviation
 from simcompare.statistics import allan_bounds, allan_terms
@@ -55,8 +55,8 @@ def allan(
             readings (n,) or (n, axes).
         channel: names, or how they begin, such as "acc"; all of accelerometer and gyroscope if
             left out.
-        start: where the stretch begins, such as "5s"; the longest still stretch if both are left
-            out.
+        start: where the stretch begins, such as "5s"; if both are left out, the longest still
+            stretch, or all of it for an audit.
         until: where it ends.
         mapping: YAML file that says what a log cannot.
         rate_Hz: readings in a second, where readings are given.
@@ -73,6 +73,8 @@ def allan(
         UnknownName: no such recording, channel or data sheet.
         InputError: a stretch that is too short or uneven, or readings without a rate.
     """
+    if audit and start is None and until is None:
+        start = 0.0  # a simulated sensor is at rest because its user says so
     stretch, source, title = taken(record, channel, start, until, mapping, rate_Hz, unit)
     held = None if sheet is None else data_sheet.load(sheet)
     allan_audit.checked_claims(claims or {})
@@ -82,7 +84,7 @@ def allan(
     axes = tuple(axis_of(name, stretch) for name in stretch.values)
     second = None
     if again is not None:
-        whole = taken(again, channel, None, None, mapping, again_rate_Hz or rate_Hz, unit)[0]
+        whole = taken(again, channel, 0.0, None, mapping, again_rate_Hz or rate_Hz, unit)[0]
         whole, _ = _loud(whole)
         second = (whole, [axis_of(name, whole) for name in whole.values])
     found = allan_audit.findings(stretch, axes, held, claims or {}, second, silent) if audit else ()
@@ -168,7 +170,7 @@ def axis_of(name: str, stretch: Stretch) -> AxisNoise:
         high=_row(bounds.high),
         noise_types=tuple(allan_bounds.NOISE_TYPES[a] for a in bounds.alpha.tolist()),
         terms=tuple(_term(term, unit) for term in terms.terms),
-        gauss_markov=_markov(terms.gauss_markov), fitted=_row(terms.total(found.tau_s)),
+        gauss_markov=terms.gauss_markov, fitted=_row(terms.total(found.tau_s)),
         chi_squared=terms.chi_squared, degrees_of_freedom=terms.degrees_of_freedom,
         from_s=terms.from_s, widened=terms.widened, best_tau_s=float(found.tau_s[best]),
         best=float(found.values[best]), still_falls=best >= len(found.values) - 2,
@@ -185,7 +187,3 @@ def _term(term: allan_terms.Term, unit: str) -> NoiseTerm:
     return NoiseTerm(
         term.name, value, u, term.limit, noise_units.si(term.name, unit), sheet_unit, size
     )  # fmt: skip
-
-
-def _markov(found: allan_terms.GaussMarkov | None) -> Forgetting | None:
-    return None if found is None else Forgetting(**vars(found))

@@ -11,6 +11,7 @@ import numpy as np
 
 from simcompare.errors import InputError, UnknownName
 from simcompare.hardware.sensors.data_sheet import DataSheet, Part
+from simcompare.model.trajectory import Array
 from simcompare.results.records.allan import AxisNoise, Finding, NoiseTerm
 from simcompare.statistics import allan_bounds, allan_covariance, noise_audit
 from simcompare.statistics.noise_audit import Told
@@ -25,6 +26,8 @@ CLAIMS = {
     "bias_time": "its correlation time, in s",
 }
 _GRAVITY, _ACCELERATION = 9.80665, "m/s**2"
+#: a mean of that size, but for offsets, is one of 1 g; and counts are alike to so much
+_NEARLY_ONE, _ALIKE = 0.2, 0.05
 
 
 def findings(
@@ -89,7 +92,9 @@ def _gravity(stretch: Stretch, u: float) -> Iterator[Finding]:
     ]  # fmt: skip
     if len(means) == 3:
         size = math.sqrt(sum(mean * mean for mean in means))
-        text = f"gravity is missing: at rest the size of the specific force is {size:.2g} m/s²"
+        text = f"gravity is missing (at rest the size of the specific force is {size:.2g} m/s²)"
+        if abs(size - 1) < _NEARLY_ONE:
+            text = f"readings are in g, not in m/s² (at rest their size is {size:.3g})"
         p = 2 * float(stats.norm.sf(abs(size - _GRAVITY) / (2 * u)))
         # a sensor that is badly calibrated is none without gravity
         yield Finding("gravity", "", False, p if size < _GRAVITY / 2 else 1.0, text)
@@ -102,36 +107,53 @@ def _beside(stretch: Stretch, sheet: DataSheet) -> Iterator[Finding]:
         names = [name for name in stretch.values if stretch.units[name] == unit]
         if part is None:
             continue
-        device = part.typical()
         for name in names:
-            values = stretch.values[name]
-            step = noise_audit.smallest_step(values)
-            if device.resolution > 0:
-                text = f"readings are not quantised; {sheet.name} gives whole counts"
-                yield Finding("quantisation", name, False, 1.0 if step > 0 else 0.0, text)
-            beyond = float(np.abs(values).max()) > 1.001 * device.full_scale
-            text = f"readings go beyond the range of {sheet.name}; nothing saturates"
-            yield Finding("saturation", name, False, 0.0 if beyond else 1.0, text)
-        yield from _offset(stretch, names, part, sheet.name)
+            yield from _ranges(name, stretch.values[name], part)
+        yield from _offset(stretch, names, part)
 
 
-def _offset(stretch: Stretch, names: Sequence[str], part: Part, sheet: str) -> Iterator[Finding]:
-    """Whether a bias was ever added: all means as near 0 as chance hardly brings offsets."""
-    if part.unit == _ACCELERATION:
-        return  # means are those of gravity
-    sizes = [e.distribution.u for e in part.terms.values() if e.term == "offset" and e.used]
-    if not sizes:
-        return
-    near = []
-    for name in names:
-        values = stretch.values[name]
-        limit = max(abs(float(values.mean())), 3 * float(values.std()) / math.sqrt(len(values)))
-        near.append(math.erf(limit / (min(sizes) * math.sqrt(2))))
-    # the product of as many uniform numbers (R. A. Fisher, 1932)
+def _ranges(name: str, values: Array, part: Part) -> Iterator[Finding]:
+    """Whether readings are whole counts of one of the ranges, and stay inside it."""
+    step = noise_audit.smallest_step(values)
+    counts = sorted(one.count for one in part.ranges.values() if one.count > 0)
+    alike = [
+        one for one in part.ranges.values() if one.count and abs(step / one.count - 1) < _ALIKE
+    ]
+    if counts:
+        text = f"readings are not quantised; {part.sheet} gives whole counts"
+        if step > 0:
+            text = f"readings have other counts than {part.sheet}"
+            text += f" (steps of {step:.3g}; the finest range has {counts[0]:.3g})"
+        yield Finding("quantisation", name, False, 1.0 if alike else 0.0, text)
+    full_scale = max(one.full_scale for one in alike or part.ranges.values())
+    beyond = float(np.abs(values).max()) > 1.001 * full_scale
+    text = f"readings go beyond the range of {part.sheet}; nothing saturates"
+    yield Finding("saturation", name, False, 0.0 if beyond else 1.0, text)
+
+
+def _offset(stretch: Stretch, names: Sequence[str], part: Part) -> Iterator[Finding]:
+    """Whether a bias was ever added: means as near to those of no bias as chance hardly brings.
+
+    An accelerometer without one that stands upright reads gravity on one axis and 0 on the others.
+    """
     from scipy import stats
 
+    sizes = [e.distribution.u for e in part.terms.values() if e.term == "offset" and e.used]
+    if not sizes or (part.unit == _ACCELERATION and len(names) < 3):
+        return
+    means = np.array([stretch.values[name].mean() for name in names])
+    if part.unit == _ACCELERATION:
+        up = int(np.argmax(np.abs(means)))
+        means[up] -= math.copysign(_GRAVITY, means[up])
+    near = []
+    for name, mean in zip(names, means.tolist(), strict=True):
+        values = stretch.values[name]
+        limit = max(abs(mean), 3 * float(values.std()) / math.sqrt(len(values)))
+        near.append(math.erf(limit / (min(sizes) * math.sqrt(2))))
+    # the product of as many uniform numbers (R. A. Fisher, 1932)
     p = float(stats.combine_pvalues(near).pvalue)
-    text = f"no bias is added: all means are 0, where {sheet} has offsets"
+    what = "0 or gravity" if part.unit == _ACCELERATION else "0"
+    text = f"no bias is added, where {part.sheet} has offsets (all means are {what})"
     yield Finding("offset", ", ".join(names), False, p, text)
 
 
@@ -146,9 +168,13 @@ def _claimed(axes: Sequence[AxisNoise], claims: Mapping[str, float]) -> Iterator
 
 def _density(axis: AxisNoise, white: NoiseTerm, claimed: float) -> Finding:
     if white.value is None or white.u is None:
-        return Finding("claimed density", axis.channel, False, 0.0, "there is no white noise")
+        text = f"there is less white noise than is claimed (below {2**0.5 * white.limit:.3g})"
+        # half of a normal distribution, of which the limit is the 95 % quantile of one side
+        z = 1.645 * claimed / (2**0.5 * white.limit)
+        return Finding("claimed density", axis.channel, False, _chance(z), text)
     found = 2**0.5 * white.value
-    text = f"noise density is {found / claimed:.3g} times the one that is claimed"
+    text = f"there is {_more(found, claimed)} white noise than is claimed"
+    text += f" ({found / claimed:.3g} times its density)"
     return Finding("claimed density", axis.channel, False,
                    _chance((found - claimed) / (2**0.5 * white.u)), text)  # fmt: skip
 
@@ -158,10 +184,13 @@ def _process(axis: AxisNoise, sigma: float, time_s: float) -> Iterator[Finding]:
     seen = axis.gauss_markov
     if seen is not None and math.isfinite(seen.u_time_s):
         z = math.log(seen.time_s / time_s) * seen.time_s / seen.u_time_s
-        text = f"the bias forgets in {seen.time_s:.3g} s, claimed are {time_s:g} s"
+        than = "longer" if seen.time_s > time_s else "shorter"
+        text = f"the bias has a {than} correlation time than is claimed"
+        text += f" ({seen.time_s:.3g} s instead of {time_s:g} s)"
         yield Finding("claimed bias time", axis.channel, False, _chance(z), text)
         z = math.log(seen.sigma / sigma) * seen.sigma / seen.u_sigma
-        text = f"the bias wanders by {seen.sigma / sigma:.3g} times what is claimed"
+        text = f"the bias wanders by {_more(seen.sigma, sigma)} than is claimed"
+        text += f" ({seen.sigma / sigma:.3g} times)"
         yield Finding("claimed bias size", axis.channel, False, _chance(z), text)
     else:
         yield _unseen(axis, sigma, time_s)
@@ -182,7 +211,7 @@ def _unseen(axis: AxisNoise, sigma: float, time_s: float) -> Finding:
     ])  # fmt: skip
     rows = np.atleast_1d(stats.chi2.cdf(freedom * observed / expected, freedom))
     p = min(1.0, len(rows) * float(rows.min()))
-    text = f"no bias process of {sigma:.3g} with {time_s:g} s is seen; it should be"
+    text = f"the bias process that is claimed is not seen ({sigma:.3g} with {time_s:g} s)"
     return Finding("claimed bias", axis.channel, False, p, text)
 
 
@@ -211,10 +240,15 @@ def _scaling(one: AxisNoise, other: AxisNoise, rates: float) -> Finding:
     log = math.log(a.value / b.value)
     z = log / math.hypot(a.u / a.value, b.u / b.value)
     per_sample = abs(log + 0.5 * math.log(rates)) < abs(log) / 3
-    text = f"noise density changes by {math.exp(abs(log)):.3g} times with the rate"
+    text = "noise density changes with the rate"
     if per_sample:
-        text += "; the same standard deviation is added to each reading at any rate"
+        text = "the same standard deviation is added to each reading at any rate"
+    text += f" (the density changes {math.exp(abs(log)):.3g} times)"
     return Finding("noise knows the rate", one.channel, False, _chance(z), text)
+
+
+def _more(found: float, claimed: float) -> str:
+    return "more" if found > claimed else "less"
 
 
 def _chance(z: float) -> float:

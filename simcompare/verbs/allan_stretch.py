@@ -33,7 +33,7 @@ class Stretch:
         rate_Hz: readings in a second.
         start_s: where it begins [s].
         length_s: of the whole record [s].
-        chosen: "given", "still" or "all"; "gap" where a gap cut it short.
+        chosen: "given", "whole", "still" or "all"; "gap" where a gap cut it short.
         still_s: the still part of a stretch that is given and in which something may move.
     """
 
@@ -95,7 +95,8 @@ def of_values(
     pieces = list(_pieces(table, gaps, low, high))
     if given:
         found = max(pieces, key=lambda one: one[1] - one[0], default=(low, low))
-        chosen = "given" if found == (low, high) else "gap"
+        whole = "whole" if found == (0, len(table)) else "given"
+        chosen = whole if found == (low, high) else "gap"
     else:
         found = _stillest(table, time_s, pieces)
         chosen = "all" if found == (0, len(table)) else "still"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from simcompare.results.records.run import Software
+from simcompare.statistics.allan_terms import GaussMarkov
 
 
 @dataclass(frozen=True)
@@ -28,23 +29,6 @@ class NoiseTerm:
     unit: str
     sheet_unit: str
     sheet_size: float
-
-
-@dataclass(frozen=True)
-class Forgetting:
-    """A first-order Gauss-Markov noise.
-
-    Attributes:
-        sigma: standard deviation, in the unit of the readings.
-        u_sigma: its standard uncertainty.
-        time_s: correlation time [s].
-        u_time_s: its standard uncertainty [s].
-    """
-
-    sigma: float
-    u_sigma: float
-    time_s: float
-    u_time_s: float
 
 
 @dataclass(frozen=True)
@@ -83,7 +67,7 @@ class AxisNoise:
     high: tuple[float, ...]
     noise_types: tuple[str, ...]
     terms: tuple[NoiseTerm, ...]
-    gauss_markov: Forgetting | None
+    gauss_markov: GaussMarkov | None
     fitted: tuple[float, ...]
     chi_squared: float
     degrees_of_freedom: int
@@ -132,7 +116,7 @@ class Finding:
         channel: of which channel; empty for several.
         fault: whether the stream fails it.
         p: chance of so extreme a stream without the fault; 0 where it is impossible.
-        text: what was found, in a sentence.
+        text: what was found, in a sentence; what is in brackets is of this channel.
     """
 
     test: str
@@ -171,7 +155,8 @@ class NoiseAnalysis:
         start_s: where the stretch begins [s].
         end_s: where it ends [s].
         length_s: of the whole record [s].
-        chosen: "given" by the user, "still" where it is the longest still stretch, "all".
+        chosen: "given" by the user, "still" where it is the longest still stretch, "all" where
+            that is the whole record, "whole" where the whole record is asked for, "gap".
         still_s: the still part, where something may move in the stretch that was given [s].
         axes: the channels.
         silent: channels whose readings are all the same.
