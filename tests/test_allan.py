@@ -57,12 +57,6 @@ def test_octaves_go_as_far_as_the_record() -> None:
     assert allan.octaves(3, "ohdev") == [1]
 
 
-def test_every_averaging_time_can_be_had() -> None:
-    found = allan.deviations(thousand_points()[:30], 10.0, m="all")
-    assert found.m.tolist() == list(range(1, 16))
-    assert found.tau_s == pytest.approx(found.m / 10)
-
-
 def test_missing_values_are_refused() -> None:
     with pytest.raises(InputError, match="2 of 9 are missing"):
         allan.deviations([1, 2, np.nan, 3, 4, np.nan, 5, 6, 7])

@@ -70,7 +70,7 @@ def deviations(
     rates: ArrayLike,
     rate_Hz: float = 1.0,
     kind: Kind = "oadev",
-    m: Sequence[int] | Literal["octaves", "all"] = "octaves",
+    m: Sequence[int] | None = None,
 ) -> Deviations:
     """A deviation of a record of rates at averaging factors.
 
@@ -78,7 +78,7 @@ def deviations(
         rates: evenly spaced readings (n,).
         rate_Hz: how many there are in a second.
         kind: which deviation.
-        m: averaging factors, in samples.
+        m: averaging factors, in samples; octaves if left out.
 
     Raises:
         InputError: values that are missing, or a record that is too short.
@@ -90,7 +90,7 @@ def of_phase(
     phase: ArrayLike,
     interval_s: float = 1.0,
     kind: Kind = "oadev",
-    m: Sequence[int] | Literal["octaves", "all"] = "octaves",
+    m: Sequence[int] | None = None,
 ) -> Deviations:
     """A deviation of a record of phases; see :func:`deviations`."""
     x = _finite(phase)
@@ -105,14 +105,8 @@ def of_phase(
     )  # fmt: skip
 
 
-def _factors(
-    phases: int, kind: Kind, m: Sequence[int] | Literal["octaves", "all"]
-) -> Sequence[int]:
-    if isinstance(m, str):
-        every = octaves(phases - 1, kind) if m == "octaves" else range(1, phases)
-        factors = [one for one in every if _room(phases, one, kind) >= 1]
-    else:
-        factors = [int(one) for one in m]
+def _factors(phases: int, kind: Kind, m: Sequence[int] | None) -> Sequence[int]:
+    factors = octaves(phases - 1, kind) if m is None else [int(one) for one in m]
     wrong = [one for one in factors if one < 1 or _room(phases, one, kind) < 1]
     if wrong or not factors:
         least = (wrong or [1])[0]
