@@ -61,9 +61,9 @@ def test_bounds_hold_the_truth_in_95_of_100_records(noise: str) -> None:
     truth, inside = np.array(TRUTH[noise]), np.zeros(2)
     for _ in range(500):
         rates = NOISES[noise][1](draw)
-        found = allan.deviations(rates, m=(1, 2, 4, 8, 16, 32, 64))
+        found = allan.deviations(rates, m=(1, 8, 64))
         bounds = allan_bounds.bounds(found, allan.phase_of(rates))
-        inside += (bounds.low[[3, 6]] <= truth) & (truth <= bounds.high[[3, 6]])
+        inside += (bounds.low[1:] <= truth) & (truth <= bounds.high[1:])
     # four standard deviations of a share of 500
     assert inside / 500 == pytest.approx([0.95, 0.95], abs=0.04)
 

@@ -41,6 +41,14 @@ def test_gauss_markov_noise_is_recovered() -> None:
     assert found.u_time_s < 0.15
 
 
+def test_a_noise_that_the_last_fit_sets_to_zero_is_left_out() -> None:
+    draw = np.random.default_rng(19)
+    rates = draw.normal(size=10_000) + noise_records.gauss_markov(draw, 10_000, 100.0, 0.2)
+    terms = allan_terms.fitted(rates, 100.0)
+    assert {term.name for term in terms.terms if term.seen} == {"N"}
+    assert terms["N"].value == pytest.approx(0.1, abs=4 * terms["N"].u)
+
+
 def test_white_noise_that_overlaps_with_a_bias_is_known_less_well() -> None:
     """Whether the bias is flicker or Gauss-Markov cannot be told, and N hangs on that."""
     draw = np.random.default_rng(6)
