@@ -146,7 +146,7 @@ def _fault(text: str, ones: Sequence[Finding]) -> str:
     seen = f"{first}{told}; " if told else ""
     names = sorted(_channels(one) for one in ones if one.channel)
     where = f"{joined(names)}: " if names else ""
-    return f"{where}{text} ({seen}test of {worst.test}, {chance_of(worst.p)})"
+    return f"{where}{text} ({seen}test “{worst.test}”, {chance_of(worst.p)})"
 
 
 def _channels(one: Finding) -> str:
