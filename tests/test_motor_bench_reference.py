@@ -233,6 +233,19 @@ def test_timing_is_the_better_one_at_low_speed():
     assert len(found.series["gate_time"]) == 10
 
 
+def test_a_shaft_that_stands_still_before_it_turns_is_timed_all_the_same():
+    t = np.arange(1001) * 0.001
+    angle = np.maximum(0.0, 50.0 * (t - 0.002))
+    request = Request(
+        Probe(observe="m", label="m", unit="1"),
+        {"angle": Probe(observe="a", label="a", unit="rad")},
+        {"marks": 20, "gate_s": 0.1, "tick_s": 1e-6},
+    )
+    signals = {"m": np.floor(angle * 20 / (2 * math.pi)), "a": angle}
+    found = encoder_speed.measure(Trajectory("made", t, signals), request)
+    assert found.values["largest_timing_error"] <= 1.01 * encoder.period_resolution(20, 1e-6, 50.0)
+
+
 def test_a_shaft_that_turns_back_cannot_be_timed():
     t = np.arange(1001) * 0.001
     angle = np.sin(10 * t)

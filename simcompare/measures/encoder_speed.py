@@ -92,7 +92,8 @@ def _timed(
 ) -> tuple[Array, Array, Array]:
     """Where a period can be timed: its gate's middle, the speed on the clock, the exact one."""
     marks, tick_s = clock
-    if np.any(np.diff(angle) <= 0):  # a mark may pass twice, and does not tell which way
+    # where it turns back a mark may pass twice, and does not tell which way
+    if np.any(np.diff(angle) < 0):
         return np.zeros(0), np.zeros(0), np.zeros(0)
     numbers = np.floor(np.interp(middle, time_s, angle) * marks / (2 * math.pi))
     inside = (numbers + 1) * 2 * math.pi / marks <= angle[-1]
