@@ -90,7 +90,7 @@ def test_many_steps_are_a_range_and_up_to_which_they_are_right():
     assert first.startswith("By default the ball stays on the floor in all 20 cases")
     assert second == (
         "Tuned, the restitution is 0.800 to 0.900, right up to 0.5 ms (closed form 0.8);"
-        " but the settling time is off in all 20."
+        " but the settling time is unmeasured in all 20."
     )
     run = many_steps(tuned=wrong, assisted=[0.9, *wrong[1:]])
     assert short(run)[1].startswith("Assisted, 0.800 to 0.900, right in 4 of 20")

@@ -206,8 +206,8 @@ def test_nothing_measured_says_so():
 def test_what_was_missed_is_named_measure_by_measure_and_the_farthest_with_its_size():
     run = answered(level("assisted", north=0.801, south=0.9))
     assert remarks.remarks(run)[-1] == (
-        "Assisted, too far off: settling time in north and south; restitution in south"
-        " (the farthest: off by 0.1000 ± 0.0010, 12 times the tolerance)."
+        "Assisted, too far off: restitution in south (the farthest: off by 0.1000 ± 0.0010,"
+        " 12 times the tolerance); settling time could not be measured in north and south."
     )
 
 

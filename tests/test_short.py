@@ -96,7 +96,9 @@ def test_engines_that_are_off_are_named_with_what_they_have():
 def test_other_measures_that_fail_are_said_where_the_leading_one_passes():
     run = answered(level("assisted", north=0.8, south=0.8))
     (sentence,) = short(run)
-    assert sentence.endswith("in north and south; but the settling time is off in north and south.")
+    assert sentence.endswith(
+        "in north and south; but the settling time is unmeasured in north and south."
+    )
 
 
 def test_repeats_that_differ_are_told_by_their_ends():
@@ -145,7 +147,7 @@ def test_key_numbers_are_one_for_each_level_and_the_truth():
 
 def test_a_key_number_counts_what_else_is_off():
     (number, _) = key_numbers(answered(level("assisted", north=0.8)))
-    assert number.note == "1 of 1 within ±0.008; 1 other value is off"
+    assert number.note == "1 of 1 within ±0.008; 1 other value is unmeasured"
     assert number.verdict == "fail"
 
 
@@ -157,6 +159,24 @@ def test_the_value_that_is_farthest_off_is_told_beside_its_truth():
         for s in run.record.scores
     ))  # fmt: skip
     assert "settling time is off in north and south (5.0 s instead of 4 s)" in short(run)[0]
+
+
+@pytest.mark.parametrize(
+    ("times", "told"),
+    [
+        ({"a": None, "b": 4.0}, "but the settling time is unmeasured in a"),
+        ({"a": None, "b": 5.0}, "but the settling time is off or unmeasured in a and b"),
+    ],
+)
+def test_what_has_no_value_is_not_called_off(times, told):
+    run = answered(level("assisted", a=0.8, b=0.8))
+    run = records.changed(run, scores=tuple(
+        replace(s, value=times[s.source], verdict="pass" if times[s.source] == 4.0 else "fail")
+        if s.measure == "settling_time" else s
+        for s in run.record.scores
+    ))  # fmt: skip
+    assert told in short(run)[0]
+    assert told.split("time ")[1].split(" in")[0] in key_numbers(run)[0].note
 
 
 @pytest.mark.engines("box2d", "pymunk")
@@ -208,7 +228,7 @@ def test_an_error_that_is_too_large_is_told_beside_its_tolerance():
 def test_an_engine_at_several_steps_is_counted_as_several_cases():
     values = {f"{engine}@{at}ms": 0.8 for engine in ("north", "south") for at in (1, 2)}
     run = answered(level("assisted", **values))
-    assert "settling time is off in all 4 cases" in short(run)[0]
+    assert "settling time is unmeasured in all 4 cases" in short(run)[0]
     run = met(answered(level("default", **values), truth=None))
     assert key_numbers(run)[0].note == "4 of 4 cases"
 
@@ -227,8 +247,8 @@ def test_what_else_is_off_is_counted_in_all_engines_in_words_and_numbers_alike()
                if s.measure == "settling_time" and s.source != "d" else s
                for s in run.record.scores]  # fmt: skip
     run = records.changed(run, scores=tuple(on_time))
-    assert "; but the settling time is off in d" in short(run)[0]
-    assert key_numbers(run)[0].note == "3 of 4 within ±0.008; 1 other value is off"
+    assert "; but the settling time is unmeasured in d" in short(run)[0]
+    assert key_numbers(run)[0].note == "3 of 4 within ±0.008; 1 other value is unmeasured"
 
 
 def test_what_else_is_off_is_said_where_the_leading_measure_has_no_value():
@@ -236,5 +256,5 @@ def test_what_else_is_off_is_said_where_the_leading_measure_has_no_value():
     run = changed(run, "b", value=None, low=None, high=None)
     assert short(run) == (
         "Tuned, the restitution could not be measured in a and b;"
-        " but the settling time is off in a and b.",
+        " but the settling time is unmeasured in a and b.",
     )

@@ -12,7 +12,7 @@ from simcompare.reports.run import runs
 from simcompare.reports.run.lead import MIXED, NOTHING, WITHIN, Lead, Row, lead_of
 from simcompare.reports.run.lead_rows import rows_of
 from simcompare.reports.run.listing import in_how_many, noun
-from simcompare.reports.run.misses import misses_of
+from simcompare.reports.run.misses import fate, misses_of
 from simcompare.reports.run.templates import template_of
 from simcompare.results.run import Run
 
@@ -50,7 +50,9 @@ def _note(run: Run, lead: Lead, mode: str, rows: Sequence[Row]) -> str:
     misses = [] if mode in SHOWN_LEVELS else misses_of(run, lead, mode, names)
     if not misses:
         return note
-    return f"{note}; {len(misses)} other value{' is' if len(misses) == 1 else 's are'} off"
+    several = len(misses) > 1
+    others = f"{len(misses)} other value{'s' if several else ''}"
+    return f"{note}; {others} {fate(misses, several=several)}"
 
 
 def _count(run: Run, lead: Lead, rows: Sequence[Row]) -> str:

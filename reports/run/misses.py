@@ -32,6 +32,18 @@ class Miss:
         """Of the engines."""
         return [score.source for score in self.scores]
 
+    @property
+    def known(self) -> list[bool]:
+        """Of each engine whether it has a value, which is then off."""
+        return [score.value is not None for score in self.scores]
+
+
+def fate(misses: Sequence[Miss], *, several: bool) -> str:
+    """What is wrong with misses, as the end of a sentence: they are off, or have no value."""
+    known = [value for miss in misses for value in miss.known]
+    words = "off" if all(known) else "off or unmeasured" if any(known) else "unmeasured"
+    return f"{'are' if several else 'is'} {words}"
+
 
 def misses_of(run: Run, lead: Lead, mode: str, names: Sequence[str]) -> list[Miss]:
     """Measures other than the leading one that some of the engines miss at a level."""
@@ -62,17 +74,20 @@ def said(
         value: whether the farthest value is told as well.
     """
     several = len(misses) > 1
-    count = f"{len(misses)} other value{'s' if several else ''}"
+    count, wrong = (
+        f"{len(misses)} other value{'s' if several else ''}",
+        fate(misses, several=several),
+    )
     if not named:
-        return f"but {count} {'are' if several else 'is'} off"
+        return f"but {count} {wrong}"
     far = max(misses, key=lambda miss: max(_share(run, score) for score in miss.scores))
     names = list(dict.fromkeys(name for miss in misses for name in miss.names))
     where = f"in {joined(names)}" if len(names) <= _NAMED else in_how_many(names, every)
     words = f"the {runs.measure_words(far.measure)}"
     told = _farthest(run, far) if value else ""
     if not several:
-        return f"but {words} is off {where}{told}"
-    return f"but {count} are off {where}" + (f", most of all {words}{told}" if value else "")
+        return f"but {words} {wrong} {where}{told}"
+    return f"but {count} {wrong} {where}" + (f", most of all {words}{told}" if value else "")
 
 
 def _farthest(run: Run, miss: Miss) -> str:

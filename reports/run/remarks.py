@@ -81,30 +81,48 @@ def _missed(run: Run, mode: str) -> str:
     every, judged = runs.ran(run, mode), runs.judged(run)
     if not every or not judged:
         return ""
-    unmeasured = {name: lost for name in every if (lost := _unmeasured(run, name, mode))}
-    complete = [name for name in every if name not in unmeasured]
-    failed = {m: tuple(n for n in every if _failed(run, n, mode, m)) for m in judged}
-    by_names = grouped((names, measure) for measure, names in failed.items() if names)
+    unmeasured = {name: left for name in every if (left := _unmeasured(run, name, mode))}
+    off, lost = (
+        _by_names(run, mode, every, known=True), _by_names(run, mode, every, known=False)
+    )  # fmt: skip
+    without = {*unmeasured, *(name for names in lost for name in names)}
+    complete = [name for name in every if name not in without]
     far = _farthest(run, mode)
-    phrases = [
-        _off(run, measures, names, every, far)
-        for names, measures in sorted(by_names.items(), key=lambda item: -len(item[0]))
-    ]
+    phrases = [_off(run, measures, names, every, far) for names, measures in off.items()]
     if phrases:
         phrases = [f"too far off: {'; '.join(phrases)}"]
     elif complete:
         all_are = _ALL.get(len(judged), f"all {len(judged)} judged values are")
         phrases = [f"{all_are} right in {engines(complete, every)}"]
-    phrases += [_met(run, name, mode, lost) for name, lost in unmeasured.items()]
+    phrases += [
+        f"{_words(run, measures)} could not be measured in {engines(names, every)}"
+        for names, measures in lost.items()
+    ]
+    phrases += [_met(run, name, mode, left) for name, left in unmeasured.items()]
     return "; ".join(phrases)
+
+
+def _by_names(
+    run: Run, mode: str, every: Sequence[str], *, known: bool
+) -> dict[tuple[str, ...], list[str]]:
+    """Measures by the engines that miss them, most engines first: off, or without a value."""
+    missed = {
+        m: tuple(n for n in every if _failed(run, n, mode, m, known=known))
+        for m in runs.judged(run)
+    }
+    by_names = grouped((names, measure) for measure, names in missed.items() if names)
+    return dict(sorted(by_names.items(), key=lambda item: -len(item[0])))
+
+
+def _words(run: Run, measures: Sequence[str]) -> str:
+    return joined([runs.measure_words(measure) for measure in measures])
 
 
 def _off(
     run: Run, measures: Sequence[str], names: Sequence[str], every: Sequence[str], far: Score | None
 ) -> str:
     """Measures that the same engines miss, and the farthest value where it is among them."""
-    words = joined([runs.measure_words(measure) for measure in measures])
-    text = f"{words} in {engines(names, every)}"
+    text = f"{_words(run, measures)} in {engines(names, every)}"
     if far is None or far.measure not in measures or far.source not in names:
         return text
     off = numbers.with_u(
@@ -117,9 +135,9 @@ def _off(
     return f"{text} ({told})"
 
 
-def _failed(run: Run, name: str, mode: str, measure: str) -> bool:
+def _failed(run: Run, name: str, mode: str, measure: str, *, known: bool) -> bool:
     score = runs.score_of(run, name, mode, measure)
-    return score is not None and score.verdict == FAIL
+    return score is not None and score.verdict == FAIL and (score.value is not None) == known
 
 
 def _unmeasured(run: Run, name: str, mode: str) -> list[Score | None]:
