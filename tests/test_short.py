@@ -220,9 +220,16 @@ def test_where_the_leading_measure_has_no_value_the_first_judged_one_leads():
     assert (tuned.note, tuned.verdict) == ("0 of 2 within ±0.1 s", "fail")
 
 
+def test_a_value_beside_a_wide_tolerance_keeps_two_digits():
+    tolerances = {"restitution": {"relative": None, "absolute": 0.0014, "reason": "Because of it."}}
+    for value, told in ((0.0003, "0.0003"), (0.012, "0.012"), (0.0047, "0.0047")):
+        run = make_run(level("tuned", a=value), truth=value, tolerances=tolerances)
+        assert short(run) == (f"Tuned, the restitution is {told} in a.",)
+
+
 def test_an_error_that_is_too_large_is_told_beside_its_tolerance():
     run = unmeasured({"north": 0.3, "south": 0.8}, 0.0)
-    assert "the settling time is 0.3 to 0.8 s (tolerance 0.1 s) in north" in " ".join(short(run))
+    assert "the settling time is 0.30 to 0.80 s (tolerance 0.1 s) in north" in " ".join(short(run))
 
 
 def test_an_engine_at_several_steps_is_counted_as_several_cases():

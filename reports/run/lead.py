@@ -19,6 +19,8 @@ WITHIN, OUTSIDE, NOTHING, UNJUDGED = "within", "outside", "nothing", "unjudged"
 MIXED, UNMEASURED = "mixed", "unmeasured"
 #: so many more digits are tried to show that a value is outside
 _MORE = 2
+#: the least whole number that has two digits
+_TWO_DIGITS = 10
 #: part of the largest value below which another is no more than rounding
 _ROUNDING = 1e-9
 #: what rounding leaves of a part of a tolerance
@@ -155,12 +157,19 @@ class Lead:
         if places is None and low == high:
             u = max(scatters, default=None)
             return numbers.with_u(low, u, self.unit, self.truth, 4)
+        more += self._is_coarse(max(map(abs, values)), places)
         ends = dict.fromkeys(_digits(value, places, more) for value in (low, high))
         if len(ends) == 1:
             ends = dict.fromkeys(map(_without_zeros, ends))
         return self._with_scatter(
             [*ends], dict.fromkeys(_digits(u, places, more, 2) for u in sorted(scatters))
         )
+
+    def _is_coarse(self, largest: float, places: int | None) -> bool:
+        """Whether one digit at most is left of a value of which the table shows more."""
+        if places is None or self.decimals is None or self.decimals <= places:
+            return False
+        return 0 < largest and round(largest * 10.0**places) < _TWO_DIGITS
 
     def _with_scatter(self, ends: Sequence[str], scatters: Iterable[str]) -> str:
         """One value or a range, and the largest of the scatters, where it is to be seen."""
