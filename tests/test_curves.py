@@ -169,5 +169,5 @@ def test_a_truth_of_zero_is_an_error_to_keep_small():
     sources = [("north", "default", 0.002), ("south", "default", 0.02)]
     run = make_run(sources, truth=0.0, tolerances=tolerances)
     assert answer.sentences(run)[0] == (
-        "By default the restitution is 0.002 in north; too far off: 0.02 in south."
+        "By default the restitution is 0.002 in north; too far off: 0.020 ± 0.001 in south."
     )

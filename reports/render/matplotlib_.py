@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import io
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -37,6 +38,9 @@ _WIDTH, _SINGLE_WIDTH, _HEIGHT = 7.2, 5.0, 3.1
 _PLAIN = (-3, 6)
 #: numbers along an axis: a single one tells no scale
 _LEAST_TICKS = 3
+#: numbers along a logarithmic axis that do not touch, and which of each power of ten they are
+_MOST_ALONG, _MOST_UP = 8, 12
+_PLACES = ((1.0, 2.0, 5.0), (1.0, 3.0), (1.0,))
 #: from pixels on a screen to points on paper
 _SCALE = 0.55
 #: size of a legend entry of 8 points without its text, and of a letter of it
@@ -191,7 +195,7 @@ def _columns(page: Any, labels: Iterable[str]) -> int:  # noqa: ANN401
 def _frame(
     axes: Axes, panel: Panel, y_range: tuple[float, float] | None, *, labelled: bool
 ) -> None:
-    from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
+    from matplotlib.ticker import MaxNLocator
 
     axes.set_title(plain(panel.title), fontweight="bold")
     axes.set_xlabel(plain(panel.x_label))
@@ -199,7 +203,7 @@ def _frame(
         axes.set_ylabel(plain(panel.y_label))
     if panel.log_y:
         axes.set_yscale("log")
-        axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        _numbers(axes.yaxis, _MOST_UP)
     elif (
         panel.y_ticks is None
     ):  # whole numbers where they read well, not differences from a number in a corner
@@ -207,9 +211,7 @@ def _frame(
         axes.locator_params(axis="y", min_n_ticks=_LEAST_TICKS)
     if panel.log_x:
         axes.set_xscale("log")
-        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-        axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-        axes.xaxis.set_minor_formatter(NullFormatter())
+        _numbers(axes.xaxis, _MOST_ALONG)
     elif panel.x_ticks is None:  # the same below the axes
         axes.ticklabel_format(axis="x", useOffset=False, scilimits=_PLAIN)
         axes.locator_params(axis="x", min_n_ticks=_LEAST_TICKS)
@@ -222,6 +224,18 @@ def _frame(
         axes.set_xlim(*panel.x_range)
     for note in panel.notes:
         _note(axes, note)
+
+
+def _numbers(axis: Any, most: int) -> None:  # noqa: ANN401
+    """Numbers along a logarithmic axis: 1, 2 and 5 of each power of ten, or the powers alone."""
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+    low, high = axis.get_view_interval()
+    powers = math.log10(high / low) if low > 0 else 1.0  # an empty axis begins at 0
+    places = next((one for one in _PLACES if powers * len(one) <= most), (1.0,))
+    axis.set_major_locator(LogLocator(subs=places, numticks=most))
+    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _names(axes: Axes, panel: Panel) -> None:

@@ -169,7 +169,7 @@ class Lead:
         """Whether one digit at most is left of a value of which the table shows more."""
         if places is None or self.decimals is None or self.decimals <= places:
             return False
-        return 0 < largest and round(largest * 10.0**places) < _TWO_DIGITS
+        return largest > 0 and round(largest * 10.0**places) < _TWO_DIGITS
 
     def _with_scatter(self, ends: Sequence[str], scatters: Iterable[str]) -> str:
         """One value or a range, and the largest of the scatters, where it is to be seen."""
