@@ -1,6 +1,7 @@
 """Figures: thinning, energy from positions, and the two renderers."""
 
 import base64
+import itertools
 import json
 import math
 
@@ -419,3 +420,25 @@ def test_a_taller_figure_is_taller():
     tall = Figure(tall.name, tall.title, tall.caption, tall.panels, height=2.0)
     sizes = [matplotlib_.canvas(one).get_figheight() for one in (flat, tall)]
     assert sizes[1] == pytest.approx(2 * sizes[0])
+
+
+@pytest.mark.parametrize(("height", "alike"), [(1.0, True), (0.02, False)])
+def test_a_map_has_one_scale_unless_it_would_be_a_line(height, alike):
+    one = figure(panel(line([0.0, 0.0, 2 * height]), is_map=True))
+    assert (matplotlib_.canvas(one).axes[0].get_aspect() == 1.0) == alike
+    assert ("scaleanchor" in plotly_.as_dict(one)["layout"]["yaxis"]) == alike
+
+
+def test_numbers_along_a_logarithmic_axis_do_not_touch():
+    y = np.linspace(1.0, 2.0, 50)
+    row = Series("a", np.geomspace(0.002, 50.0, 50), y, Style("#0072B2"))
+    page = matplotlib_.canvas(figure(*[panel(row, log_x=True)] * 2))
+    page.draw_without_rendering()
+    axes = page.axes[0]
+    low, high = axes.get_xlim()
+    texts = [
+        t for t in axes.get_xticklabels() if t.get_text() and low <= t.get_position()[0] <= high
+    ]
+    boxes = [text.get_window_extent() for text in texts]
+    assert len(boxes) >= 3
+    assert all(left.x1 < right.x0 for left, right in itertools.pairwise(boxes))

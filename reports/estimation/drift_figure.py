@@ -39,7 +39,7 @@ def above(source: SourceEstimate) -> Panel:
         if number == 0 and x.truth is not None and y.truth is not None:
             series.append(Series("truth", np.array(x.truth), np.array(y.truth), TRUTH_STYLE))
         series.append(Series(way, np.array(x.values), np.array(y.values), numbered_style(number)))
-    return Panel("Seen from above", "x (m)", "y (m)", tuple(series))
+    return Panel("Seen from above", "x (m)", "y (m)", tuple(series), is_map=True)
 
 
 def _distance(source: SourceEstimate) -> Panel:

@@ -14,6 +14,8 @@ from simcompare.reports.render.styles import Style
 
 #: more panels than this side by side cannot be read
 MAX_PANELS = 3
+#: a map that is so many times longer than wide has two scales
+_SLIM = 4.0
 #: so many letters fit side by side below a panel
 _TICK_LETTERS = 50
 #: sizes whose ticks read well without a power of ten
@@ -164,6 +166,7 @@ class Panel:
         x_limits: lowest and highest x, ``None`` to fit the data.
         matrix: cells under ``x_ticks`` and beside ``y_ticks``, which it needs.
         notes: letters above everything.
+        is_map: whether a metre should be as long along x as along y, where that leaves both to see.
     """
 
     title: str
@@ -183,6 +186,17 @@ class Panel:
     x_limits: tuple[float, float] | None = None
     matrix: Matrix | None = None
     notes: tuple[Note, ...] = ()
+    is_map: bool = False
+
+    @property
+    def has_one_scale(self) -> bool:
+        """Whether it is a map that is not far longer than wide."""
+        known = [row for row in self.series if len(row.x)]
+        if not self.is_map or not known:
+            return False
+        sides = [np.ptp(np.concatenate(rows)) for rows in
+                 ([row.x for row in known], [row.y for row in known])]  # fmt: skip
+        return bool(max(sides) < _SLIM * min(sides))
 
     @property
     def x_range(self) -> tuple[float, float] | None:

@@ -239,7 +239,9 @@ def _numbers(axis: Any, most: int) -> None:  # noqa: ANN401
 
 
 def _names(axes: Axes, panel: Panel) -> None:
-    """Names instead of numbers along an axis."""
+    """Names instead of numbers along an axis, and one scale along both of a map."""
+    if panel.has_one_scale:
+        axes.set_aspect("equal", adjustable="datalim")
     if panel.x_ticks is not None:
         axes.set_xticks(range(len(panel.x_names)), list(map(plain, panel.x_names)))
         if panel.slanted:

@@ -224,6 +224,8 @@ def _y_axis(figure: Figure, panel: Panel, number: str) -> Json:
         axis["range"] = [float(low), float(high)]
     if shared:
         axis |= {"matches": "y", "showticklabels": False}
+    if panel.has_one_scale:
+        axis["scaleanchor"] = f"x{number}"
     return axis
 
 
