@@ -95,6 +95,36 @@ def test_the_corrected_wheels_keep_the_mean_and_its_uncertainty():
     assert math.sqrt(mean) == pytest.approx(1e-4, rel=1e-9)
 
 
+def test_what_the_mean_radius_leaves_open_is_left_open_of_the_track():
+    """Closed courses tell only track over radius: a mean that is off takes the track along."""
+    generator, u_end = np.random.default_rng(6), 0.001
+    track, turned, stated = [], [], []
+    for _ in range(120):
+        part = 1 + generator.normal(0, 1e-4) / 0.0325
+        truth = scaled(1.005, 1.01)
+        truth = Wheels(truth.left_radius_m * part, truth.right_radius_m * part, truth.track_m)
+        courses = [driven(way, truth) for way in (1, -1)]
+        ends = [np.add(c.end_m, generator.normal(0, u_end, 2)) for c in courses]
+        noisy = [Course(c.time_s, c.counts, tuple(e)) for c, e in zip(courses, ends, strict=True)]
+        wheels = separate(noisy, FINE, NOMINAL, u_end).corrected
+        # a turn on the spot, of both wheels by 20 rad
+        spin = from_counts(
+            np.arange(2), (np.array([0, -20]), np.array([0, 20])), 2 * math.pi, wheels
+        )
+        rolled = 20 * (truth.left_radius_m + truth.right_radius_m)
+        track.append(wheels.track_m - truth.track_m)
+        turned.append(spin.pose[-1, 2] - rolled / truth.track_m)
+        systematic = math.sqrt(spin.systematic[-1, 2, 2])  # such coarse marks are not meant here
+        stated.append((wheels.u_track_m, systematic))
+    u_track, u_turned = np.mean(stated, axis=0)
+    # 120 draws tell a standard deviation to 6.5 %
+    assert np.std(track) == pytest.approx(u_track, rel=0.2)
+    assert np.std(turned) == pytest.approx(u_turned, rel=0.2)
+    # 0.3 % of the radius are 0.3 % of the track, but a heading has only what the ends leave open
+    assert u_track == pytest.approx(1e-4 / 0.0325 * 0.1212, rel=0.05)
+    assert u_turned < 0.2 * 40 * 0.0325 / 0.12 * 1e-4 / 0.0325
+
+
 def test_few_marks_scatter_no_more_than_is_said():
     truth, generator = scaled(1.005, 1.01), np.random.default_rng(4)
     found = []

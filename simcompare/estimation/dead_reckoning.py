@@ -42,6 +42,8 @@ class Wheels:
         u_right_radius_m: standard uncertainty.
         u_track_m: standard uncertainty.
         correlation: of the two radii's errors: 1 for wheels measured with one calliper that is off.
+        track_correlation: of the track's error with those of the left and the right radius; closed
+            courses tell only the track for a radius, so there they are nearly 1.
     """
 
     left_radius_m: float
@@ -51,6 +53,7 @@ class Wheels:
     u_right_radius_m: float = 0.0
     u_track_m: float = 0.0
     correlation: float = 0.0
+    track_correlation: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         faults = [
@@ -63,8 +66,9 @@ class Wheels:
             for name in SYSTEMATIC
             if not 0 <= (value := getattr(self, f"u_{name}")) < math.inf
         ]
-        if not -1 <= self.correlation <= 1:
-            faults.append(f"correlation {self.correlation:g} is not between -1 and 1")
+        for value in (self.correlation, *self.track_correlation):
+            if not -1 <= value <= 1:
+                faults.append(f"correlation {value:g} is not between -1 and 1")
         if faults:
             raise InputError("wheels", faults)
 
@@ -72,9 +76,11 @@ class Wheels:
     def covariance(self) -> Array:
         """Of left radius, right radius and track (3, 3) [m²]."""
         u = np.array([self.u_left_radius_m, self.u_right_radius_m, self.u_track_m])
-        matrix = np.diag(u**2)
-        matrix[0, 1] = matrix[1, 0] = self.correlation * u[0] * u[1]
-        return matrix
+        left, right = self.track_correlation
+        alike = np.array(
+            [[1.0, self.correlation, left], [self.correlation, 1.0, right], [left, right, 1.0]]
+        )
+        return np.asarray(alike * np.outer(u, u))
 
 
 @dataclass(frozen=True)

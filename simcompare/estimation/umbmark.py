@@ -8,7 +8,8 @@ fitted by least squares through exact dead reckoning, weighted with what is know
 authors' formulas are kept beside it.
 
 The mean of both radii cannot be told from a closed course, and stays as it was: a straight line of
-known length tells it.
+known length tells it. A turn tells only the track for a radius, so what the mean leaves open of
+itself it leaves open of the track: their errors go together.
 """
 
 from __future__ import annotations
@@ -54,9 +55,11 @@ class Separation:
         diameters: E_d, diameter of the right wheel over that of the left one.
         track: E_b, true track over the believed one.
         u_diameters: standard uncertainty.
-        u_track: standard uncertainty.
+        u_track: standard uncertainty for the mean radius as believed; where that is wrong by a
+            part, so is the track.
         correlation: of both.
-        corrected: wheels that odometry should believe; the mean radius is the one from before.
+        corrected: wheels that odometry should believe; the mean radius is the one from before, and
+            what it leaves open is in the uncertainty of the track, with the correlations.
         chi2: what is left, squared, over its uncertainty.
         degrees_of_freedom: measured coordinates less two.
         before_m: root mean square distance of odometry's ends from the measured ones, as believed.
@@ -109,11 +112,12 @@ def separate(
     left, _, weight = _residuals(courses, marks, believed, ratios, u_end_m)
     before, *_ = _residuals(courses, marks, believed, np.ones(2), u_end_m)
     u = np.sqrt(np.diag(covariance))
-    wheels = _wheels(believed, ratios)
-    radius = _carried(believed, covariance)
+    # what a wrong mean radius does to the ratios that fit
+    by_mean = covariance @ jacobian.T @ weight @ -_by_mean(courses, marks, believed, ratios)
+    corrected = _corrected(believed, ratios, covariance, by_mean)
     return Separation(
         float(ratios[0]), float(ratios[1]), float(u[0]), float(u[1]),
-        float(covariance[0, 1] / (u[0] * u[1])), replace(wheels, **radius),
+        float(covariance[0, 1] / (u[0] * u[1])), corrected,
         float(left @ weight @ left), left.size - 2, _rms(before), _rms(left),
     )  # fmt: skip
 
@@ -151,32 +155,44 @@ def _wheels(believed: Wheels, ratios: Array) -> Wheels:
     )  # fmt: skip
 
 
-def _carried(believed: Wheels, covariance: Array) -> dict[str, float]:
-    """Uncertainties of the corrected wheels: the mean's own, common to both, and the ratio's."""
-    mean = (believed.left_radius_m + believed.right_radius_m) / 2
-    matrix = believed.covariance[:2, :2]
-    common = float(matrix.sum()) / 4
-    apart = float(covariance[0, 0]) * (mean / 2) ** 2
-    total = common + apart
-    u = math.sqrt(total)
-    return {
-        "u_left_radius_m": u,
-        "u_right_radius_m": u,
-        "u_track_m": believed.track_m * math.sqrt(float(covariance[1, 1])),
-        "correlation": (common - apart) / total if total else 0.0,
-    }
+def _corrected(believed: Wheels, ratios: Array, covariance: Array, by_mean: Array) -> Wheels:
+    """The wheels with their uncertainties: the ratios' own, and all that the mean radius does."""
+    wheels, chain = _wheels(believed, ratios), _chain(believed, ratios)
+    mean = (wheels.left_radius_m + wheels.right_radius_m) / 2
+    grown = np.array([wheels.left_radius_m, wheels.right_radius_m, 0.0]) / mean + chain @ by_mean
+    of_mean = float(believed.covariance[:2, :2].sum()) / 4
+    total = chain @ covariance @ chain.T + of_mean * np.outer(grown, grown)
+    u = np.sqrt(np.diag(total))
+    alike = np.clip(total / np.outer(u, u), -1, 1)  # rounding
+    return replace(
+        wheels, u_left_radius_m=float(u[0]), u_right_radius_m=float(u[1]), u_track_m=float(u[2]),
+        correlation=float(alike[0, 1]), track_correlation=(float(alike[0, 2]), float(alike[1, 2])),
+    )  # fmt: skip
+
+
+def _chain(believed: Wheels, ratios: Array) -> Array:
+    """Change of left radius, right radius and track with both ratios (3, 2), at a given mean."""
+    wheels = _wheels(believed, ratios)
+    mean = (wheels.left_radius_m + wheels.right_radius_m) / 2
+    start = believed.right_radius_m / believed.left_radius_m
+    ratio = wheels.right_radius_m / wheels.left_radius_m
+    per_ratio = 2 * mean / (1 + ratio) ** 2 * start
+    return np.array([[-per_ratio, 0.0], [per_ratio, 0.0], [0.0, believed.track_m]])
+
+
+def _by_mean(courses: Sequence[Course], marks: float, believed: Wheels, ratios: Array) -> Array:
+    """Change of the predicted ends with the mean radius at given ratios (2c,)."""
+    wheels = _wheels(believed, ratios)
+    radii = np.array([wheels.left_radius_m, wheels.right_radius_m])
+    found = [from_counts(c.time_s, c.counts, marks, wheels, c.start) for c in courses]
+    return np.concatenate([f.sensitivity[-1, :2, :2] @ radii / radii.mean() for f in found])
 
 
 def _residuals(
     courses: Sequence[Course], marks: float, believed: Wheels, ratios: Array, u_end_m: float
 ) -> tuple[Array, Array, Array]:
     """Measured less predicted ends (2c,), their change with both ratios (2c, 2), and weights."""
-    wheels = _wheels(believed, ratios)
-    mean = (wheels.left_radius_m + wheels.right_radius_m) / 2
-    start = believed.right_radius_m / believed.left_radius_m
-    ratio = wheels.right_radius_m / wheels.left_radius_m
-    per_ratio = 2 * mean / (1 + ratio) ** 2 * start
-    chain = np.array([[-per_ratio, 0.0], [per_ratio, 0.0], [0.0, believed.track_m]])
+    wheels, chain = _wheels(believed, ratios), _chain(believed, ratios)
     left, jacobian = [], []
     weight = np.zeros((2 * len(courses), 2 * len(courses)))
     for k, course in enumerate(courses):
