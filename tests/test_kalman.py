@@ -177,6 +177,25 @@ def test_a_filter_that_trusts_its_sensors_too_little_is_too_careful():
     assert consistency.nis(np.array(values), np.array(used)).outcome == "too careful"
 
 
+@pytest.mark.parametrize("runs", [1, 2, 200])
+def test_more_runs_make_the_test_of_innovations_sharper(runs):
+    """Innovations that are 10 % too large in their square, of two readings at 2000 instants."""
+    values = 1.1 * np.random.default_rng(2).chisquare(2, (runs, 2000))
+    found = consistency.nis(values, np.full(values.shape, 2))
+    assert found.outcome == "too sure"
+    # χ² with 4000 degrees of freedom for each run: ±1.96·2/√2000 for one
+    assert found.high - 2 == pytest.approx(1.96 * 2 / np.sqrt(2000 * runs), rel=0.02)
+
+
+def test_white_innovations_are_seldom_called_not_white():
+    """Lags are counted, so the test holds 1 in 400 of one series, not 1 in 100."""
+    generator = np.random.default_rng(3)
+    found = [consistency.whiteness([generator.standard_normal(200)]) for _ in range(2000)]
+    called = sum(one.outcome == "not white" for one in found)
+    assert called <= 13  # of a Poisson number of mean 5, more than 13 come once in 1400
+    assert found[0].low == pytest.approx(16 / 20)
+
+
 def test_a_bias_shifts_the_estimate_as_the_closed_form_says():
     linear = model()
     bias = np.tile([0.0, 0.1], (3000, 1))

@@ -36,7 +36,7 @@ class Verdict:
     Attributes:
         name: "NEES", "NIS" or "whiteness".
         value: mean over all instants and runs; for whiteness, the part of correlations in the band.
-        low: lower limit of the band.
+        low: lower limit of the band that the value should be in.
         high: upper limit.
         inside: part of the instants at which the mean over the runs is inside the band; ``None``
             for whiteness.
@@ -126,7 +126,8 @@ def nees(values: Array, states: int) -> Verdict:
 def nis(values: Array, used: Array) -> Verdict:
     """The test of innovations.
 
-    Those of one run are independent from instant to instant, so a single run tells already.
+    Those of one run are independent from instant to instant, so a single run tells already, and
+    each instant of each run makes the test sharper.
 
     Args:
         values: NIS of each run at each instant (runs, n), NaN where nothing was read.
@@ -135,7 +136,7 @@ def nis(values: Array, used: Array) -> Verdict:
     there = np.isfinite(values)
     readings, count = float(np.sum(used[there])), int(there.sum())
     degrees, runs = readings / max(count, 1), len(values)
-    low, high = band(degrees, runs if runs > 1 else count)
+    low, high = band(degrees, count)
     mean = float(np.mean(values[there]))
     return Verdict("NIS", mean, low, high, _inside(values, used), degrees, runs,
                 _outcome(mean, low, high))  # fmt: skip
@@ -160,7 +161,8 @@ def whiteness(innovations: Sequence[Array]) -> Verdict | None:
     if not counted:
         return None
     share = float(np.mean(counted))
-    # of so many lags, fewer inside than this happen once in a hundred
+    # lags are whole numbers: of right filters less than one in a hundred has fewer inside, of one
+    # series of 20 lags one in 400
     least = float(binom.ppf(0.01, len(counted), SHARE)) / len(counted)
     outcome: Outcome = "consistent" if share >= least else "not white"
     return Verdict("whiteness", share, least, 1.0, None, LAGS, len(innovations), outcome,
