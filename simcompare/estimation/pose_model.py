@@ -105,15 +105,31 @@ def _decayed(value: float, decay: float, push: float, step_s: float) -> tuple[fl
     return value * kept + gained, kept
 
 
+#: places and weights between 0 and 1 at which integrals over a step are taken (Gauss and Legendre)
+_PLACES, _WEIGHTS = (both / 2 for both in np.polynomial.legendre.leggauss(12))
+_PLACES = _PLACES + 0.5
+
+
 def _noise(robot: Robot, step_s: float, along: Array) -> Array:
     """Q of white accelerations, along the heading and about the vertical."""
-    t = step_s
-    two = np.array([[t**3 / 3, t**2 / 2], [t**2 / 2, t]])
     forward, turning = np.zeros((5, 2)), np.zeros((5, 2))
     forward[:2, 0], forward[SPEED, 1] = along, 1.0
     turning[HEADING, 0], turning[RATE, 1] = 1.0, 1.0
-    noise = robot.speed_noise_m2_s3 * forward @ two @ forward.T
-    return np.asarray(noise + robot.turn_noise_rad2_s3 * turning @ two @ turning.T)
+    shaken = robot.speed_noise_m2_s3 * _shaken(robot.decay_1_s, step_s)
+    turned = robot.turn_noise_rad2_s3 * _shaken(robot.turn_decay_1_s, step_s)
+    return np.asarray(forward @ shaken @ forward.T + turning @ turned @ turning.T)
+
+
+def _shaken(decay: float, step_s: float) -> Array:
+    """Covariance (2, 2) of way and speed after a step of white acceleration of density 1.
+
+    A jolt τ before the end has left exp(-λτ) of its speed, and a way of (1 - exp(-λτ))/λ; Q is the
+    integral of their products. Undamped it is t³/3, t²/2, t.
+    """
+    ago_s = step_s * _PLACES
+    way = ago_s if decay == 0 else -np.expm1(-decay * ago_s) / decay
+    left = np.array([way, np.exp(-decay * ago_s)])
+    return np.asarray(step_s * (left * _WEIGHTS) @ left.T)
 
 
 def wheel_rates(
