@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from simcompare.errors import InputError
 from simcompare.estimation import consistency, estimators, pose_model
 from simcompare.estimation.estimate import Given, Signal
-from simcompare.estimation.pose_model import HEADING, RATE, SPEED, Ranger, Robot
+from simcompare.estimation.pose_model import HEADING, RATE, SPEED, Ranger, Robot, X
 from simcompare.statistics.streams import stream
 
 #: the robot of the catalogue: η·N·k/(R·r) and η·N²·(k²/R + b)/r² of one motor
@@ -128,6 +129,24 @@ def test_the_filter_takes_currents_in_place_of_voltages():
         assert np.array_equal(by_current.best.states[state].values, one.values)
 
 
+def test_damping_is_in_the_noise_of_the_motion():
+    """Against van Loan's exponential of a block matrix, at λ = 6.7/s and 50 ms."""
+    robot = Robot(0.0325, 0.12, 1.0, 1.0, damping_N_s_m=3.35, speed_noise_m2_s3=0.1)
+    state = np.array([0.0, 0.0, 0.0, 0.1, 0.0])
+    found = pose_model.move(robot, state, 0.05, 0.0, 0.0).noise[np.ix_((X, SPEED), (X, SPEED))]
+    drift, shaken = np.array([[0.0, 1.0], [0.0, -6.7]]), np.diag([0.0, 0.1])
+    block = expm(0.05 * np.block([[-drift, shaken], [np.zeros((2, 2)), drift.T]]))
+    assert found == pytest.approx(block[2:, 2:].T @ block[:2, 2:], rel=1e-10)
+    assert found[1, 1] == pytest.approx(0.00365, rel=2e-3)  # undamped it were 0.005
+
+
+def test_without_damping_the_noise_is_the_textbooks():
+    robot = Robot(0.0325, 0.12, speed_noise_m2_s3=0.1)
+    found = pose_model.move(robot, np.zeros(5), 0.05, 0.0, 0.0).noise
+    known = 0.1 * np.array([[0.05**3 / 3, 0.05**2 / 2], [0.05**2 / 2, 0.05]])
+    assert found[np.ix_((X, SPEED), (X, SPEED))] == pytest.approx(known, rel=1e-13)
+
+
 def test_friction_alone_moves_nothing():
     state = pose_model.move(ROBOT, np.zeros(5), 0.01, 0.2, 0.2).mean
     assert state == pytest.approx(np.zeros(5), abs=0)
@@ -243,10 +262,49 @@ def test_the_smoother_errs_less_than_the_filter_and_that_less_than_the_wheels(ru
 def test_a_range_that_cannot_be_is_refused():
     estimator = estimators.load("pose_filter")
     given = driven(0, spoilt=True)
-    options = {**OPTIONS, "gate": 1.0}
+    options = {**OPTIONS, "gate": 5.0}
     found = estimators.apply(estimator, Given(given.signals, given.truth, options))
     assert found.innovations.refused["range"] >= 1
     assert found.best.states["x_m"].rms_error < 0.05
+
+
+def test_the_usual_gate_refuses_no_right_reading_and_leaves_a_right_filter_right():
+    """At 2.576, χ² of 99 %, it takes one in a hundred, and NIS is too small."""
+    assert estimators.load("pose_filter").options["gate"].default == 5.0
+    found = {gate: gated(gate) for gate in (5.0, 2.5758293)}
+    refused = {
+        gate: np.mean([sum(one.innovations.refused.values()) for one in every]) / (4 * COUNT)
+        for gate, every in found.items()
+    }
+    assert refused[5.0] == 0
+    assert refused[2.5758293] == pytest.approx(0.01, abs=0.004)  # 6400 readings: ±0.0012
+    nis = {
+        gate: consistency.nis(
+            np.array([one.innovations.nis for one in every]),
+            np.array([one.innovations.used for one in every]),
+        )
+        for gate, every in found.items()
+    }
+    assert nis[5.0].outcome == "consistent"
+    assert nis[2.5758293].outcome == "too careful"
+    squares = {
+        gate: np.mean(
+            [np.mean(row**2) for one in every for row in one.innovations.whitened.values()]
+        )
+        for gate, every in found.items()
+    }
+    # of one reading 1 - 2·g·φ(g)/0.99; those of one instant are correlated, so that NIS loses less
+    assert squares[2.5758293] / squares[5.0] == pytest.approx(0.925, abs=0.02)
+
+
+def gated(gate):
+    """Twenty runs with this gate, in place of none."""
+    estimator = estimators.load("pose_filter")
+    given = [driven(run) for run in range(20)]
+    return [
+        estimators.apply(estimator, Given(one.signals, one.truth, {**OPTIONS, "gate": gate}))
+        for one in given
+    ]
 
 
 def test_all_that_is_missing_is_told_at_once():

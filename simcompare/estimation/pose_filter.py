@@ -1,7 +1,7 @@
 """Pose of a robot on two wheels: the extended Kalman filter with motors, wheels, gyroscope, ranges.
 
 ``pose_model`` says how the five states move and what is read; here readings are put in order of
-time, filtered, and a reading that cannot be (beyond χ²₀.₉₉ of its own innovation) is refused.
+time, filtered, and a reading that cannot be (far beyond its own innovation's u) is refused.
 Without motors the speed and the rate are only kept; their noise must then allow for what changes.
 
 An accelerometer reads what the speed changed by since its last reading, (v - v')/T: its bumps are
@@ -26,8 +26,6 @@ from simcompare.hardware.sensors import odometer
 from simcompare.model.trajectory import Array
 
 __all__ = ["LABELS", "OPTIONS", "SIGNALS", "TITLE", "TRUTHS", "estimate"]
-#: √χ²₀.₉₉ with one degree of freedom
-_GATE = 2.5758293035489
 _READINGS = ("left_rate", "right_rate", "turning_rate", "acceleration", "range", "wall_range")
 #: the speed when the accelerometer was last read
 _BEFORE = "speed_before_m_s"
@@ -152,7 +150,7 @@ def _filtered(setting: _Setting) -> Filtered:
     if "acceleration" in setting.readings:  # the first one has none before it
         measured[np.isinf(setting.since_s), list(setting.readings).index("acceleration")] = np.nan
     start = Belief(mean, np.diag(np.square(u)))
-    return kalman.run(start, measured, move, expect, gate=_GATE if o["gate"] else None)
+    return kalman.run(start, measured, move, expect, gate=o["gate"] or None)
 
 
 #: bias that can be a state -> the option that makes it one, and the reading that has it

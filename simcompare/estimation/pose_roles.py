@@ -79,7 +79,11 @@ OPTIONS = {
         "1: what all ranges read too long is a state", 0.0, 0.0, 1.0, bias_of="range"
     ),
     "u_range_bias_m": Option("standard uncertainty of that at the start", 0.1, 1e-9),
-    "gate": Option("1: refuse readings beyond χ² of 99 %", 1.0, 0.0, 1.0),
+    # 5: one right reading in 1.7 million. √χ²₀.₉₉ = 2.576 refuses one in a hundred; what is left of
+    # a right filter's NIS is then 0.925 of what it should be, and the filter is too sure
+    "gate": Option(
+        "refuse readings beyond so many of their u; 0: none, 2.576: χ² of 99 %", 5.0, 0.0
+    ),
 }
 LABELS = {
     "x_m": "Place along x",
