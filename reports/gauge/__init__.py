@@ -1,1 +1,1 @@
-"""Published examples, recomputed: sentences and the table."""
+"""Worked examples, recomputed: sentences and the table."""

@@ -1,4 +1,4 @@
-"""Published examples, recomputed, as a picture."""
+"""Worked examples, recomputed, as a picture."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ def digits(outcomes: Sequence[Outcome]) -> Figure:
         for verdict, style in _STYLES.items()
     ]
     panel = Panel(
-        "", "significant digits that agree with the publication", "",
+        "", "significant digits that agree with the reference", "",
         tuple(one for one in series if len(one.x)), y_ticks=tuple(one.name for one in shown),
     )  # fmt: skip
     return Figure(
-        "digits", "How many published digits are met",
-        "Each point is one published number. No point lies beyond the digits that are published.",
+        "digits", "How many digits of the references are met",
+        "Each point is one reference number. No point lies beyond the digits that are given.",
         (panel,), height=max(0.5, len(shown) / _ROWS),
     )  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""Published examples, recomputed, as one table."""
+"""Worked examples, recomputed, as one table."""
 
 from __future__ import annotations
 
@@ -12,12 +12,14 @@ from simcompare.reports.render.tables import Column, Group, Table
 
 _COLUMNS = (
     Column("Quantity", text=True),
-    Column("Published"),
+    Column("Reference"),
+    Column("Kind", text=True, nowrap=True),
     Column("Computed"),
     Column("Digits"),
+    Column("Held to", text=True, nowrap=True),
     Column("Verdict", text=True, nowrap=True),
 )
-#: digits of the computed number beyond those that are published
+#: digits of the computed number beyond those of the reference
 _MORE = 2
 
 
@@ -27,20 +29,25 @@ def of(outcomes: Sequence[Outcome]) -> Table:
 
 
 def _group(one: Outcome) -> Group:
-    rows = tuple(map(_row, one.checks)) or (("not computed", "–", "–", "–", "SKIPPED"),)
-    return Group(f"{one.name}: {one.title}", rows)
+    nothing = ("not computed", "–", "–", "–", "–", "–", "SKIPPED")
+    return Group(f"{one.name}: {one.title}", tuple(map(_row, one.checks)) or (nothing,))
 
 
 def _row(check: Check) -> tuple[str, ...]:
-    published = notation.minus(check.published)
-    return check.quantity, published, _computed(check), f"{check.digits:.1f}", check.verdict
+    reference = notation.minus(check.reference)
+    return (
+        check.quantity, reference, check.kind, _computed(check), f"{check.digits:.1f}",
+        check.held_to, check.verdict,
+    )  # fmt: skip
 
 
 def _computed(check: Check) -> str:
-    """The number in the form of the published one, with some more digits."""
-    if "e" in check.published:
-        digits = len(Decimal(check.published).as_tuple().digits) - 1
+    """With its standard error, or in the form of the reference with some more digits."""
+    if check.standard_error:
+        return notation.number(check.computed, check.standard_error)
+    if "e" in check.reference:
+        digits = len(Decimal(check.reference).as_tuple().digits) - 1
         return notation.minus(f"{check.computed:.{digits + _MORE}e}")
-    exponent = Decimal(check.published).as_tuple().exponent
+    exponent = Decimal(check.reference).as_tuple().exponent
     assert isinstance(exponent, int)
     return notation.fixed(check.computed, _MORE - exponent)

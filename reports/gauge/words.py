@@ -1,4 +1,4 @@
-"""What is said of published examples that were recomputed."""
+"""What is said of worked examples that were recomputed."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from itertools import groupby
 from simcompare import glossary
 from simcompare.gauging.gauge import Outcome
 
-_LEGEND = ("PASS", "NOTE", "DIFF", "digits")
+_LEGEND = ("published", "exact", "PASS", "NOTE", "DIFF", "digits")
 
 
 def answer(outcomes: Sequence[Outcome]) -> str:
-    """How many published numbers are met, in a sentence."""
+    """How many reference numbers are met, and of which kind they are."""
     count = Counter(check.verdict for one in outcomes for check in one.checks)
     total, examples = sum(count.values()), sum(1 for one in outcomes if one.checks)
     if not total:
@@ -21,7 +21,9 @@ def answer(outcomes: Sequence[Outcome]) -> str:
     tail = f"{count['PASS']} PASS, {count['NOTE']} NOTE, {count['DIFF']} DIFF"
     met = total - count["DIFF"]
     share = f"All {total}" if met == total else f"{met} of {total}"
-    return f"{share} reference numbers of {examples} worked examples are met: {tail}."
+    kinds = Counter(check.kind for one in outcomes for check in one.checks)
+    told = " and ".join(f"{kinds[kind]} {kind}" for kind in ("published", "exact") if kinds[kind])
+    return f"{share} reference numbers ({told}) of {examples} worked examples are met: {tail}."
 
 
 def notes(outcomes: Sequence[Outcome]) -> Iterator[str]:
@@ -35,10 +37,12 @@ def notes(outcomes: Sequence[Outcome]) -> Iterator[str]:
 
 
 def legend() -> list[str]:
-    """What the verdicts mean."""
+    """What kinds and verdicts mean."""
     return list(glossary.legend(_LEGEND))
 
 
 def sources(outcomes: Sequence[Outcome]) -> Iterator[str]:
-    """Where the published numbers are from."""
-    return (f"{one.name}: {one.source}" for one in outcomes)
+    """Where the reference numbers are from, each source once."""
+    for one in outcomes:
+        told = dict.fromkeys((one.source, *(check.source for check in one.checks)))
+        yield f"{one.name}: {' '.join(told)}"

@@ -1,1 +1,1 @@
-"""Published worked examples, recomputed."""
+"""Worked examples with a known answer, recomputed."""

@@ -1,4 +1,4 @@
-"""A published worked example: its source in words, and its numbers."""
+"""A worked example: the source of its reference numbers in words, and these numbers."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from simcompare.gauging.check import Check
+from simcompare.gauging.check import Check, Kind
 
 #: what a formula of an example takes and gives: a number of GTC, or one value of each trial
 Number: TypeAlias = Any
@@ -22,14 +22,16 @@ class Example:
 
     Attributes:
         title: what it is.
-        source: where its numbers are published, or who else computed them.
+        source: where its numbers were read, or the formula or method that gives all their digits.
         checks: computes all of its numbers.
         missing: says what is not on this machine and how to get it; empty where nothing lacks.
-        closed_form: whether it is of a scenario and no publication; these come last.
+        kind: of the references that do not say another one.
+        closed_form: whether it belongs to a scenario and no publication; these come last.
     """
 
     title: str
     source: str
     checks: Callable[[], Iterable[Check]]
     missing: Callable[[], str] = _nothing
+    kind: Kind = "published"
     closed_form: bool = False

@@ -1,12 +1,12 @@
-"""Published worked examples, recomputed and judged."""
+"""Worked examples, recomputed and judged."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from simcompare.gauging import registry
-from simcompare.gauging.check import Check, Verdict
+from simcompare.gauging.check import Check, Kind, Verdict
 from simcompare.gauging.example import Example
 
 
@@ -17,10 +17,14 @@ class Row:
     Attributes:
         example: name of the worked example.
         quantity: what the number is of.
-        published: as it is printed in the source, ``None`` where the example was skipped.
+        published: the reference number, ``None`` where the example was skipped.
         computed: by this program.
         digits: significant digits that agree.
         verdict: "PASS", "NOTE", "DIFF", or "SKIPPED".
+        kind: of the reference: "published" or "exact", ``None`` where the example was skipped.
+        source: of the reference.
+        standard_error: of ``computed``, ``None`` where no trials are drawn.
+        remark: why a NOTE is off, empty for others.
     """
 
     example: str
@@ -29,6 +33,10 @@ class Row:
     computed: float | None
     digits: float | None
     verdict: Verdict
+    kind: Kind | None
+    source: str
+    standard_error: float | None
+    remark: str
 
 
 @dataclass(frozen=True)
@@ -53,11 +61,9 @@ class Outcome:
     def rows(self) -> list[Row]:
         """A row for each number; one that says what is missing where there is none."""
         if self.missing:
-            return [Row(self.name, self.missing, None, None, None, "SKIPPED")]
-        return [
-            Row(self.name, one.quantity, one.value, one.computed, round(one.digits, 1), one.verdict)
-            for one in self.checks
-        ]
+            nothing = (None, None, None)
+            return [Row(self.name, self.missing, *nothing, "SKIPPED", None, self.source, None, "")]
+        return [_row(self.name, one) for one in self.checks]
 
 
 def gauged(names: Iterable[str]) -> tuple[Outcome, ...]:
@@ -69,5 +75,19 @@ def gauged(names: Iterable[str]) -> tuple[Outcome, ...]:
 
 def _outcome(name: str, example: Example) -> Outcome:
     missing = example.missing()
-    checks = () if missing else tuple(example.checks())
+    checks = () if missing else tuple(_stamped(example, one) for one in example.checks())
     return Outcome(name, example.title, example.source, checks, missing)
+
+
+def _stamped(example: Example, check: Check) -> Check:
+    """The same with kind and source, of its example where it has none of its own."""
+    kind = check.kind or example.kind
+    return replace(check, kind=kind, source=check.source or example.source)
+
+
+def _row(name: str, check: Check) -> Row:
+    remark = check.remark if check.verdict == "NOTE" else ""
+    return Row(
+        name, check.quantity, check.value, check.computed, round(check.digits, 1), check.verdict,
+        check.kind or None, check.source, check.standard_error or None, remark,
+    )  # fmt: skip

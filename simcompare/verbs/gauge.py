@@ -1,4 +1,4 @@
-"""The verb ``gauge``: published worked examples, recomputed and judged."""
+"""The verb ``gauge``: worked examples, recomputed and judged."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Gauged(Shown):
 
     @property
     def passed(self) -> bool:
-        """Whether no number is off for a reason that nobody knows."""
+        """Whether no number is off for a reason that is not named."""
         return not any(row.verdict == "DIFF" for row in self.rows)
 
     @property
@@ -46,12 +46,12 @@ class Gauged(Shown):
         return 0 if self.passed else 1
 
     def plot(self) -> Figure:
-        """Digits that agree over digits that are published."""
+        """Digits that agree, a row for each example."""
         return matplotlib_.canvas(figures.digits(self.outcomes))
 
     def _glance(self) -> Glance:
         return Glance(
-            title="Published worked examples, recomputed",
+            title="Worked examples with a known answer, recomputed",
             sentences=(words.answer(self.outcomes),),
             legend=tuple(words.legend()),
             table=tables.of(self.outcomes),
@@ -63,7 +63,9 @@ class Gauged(Shown):
 
 @checked
 def gauge(examples: str | Sequence[str] = "all") -> Gauged:
-    """Recomputes published worked examples with the functions that the other verbs use.
+    """Recomputes worked examples with the functions that the other verbs use.
+
+    The answers of these examples are published, or exact: a closed form or quadrature.
 
     ::
 
@@ -74,7 +76,7 @@ def gauge(examples: str | Sequence[str] = "all") -> Gauged:
         examples: "all", names with commas or a list of names.
 
     Returns:
-        Every number as published and as computed, with the digits that agree and a verdict.
+        Every reference number and the computed one, with the digits that agree and a verdict.
 
     Raises:
         UnknownName: no such example.

@@ -1,1 +1,1 @@
-"""Worked examples, a file each: what is published and where, and how it is computed here."""
+"""Worked examples, a file each: what is known and from where, and how it is computed here."""

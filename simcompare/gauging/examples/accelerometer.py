@@ -13,12 +13,12 @@ from simcompare.gauging.example import Example
 from simcompare.scenarios.accelerometer import reference
 
 #: damping ratio -> frequency over the natural one
-_PUBLISHED = {0.5: "1.272", math.sqrt(0.5): "1.000", 1.0: "0.6436"}
+_EXACT = {0.5: "1.27201965", math.sqrt(0.5): "1.00000000", 1.0: "0.6435942529"}
 
 
 def _checks() -> Iterator[Check]:
-    for ratio, published in _PUBLISHED.items():
-        yield Check(f"damping ratio {ratio:.4g}", published, _cut(ratio))
+    for ratio, exact in _EXACT.items():
+        yield Check(f"damping ratio {ratio:.4g}", exact, _cut(ratio))
 
 
 def _cut(ratio: float) -> float:
@@ -36,8 +36,9 @@ def _cut(ratio: float) -> float:
 
 EXAMPLE = Example(
     "Seismic accelerometer: where it has lost 3 dB, over its natural frequency",
-    "√(1 - 2ζ² + √(4ζ⁴ - 4ζ² + 2)) of the oscillator (any text on vibration); numbers computed"
-    " independently.",
+    "√(1 - 2ζ² + √(4ζ⁴ - 4ζ² + 2)), where the response of the oscillator is 1/√2; computed with"
+    " mpmath.",
     _checks,
+    kind="exact",
     closed_form=True,
 )

@@ -10,9 +10,9 @@ from simcompare.gauging.example import Example
 from simcompare.statistics import allan, allan_bounds
 
 _PROBABILITY = 0.683
-#: digits that are enough, and from which averaging time on a rounded table makes fewer of them
-_DIGITS, _TABLE_FROM = 3.0, 64
-_TABLE = "the source takes a rounded table here"
+#: digits that are enough, and from which averaging time on an approximation makes fewer of them
+_DIGITS, _FITTED_FROM = 3.0, 64
+_FIT = "the source takes a fit for the degrees of freedom here, r/(2/3 − 1/(3·r))"
 #: averaging factor -> lowest and highest deviation
 _OVERLAPPING = {
     1: ("2.8515e-01", "2.9987e-01"), 2: ("1.9520e-01", "2.0738e-01"),
@@ -39,15 +39,16 @@ def _bounds(kind: allan.Kind, published: Mapping[int, tuple[str, str]]) -> Itera
         published, published.values(), computed.low, computed.high, strict=True
     ):
         for text, value, name in zip(texts, (low, high), ("low", "high"), strict=True):
-            rounded = m >= _TABLE_FROM
+            fitted = m >= _FITTED_FROM
             yield Check(
                 f"{kind}, tau = {m}, {name}", text, float(value), wanted=_DIGITS,
-                allowed=2e-3 * float(text) if rounded else 0.0, remark=_TABLE if rounded else "",
+                allowed=2e-3 * float(text) if fitted else 0.0, remark=_FIT if fitted else "",
             )  # fmt: skip
 
 
 EXAMPLE = Example(
     "1000 frequencies: 68.3 % bounds of the Allan deviation",
-    "Stable32, version 1.60, on the set of NIST SP 1065; 3 digits are enough.",
+    "Output of Stable32 1.60 on the set of NIST SP 1065, read in the tests of allantools 2024.6"
+    " (phase_dat_oadev_octave.txt, phase_dat_mdev_octave.txt); 3 digits are enough.",
     _checks,
 )

@@ -74,6 +74,7 @@ def _checks() -> Iterator[Check]:
 
 EXAMPLE = Example(
     "GUM H.1, length of an end gauge",
-    "JCGM 100:2008, H.1, first order; the parts with more digits as in GTC's documentation.",
+    "JCGM 100:2008, H.1, first order; read in the tests of suncal 1.7, length and parts in the"
+    " documentation of GTC (GUM_H1).",
     _checks,
 )

@@ -68,6 +68,6 @@ def _checks() -> Iterator[Check]:
 
 EXAMPLE = Example(
     "GUM H.2, resistance and reactance from correlated readings",
-    "JCGM 100:2008, table H.4.",
+    "JCGM 100:2008, table H.4; read in the tests of suncal 1.7.",
     _checks,
 )

@@ -9,21 +9,24 @@ from simcompare.gauging.example import Example
 from simcompare.hardware.sensors import encoder
 from simcompare.hardware.sensors.low_pass import noise_bandwidth
 
-_BANDWIDTHS = {1: "1.5708", 2: "1.1107", 3: "1.0472", 4: "1.0262"}
+_BANDWIDTHS = {1: "1.570796327", 2: "1.110720735", 3: "1.047197551", 4: "1.026172153"}
 
 
 def _checks() -> Iterator[Check]:
-    for poles, published in _BANDWIDTHS.items():
+    for poles, exact in _BANDWIDTHS.items():
         found = noise_bandwidth(1.0, poles)
-        yield Check(f"noise bandwidth over bandwidth, Butterworth {poles}", published, found)
+        yield Check(f"noise bandwidth over bandwidth, Butterworth {poles}", exact, found)
     yield Check(
-        "20 marks counted for 50 ms, resolution (rad/s)", "6.28", encoder.gate_resolution(20, 0.05)
+        "20 marks counted for 50 ms, resolution (rad/s)",
+        "6.283185307",
+        encoder.gate_resolution(20, 0.05),
     )
 
 
 EXAMPLE = Example(
     "Noise bandwidths and the resolution of an encoder",
-    "(π/2p)/sin(π/2p) for p poles, and 2π/(n·T); numbers computed independently.",
+    "(π/2p)/sin(π/2p) for p poles, and 2π/(n·T); computed with mpmath.",
     _checks,
+    kind="exact",
     closed_form=True,
 )
