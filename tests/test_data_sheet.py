@@ -236,9 +236,9 @@ def test_two_lines_that_state_noise_are_held_against_each_other():
 def test_an_rms_in_counts_holds_the_rounding_to_counts():
     checks = reading_uncertainty.cross_checks(data_sheet.load("adxl345").part())
     assert [check.rms * 256 / G for check in checks] == pytest.approx([0.75, 1.1])
-    # 100 samples a second behind one pole of 50 Hz: n·√(50 Hz·tanh(π/2)) and 1/√12 count
-    expected = [math.hypot(256e-6 * n * math.sqrt(45.858), 12**-0.5) for n in (290, 430)]
-    assert [check.expected * 256 / G for check in checks] == pytest.approx(expected, rel=1e-4)
+    # 100 samples a second show 50 Hz of noise, in counts of 1/256 g, and 1/√12 count
+    expected = [math.hypot(256e-6 * n * math.sqrt(50), 12**-0.5) for n in (290, 430)]
+    assert [check.expected * 256 / G for check in checks] == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_relative_accuracy_turns_about_its_reading():

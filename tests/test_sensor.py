@@ -46,7 +46,7 @@ def test_the_answer_is_one_sentence():
 
 def test_what_must_be_said_besides():
     assert list(words.further(told("mpu6050", part="gyroscope"))) == [
-        "Settings: range 250 °/s, 1000 samples a second, bandwidth 42 Hz (noise bandwidth 65.6 Hz),"
+        "Settings: range 250 °/s, 1000 samples a second, bandwidth 42 Hz (noise bandwidth 66 Hz),"
         " 25 °C.",
         "10 000 devices drawn from the sheet give u = 0.35 rad/s (20 °/s), as the first order does"
         " within what so many can tell; 95 % of them read between 61 and 140 °/s.",
@@ -149,7 +149,7 @@ def test_all_sheets_are_listed():
 def test_the_table_says_where_each_value_comes_from():
     text = printed("adxl345")
     assert "offset, z ±40 mg typical, -250 mg to 250 mg p. 3 normal, cut off" in text
-    assert "noise, z 430 µg/√Hz p. 33 normal 0.029 0.5 yes" in text
+    assert "noise, z 430 µg/√Hz p. 33 normal 0.03 0.5 yes" in text
 
 
 def test_rules_can_be_repeated():

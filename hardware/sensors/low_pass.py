@@ -5,9 +5,8 @@ usual bilinear filters fail. The signal is taken as straight between its samples
 one-sided density n leaves it with the standard deviation n·√B, where the noise bandwidth B is
 f·π/2 for one pole and f·1.1107, 1.0472, 1.0262 for two to four (f: the bandwidth at -3 dB).
 
-Sampled noise keeps its density n at low frequencies: a chip filters in digital form before it
-gives a reading, so nothing from above half the rate folds back. Near half the rate B is less
-therefore: rate/2·tanh(π·f/rate) for one pole.
+Sampled noise keeps both: its density n at low frequencies and n·√B, where B is half of the rate at
+most. A chip filters in digital form before it gives a reading, so nothing folds back from above.
 """
 
 from __future__ import annotations
@@ -21,26 +20,26 @@ from simcompare.model.trajectory import Array
 #: bandwidth times sample interval, in radians, below which the bilinear filter has the same noise
 #: to 1e-4, while the exact one of several poles loses digits
 _SLOW = 0.01
+#: noise bandwidth, part of the rate, above which sampled noise is white
+_WHITE = 0.4995
+#: bandwidth, part of the rate, by which the sampled noise of any number of poles is white
+_WIDEST = 3.0
 
 
 def noise_bandwidth(bandwidth_Hz: float, poles: int, rate_Hz: float = math.inf) -> float:
     """Width of the ideal filter that lets the same white noise through [Hz].
 
     Args:
-        bandwidth_Hz: -3 dB of the filter; infinite: all noise up to half of the rate passes.
+        bandwidth_Hz: -3 dB of the filter; infinite where nothing is smoothed.
         poles: 1 to 4.
-        rate_Hz: samples in a second; infinite: not sampled.
+        rate_Hz: samples in a second, which show no more than half of it; infinite: not sampled.
     """
-    if math.isinf(bandwidth_Hz):
-        return rate_Hz / 2
     share = math.pi / (2 * poles)
-    return bandwidth_Hz * share / math.sin(share) / _folded(bandwidth_Hz / rate_Hz, poles)
+    return min(bandwidth_Hz * share / math.sin(share), rate_Hz / 2)
 
 
 def _folded(part: float, poles: int) -> float:
     """Power at 0 Hz once the filter's output is sampled and folds: Σ 1/(1 + (j/part)^(2·poles))."""
-    if part == 0.0:
-        return 1.0
     # the sum over all whole j, by its residues
     at = math.pi * part * np.exp(1j * math.pi * (np.arange(poles) + 0.5) / poles)
     return float(np.real(np.mean(at / np.tan(at))))
@@ -72,11 +71,12 @@ def noise_filter(step_s: float, bandwidth_Hz: float, poles: int) -> tuple[Array,
     """Numerator b and denominator a that make sampled white noise what leaves the filter.
 
     Noise of standard deviation n·√(f/2) at the rate f goes in, noise of n·√B comes out, with the
-    correlation of the continuous filter at these instants and the density n at low frequencies.
+    density n at low frequencies and the correlation of a continuous filter.
     """
-    if math.isinf(bandwidth_Hz):
+    if noise_bandwidth(bandwidth_Hz, poles) * step_s > _WHITE:
         return np.ones(1), np.ones(1)
-    turn = 2 * math.pi * bandwidth_Hz * step_s
+    part = _sampled_part(bandwidth_Hz * step_s, poles)
+    turn = 2 * math.pi * part
     if poles == 1:
         return np.array([-math.expm1(-turn)]), np.array([1.0, -math.exp(-turn)])
     if turn < _SLOW:
@@ -85,7 +85,17 @@ def noise_filter(step_s: float, bandwidth_Hz: float, poles: int) -> tuple[Array,
         b, a = signal.butter(poles, turn / math.pi)
         return np.asarray(b, dtype=float), np.asarray(a, dtype=float)
     b, a = _sampled_noise(turn, poles)
-    return b / math.sqrt(_folded(bandwidth_Hz * step_s, poles)), a
+    return b / math.sqrt(_folded(part, poles)), a
+
+
+def _sampled_part(part: float, poles: int) -> float:
+    """Bandwidth, part of the rate, whose noise is that of ``part`` once nothing folds back."""
+    from scipy import optimize
+
+    def less(wider: float) -> float:
+        return wider / _folded(wider, poles) - part
+
+    return float(optimize.brentq(less, part, _WIDEST, xtol=1e-15))
 
 
 def _sampled_noise(turn: float, poles: int) -> tuple[Array, Array]:
