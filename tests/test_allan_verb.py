@@ -13,9 +13,11 @@ from typer.testing import CliRunner
 from simcompare import cli
 from simcompare.errors import InputError, UnknownName
 from simcompare.hardware.recordings import registry
+from simcompare.hardware.sensors import data_sheet, error_model
 from simcompare.model.trajectory import Array
 from simcompare.reports import builder
 from simcompare.reports.allan import page, words
+from simcompare.statistics.streams import stream
 from simcompare.verbs.allan import allan
 from simcompare.verbs.allan_shown import Allan
 from tests import noise_records
@@ -158,3 +160,34 @@ def test_white_noise_of_a_real_sensor() -> None:
     told = [2**0.5 * (term.value or 0.0) / term.sheet_size for term in white]
     # first differences, one-sided: 381, 419 and 600 µg/√Hz
     assert told == pytest.approx([381, 419, 600], rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("name", "part"),
+    [
+        ("adxl345", "accelerometer"), ("lsm6dso", "accelerometer"), ("lsm6dso", "gyroscope"),
+        ("bmp280", "barometer"), ("bmp388", "barometer"),
+    ],
+)  # fmt: skip
+def test_a_device_of_a_sheet_is_recovered_from_its_own_simulation(name: str, part: str) -> None:
+    device = data_sheet.load(name).part(part).typical()
+    ends = np.array([0.0, (2**14 - 1) / device.rate_Hz])
+    still = np.ones((2, device.axes))
+    read = error_model.measured(device, ends, still, stream(4, name, part)).measured
+    unit = data_sheet.load(name).part(part).unit
+    found = allan(read, rate_Hz=device.rate_Hz, unit=unit, sheet=name)
+    # five times the 0.7 % that so many readings tell
+    assert [row.ratio for row in found.against] == pytest.approx([1] * device.axes, abs=0.035)
+    # a count of the ADXL345 is twice its noise: its rounding is told, and no noise of the chip
+    assert any("Rounding to whole counts" in one for one in words.against(found)) is (
+        name == "adxl345"
+    )
+
+
+def test_rounding_that_is_no_noise_is_not_taken_off() -> None:
+    # a quarter of a count: 5 % of all readings are not 0
+    noise = 0.25 * np.random.default_rng(3).normal(size=4000)
+    found = allan(np.rint(noise), rate_Hz=100.0, unit="rad/s", sheet="mpu6050")
+    white = found.axes[0].term("N").value
+    assert white is not None
+    assert found.against[0].found == pytest.approx(2**0.5 * white)

@@ -18,6 +18,8 @@ _OTHER_UNITS = {"m/s**2": (1 / 9.80665, "g"), "rad/s": (180 / math.pi, "°/s")}
 _NEARLY = 0.1
 #: a ratio that is as good as 1: data sheets round
 _SAME = 0.15
+#: part of the noise from which on rounding to counts is told
+_SEEN = 0.2
 #: of faults that are told in sentences
 _TOLD = 6
 QUESTION = "How noisy is the sensor at rest, and over which time should it be averaged?"
@@ -84,7 +86,20 @@ def against(found: NoiseAnalysis) -> list[str]:
             by_verdict.setdefault(_verdict(row), []).append(told)
         parts = [f"{joined(told)} times ({verdict})" for verdict, told in by_verdict.items()]
         said.append(f"Beside the typical noise of {rows[0].sheet}, {part}: {', '.join(parts)}.")
-    return said
+    return [*said, *_rounded(found)]
+
+
+def _rounded(found: NoiseAnalysis) -> list[str]:
+    """What rounding to counts adds, where it is seen."""
+    density = {row.channel: row.found for row in found.against}
+    rounded = [
+        axis for axis in found.axes if axis.rounding > _SEEN * density.get(axis.channel, math.inf)
+    ]
+    if not rounded:
+        return []
+    name, size = noise_units.of_sheets("N", rounded[0].unit)
+    told = f"{numbers.plain(max(axis.rounding for axis in rounded) / size, 3)} {name}"
+    return [f"Rounding to whole counts adds {told}, by squares; it is taken off beside the sheet."]
 
 
 def _verdict(row: AgainstSheet) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -19,7 +20,7 @@ from simcompare.model.trajectory import Array
 from simcompare.results.records.allan import AxisNoise, NoiseTerm
 from simcompare.results.run_record import now, software
 from simcompare.statistics import allan as deviation
-from simcompare.statistics import allan_bounds, allan_terms
+from simcompare.statistics import allan_bounds, allan_terms, noise_audit
 from simcompare.verbs import allan_audit, allan_sheets, allan_stretch
 from simcompare.verbs.allan_shown import Allan
 from simcompare.verbs.allan_stretch import Stretch
@@ -88,7 +89,7 @@ def allan(
         whole, _ = _loud(whole)
         second = (whole, [axis_of(name, whole) for name in whole.values])
     found = allan_audit.findings(stretch, axes, held, claims or {}, second, silent) if audit else ()
-    matches = allan_sheets.matches(axes, stretch.rate_Hz) if audit else ()
+    matches = allan_sheets.matches(axes) if audit else ()
     return Allan(
         created=now(),
         source=source, title=title, rate_Hz=stretch.rate_Hz, start_s=stretch.start_s,
@@ -174,6 +175,7 @@ def axis_of(name: str, stretch: Stretch) -> AxisNoise:
         chi_squared=terms.chi_squared, degrees_of_freedom=terms.degrees_of_freedom,
         from_s=terms.from_s, widened=terms.widened, best_tau_s=float(found.tau_s[best]),
         best=float(found.values[best]), still_falls=best >= len(found.values) - 2,
+        rounding=noise_audit.smallest_step(values) / math.sqrt(6 * rate_Hz),
     )  # fmt: skip
 
 

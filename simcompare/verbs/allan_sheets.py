@@ -30,21 +30,13 @@ def against(axes: Sequence[AxisNoise], sheet: DataSheet) -> list[AgainstSheet]:
     return [row for part in parts for row in _beside(axes, part)]
 
 
-def matches(axes: Sequence[AxisNoise], rate_Hz: float) -> tuple[Match, ...]:
-    """Every sensor of every sheet that measures the same, the nearest first.
-
-    A sampled sensor has more noise than its sheet states: what is faster than half the rate and
-    passes its filter is folded down, and rounding to counts adds some.
-    """
+def matches(axes: Sequence[AxisNoise]) -> tuple[Match, ...]:
+    """Every sensor of every sheet that measures the same, the nearest first."""
     found = []
     for part in _shipped():
         rows = _beside(axes, part)
         if rows and len(rows) == len(_measuring(axes, part)):
-            most = _sampled(part, rate_Hz)
-            fits = all(
-                1 - 3 * row.u_ratio - _ROUNDED <= row.ratio <= most + 3 * row.u_ratio + _ROUNDED
-                for row in rows
-            )
+            fits = all(abs(row.ratio - 1) <= 3 * row.u_ratio + _ROUNDED for row in rows)
             mean = math.exp(float(np.mean([math.log(row.ratio) for row in rows])))
             found.append(Match(part.sheet, part.name, mean, fits))
     return tuple(sorted(found, key=lambda one: (not one.fits, abs(math.log(one.ratio)))))
@@ -57,15 +49,6 @@ def _shipped() -> tuple[Part, ...]:
     )
 
 
-def _sampled(part: Part, rate_Hz: float) -> float:
-    """How many times its stated noise a sensor has, at that rate and its usual bandwidth."""
-    device = part.typical()
-    x = math.pi * device.bandwidth_Hz / rate_Hz
-    folded = x / math.tanh(x) if math.isfinite(x) else 1.0
-    rounding = device.resolution**2 / 6 / rate_Hz / float(np.min(device.noise_density)) ** 2
-    return math.sqrt(folded + rounding)
-
-
 def _measuring(axes: Sequence[AxisNoise], part: Part) -> list[AxisNoise]:
     return [axis for axis in axes if axis.unit == part.unit]
 
@@ -76,8 +59,16 @@ def _beside(axes: Sequence[AxisNoise], part: Part) -> list[AgainstSheet]:
     for i, axis in enumerate(_measuring(axes, part)):
         stated, white = float(densities[min(i, len(densities) - 1)]), axis.term("N")
         if white.value is not None and white.u is not None and stated > 0:
-            found, u = 2**0.5 * white.value, 2**0.5 * white.u
+            found, u = _without_rounding(2**0.5 * white.value, 2**0.5 * white.u, axis.rounding)
             rows.append(AgainstSheet(
                 axis.channel, part.sheet, part.name, stated, found, u, found / stated, u / stated
             ))  # fmt: skip
     return rows
+
+
+def _without_rounding(found: float, u: float, rounding: float) -> tuple[float, float]:
+    """A noise density, and its u, as it was before readings were rounded to counts."""
+    if rounding**2 > found**2 / 2:  # noise of a third of a count: rounding is no noise then
+        return found, u
+    own = math.sqrt(found**2 - rounding**2)
+    return own, u * found / own

@@ -55,6 +55,8 @@ class AxisNoise:
         best_tau_s: averaging time of the lowest deviation [s].
         best: the lowest deviation.
         still_falls: whether it is the longest averaging time that has the lowest deviation.
+        rounding: noise density that rounding to whole counts adds, one-sided, SI; 0 where readings
+            are not quantised.
     """
 
     channel: str
@@ -76,6 +78,7 @@ class AxisNoise:
     best_tau_s: float
     best: float
     still_falls: bool
+    rounding: float
 
     def term(self, name: str) -> NoiseTerm:
         """One of the noises."""
@@ -91,7 +94,7 @@ class AgainstSheet:
         sheet: name of the data sheet.
         part: of the chip.
         stated: noise density in the sheet, one-sided, SI.
-        found: noise density of the record, one-sided: √2 of N.
+        found: noise density of the record, one-sided: √2 of N, less what rounding to counts adds.
         u: its standard uncertainty.
         ratio: of the two.
         u_ratio: standard uncertainty of the ratio.
