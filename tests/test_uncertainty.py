@@ -169,7 +169,8 @@ def test_a_formula_in_the_parameters_of_a_scenario():
         ),
         (
             {"of": "a", "set": {"a": 1}, "u": {"a": 1}, "probability": 2.0, "seed": -1},
-            "uncertainty: 2 faults\n  - probability 2 is none; expected such as 0.95"
+            "uncertainty: 2 faults\n  - probability 2 is out of range; expected more than 0"
+            " and at most 0.99999"
             "\n  - seed -1 is below 0; expected a whole number from 0 on",
         ),
     ],
@@ -178,6 +179,61 @@ def test_what_cannot_be_is_refused(asked, text):
     with pytest.raises(InputError) as error:
         simcompare.uncertainty(**asked)
     assert str(error.value) == text
+
+
+NO_NAME = "names no quantity, so nothing is uncertain; expected a formula such as 2*tau/r"
+
+
+@pytest.mark.parametrize(
+    ("formula", "text"),
+    [
+        ("((1))", f"of: '((1))' is 1 and {NO_NAME}"),
+        ("0xff", f"of: '0xff' is 255 and {NO_NAME}"),
+        ("1/0", "of: '1/0' gives no finite number: a division by zero"),
+        ("9**9**9", "of: '9**9**9' gives no finite number: a number in it gets too large"),
+        ("sqrt(-1)", "of: 'sqrt(-1)' gives no finite number"),
+    ],
+)
+@pytest.mark.parametrize("scenario", [None, "robot"])
+def test_a_formula_without_quantities_is_refused(scenario, formula, text):
+    with pytest.raises(InputError) as error:
+        simcompare.uncertainty(scenario, of=formula)
+    assert str(error.value) == text
+
+
+@pytest.mark.parametrize(
+    ("formula", "text"),
+    [
+        ("a*(-1)**0.5", "gives no finite number: the root of a negative number is not real"),
+        ("abs((-1)**0.5)*a", "gives no finite number: the root of a negative number is not real"),
+        (
+            "sqrt(a - 1)",
+            "changes without limit at the estimates: it has no slope there; expected others",
+        ),
+    ],
+)
+def test_a_formula_without_a_real_value_or_slope_is_refused(formula, text):
+    with pytest.raises(InputError) as error:
+        simcompare.uncertainty(of=formula, set={"a": 1}, u={"a": 1})
+    assert str(error.value) == f"of: {formula!r} {text}"
+
+
+@pytest.mark.parametrize(
+    ("asked", "text"),
+    [
+        ({"trials": 1}, "1 trials cannot tell an interval of 95 %; expected at least 40"),
+        ({"trials": 10**10}, "10000000000 trials are too many; expected at most 10000000"),
+        (
+            {"trials": 10**6, "engine": "mujoco"},
+            "1000000 trials are too many; expected at most 10000",
+        ),
+    ],
+)
+def test_trials_that_tell_nothing_are_refused_before_anything_runs(asked, text):
+    with pytest.raises(InputError) as error:
+        simcompare.uncertainty("robot", **asked)
+    assert str(error.value) == f"uncertainty: {text}"
+    assert error.value.exit_code == 2
 
 
 # --- scenarios --------------------------------------------------------------------------------

@@ -35,12 +35,24 @@ OF_ARRAYS: Mapping[str, Callable[..., Any]] = {
 #: how many things a function takes where that is not one
 _COUNTS = {"atan2": 2, "min": 2, "max": 2}
 _LONGEST = 2000
+#: letters of a formula that a message repeats
+_SHOWN = 60
+
+
+def _power(base: Any, exponent: Any) -> Any:  # noqa: ANN401
+    """A power that stays real."""
+    value = base**exponent
+    if isinstance(value, complex):
+        raise ValueError("the root of a negative number is not real")
+    return value
+
+
 _OPERATORS: Mapping[type[ast.AST], Callable[..., Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
-    ast.Pow: operator.pow,
+    ast.Pow: _power,
     ast.USub: operator.neg,
     ast.UAdd: operator.pos,
 }
@@ -72,8 +84,21 @@ class Formula:
         evaluator.names = {**CONSTANTS, **values}
         try:
             return evaluator.eval(self.text, previously_parsed=_parsed(self.text))
-        except (ArithmeticError, ValueError) as error:
-            raise ExpressionError(f"{self.text!r} gives no finite number: {error}") from None
+        except (ArithmeticError, ValueError, RecursionError) as error:
+            why = _WHY.get(type(error), str(error))
+            raise ExpressionError(f"{shown(self.text)} gives no finite number: {why}") from None
+
+
+_WHY = {
+    OverflowError: "a number in it gets too large",
+    ZeroDivisionError: "a division by zero",
+    RecursionError: "its parts are nested too deep",
+}
+
+
+def shown(text: str) -> str:
+    """A formula as a message repeats it: its begin, where it is long."""
+    return repr(text if len(text) <= _SHOWN else f"{text[: _SHOWN - 1]}…")
 
 
 def read(text: str) -> Formula:
@@ -87,14 +112,14 @@ def read(text: str) -> Formula:
     names: dict[str, None] = {}
     # in the order of the text
     for node in sorted(ast.walk(tree), key=lambda one: getattr(one, "col_offset", 0)):
-        fault = _fault(node, called)
+        fault = _fault(node, called, text.strip())
         if fault is not None:
-            raise ExpressionError(f"{text!r} is more than arithmetic: {fault}; {_ALLOWED}")
+            raise ExpressionError(f"{shown(text)} is more than arithmetic: {fault}; {_ALLOWED}")
         if isinstance(node, ast.Name) and node not in called and node.id not in CONSTANTS:
             names[node.id] = None
     for name in names:
         if name in FUNCTIONS:
-            raise ExpressionError(f"{text!r}: {name} is a function; write {name}(…)")
+            raise ExpressionError(f"{shown(text)}: {name} is a function; write {name}(…)")
     return Formula(text, tuple(names))
 
 
@@ -102,22 +127,26 @@ _ALLOWED = f"expected numbers, names, + - * / ** and {', '.join(FUNCTIONS)}"
 _HARMLESS = (ast.Expression, ast.Load, ast.operator, ast.unaryop, ast.Name)
 
 
-def _fault(node: ast.AST, called: set[ast.expr]) -> str | None:
-    """What of a part is no arithmetic."""
+def _fault(node: ast.AST, called: set[ast.expr], text: str) -> str | None:
+    """What of a part is no arithmetic, as the user wrote it."""
     match node:
         case ast.Constant(value=value):
             is_number = isinstance(value, int | float) and not isinstance(value, bool)
-            return None if is_number and _is_finite(value) else f"{value!r} is no number"
+            return None if is_number and _is_finite(value) else f"{_part(node, text)} is no number"
         case ast.BinOp(op=op) | ast.UnaryOp(op=op):
-            return None if type(op) in _OPERATORS else f"{ast.unparse(node)!r}"
+            return None if type(op) in _OPERATORS else _part(node, text)
         case ast.Call():
-            return _fault_of_call(node)
-    return None if isinstance(node, _HARMLESS) else f"{ast.unparse(node)!r}"
+            return _fault_of_call(node, text)
+    return None if isinstance(node, _HARMLESS) else _part(node, text)
 
 
-def _fault_of_call(node: ast.Call) -> str | None:
+def _part(node: ast.AST, text: str) -> str:
+    return shown(ast.get_source_segment(text, node) or text)
+
+
+def _fault_of_call(node: ast.Call, text: str) -> str | None:
     if not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS:
-        return f"{ast.unparse(node.func)!r} is no known function"
+        return f"{_part(node.func, text)} is no known function"
     count = _COUNTS.get(node.func.id, 1)
     if node.keywords or len(node.args) != count:
         return f"{node.func.id} takes {count} value{'s' if count > 1 else ''}"
@@ -137,12 +166,12 @@ def _parsed(text: str) -> ast.expr:
     if len(text) > _LONGEST:
         raise ExpressionError(f"the formula has {len(text)} letters; expected {_LONGEST} at most")
     if "^" in text:
-        raise ExpressionError(f"{text!r}: a power is written with ** here, such as r**2")
+        raise ExpressionError(f"{shown(text)}: a power is written with ** here, such as r**2")
     try:
         tree = ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, MemoryError, RecursionError):
         raise ExpressionError(
-            f"{text!r} is no formula; expected one such as 2*tau/r/(m + 2*J/r**2)"
+            f"{shown(text)} is no formula; expected one such as 2*tau/r/(m + 2*J/r**2)"
         ) from None
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant) and type(node.value) is int and _is_finite(node.value):

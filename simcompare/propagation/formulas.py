@@ -12,7 +12,7 @@ import numpy as np
 from simcompare import units
 from simcompare.errors import InputError
 from simcompare.model.expressions import ExpressionError
-from simcompare.model.formula import Formula, read
+from simcompare.model.formula import Formula, read, shown
 from simcompare.propagation.propagated import Asked, Propagated, traced, with_trials
 from simcompare.statistics.budget import Budget
 
@@ -30,6 +30,20 @@ def formula_of(text: str, where: str = "--of") -> Formula:
         return read(text)
     except ExpressionError as error:
         raise InputError(where, [str(error)]) from None
+
+
+def asked_of(text: str) -> Formula:
+    """Reads a formula whose uncertainty is asked for.
+
+    Raises:
+        InputError: it is more than arithmetic, or none, or a number alone.
+    """
+    formula = formula_of(text)
+    if not formula.names:
+        value = value_of(formula, {})
+        fault = f"{shown(text)} is {value:.6g} and names no quantity, so nothing is uncertain"
+        raise InputError("--of", [f"{fault}; expected a formula such as 2*tau/r"])
+    return formula
 
 
 def propagated(formula: Formula, values: Mapping[str, float], asked: Asked) -> Propagated:
@@ -57,7 +71,7 @@ def first_order(formula: Formula, exact: Mapping[str, float], asked: Asked) -> B
     """The budget alone.
 
     Raises:
-        InputError: the formula has no finite value at the estimates.
+        InputError: the formula has no finite value at the estimates, or no finite slope.
     """
     known = {name: one.center for name, one in asked.inputs.items()}
     value_of(formula, {**exact, **known})
@@ -69,8 +83,9 @@ def first_order(formula: Formula, exact: Mapping[str, float], asked: Asked) -> B
 
     try:
         return traced(asked, model)
-    except ExpressionError as error:
-        raise InputError("--of", [str(error)]) from None
+    except ExpressionError:
+        fault = f"{shown(formula.text)} changes without limit at the estimates: it has no slope"
+        raise InputError("--of", [f"{fault} there; expected others"]) from None
 
 
 def value_of(formula: Formula, values: Mapping[str, float]) -> float:
@@ -86,7 +101,8 @@ def value_of(formula: Formula, values: Mapping[str, float]) -> float:
         raise InputError("--of", [str(error)]) from None
     if not math.isfinite(value):
         told = ", ".join(f"{name} = {values[name]:.6g}" for name in formula.names)
-        raise InputError("--of", [f"{formula.text!r} gives no finite number at {told}"])
+        at = f" at {told}" if told else ""
+        raise InputError("--of", [f"{shown(formula.text)} gives no finite number{at}"])
     return value
 
 

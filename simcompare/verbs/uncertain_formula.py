@@ -27,7 +27,7 @@ def of_formula(
         InputError: it is more than arithmetic, quantities are unknown or lack a value, or nothing
             is uncertain.
     """
-    formula = formulas.formula_of(request.of or "")
+    formula = formulas.asked_of(request.of or "")
     given = quantities.quantities_of(formula, request.set or {})
     known = inputs.of_formula(formula.names, given.values, given.units, stated, reasons)
     unit = formulas.unit_of(formula, given.values, given.units)

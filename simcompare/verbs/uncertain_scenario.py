@@ -84,7 +84,7 @@ def _of_parameters(
     request: UncertaintyRequest, asked: Asked, parameters: Mapping[str, float]
 ) -> Uncertain:
     """A formula in the parameters of a scenario."""
-    formula = formulas.formula_of(request.of or "")
+    formula = formulas.asked_of(request.of or "")
     faults = [
         str(UnknownName("parameter", name, parameters))
         for name in formula.names
@@ -96,7 +96,7 @@ def _of_parameters(
         raise InputError("--of", faults)
     known = tuple(one for one in asked.known if one.name in formula.names)
     if not known:
-        such = formula.names[0] if formula.names else "NAME"
+        such = formula.names[0]
         raise InputError("--u", [f"nothing in the formula is uncertain; give --u {such}=1%"])
     names = {one.name for one in known}
     pairs = {pair: r for pair, r in asked.correlation.items() if set(pair) <= names}
