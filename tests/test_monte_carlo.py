@@ -178,7 +178,14 @@ def test_tolerance_is_half_a_unit_in_the_last_digit(u, digits, expected):
             {"trials": 10},
             "Monte Carlo: 10 trials cannot tell an interval of 95 %; expected at least 40",
         ),
-        ({"probability": 1.0}, "Monte Carlo: probability 1 is none; expected one between 0 and 1"),
+        (
+            {"trials": 10**8},
+            "Monte Carlo: 100000000 trials are too many; expected at most 10000000",
+        ),
+        (
+            {"probability": 1.0},
+            "Monte Carlo: probability 1 is out of range; expected more than 0 and at most 0.99999",
+        ),
     ],
 )
 def test_what_cannot_be_is_refused(asked, text):

@@ -23,6 +23,10 @@ BLOCK = 10_000
 LEAST_BLOCKS = 10
 #: trials after which an adaptive run gives up
 MOST_TRIALS = 5_000_000
+#: trials that can be asked for: more fill the memory and tell nothing new
+MAX_TRIALS = 10_000_000
+#: beyond it too few trials lie outside an interval to tell its ends
+MAX_PROBABILITY = 0.99999
 #: relative width below which results differ by rounding alone
 _ROUNDING = 1e-12
 #: bars of the stored histogram
@@ -153,17 +157,34 @@ def validation(first: Budget, against: MonteCarlo, *, digits: int = 2) -> Valida
     return Validation(low, high, tolerance, 2 * max(against.repeats_to))
 
 
-def _check(trials: int | None, probability: float) -> None:
-    faults = []
-    if not 0 < probability < 1:
-        faults.append(f"probability {probability:g} is none; expected one between 0 and 1")
-    elif trials is not None and trials < (least := math.ceil(2 / (1 - probability))):
-        faults.append(
+def fault_of(trials: int | None, probability: float, most: int = MAX_TRIALS) -> str:
+    """What is wrong with a number of trials or a probability; empty where nothing is.
+
+    Args:
+        trials: that are asked for; ``None`` for as many as are needed.
+        probability: of the intervals.
+        most: trials that are affordable.
+    """
+    if not 0 < probability <= MAX_PROBABILITY:
+        return (
+            f"probability {probability:.15g} is out of range; "
+            f"expected more than 0 and at most {MAX_PROBABILITY:g}"
+        )
+    least = math.ceil(2 / (1 - probability))
+    if trials is None or least <= trials <= most:
+        return ""
+    if trials < least:
+        return (
             f"{trials} trials cannot tell an interval of {100 * probability:g} %; "
             f"expected at least {least}"
         )
-    if faults:
-        raise InputError("Monte Carlo", faults)
+    return f"{trials} trials are too many; expected at most {most}"
+
+
+def _check(trials: int | None, probability: float) -> None:
+    fault = fault_of(trials, probability)
+    if fault:
+        raise InputError("Monte Carlo", [fault])
 
 
 def _results(model: Model, drawn: Mapping[str, Array], count: int) -> Array:

@@ -14,6 +14,7 @@ from simcompare.propagation.inputs import NO_FILE, read_file
 from simcompare.propagation.propagated import Asked
 from simcompare.results import result_file, store
 from simcompare.running.runner import TIME_LIMIT_S, Progress, check_time_limit
+from simcompare.statistics.monte_carlo import MAX_TRIALS, fault_of
 from simcompare.verbs.notebook_line import with_line
 from simcompare.verbs.request import UncertaintyRequest
 from simcompare.verbs.uncertain import Uncertain
@@ -21,6 +22,8 @@ from simcompare.verbs.uncertain_formula import of_formula
 from simcompare.verbs.uncertain_scenario import of_scenario
 
 FILE = "uncertainty.json"
+#: trials on an engine: each is a run
+MAX_RUNS = 10_000
 
 
 @checked
@@ -110,8 +113,9 @@ def _check(request: UncertaintyRequest, time_limit_s: float) -> None:
     if request.contact not in CONTACT_LEVELS:
         raise UnknownName("contact level", request.contact, CONTACT_LEVELS)
     faults = []
-    if not 0 < request.probability < 1:
-        faults.append(f"--probability {request.probability:g} is none; expected such as 0.95")
+    most = MAX_RUNS if request.engine else MAX_TRIALS
+    if fault := fault_of(request.trials, request.probability, most):
+        faults.append(fault)
     if request.seed < 0:
         faults.append(f"--seed {request.seed} is below 0; expected a whole number from 0 on")
     if request.seeds is not None and request.seeds < 1:
