@@ -164,6 +164,17 @@ def test_the_command_line_prints_what_python_gives(tmp_path, found):
         ({"sensors": {"imu": "mpu6051"}}, "no data sheet is called 'mpu6051'; did you mean mpu60"),
         ({"options": {"jerk": 1}}, "no option of the estimator is called 'jerk'"),
         ({"options": {"gate_s": -1}}, "gate_s = -1 is not within"),
+        (
+            {"options": {"u_start_acceleration": 1e200}},
+            r"u_start_acceleration_m_s2 = 1e\+200 is not within 1e-09 … 1e\+06",
+        ),
+        (
+            {"options": {"jerk_density_m2_s5": 1e300, "gate_s": "1e9s"}},
+            r"gate_s = 1e\+09 is not within 0.0001 … 1e\+06\n  - jerk_density_m2_s5 = 1e\+300",
+        ),
+        ({"options": {"gate": 1, "gate_s": 2}}, "gate_s is given twice, with and without its unit"),
+        ({"sensors": "imu=mpu6050, imu=adxl345"}, "imu is given twice"),
+        ({"sensors": "adxl345,adxl345"}, "adxl345 is given twice"),
         ({"options": {"diameter": "1 kg"}}, "diameter_m"),
         ({"draws": 0}, "0 is no number of draws; expected 1 to 10000"),
         ({"seed": -1}, "-1 is below 0"),
@@ -211,6 +222,17 @@ def test_a_filter_that_refuses_every_reading_is_still_told():
 def test_every_outcome_has_its_sentence(outcome, said):
     verdict = Verdict("NEES", 2.0, 1.7, 2.3, 0.9, 2, 200, outcome)
     assert words._said(outcome, [verdict]) == said
+
+
+def test_every_option_of_every_estimator_has_bounds():
+    options = [
+        (f"{name}.{option}", one)
+        for name in estimators.ESTIMATORS
+        for option, one in estimators.load(name).options.items()
+    ]
+    assert len(options) > 40
+    endless = [name for name, one in options if not np.isfinite([one.least, one.most]).all()]
+    assert not endless
 
 
 def test_a_cure_replaces_the_option_that_it_changes():

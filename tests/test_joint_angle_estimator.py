@@ -72,6 +72,11 @@ def test_noise_of_both_sensors_counts(motion):
     assert u[0] == pytest.approx(0.02828, abs=1e-5)
 
 
+def test_a_motion_that_never_begins_is_refused(motion):
+    with pytest.raises(InputError, match=r"moving_from_s = 1e\+06 leaves no sample in motion"):
+        joint_angle.estimate(given(replace(motion, moving_from_s=1e6)))
+
+
 def test_an_upright_axis_is_refused_in_words(motion):
     forces = {role: force[:, [0, 2, 1]] * [1e-3, 1, 1] for role, force in motion.forces.items()}
     forces = {role: force * [1, 1, 1e-3] for role, force in forces.items()}

@@ -226,6 +226,11 @@ def test_the_gate_refuses_a_reading_that_cannot_be():
     assert kept.refused[25, 0]
 
 
+def test_a_covariance_that_no_computer_can_hold_is_refused():
+    with pytest.raises(InputError, match="covariance of the start is singular"):
+        filtered(model(), np.zeros((3, 2)), Belief(np.zeros(2), np.diag([1.0, np.inf])))
+
+
 def test_a_singular_start_is_refused():
     linear = model()
     with pytest.raises(InputError, match=r"covariance of the start is singular.*expected each abo"):

@@ -20,6 +20,8 @@ from simcompare.estimation.estimate import Estimate, Given
 
 #: each is a module of this room; another one is a word more
 ESTIMATORS = ("speed_filter", "pose_filter", "odometry", "joint_angle")
+#: larger than any place, angle or size of a scene on a table or in a garden, SI
+FAR = 1e6
 
 
 class Function(Protocol):
@@ -59,7 +61,7 @@ class Option:
         text: in a few words.
         default: used where nothing is said; ``None``: the scenario must say it.
         least: smallest value that makes sense.
-        most: largest.
+        most: largest; beyond it sums of squares lose all digits.
         bias_of: signal whose constant error it makes a state where it is 1; empty for none.
         adds_up: signal that it reads as a sum where it is 1, so that the errors of neighbouring
             differences no longer cancel; empty for none.
@@ -69,7 +71,7 @@ class Option:
     text: str
     default: float | None = None
     least: float = 0.0
-    most: float = float("inf")
+    most: float = FAR
     loosens: bool = False
     bias_of: str = ""
     adds_up: str = ""

@@ -101,6 +101,10 @@ def _trusted(given: Given) -> Array:
     g, options = given.options["gravity_m_s2"], given.options
     first = given.signal("first")
     moving = first.time_s > options["moving_from_s"]
+    if not moving.any():
+        last_s, from_s = float(first.time_s[-1]), options["moving_from_s"]
+        fault = f"moving_from_s = {from_s:g} leaves no sample in motion; the last is at {last_s:g}"
+        raise InputError("estimate", [f"{fault} s; expected less"])
     forces = (first.values, given.signal("second").at(first.time_s))
     return trusted(forces, g, options["gate"])[moving].astype(float)
 

@@ -244,9 +244,11 @@ def _gathered(steps: Sequence[_Step]) -> Filtered:
 def _refuse_singular(covariance: Array, whose: str) -> None:
     """Ends where a covariance could not be inverted, or is none."""
     scale = np.sqrt(np.abs(np.diag(covariance)))
-    if np.all(scale > 0):
-        # parts in units of their own uncertainty, so that metres and radians do not matter
-        values = np.linalg.eigvalsh(covariance / np.outer(scale, scale))
+    # parts in units of their own uncertainty, so that metres and radians do not matter
+    with np.errstate(all="ignore"):
+        parts = covariance / np.outer(scale, scale)
+    if np.all(np.isfinite(parts)):
+        values = np.linalg.eigvalsh(parts)
         if values[0] > 0 and values[-1] / values[0] < _MAX_CONDITION:
             return
     raise InputError(

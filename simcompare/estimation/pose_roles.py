@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
-
-from simcompare.estimation.estimators import Option, Role
+from simcompare.estimation.estimators import FAR, Option, Role
 
 TITLE = "Pose of a robot on two wheels"
 #: what odometry shares
@@ -20,9 +18,9 @@ PLACE = {
     "heading": Role("heading", "rad", needed=False),
 }
 START = {
-    "start_x_m": Option("where it starts along x", 0.0, -math.inf),
-    "start_y_m": Option("where it starts along y", 0.0, -math.inf),
-    "start_heading_rad": Option("its heading there", 0.0, -math.inf),
+    "start_x_m": Option("where it starts along x", 0.0, -FAR),
+    "start_y_m": Option("where it starts along y", 0.0, -FAR),
+    "start_heading_rad": Option("its heading there", 0.0, -FAR),
 }
 SIGNALS = {
     **WHEELS,
@@ -63,18 +61,18 @@ OPTIONS = {
     "u_start_heading_rad": Option("standard uncertainty of that heading", 0.001, 1e-9),
     "u_start_speed_m_s": Option("standard uncertainty of the speed there", 0.1, 1e-9),
     "u_start_rate_rad_s": Option("standard uncertainty of the rate there", 0.1, 1e-9),
-    "ranger_ahead_m": Option("place of the range sensor ahead of the axle", 0.0, -math.inf),
-    "ranger_left_m": Option("its place to the left", 0.0, -math.inf),
-    "beam_rad": Option("direction of its beam", 0.0, -math.inf),
-    "wall_normal_rad": Option("direction from the origin to the wall", 0.0, -math.inf),
-    "wall_m": Option("distance of the wall from the origin", 0.0, -math.inf),
+    "ranger_ahead_m": Option("place of the range sensor ahead of the axle", 0.0, -FAR),
+    "ranger_left_m": Option("its place to the left", 0.0, -FAR),
+    "beam_rad": Option("direction of its beam", 0.0, -FAR),
+    "wall_normal_rad": Option("direction from the origin to the wall", 0.0, -FAR),
+    "wall_m": Option("distance of the wall from the origin", 0.0, -FAR),
     "bias": Option("1: the gyroscope's bias is a state", 0.0, 0.0, 1.0, bias_of="turning_rate"),
     "u_bias_rad_s": Option("standard uncertainty of the bias at the start", 0.35, 1e-9),
     "acceleration_bias": Option(
         "1: the accelerometer's bias is a state", 0.0, 0.0, 1.0, bias_of="acceleration"
     ),
     "u_acceleration_bias_m_s2": Option("standard uncertainty of it at the start", 0.5, 1e-9),
-    "accelerometer_ahead_m": Option("place of the accelerometer ahead of the axle", 0.0, -math.inf),
+    "accelerometer_ahead_m": Option("place of the accelerometer ahead of the axle", 0.0, -FAR),
     "range_bias": Option(
         "1: what all ranges read too long is a state", 0.0, 0.0, 1.0, bias_of="range"
     ),

@@ -98,16 +98,25 @@ def sheets_of(text: Sheets | None) -> dict[str, str]:
         if not (equals and name and sheet):
             fault = f"{part!r} is not of the form sensor=sheet, such as imu=mpu6050"
             raise InputError("--sensors", [fault])
+        if name in found:
+            raise InputError("--sensors", [f"{name} is given twice"])
         found[name] = sheet
     return found
 
 
 def chips_of(sensors: Sheets | None) -> tuple[tuple[str, ...], Sheets | None]:
-    """Words that name a data sheet alone, for a study of chips, and what is left."""
+    """Words that name a data sheet alone, for a study of chips, and what is left.
+
+    Raises:
+        InputError: a chip stands there twice.
+    """
     if not isinstance(sensors, str):
         return (), sensors
     words = [word.strip() for word in sensors.split(",")]
     chips = [word for word in words if word.lower() in data_sheet.names()]
+    twice = [f"{chip} is given twice" for chip in dict.fromkeys(chips) if chips.count(chip) > 1]
+    if twice:
+        raise InputError("--sensors", twice)
     return tuple(chips), ",".join(word for word in words if word not in chips)
 
 
@@ -155,11 +164,15 @@ def options_of(
         InputError: all that is unknown, missing, out of bounds or of a wrong unit.
     """
     chosen, faults = dict(given), []
+    taken: set[str] = set()
     for name, value in asked.items():
         full = units.find_name(name, estimator.options)
         if full is None:
             faults.append(str(UnknownName("option of the estimator", name, estimator.options)))
             continue
+        if full in taken:
+            faults.append(f"{full} is given twice, with and without its unit")
+        taken.add(full)
         try:
             chosen[full] = units.to_si(value, units.unit_of(full), full)
         except InputError as error:
