@@ -168,6 +168,15 @@ def test_a_formula_in_the_parameters_of_a_scenario():
             "correlation: a=0.5 is not of the form a,b=0.5",
         ),
         (
+            {
+                "of": "a*b",
+                "set": {"a": 1, "b": 1},
+                "u": {"a": 1, "b": 1},
+                "correlation": {"a,b": 0.5, "b, a": 0.1},
+            },
+            "correlation: the correlation of b with a is given twice",
+        ),
+        (
             {"of": "a", "set": {"a": 1}, "u": {"a": 1}, "probability": 2.0, "seed": -1},
             "uncertainty: 2 faults\n  - probability 2 is out of range; expected more than 0"
             " and at most 0.99999"

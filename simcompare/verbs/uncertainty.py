@@ -139,7 +139,8 @@ def _check(request: UncertaintyRequest, time_limit_s: float) -> None:
 
 def _pairs(given: Mapping[str, str | float]) -> dict[tuple[str, str], float]:
     """Reads ``{"a,b": "0.5"}``."""
-    pairs, faults = {}, []
+    pairs: dict[tuple[str, str], float] = {}
+    faults = []
     for names, text in given.items():
         both = tuple(name.strip() for name in names.split(","))
         try:
@@ -148,6 +149,8 @@ def _pairs(given: Mapping[str, str | float]) -> dict[tuple[str, str], float]:
             value = None
         if len(both) != 2 or value is None:
             faults.append(f"{names}={text} is not of the form a,b=0.5")
+        elif any({*both} == {*one} for one in pairs):
+            faults.append(f"the correlation of {both[0]} with {both[1]} is given twice")
         else:
             pairs[both[0], both[1]] = value
     if faults:
