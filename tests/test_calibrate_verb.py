@@ -170,6 +170,15 @@ def test_bad_arguments_are_told(arguments, told):
         ("pose,ax,ay,az\n+x,1,0,0\n-x,-1,0,0\n", "write the unit in the head"),
         ("pose,ax (g),ay,az\n+x,1,zero,0\n", r"line 2, column ay: 'zero' is no number"),
         ("pose,speed\n+x,1\n", "expected pose,ax,ay,az"),
+        ("pose,ax (g),ax,az,u\n+x,1,0,0,1\n", "line 1: ax stands there twice"),
+        (
+            "pose,ax (g),ay,az\n+x,1,0,0\n-x,1,0,0\n+y,0,1,0\n-y,0,-1,0\n+z,0,0,1\n-z,0,0,-1\n",
+            r"axis x has a sensitivity of .*: the readings of \+x and −x are equal or nearly so",
+        ),
+        (
+            "known (hPa),u (hPa),reading (hPa),noise\n900,1,980,1\n1000,1,980,1\n",
+            "its readings are equal or nearly so at all known values",
+        ),
         ("pose,gx (deg/s),gy,gz\nfast,1,2,3\n", r"line 2: 'fast' is no pose"),
         ("pose,ax (g),ay,az\n", "has no rows"),
         ("pose,ax (kg),ay,az\n+x,1,0,0\n", "line 1: 'kg' is no unit that fits; .* such as 1 mg"),

@@ -18,6 +18,8 @@ from simcompare.model.trajectory import Array
 
 #: poses that differ so little make parameters that the readings hardly tell
 WORST_CONDITION = 1e6
+#: size of a sensitivity that is none at all: the readings do not change
+_NONE = 0.05
 #: sensitivity below which an axis is none of that name
 _LEAST = 0.5
 #: part of a reading below which there is nothing
@@ -112,12 +114,22 @@ def _check(condition: float, spare: int, *, told: bool) -> None:
         raise InputError("calibration", ["has no spare reading to tell the noise: state it"])
 
 
+def _why(axis: str, scale: float, axes: int) -> str:
+    """What makes a sensitivity far too small."""
+    if abs(scale) < _NONE and axes == 1:
+        return "its readings are equal or nearly so at all known values"
+    if abs(scale) < _NONE:
+        return f"the readings of +{axis} and −{axis} are equal or nearly so"
+    return "two readings of it are mixed up, or the axis has the other sign"
+
+
 def _check_signs(sensitivity: Array) -> None:
     """Refuses an axis that falls where it should rise."""
+    scales = np.diag(sensitivity)
     faults = [
-        f"axis {'xyz'[axis]} has a sensitivity of {scale:.2g}; expected about 1: two readings of it"
-        " are mixed up, or the axis has the other sign"
-        for axis, scale in enumerate(np.diag(sensitivity))
+        f"axis {axis} has a sensitivity of {scale:.2g}; expected about 1: "
+        f"{_why(axis, scale, len(scales))}"
+        for axis, scale in zip("xyz", scales, strict=False)
         if scale < _LEAST
     ]
     if faults:

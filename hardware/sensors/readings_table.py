@@ -99,7 +99,10 @@ def _columns(path: Path, head: Sequence[str]) -> dict[str, str]:
         if match is None:
             raise InputError(str(path), [f"line 1: {cell!r} is no head of a column"])
         unit = match["unit"].strip() or unit
-        found[match["name"].lower()] = unit
+        name = match["name"].lower()
+        if name in found:
+            raise InputError(str(path), [f"line 1: {name} stands there twice"])
+        found[name] = unit
     return found
 
 
