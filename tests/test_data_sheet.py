@@ -327,6 +327,11 @@ def test_all_faults_of_a_sheet_are_told_at_once(tmp_path):
         ("rate: 100 Hz, b", "rate: 150 Hz, b", "usual.rate: 150 Hz is none of the rates above"),
         ("width: 45 Hz}\n", "width: 40 Hz}\n", "40 Hz is none of the bandwidths above"),
         ("rms: 1.2 mg,", "rms: 1.2 mg, typ: 1 mg,", "expected one value or a pair: typ, max"),
+        (
+            "reading: 1 g",
+            "reading: 100 g",
+            "parts.accelerometer.reading: 100 g is beyond the usual range 2 g; expected one within",
+        ),
         ("count: 16384 LSB/g", "count: 3 g", "one count, 3 g, is more than the full scale 2 g"),
         ("typ: 30 mg, over_C: [0, 70]", "typ: 30 mg", "the unit of '30 mg' does not fit"),
         ("FS, page: 12", "FS, rule: normal, page: 12", "rule: normal needs a typical value"),

@@ -58,6 +58,7 @@ class _Reader:
         counted = ranges.get(given.usual.range)
         terms = self._terms(place, given, unit, axes, counted.count if counted else 0.0)
         usual = self._usual(place, given, rates, bandwidths)
+        self._check_reading(place, given, reading, counted)
         if len(self.faults) > before or usual is None or reading is None:
             return None
         return PartData(
@@ -71,6 +72,15 @@ class _Reader:
             poles=given.poles, page=_page(given.page), confirmed=given.confirmed,
             usual=usual, terms=terms,
         )  # fmt: skip
+
+    def _check_reading(
+        self, place: str, given: PartFile, reading: float | None, usual: Range | None
+    ) -> None:
+        """The reading at which its uncertainty is told must be one that the usual range has."""
+        if reading is not None and usual is not None and abs(reading) > usual.full_scale:
+            self.faults[f"{place}.reading"] = (
+                f"{given.reading} is beyond the usual range {usual.name}; expected one within it"
+            )
 
     def _try(self, place: str, reading: Callable[[], float]) -> float | None:
         try:
