@@ -49,6 +49,14 @@ def test_sensitivity_offset_and_temperature_act_as_written():
     assert read(device).measured == pytest.approx(expected, abs=1e-13)
 
 
+@pytest.mark.parametrize("poles", [2, 3, 4])
+def test_a_slow_low_pass_of_several_poles_keeps_what_does_not_change(poles):
+    still = np.full((len(TIME), 3), 9.81)
+    # a hundred millionth: rounding of poles that lie 6e-4 from 1
+    found = low_pass.smoothed(still, 0.001, 0.1, poles)
+    assert found == pytest.approx(still, rel=1e-8)
+
+
 def test_non_linearity_bends_by_its_part_of_full_scale_and_no_more():
     ramp = np.linspace(-4.0, 4.0, 1001)
     device = replace(perfect("cell", 1), nonlinearity=np.array([0.01]), full_scale=5.0)
@@ -102,9 +110,9 @@ def test_a_late_sample_is_an_older_one():
 
 def test_jitter_moves_the_instants():
     ramp = 3.0 * TIME
-    shaken = read(replace(perfect("shaken", 1), jitter_s=0.002), ramp)
+    shaken = read(replace(perfect("shaken", 1), jitter_s=0.0005), ramp)
     # 1001 draws: five times the 2.2 % of their standard deviation
-    assert np.std(shaken.measured - ramp) == pytest.approx(0.006, rel=0.11)
+    assert np.std(shaken.measured - ramp) == pytest.approx(0.0015, rel=0.11)
 
 
 def test_a_counter_keeps_its_count_between_samples():
@@ -264,6 +272,10 @@ def test_noise_of_devices_is_independent():
         ({"bandwidth_Hz": 501.0}, "above Nyquist's 500 Hz, half of the rate of the signal"),
         ({"noise_density": np.array([1.0, -1.0, 1.0])}, "noise_density is -1; expected 0 or more"),
         ({"jitter_s": -1.0}, "jitter_s is -1"),
+        ({"jitter_s": 0.001}, "jitter 0.001 s would let samples change places; expected at most"),
+        ({"temperature_C": -400.0}, "temperature -400 °C; expected -100 to 250"),
+        ({"rate_error": -1.0}, "rate_error is -1; expected more than -1"),
+        ({"bandwidth_Hz": 0.05, "poles": 2}, "too low to be calculated at this rate; expected at"),
         ({"poles": 5}, "5 poles; expected 1 to 4"),
         ({"nonlinearity": np.ones(3)}, "give full_scale"),
         ({"rate_Hz": 1e9}, "1e+09 samples; expected at most 5e+07 in all"),

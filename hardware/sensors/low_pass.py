@@ -17,8 +17,8 @@ import numpy as np
 
 from simcompare.model.trajectory import Array
 
-#: bandwidth times sample interval, in radians, below which the bilinear filter has the same noise
-#: to 1e-4, while the exact one of several poles loses digits
+#: bandwidth times sample interval, in radians, below which the bilinear filter is the same to 1e-4,
+#: while the exact one of several poles loses digits
 _SLOW = 0.01
 #: noise bandwidth, part of the rate, above which sampled noise is white
 _WHITE = 0.4995
@@ -59,6 +59,10 @@ def smoothed(values: Array, step_s: float, bandwidth_Hz: float, poles: int) -> A
     from scipy import signal
 
     turn = 2 * math.pi * bandwidth_Hz * step_s  # time in units of 1/ω
+    if poles > 1 and turn < _SLOW:
+        pairs = signal.butter(poles, turn / math.pi, output="sos")
+        at_rest = signal.sosfilt_zi(pairs).reshape(*pairs.shape[:1], 2, *[1] * (values.ndim - 1))
+        return np.asarray(signal.sosfilt(pairs, values, axis=0, zi=at_rest * values[:1])[0])
     num, den = signal.butter(poles, 1.0, analog=True)
     rows, a, _ = signal.cont2discrete((num, den), turn, method="foh")
     b = rows.ravel()

@@ -100,6 +100,21 @@ SIZES = (
 SINGLE = ("resolution", "full_scale", "rate_error")
 
 
+#: temperatures that make sense for electronics
+COLDEST_C, HOTTEST_C = -100.0, 250.0
+#: no sensor is older than this
+MAX_LATENCY_S = 10.0
+#: of any term: beyond it numbers lose their digits
+MAX_SIZE = 1e12
+#: of a clock, as a part of its rate
+MAX_RATE_ERROR = 0.5
+#: of one count: below it a number has as many digits
+MIN_RESOLUTION = 1e-15
+#: standard deviation of the instant of a sample, as a part of the time between two: beyond it
+#: samples would change places
+MAX_JITTER = 0.5
+
+
 class SensorErrors(Frozen):
     """What keeps a sensor from being ideal; terms carry the unit of the signal in their names.
 
@@ -124,8 +139,8 @@ class SensorErrors(Frozen):
     rate_Hz: PositiveFloat | None = None
     bandwidth_Hz: PositiveFloat | None = None
     poles: Annotated[int, Field(ge=1, le=4)] | None = None
-    temperature_C: float = 25.0
-    latency_s: Nonnegative = 0.0
+    temperature_C: Annotated[float, Field(ge=COLDEST_C, le=HOTTEST_C)] = 25.0
+    latency_s: Annotated[float, Field(ge=0, le=MAX_LATENCY_S)] = 0.0
     jitter_s: Nonnegative = 0.0
     mounting_wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
     misalignment_rad: Value = 0.0
@@ -163,8 +178,8 @@ def faults_of(
     if errors.range is not None and errors.sheet is None:
         yield "range", "is one of a data sheet; give a sheet, or full_scale"
     yield from _of_time(errors, rate_Hz)
-    if isinstance(errors.misalignment_rad, Spread) and errors.misalignment_rad.fault:
-        yield "misalignment_rad", errors.misalignment_rad.fault
+    if fault := _fault_of_one("misalignment", errors.misalignment_rad):
+        yield "misalignment_rad", fault
     known = [key for part in signals for key in keys_of(part)]
     for key in given:
         if key not in known:
@@ -185,15 +200,30 @@ def _of_time(errors: SensorErrors, rate_Hz: float) -> Iterator[tuple[str, str]]:
     length = math.hypot(*errors.mounting_wxyz)
     if abs(length - 1) > 1e-6:
         yield "mounting_wxyz", f"has length {length:.6g}; a rotation has length 1"
+    rate, whose = (errors.rate_Hz, "rate_Hz") if errors.rate_Hz else (rate_Hz, "the simulation's")
+    if errors.sheet is None or errors.rate_Hz:
+        fault = fault_of_jitter(errors.jitter_s, rate)
+        if fault:
+            yield "jitter_s", fault
     if errors.sheet is not None or errors.bandwidth_Hz is None:
         return  # the sheet knows its own rate
-    rate, whose = (errors.rate_Hz, "rate_Hz") if errors.rate_Hz else (rate_Hz, "the simulation's")
     if errors.bandwidth_Hz > rate / 2 * (1 + 1e-9):
         yield (
             "bandwidth_Hz",
             f"{errors.bandwidth_Hz:g} Hz is above Nyquist's {rate / 2:g} Hz, half of {whose}"
             f"{'' if errors.rate_Hz else f' rate {rate:g} Hz'}; give less, or a higher rate_Hz",
         )
+
+
+def fault_of_jitter(jitter_s: float, rate_Hz: float) -> str:
+    """What is wrong with a jitter at that rate; empty where nothing is."""
+    if jitter_s * rate_Hz <= MAX_JITTER:
+        return ""
+    most = MAX_JITTER / rate_Hz
+    return (
+        f"{jitter_s:g} s would let samples change places; "
+        f"expected at most {most:g} s, half of the time between two"
+    )
 
 
 def _of_terms(errors: SensorErrors, part: str, width: int) -> Iterator[tuple[str, str]]:
@@ -224,12 +254,23 @@ def _fault(term: str, value: Term, width: int) -> str:
         return "is one number for all axes; expected no list"
     if term == "cross_axis" and width == 1:
         return "there is only one axis; leave it out"
-    for one in values:
-        if isinstance(one, Spread):
-            if term in SIZES:
-                return "every device has it alike; expected a number"
-            if one.fault:
-                return one.fault
-        elif term in SIZES and one < 0:
-            return f"is {one:g}; expected 0 or more"
+    return next(filter(None, (_fault_of_one(term, one) for one in values)), "")
+
+
+def _fault_of_one(term: str, one: float | Spread) -> str:
+    if isinstance(one, Spread):
+        if term in SIZES:
+            return "every device has it alike; expected a number"
+        if one.fault:
+            return one.fault
+        sizes = [abs(size) for size in (one.typ, one.min, one.max) if size is not None]
+    elif term in SIZES and one < 0:
+        return f"is {one:g}; expected 0 or more"
+    else:
+        sizes = [abs(one)]
+    most = MAX_RATE_ERROR if term == "rate_error" else MAX_SIZE
+    if max(sizes) > most:
+        return f"is {max(sizes):g}; expected a size of at most {most:g}"
+    if term == "resolution" and 0 < sizes[0] < MIN_RESOLUTION:
+        return f"is {sizes[0]:g}; expected 0, or at least {MIN_RESOLUTION:g}"
     return ""

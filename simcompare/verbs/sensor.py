@@ -17,6 +17,7 @@ from simcompare.hardware.sensors.reading_uncertainty import CrossCheck, Drawn, S
 from simcompare.hardware.sensors.sheet_entries import Entry
 from simcompare.hardware.sensors.sheet_parts import Settings
 from simcompare.hardware.sensors.sheet_rules import RULE_OF_KIND, RULES
+from simcompare.model.sensor_errors import COLDEST_C, HOTTEST_C
 from simcompare.results.records.calibration import rows_of
 from simcompare.results.records.sensor import (
     CheckRow,
@@ -33,8 +34,6 @@ DRAWS = 10_000
 BINS = 40
 #: devices that can be asked for as a table
 MAX_DEVICES = 100_000
-#: temperatures that make sense for electronics [°C]
-_COLDEST, _HOTTEST = -100.0, 250.0
 _TEMPLATE = Path(data_sheet.__file__).with_name("sheet_template.yaml")
 
 
@@ -145,9 +144,9 @@ def _check(draw: int, temperature: float, typ_is_sigma: float) -> None:
     faults = []
     if not 0 <= draw <= MAX_DEVICES:
         faults.append(f"--draw {draw}: expected 0 to {MAX_DEVICES} devices")
-    if not _COLDEST <= temperature <= _HOTTEST:
+    if not COLDEST_C <= temperature <= HOTTEST_C:
         faults.append(
-            f"--temperature {temperature:g}: expected {_COLDEST:g} to {_HOTTEST:g}, in °C"
+            f"--temperature {temperature:g}: expected {COLDEST_C:g} to {HOTTEST_C:g}, in °C"
         )
     if not 0 < typ_is_sigma <= 3:
         faults.append(f"--typ-is-sigma {typ_is_sigma:g}: expected a number above 0 and up to 3")
