@@ -205,6 +205,9 @@ def test_the_size_of_a_count() -> None:
     draw = np.random.default_rng(14).normal(size=1000)
     assert noise_audit.smallest_step(np.round(draw / 0.1) * 0.1) == pytest.approx(0.1)
     assert noise_audit.smallest_step(draw) == 0
+    # the same counts by way of another sum
+    jitter = np.where(draw > 0, 0.1, 0.3) - np.where(draw > 0, 0.1, 0.3) * (1 + 1e-15)
+    assert noise_audit.smallest_step(np.round(draw / 0.1) * 0.1 + jitter) == pytest.approx(0.1)
 
 
 @pytest.mark.parametrize(

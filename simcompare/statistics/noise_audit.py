@@ -17,6 +17,8 @@ from simcompare.statistics.noise import autocovariance, correlation_length
 _BLOCK = 32
 #: lags below which filters correlate readings
 _NEAR = 64
+#: readings that differ by less than this part of all are the same but for rounding of numbers
+_SAME = 1e-9
 #: excess kurtosis of uniform numbers, and how near it is called so
 _UNIFORM, _NEARLY = -1.2, 0.4
 
@@ -38,14 +40,14 @@ def white_part(values: Array) -> Array:
 
 def smallest_step(values: Array) -> float:
     """Size of one count; 0 where readings are not quantised."""
-    distinct = np.unique(values)
-    if len(distinct) < 2:
+    steps = np.diff(np.unique(values))
+    steps = steps[steps > _SAME * np.ptp(values)]  # arithmetic does not give a count twice
+    if not len(steps):
         return 0.0
-    steps = np.diff(distinct)
     step = float(np.median(steps[steps <= 1.5 * steps.min()]))
     counts = steps / step
     whole = np.abs(counts - np.round(counts)).max() < 0.05
-    return step if whole and len(distinct) < len(values) / 2 else 0.0
+    return step if whole and len(steps) < len(values) / 2 else 0.0
 
 
 def normal(values: Array) -> Told | None:
