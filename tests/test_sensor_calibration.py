@@ -86,14 +86,37 @@ def test_noise_that_is_told_by_the_residuals_has_few_degrees_of_freedom():
     generator = stream(8, "six positions")
     found = [drawn(generator, noise_known=False) for _ in range(600)]
     errors = np.array([parameters(one) for one in found]) - TRUTH
-    factor = stats.t.ppf(0.975, found[0].degrees_of_freedom)
-    assert found[0].degrees_of_freedom[-1] == pytest.approx(3, abs=0.01)
+    assert all(1 <= one.degrees_of_freedom[-1] < 6.01 for one in found)
     assert found[0].chi2 is None
     inside = [
-        np.abs(error) < factor * np.sqrt(np.diag(one.covariance))
+        np.abs(error)
+        < stats.t.ppf(0.975, one.degrees_of_freedom) * np.sqrt(np.diag(one.covariance))
         for error, one in zip(errors, found, strict=True)
     ]
-    assert np.mean(inside) == pytest.approx(0.95, abs=0.02)
+    # two variances of six residuals: few, so intervals are a little wide, and never narrow
+    assert 0.94 < np.mean(inside) < 0.98
+
+
+def test_levelling_is_no_noise_of_the_axis_that_is_upright():
+    """Two rounds of six positions, levelled within 0.5°; the noise is not known."""
+    generator, u_tilt, draws = stream(11, "six positions"), np.radians(0.5) / np.sqrt(3), 400
+    found = []
+    for _ in range(draws):
+        force = np.concatenate([felt(generator, u_tilt, 0.0) for _ in range(2)])
+        read = force @ TRUE_S.T + TRUE_O + generator.normal(0, 0.02, (12, 3))
+        found.append(six_position.calibrate(Readings(NAMES * 2, read), taken(G_M_S2, 1e-9)))
+    errors = np.array([parameters(one) for one in found]) - TRUTH
+    stated = np.median([np.sqrt(np.diag(one.covariance)) for one in found], axis=0)
+    ratio = stated / errors.std(axis=0, ddof=1)
+    # the scatter of 400 draws is 3.5 %; with levelling as a noise of all, the diagonal had 2.5
+    assert ratio[[0, 4, 8]] == pytest.approx([1, 1, 1], abs=0.25)
+    assert ratio[9:] == pytest.approx([1, 1, 1], abs=0.15)
+    inside = [
+        np.abs(error)
+        < stats.t.ppf(0.975, one.degrees_of_freedom) * np.sqrt(np.diag(one.covariance))
+        for error, one in zip(errors, found, strict=True)
+    ]
+    assert np.all(np.mean(inside, axis=0) > 0.92)
 
 
 def test_levelling_cancels_on_the_diagonal():

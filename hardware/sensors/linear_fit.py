@@ -2,8 +2,7 @@
 
 The readings of all poses are one vector. Its covariance has a part from noise and parts from what
 is not quite known of the known values: these are common to axes and poses, so weights alone would
-not do. Where the noise is not known, it is told by what the fit leaves, and has as many degrees of
-freedom as there are readings to spare.
+not do. Where the noise is not known, what the fit leaves tells it, with few degrees of freedom.
 """
 
 from __future__ import annotations
@@ -14,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from simcompare.errors import InputError
+from simcompare.hardware.sensors.told_noise import Told, told
 from simcompare.model.trajectory import Array
 
 #: poses that differ so little make parameters that the readings hardly tell
@@ -87,11 +87,16 @@ def fit(known: Known, readings: Array, noise: Array | None, noise_dof: float = n
     values, axes = known.values, readings.shape[1]
     condition, spare = condition_of(values), readings.size - axes * (axes + 1)
     _check(condition, spare, told=noise is None)
-    level, dof = _told_noise(values, readings) if noise is None else (noise, noise_dof)
+    left, level = None, noise
+    if level is None:
+        left = _told(values, readings)
+        level = np.sqrt(left.of_readings).reshape(readings.shape)
     # no reading has more digits than these; without any noise the equations have no weights
     level = np.maximum(level, _DIGITS * float(np.max(np.abs(readings), initial=0.0)) + 1e-300)
     # weights without cross-axis terms: with those, an error of theirs would come back as a weight
-    gain = _gain(values, _seen(known, np.eye(axes)), level)
+    # and equal where residuals told the noise: weights that hang on few of them gain nothing
+    weight = level if left is None else np.full_like(level, np.sqrt(np.mean(np.square(level))))
+    gain = _gain(values, _seen(known, np.eye(axes)), weight)
     sensitivity, offset = _split(gain @ readings.ravel(), axes)
     _check_signs(sensitivity)
     parts = _seen(known, sensitivity)
@@ -100,6 +105,7 @@ def fit(known: Known, readings: Array, noise: Array | None, noise_dof: float = n
     shares = {NOISE: gain * np.square(level).ravel() @ gain.T}
     shares |= {name: gain @ part @ gain.T for name, part in parts.items()}
     chi2 = None if noise is None else _chi2(values, readings, parts, level)
+    dof = noise_dof if left is None else left.degrees_of_freedom(gain)
     return Fitted(
         sensitivity, offset, shares, effective_dof(shares, dof),
         _left_covariance(values, gain, _covariance(parts, level)), level, chi2, spare, condition,
@@ -212,27 +218,15 @@ def _chi2(values: Array, readings: Array, parts: Mapping[str, Array], noise: Arr
     return float(left @ np.linalg.solve(_covariance(parts, noise), left))
 
 
-def _told_noise(values: Array, readings: Array) -> tuple[Array, int]:
-    """Noise (p, k), equal everywhere, and its degrees of freedom.
-
-    It is told by axes on which nothing acts: only there errors of levelling show, and what is not
-    known of the known values does not. Where there are none, all readings tell it.
-    """
-    rows, told = _rows(values), readings.ravel()
-    telling = values.ravel() == 0.0
-    if np.sum(telling) <= np.linalg.matrix_rank(rows[telling]):
-        telling = np.ones_like(telling)
-    rows, told = rows[telling], told[telling]
-    dof = len(told) - int(np.linalg.matrix_rank(rows))
-    left = told - rows @ (np.linalg.pinv(rows) @ told)
-    return np.full_like(readings, float(np.sqrt(left @ left / dof))), dof
+def _told(values: Array, readings: Array) -> Told:
+    return told(_rows(values), readings.ravel(), (values.ravel() == 0.0).astype(float))
 
 
 def _split(parameters: Array, axes: int) -> tuple[Array, Array]:
     return parameters[: axes * axes].reshape(axes, axes), parameters[axes * axes :]
 
 
-def effective_dof(shares: Mapping[str, Array], noise_dof: float) -> Array:
+def effective_dof(shares: Mapping[str, Array], noise_dof: float | Array) -> Array:
     """Effective degrees of freedom (JCGM 100:2008, G.4): all but the noise is known beforehand."""
     noise = np.diag(shares[NOISE])
     total = np.diag(np.asarray(sum(shares.values())))
