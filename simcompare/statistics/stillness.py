@@ -15,11 +15,28 @@ _SCATTER = 2.0
 _MOVES = 8.0
 
 
+#: blocks of a stretch that is only a part: fewer are still by chance in a swing
+_LEAST_BLOCKS = 6
+#: readings from which a tone can be told, and its part of all changes
+_LEAST_OF_TONE, _TONE = 256, 0.5
+
+
+def swings(values: Array) -> bool:
+    """Whether most of what changes from reading to reading is one tone: a motion, and no noise."""
+    changes = np.diff(values)
+    if len(changes) < _LEAST_OF_TONE or not np.any(changes):
+        return False
+    power = np.abs(np.fft.rfft((changes - changes.mean()) * np.hanning(len(changes)))) ** 2
+    # a line of a Hann window is three wide
+    return bool(np.convolve(power, np.ones(3), "same").max() > _TONE * power.sum())
+
+
 def longest_still(channels: Array, rate_Hz: float) -> tuple[int, int]:
     """First sample and end of the longest stretch in which no channel moves.
 
     Blocks of half a second count as still where every channel scatters as little as in the quietest
-    quarter of the record, and where its mean hardly changes.
+    quarter of the record, and where its mean hardly changes. A part of the record must be several
+    blocks long, and nothing in it may swing.
 
     Args:
         channels: evenly spaced readings (n, channels); NaN is never still.
@@ -36,7 +53,9 @@ def longest_still(channels: Array, rate_Hz: float) -> tuple[int, int]:
     calm = (scatter <= _SCATTER * quiet) & (moves <= _MOVES * quiet / np.sqrt(size))
     still = (calm | (scatter == 0)).all(axis=1)
     first, last = _longest_run(still)
-    return first * size, len(channels) if last == count else last * size
+    low, high = first * size, len(channels) if last == count else last * size
+    is_part = 0 < last - first < min(count, _LEAST_BLOCKS)
+    return (0, 0) if is_part or any(map(swings, channels[low:high].T)) else (low, high)
 
 
 def _longest_run(still: NDArray[np.bool_]) -> tuple[int, int]:

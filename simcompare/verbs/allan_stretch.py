@@ -176,6 +176,9 @@ def _stillest(table: Array, time_s: Array, pieces: list[tuple[int, int]]) -> tup
 
 
 def _rate(time_s: Array, start_s: float) -> float:
+    if not len(time_s):
+        cure = "record it at rest, or give a stretch with --from and --until"
+        raise InputError("recording", [f"no still stretch is found in it; {cure}"])
     if len(time_s) < _LEAST:
         text = f"the longest still stretch without gaps has {len(time_s)} readings"
         cure = "record longer at rest, or give a stretch with --from and --until"
