@@ -93,6 +93,34 @@ def test_the_longest_still_stretch_is_found(tmp_path: Path) -> None:
     assert re.search(r"--from 1[789][.\d]*s --until (29|30)[.\d]*s\.$", moving)
 
 
+@pytest.mark.parametrize("rate_rad_s", [0.2, 7.0, 12.0, 60.0])
+def test_a_record_that_never_rests_is_refused(tmp_path: Path, rate_rad_s: float) -> None:
+    swing = 3 * np.sin(rate_rad_s * np.arange(2000) / RATE_HZ)
+    moving = log(tmp_path, gyroscope(2000) + swing[:, None])
+    with pytest.raises(InputError, match="no still stretch is found in it; record it at rest, or"):
+        allan(moving)
+    assert allan(moving, start="1s", until="12s").chosen == "given"
+
+
+def test_a_claim_is_of_one_kind_of_sensor(tmp_path: Path) -> None:
+    path = log(tmp_path, gyroscope(600))
+    head = "time_s,rate_x_rad_s,rate_y_rad_s,acceleration_x_m_s2"
+    path.write_text(path.read_text(encoding="utf-8").replace(path.read_text().split("\n")[0], head))
+    claims = {"density": 1e-4}
+    told = "in rad/s and m/s², and a claim is of one unit; choose with channel"
+    with pytest.raises(InputError, match=told):
+        allan(path, audit=True, claims=claims, start=0.0)
+    assert allan(path, channel="rate", audit=True, claims=claims, start=0.0).audited
+
+
+def test_a_claim_that_is_given_twice_is_refused() -> None:
+    cli.register()
+    twice = ["--claim", "density=1", "--claim", "density=2"]
+    result = runner.invoke(cli.app, ["allan", "x.csv", "--audit", *twice])
+    assert result.exit_code == 2
+    assert "density is given twice" in result.output
+
+
 def test_the_command_line_prints_what_was_asked(tmp_path: Path) -> None:
     path = log(tmp_path, gyroscope(1500))
     cli.register()

@@ -66,13 +66,9 @@ def allan(
 def _claims(given: list[str]) -> dict[str, float]:
     """Claims as numbers."""
     from simcompare import units
-    from simcompare.errors import InputError
 
-    pairs = [one.partition("=") for one in given]
-    wrong = [f"{name!r} is no claim; expected NAME=VALUE" for name, sign, _ in pairs if not sign]
-    if wrong:
-        raise InputError("--claim", wrong)
-    return {name.strip(): units.to_si(value, "1", f"--claim {name}") for name, _, value in pairs}
+    pairs = console.pairs(given, "--claim", "NAME=VALUE, such as density=0.004")
+    return {name: units.to_si(value, "1", f"--claim {name}") for name, value in pairs.items()}
 
 
 def _write(found: NoiseAnalysis, out: Path) -> Path:

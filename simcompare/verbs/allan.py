@@ -82,6 +82,7 @@ def allan(
     if not audit and (again is not None or claims):
         raise InputError("allan", ["a second run and claims are for an audit; add --audit"])
     stretch, silent = _loud(stretch)
+    allan_audit.refuse_claims_of_several(claims or {}, stretch)
     axes = tuple(axis_of(name, stretch) for name in stretch.values)
     second = None
     if again is not None:

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from simcompare import units
 from simcompare.errors import InputError, UnknownName
 from simcompare.hardware.sensors.data_sheet import DataSheet, Part
 from simcompare.model.trajectory import Array
@@ -46,6 +47,24 @@ def findings(
     fails = noise_audit.holm([one.p for one in made], FALSE_ALARMS)
     judged = [replace(one, fault=fault) for one, fault in zip(made, fails, strict=True)]
     return tuple(sorted(judged, key=lambda one: (not one.fault, one.p)))
+
+
+def refuse_claims_of_several(claims: Mapping[str, float], stretch: Stretch) -> None:
+    """A size that is claimed is of one kind of sensor.
+
+    Raises:
+        InputError: the channels are of several units.
+    """
+    measured = list(dict.fromkeys(units.symbol(stretch.units[name]) for name in stretch.values))
+    if len(measured) > 1 and set(claims) - {"bias_time"}:
+        names = ", ".join(stretch.values)
+        raise InputError(
+            "--claim",
+            [
+                f"the channels are in {' and '.join(measured)}, and a claim is of one unit; choose "
+                f"with --channel what it is of ({names})"
+            ],
+        )
 
 
 def checked_claims(claims: Mapping[str, float]) -> None:
