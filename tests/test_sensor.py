@@ -48,8 +48,8 @@ def test_what_must_be_said_besides():
     assert list(words.further(told("mpu6050", part="gyroscope"))) == [
         "Settings: range 250 °/s, 1000 samples a second, bandwidth 42 Hz (noise bandwidth 66 Hz),"
         " 25 °C.",
-        "10 000 devices drawn from the sheet give u = 0.35 rad/s (20 °/s), as the first order does"
-        " within what so many can tell; 95 % of them read between 61 and 140 °/s.",
+        "10 000 devices drawn from the sheet give u = 0.35 rad/s (20 °/s), which agrees with the"
+        " first order; 95 % of them read between 61 and 140 °/s.",
         "A typical value is taken as one standard deviation. If it were two, it would be"
         " u = 0.18 rad/s (10 °/s).",
         "The other axes feel nothing here (across = 0), so cross-axis sensitivity adds nothing.",

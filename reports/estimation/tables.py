@@ -11,6 +11,12 @@ from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.results.records.estimation import Estimation, SourceEstimate
 
+#: below the states: how sure a sensor is of itself leaves out what is the same in all its readings
+_ALONE = (
+    "Both are rms over all instants and draws. The u of a sensor alone is that of its noise: errors"
+    " that are the same in every reading, such as an offset, are not in it."
+)
+
 
 def lead(result: Estimation) -> Table:
     """How far each way is off in the state that leads, and what the test says; or its end."""
@@ -69,7 +75,7 @@ def of_states(result: Estimation) -> Iterator[Table]:
                  units_of.text(one.u, factor), unit)
                 for one in own
             ]  # fmt: skip
-        yield Table(source.source, columns, (Group("", tuple(rows)),), folded=True)
+        yield Table(source.source, columns, (Group("", tuple(rows)),), _ALONE, folded=True)
 
 
 def of_tests(result: Estimation) -> Table:

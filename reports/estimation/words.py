@@ -232,6 +232,6 @@ def _diameter(result: Estimation) -> Iterator[str]:
     if values:
         size = units_of.text(max(values), 1e3)
         yield (
-            f"The wheel's diameter leaves {size} mm/s open besides: it is the same in every"
+            f"The wheel's diameter adds u = {size} mm/s: it is the same in every"
             " reading, so no filter averages it out."
         )

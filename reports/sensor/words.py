@@ -93,8 +93,8 @@ def _drawn(found: SensorReading) -> str:
     ends = _ends(found)
     if found.agrees:
         return (
-            f"{how} give u = {amount(found.u_drawn, found.unit)}, as the first order does within"
-            f" what so many can tell; 95 % of them read between {ends}.{_cut_off(found)}"
+            f"{how} give u = {amount(found.u_drawn, found.unit)}, which agrees with the first"
+            f" order; 95 % of them read between {ends}.{_cut_off(found)}"
         )
     why = (
         f"{numbers.percent(found.saturated)} of them are cut off at the end of the range"
