@@ -14,7 +14,7 @@ from simcompare.cli import app, register
 from simcompare.errors import InputError, UnknownName
 from simcompare.hardware.sensors.six_position import POSITIONS
 from simcompare.model import recording_store
-from simcompare.reports.calibration import figures, words
+from simcompare.reports.calibration import coverage, figures, words
 from simcompare.statistics.streams import stream
 
 G_M_S2 = 9.80665
@@ -202,10 +202,30 @@ def test_noise_that_few_readings_tell_widens_the_intervals(tmp_path):
     ]
     table.write_text("\n".join(["pose,ax,ay,az", *rows]), encoding="utf-8")
     found = simcompare.calibrate(table)
-    # Student's t of three degrees of freedom
-    assert words.coverage(found) == pytest.approx(3.182, abs=5e-4)
+    # Student's t of at most six degrees of freedom
+    factor = words.pose_coverage(found)
+    assert factor > 2.44
+    assert "more where noise was told with few degrees of freedom" in words.notes(found)[-1]
     bars, left = figures.of(found).panels[1].series[0].u, [pose.u_after for pose in found.poses]
-    assert bars == pytest.approx(3.182 * np.array(left), rel=1e-3)
+    assert bars == pytest.approx(factor * np.array(left))
+
+
+def test_a_rectangular_source_that_does_all_needs_a_smaller_factor(tmp_path):
+    table = tmp_path / "poses.csv"
+    rows = [",".join([name, *map(str, 9.806 * up)]) for name, up in POSITIONS.items()]
+    table.write_text("\n".join(["pose,ax,ay,az", *rows]), encoding="utf-8")
+    found = simcompare.calibrate(table, noise=0.002, level="0.1deg")
+    told = coverage.factors(found)
+    # g, anywhere at sea level, against a noise of a tenth of its u: near 0.95·√3 = 1.645
+    assert told["scale"] == pytest.approx(1.66, abs=0.02)
+    assert told["cross-axis"] == told["offset"] == pytest.approx(1.96, abs=1e-3)
+    generator, inside = stream(5, "draws"), 0
+    for _ in range(2000):
+        off = generator.normal(0, 0.002 / 2**0.5 / 9.806)
+        scale = generator.uniform(9.780, 9.832) / 9.806 - 1
+        inside += abs(off + scale) <= told["scale"] * found.u_sensitivity[0][0]
+    # 2,000 draws: four times their 0.5 %
+    assert inside / 2000 == pytest.approx(0.95, abs=0.02)
 
 
 def test_a_table_with_semicolons_and_decimal_commas_is_the_same(tmp_path):

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from simcompare.errors import InputError
 from simcompare.model.trajectory import Array
-from simcompare.statistics.distributions import Distribution
+from simcompare.statistics.distributions import Distribution, Kind
 
 #: two-sided coverage probability of every expanded uncertainty of a calibration
 COVERAGE = 0.95
@@ -58,6 +58,7 @@ class Assumption:
         unit: of both.
         source: where the numbers come from.
         effect: what it does to the result.
+        shape: of the distribution of what it does to one term.
     """
 
     quantity: str
@@ -66,6 +67,7 @@ class Assumption:
     unit: str
     source: str
     effect: str
+    shape: Kind = "normal"
 
 
 @dataclass(frozen=True)
@@ -82,7 +84,8 @@ class Taken:
 
     def assumed(self, quantity: str, unit: str, effect: str) -> Assumption:
         """The same as one of the assumptions of a calibration."""
-        return Assumption(quantity, self.known.center, self.known.u, unit, self.source, effect)
+        known = self.known
+        return Assumption(quantity, known.center, known.u, unit, self.source, effect, known.kind)
 
 
 @dataclass(frozen=True, eq=False)

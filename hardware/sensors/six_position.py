@@ -9,6 +9,7 @@ axis that lies flat goes into the cross-axis terms and the offset; along e only 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -72,7 +73,8 @@ def calibrate(
     found = linear_fit.fit(known, readings.means[used], noise, readings.degrees_of_freedom)
     assumptions = (
         gravity.assumed("local g", UNIT, "scales all of S"),
-        tilt.assumed("levelling", "rad", effect),
+        # several independent angles make one term: their sum is nearly normal
+        replace(tilt.assumed("levelling", "rad", effect), shape="normal"),
     )
     about = About("six-position", UNIT, NOT_SEPARABLE, assumptions, "local g")
     return calibration_of(about, found, readings, used, level * up, g.center)

@@ -21,7 +21,7 @@ def of(record: CalibrationRecord) -> Figure:
     x = np.arange(len(names), dtype=float)
     before = np.array([pose.before for pose in record.poses])
     after = np.array([pose.after for pose in record.poses])
-    expanded = words.coverage(record) * np.array([pose.u_after for pose in record.poses])
+    expanded = words.pose_coverage(record) * np.array([pose.u_after for pose in record.poses])
     fitted = np.array([pose.fitted for pose in record.poses])
     corrected = [Series("took part", x[fitted], after[fitted], _FITTED, expanded[fitted],
                         points=True, line=False)]  # fmt: skip

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from simcompare.hardware.sensors import sheet_units
 from simcompare.notation import capital, number, places
+from simcompare.reports.calibration import coverage
 from simcompare.reports.calibration.words import deviations
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Table
@@ -99,14 +100,10 @@ def assumed(record: CalibrationRecord) -> Table:
 
 def shares(record: CalibrationRecord) -> Table:
     """Where the uncertainty of each term comes from: largest of each kind of term."""
-    k = len(record.offset)
-    kinds = {
-        "Scale": [*range(0, k * k, k + 1)],
-        "Cross-axis": [i for i in range(k * k) if i % (k + 1)],
-        f"Offset ({symbol(record.unit)})": [*range(k * k, k * k + k)],
-    }
-    kinds = {kind: places for kind, places in kinds.items() if places}
-    columns = (Column("Source", text=True), *(Column(kind) for kind in kinds))
+    kinds = coverage.kinds(record)
+    units = {"offset": f" ({symbol(record.unit)})"}
+    titles = (Column(capital(kind) + units.get(kind, "")) for kind in kinds)
+    columns = (Column("Source", text=True), *titles)
     rows = [
         (name, *(_share(share, record.covariance, places) for places in kinds.values()))
         for name, share in record.shares.items()

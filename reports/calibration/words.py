@@ -10,7 +10,9 @@ import numpy as np
 from simcompare.hardware.sensors.calibrated import Readings
 from simcompare.hardware.sensors.calibration import COVERAGE
 from simcompare.notation import number
+from simcompare.reports.calibration import coverage
 from simcompare.reports.render import numbers
+from simcompare.reports.run.listing import joined
 from simcompare.results.records.calibration import CalibrationRecord, PoseRecord
 from simcompare.statistics.budget import coverage_factor
 from simcompare.statistics.distributions import Distribution
@@ -18,6 +20,8 @@ from simcompare.units import symbol
 
 #: chance of a χ² as large, below which readings and their uncertainties do not agree
 _UNLIKELY = 0.01
+#: k of a normal distribution, less and more than Monte Carlo may be off by
+_NORMAL, _ABOVE = 1.95, 1.97
 #: poses whose directions are within this are one direction [rad]
 _ONE_RAD = math.radians(5.0)
 #: kind -> what makes χ² too large
@@ -80,7 +84,7 @@ def _verified(record: CalibrationRecord) -> list[str]:
     if not poses:
         return []
     before, after = (_largest(poses, which) for which in ("before", "after"))
-    k = coverage(record)
+    k = pose_coverage(record)
     inside = sum(abs(pose.after) <= k * pose.u_after for pose in poses)
     return [
         f"In {len(poses)} other poses, which took no part, | |f| − g | was up to"
@@ -144,15 +148,18 @@ def _poses(record: CalibrationRecord) -> str:
 
 
 def _limits(record: CalibrationRecord) -> list[str]:
-    u = f"Uncertainties are standard uncertainties; {100 * COVERAGE:g} % intervals need k from"
-    dof, k = _least_dof(record), coverage(record)
-    if math.isinf(dof):
-        return [f"{u} the normal distribution, {k:.2f}."]
-    return [f"{u} Student's t: {k:.2f} at most, of {dof:.3g} degrees of freedom."]
+    found = coverage.factors(record)
+    told = joined([f"{k:.2f} ({kind})" for kind, k in found.items()])
+    text = f"Uncertainties are standard ones; {100 * COVERAGE:g} % intervals need k = {told}"
+    if min(found.values()) < _NORMAL:
+        text += ", less than 1.96 where a rectangular source does most of it"
+    if max(found.values()) > _ABOVE:
+        text += ", more where noise was told with few degrees of freedom"
+    return [f"{text}."]
 
 
-def coverage(record: CalibrationRecord) -> float:
-    """Coverage factor k that is large enough for every term."""
+def pose_coverage(record: CalibrationRecord) -> float:
+    """Coverage factor k that is large enough for every pose."""
     return coverage_factor(_least_dof(record), COVERAGE)
 
 
