@@ -149,8 +149,10 @@ def _poses(record: CalibrationRecord) -> str:
 
 def _limits(record: CalibrationRecord) -> list[str]:
     found = coverage.factors(record)
-    told = joined([f"{k:.2f} ({kind})" for kind, k in found.items()])
-    text = f"Uncertainties are standard ones; {100 * COVERAGE:g} % intervals need k = {told}"
+    text = f"Uncertainties are standard uncertainties; {100 * COVERAGE:g} % intervals need"
+    if _NORMAL < min(found.values()) <= max(found.values()) < _ABOVE:
+        return [f"{text} k = 1.96."]
+    text += f" k = {joined([f'{k:.2f} ({kind})' for kind, k in found.items()])}"
     if min(found.values()) < _NORMAL:
         text += ", less than 1.96 where a rectangular source does most of it"
     if max(found.values()) > _ABOVE:
