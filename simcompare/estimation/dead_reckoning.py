@@ -2,9 +2,13 @@
 
 Two kinds of error must not be mixed (JCGM 100:2008, 4.3 and F.1.2.4):
 
-* **Random**: an encoder tells a place of the wheel to one mark. The errors of two counts are
-  independent, each evenly spread over a mark, so a difference of counts is triangular, u = 1/√6 of
-  a mark. They do not add up to a random walk: in the sum of all counts the ones between cancel.
+* **Random**: an encoder tells a place of the wheel to one mark. The error of a count is evenly
+  spread over a mark, so a difference of two that are independent is triangular, u = 1/√6 of a mark.
+  They do not add up to a random walk: in the sum of all counts the ones between cancel. At even
+  speed samples and marks beat, and the errors of a whole stretch may be alike: so much is taken as
+  alike as the counts allow. Where there is a sample for each mark, that is on the safe side, up to
+  five times. The limit: errors of two stretches, and of both wheels, are taken as independent. A
+  single course whose stretches fit the marks can err by half as much again.
 * **Systematic**: radii and track are wrong by the same amount all the way. Their effect is the
   sensitivity of the pose, which grows with the way, and never falls by taking more samples.
 
@@ -155,7 +159,9 @@ def from_counts(
     u_m = radii * mark_rad / math.sqrt(12)
     rolled = _rolled((angles[0][kept], angles[1][kept]), wheels)
     driven = odometer.arcs(*rolled, wheels.track_m, start[2])
-    random = dead_reckoning_errors.of_counts(driven, wheels.track_m, u_m)
+    random = dead_reckoning_errors.of_counts(
+        driven, wheels.track_m, u_m, np.column_stack(counts)[kept]
+    )
     # the samples that were left out have what the one before them has
     at = np.searchsorted(kept, np.arange(len(time_s)), side="right") - 1
     return replace(found, random=random[at])

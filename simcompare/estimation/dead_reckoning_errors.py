@@ -9,6 +9,9 @@ import numpy as np
 from simcompare.hardware.sensors.odometer import Arcs
 from simcompare.model.trajectory import Array
 
+#: of the saw; those beyond have a twentieth of its variance
+_HARMONICS = 12
+
 
 def step_jacobians(driven: Arcs, track_m: float) -> tuple[Array, Array]:
     """How a step changes the pose: per heading before it (m, 3), per ways of both wheels (m, 3, 2).
@@ -66,8 +69,8 @@ def of_start(pose: Array, u_start: tuple[float, float, float]) -> Array:
     return np.asarray(gain @ np.diag(np.square(u_start)) @ np.swapaxes(gain, 1, 2))
 
 
-def of_counts(driven: Arcs, track_m: float, u_m: Array) -> Array:
-    """Covariance (n, 3, 3) where the ways at every sample have independent errors of u (2,) [m].
+def of_counts(driven: Arcs, track_m: float, u_m: Array, counts: Array) -> Array:
+    """Covariance (n, 3, 3) where the ways at every sample have errors of u (2,) [m] by counting.
 
     A step takes the difference of two errors, a_j - a_(j-1), and the heading before it is wrong by
     the difference of that sample's and the first one's. Sorted by samples, the pose at the end has
@@ -75,12 +78,75 @@ def of_counts(driven: Arcs, track_m: float, u_m: Array) -> Array:
     * of the last one G_N, what a way does in the last step,
     * of one between G_m - G_(m+1) + H_(m+1), with H = what a heading does, times that of a way,
     * of the first one -G_1 - (H_2 + … + H_N): it turns all of the path.
+
+    The errors between are independent but for the part of them that is alike in a stretch of even
+    speed; ``counts`` (n, 2) tell that.
     """
     per_heading, ways = step_jacobians(driven, track_m)
     turned = per_heading[:, :, None] * ways[:, 2:3, :]
     first = -ways[:1] - np.cumsum(turned, axis=0) + turned[:1]
-    between = _before(np.cumsum(_squared(ways[:-1] - ways[1:] + turned[1:], u_m), axis=0))
+    gains = (ways[:-1] - ways[1:] + turned[1:]) * u_m
+    between = _before(_between(gains, np.diff(counts, axis=0)))
     return _before(_squared(first, u_m) + between + _squared(ways, u_m))
+
+
+def _between(gains: Array, steps: Array) -> Array:
+    """Covariance (k, 3, 3) of errors of size 1 that come in by these gains (k, 3, 2), summed up.
+
+    The part of them that is alike adds up in its stretch, the rest and the stretches are random.
+    """
+    if not len(gains):
+        return np.zeros((0, 3, 3))
+    start = _stretches(steps)
+    part = alike(steps, start)
+    alone = np.cumsum(_squared(gains * np.sqrt(1 - part)[:, None, :], np.ones(2)), axis=0)
+    sums = _before(np.cumsum(gains, axis=0))
+    stretch = _squared((sums[1:] - sums[start]) * np.sqrt(part)[:, None, :], np.ones(2))
+    last = np.append(np.diff(start) > 0, False)
+    done = _before(np.cumsum(np.where(last[:, None, None], stretch, 0.0), axis=0))[:-1]
+    return np.asarray(alone + done + stretch)
+
+
+def _stretches(steps: Array) -> Array:
+    """Of each sample between (k,), where its stretch of even speed began; steps (k + 1, 2) [marks].
+
+    It ends where a step has two marks more or less than the one before, for counting alone makes
+    one, and where a wheel turns back.
+    """
+    rows = np.arange(len(steps))[:, None]
+    moved = np.maximum.accumulate(np.where(steps != 0, rows, 0), axis=0)
+    ahead = np.take_along_axis(np.sign(steps), moved, axis=0)
+    new = np.any((np.abs(np.diff(steps, axis=0)) > 1) | (np.diff(ahead, axis=0) != 0), axis=1)
+    return np.maximum.accumulate(np.where(new, np.arange(len(new)), 0))
+
+
+def alike(steps: Array, start: Array) -> Array:
+    """Which part of the variance of counting errors is alike in a stretch so far (k, 2).
+
+    At f marks a step the error is a saw of harmonics q, 6/(π·q)² of its variance each. The mean of n
+    of them keeps sin²(π·n·q·f)/(n·sin(π·q·f))²: all of it where q steps are a whole number of marks,
+    for then the samples meet the marks always at the same places. Of independent ones it keeps 1/n.
+    Where each mark has its sample, the marks of both wheels pass in one order, until the faster one
+    has gained a mark.
+    """
+    counts = _before(np.cumsum(steps, axis=0))
+    at = np.arange(len(start))
+    n = (at - start + 1.0)[:, None]
+    rate = (counts[at + 1] - counts[start + 1]) / np.maximum(n - 1, 1)
+    found = np.zeros_like(rate)
+    for q in range(1, _HARMONICS + 1):
+        found += 6 / (math.pi * q) ** 2 * _kept(q * rate, n)
+    # a gain is known to one mark
+    gained = np.maximum(np.abs(np.abs(rate[:, 1:]) - np.abs(rate[:, :1])) - 1 / n, 0)
+    slow = np.all(np.abs(rate) <= 1, axis=1, keepdims=True)
+    found = np.where(slow, np.maximum(found, _kept(gained, n) / 2), found)
+    return np.asarray(np.clip((n * found - 1) / np.maximum(n - 1, 1), 0, 1))
+
+
+def _kept(rate: Array, n: Array) -> Array:
+    """What the mean of n values of a frequency keeps of their variance, its own beat averaged."""
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.minimum(1.0, 0.5 / (n * np.sin(math.pi * rate)) ** 2))
 
 
 def of_noise(driven: Arcs, track_m: float, u_m: Array) -> Array:
