@@ -275,7 +275,10 @@ def test_noise_of_devices_is_independent():
         ({"jitter_s": 0.001}, "jitter 0.001 s would let samples change places; expected at most"),
         ({"temperature_C": -400.0}, "temperature -400 °C; expected -100 to 250"),
         ({"rate_error": -1.0}, "rate_error is -1; expected more than -1"),
-        ({"bandwidth_Hz": 0.05, "poles": 2}, "too low to be calculated at this rate; expected at"),
+        (
+            {"bandwidth_Hz": 0.05, "poles": 2},
+            "bandwidth 0.05 Hz is too low to be calculated at 1000",
+        ),
         ({"poles": 5}, "5 poles; expected 1 to 4"),
         ({"nonlinearity": np.ones(3)}, "give full_scale"),
         ({"rate_Hz": 1e9}, "1e+09 samples; expected at most 5e+07 in all"),

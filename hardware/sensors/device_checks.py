@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from simcompare.hardware.sensors.device import Device
-from simcompare.model.sensor_errors import COLDEST_C, HOTTEST_C, fault_of_jitter
+from simcompare.model.sensor_errors import COLDEST_C, HOTTEST_C, fault_of_jitter, fault_of_low_pass
 from simcompare.model.trajectory import Array
 
 #: samples of all devices; more fill the memory of an ordinary machine
@@ -17,8 +17,6 @@ _NEVER_NEGATIVE = (
     "noise_density", "bias_instability", "random_walk", "noise_per_reading", "rate_Hz",
     "jitter_s", "resolution",
 )  # fmt: skip
-#: bandwidth as a part of the rate, below which a low-pass of several poles, or one, has no digits
-_LEAST_SEVERAL, _LEAST_ONE = 1e-4, 1e-8
 
 
 def faults_of(devices: Sequence[Device], signal_rate_Hz: float) -> list[str]:
@@ -54,12 +52,8 @@ def faults_of(devices: Sequence[Device], signal_rate_Hz: float) -> list[str]:
 def _faults_of_limits(device: Device, rate: float, fastest: float) -> list[str]:
     """What is beyond all sensors, or beyond the digits of a computer."""
     faults = []
-    lowest = fastest * (_LEAST_SEVERAL if device.poles > 1 else _LEAST_ONE)
-    if 0 < device.bandwidth_Hz < lowest:
-        faults.append(
-            f"bandwidth {device.bandwidth_Hz:g} Hz is too low to be calculated at this rate;"
-            f" expected at least {lowest:.4g} Hz"
-        )
+    if fault := fault_of_low_pass(device.bandwidth_Hz, device.poles, fastest):
+        faults.append(f"bandwidth {fault}")
     if fault := fault_of_jitter(device.jitter_s, rate):
         faults.append(f"jitter {fault}")
     if not COLDEST_C <= device.temperature_C <= HOTTEST_C:

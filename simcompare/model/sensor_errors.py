@@ -30,6 +30,7 @@ from pydantic import (
     ValidationError,
     ValidatorFunctionWrapHandler,
     WrapValidator,
+    model_validator,
 )
 
 from simcompare import units
@@ -63,6 +64,8 @@ _SPREADS = "a number, or {typ: s}, {max: a}, {min: a, max: b}, {typ: s, max: a}"
 def _plainly(value: object, read: ValidatorFunctionWrapHandler) -> object:
     """A term; what is wrong with it is one sentence, and not one for each form that it can have."""
     try:
+        if any(isinstance(one, bool) for one in (value if isinstance(value, list) else [value])):
+            raise ValueError(f"expected {_SPREADS}, or a list of three of these")
         return read(value)
     except ValidationError as error:
         inside = [one for one in error.errors() if "Spread" in one["loc"] and len(one["loc"]) > 1]
@@ -113,6 +116,8 @@ MIN_RESOLUTION = 1e-15
 #: standard deviation of the instant of a sample, as a part of the time between two: beyond it
 #: samples would change places
 MAX_JITTER = 0.5
+#: bandwidth as a part of the rate, below which a low-pass of several poles, or one, has no digits
+_LEAST_SEVERAL, _LEAST_ONE = 1e-4, 1e-8
 
 
 class SensorErrors(Frozen):
@@ -145,6 +150,13 @@ class SensorErrors(Frozen):
     mounting_wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
     misalignment_rad: Value = 0.0
 
+    @model_validator(mode="before")
+    @classmethod
+    def _a_mapping(cls, given: object) -> object:
+        if isinstance(given, str | int | float | list):
+            raise ValueError("expected terms, such as {sheet: mpu6050} or {offset_m_s2: 0.2}")
+        return given
+
     def terms_of(self, part: str) -> dict[str, Term]:
         """The terms that are said of one signal of the sensor, by the names of the error model."""
         known = keys_of(part)
@@ -173,7 +185,7 @@ def faults_of(
         rate_Hz: of the simulation's samples.
     """
     given = errors.__pydantic_extra__
-    if not errors.model_fields_set:
+    if not errors.model_dump(exclude_unset=True, exclude_none=True):
         yield "", f"says nothing; give a sheet, or terms such as {_example(signals)}"
     if errors.range is not None and errors.sheet is None:
         yield "range", "is one of a data sheet; give a sheet, or full_scale"
@@ -207,12 +219,26 @@ def _of_time(errors: SensorErrors, rate_Hz: float) -> Iterator[tuple[str, str]]:
             yield "jitter_s", fault
     if errors.sheet is not None or errors.bandwidth_Hz is None:
         return  # the sheet knows its own rate
+    fault = fault_of_low_pass(errors.bandwidth_Hz, errors.poles or 1, max(rate, rate_Hz))
+    if fault:
+        yield "bandwidth_Hz", fault
     if errors.bandwidth_Hz > rate / 2 * (1 + 1e-9):
         yield (
             "bandwidth_Hz",
             f"{errors.bandwidth_Hz:g} Hz is above Nyquist's {rate / 2:g} Hz, half of {whose}"
             f"{'' if errors.rate_Hz else f' rate {rate:g} Hz'}; give less, or a higher rate_Hz",
         )
+
+
+def fault_of_low_pass(bandwidth_Hz: float, poles: int, rate_Hz: float) -> str:
+    """Whether a bandwidth is too low to be calculated at that rate; empty where it is not."""
+    least = rate_Hz * (_LEAST_SEVERAL if poles > 1 else _LEAST_ONE)
+    if not 0 < bandwidth_Hz < least:
+        return ""
+    return (
+        f"{bandwidth_Hz:g} Hz is too low to be calculated at {rate_Hz:.4g} samples a second;"
+        f" expected at least {least:.4g} Hz"
+    )
 
 
 def fault_of_jitter(jitter_s: float, rate_Hz: float) -> str:
@@ -269,6 +295,8 @@ def _fault_of_one(term: str, one: float | Spread) -> str:
     else:
         sizes = [abs(one)]
     most = MAX_RATE_ERROR if term == "rate_error" else MAX_SIZE
+    if term == "full_scale" and not sizes[0]:
+        return "is 0; expected more: readings are cut off there"
     if max(sizes) > most:
         return f"is {max(sizes):g}; expected a size of at most {most:g}"
     if term == "resolution" and 0 < sizes[0] < MIN_RESOLUTION:
