@@ -31,7 +31,11 @@ def _checks() -> Iterator[Check]:
         "torque at which the tyres slip, friction 0.6 (N·m)", "0.03573035688", rest.slip_torque
     )
     spinning = _robot(tyre_friction=0.5).sliding(0.06)
-    yield Check("acceleration, tyres spinning (m/s²)", "2.446850375", spinning.acceleration_m_s2)
+    yield Check(
+        "acceleration, tyres spinning: 0.06 N·m, friction 0.5 (m/s²)",
+        "2.446850375",
+        spinning.acceleration_m_s2,
+    )
 
 
 EXAMPLE = Example(
