@@ -32,7 +32,7 @@ def _checks() -> Iterator[Check]:
     )
     spinning = _robot(tyre_friction=0.5).sliding(0.06)
     yield Check(
-        "acceleration, tyres spinning: 0.06 N·m, friction 0.5 (m/s²)",
+        "tyres spinning, 0.06 N·m, friction 0.5 (m/s²)",
         "2.446850375",
         spinning.acceleration_m_s2,
     )
