@@ -123,8 +123,8 @@ def _stretches(steps: Array) -> Array:
 def alike(steps: Array, start: Array) -> Array:
     """Which part of the variance of counting errors is alike in a stretch so far (k, 2).
 
-    At f marks a step the error is a saw of harmonics q, 6/(π·q)² of its variance each. The mean of n
-    of them keeps sin²(π·n·q·f)/(n·sin(π·q·f))²: all of it where q steps are a whole number of marks,
+    At f marks a step the error is a saw of harmonics q, 6/(π·q)² of its variance each. Of one of
+    them the mean of n keeps sin²(π·n·q·f)/(n·sin(π·q·f))²: all of it where q·f is a whole number,
     for then the samples meet the marks always at the same places. Of independent ones it keeps 1/n.
     Where each mark has its sample, the marks of both wheels pass in one order, until the faster one
     has gained a mark.
