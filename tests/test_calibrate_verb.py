@@ -156,6 +156,9 @@ def test_one_direction_tells_one_number(tmp_path):
         ({"source": str(EXAMPLE), "gravity": 1.62}, "no g on Earth"),
         ({"source": str(EXAMPLE), "level": "30deg"}, "expected up to 10 deg"),
         ({"source": str(EXAMPLE), "noise": "-1"}, "expected a number above 0"),
+        ({"source": str(EXAMPLE), "noise": 1e300}, "is more than every reading; expected at most"),
+        ({"simulate": "mpu6050", "noise": 0.01}, "noise of its data sheet; it is for a table"),
+        ({"source": "imu_xio", "noise": 0.01}, "noise by the scatter within its poses"),
         ({"source": str(EXAMPLE), "apply": "x"}, "apply needs out"),
     ],
 )

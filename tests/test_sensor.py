@@ -190,6 +190,8 @@ def test_the_page_holds_answer_lines_and_rules(tmp_path):
 @pytest.mark.parametrize(
     ("given", "fault"),
     [
+        ({"across": "3 g"}, "across: 3 g is beyond the range 2 g; choose another range"),
+        ({"reading": math.nan}, "reading: nan m/s² is beyond the range 2 g; choose another range"),
         ({"reading": "3 g"}, "reading: 3 g is beyond the range 2 g; choose another range"),
         ({"reading": "3 m"}, "'m' is no unit that fits; expected a number with a unit"),
         ({"axis": "w"}, "no axis of the accelerometer is called 'w'; known: x, y, z"),

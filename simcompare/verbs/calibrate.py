@@ -176,6 +176,11 @@ def _number(noise: str | float | None) -> float | None:
     return value
 
 
+def _refuse_noise(known: _Known, why: str) -> None:
+    if known.noise is not None:
+        raise InputError("--noise", [f"{why}; it is for a table of readings, so leave it out"])
+
+
 def _is_stored(source: str | Path | None) -> bool:
     return source is not None and Path(source).suffix == ".json" and Path(source).is_file()
 
@@ -190,6 +195,7 @@ def _stored(path: Path) -> Calibrated:
 
 
 def _simulated(sheet: str, known: _Known, seed: int) -> Calibrated:
+    _refuse_noise(known, "a simulated device has the noise of its data sheet")
     loaded = data_sheet.load(sheet)
     part = loaded.part_for("m/s**2")
     if part is None:
@@ -213,6 +219,7 @@ def _measured(
     path = Path(source)
     if readings_table.is_table(path):
         return _result(_of_table(path, kind, known), path.name)
+    _refuse_noise(known, "a recording tells its noise by the scatter within its poses")
     if kind in ("rate-table", "two-point"):
         cure = f"give a table ({readings_table.FORMS}); a recording does not say what acted"
         raise InputError(source, [f"{kind}: {cure}"])
@@ -236,6 +243,10 @@ def _of_table(path: Path, kind: str | None, known: _Known) -> Calibration:
 def _with_noise(readings: Readings, noise: float | None) -> Readings:
     if noise is None:
         return readings
+    most = float(np.max(np.abs(readings.means), initial=0.0))
+    if noise > most:
+        fault = f"{noise:g} is more than every reading; expected at most {most:.4g}"
+        raise InputError("--noise", [fault])
     return replace(
         readings, u=np.full_like(readings.means, noise), u_from="as stated",
         degrees_of_freedom=np.inf,

@@ -95,11 +95,9 @@ def sensor(
     )  # fmt: skip
     told = one.reading_text if reading is None else _told(reading, one.unit)
     value = one.reading if reading is None else _amount("--reading", reading, one.unit)
-    if abs(value) > settings.range.full_scale:
-        raise InputError(
-            "--reading", [f"{told} is beyond the range {settings.range.name}; choose another range"]
-        )
+    _check_range("--reading", value, told, settings)
     beside = _amount("--across", across, one.unit)
+    _check_range("--across", beside, _told(across, one.unit), settings)
     axis = _worst(one, value, beside, settings) if axis is None else _axis(one, axis)
     now = Situation(axis, value, beside, settings)
     return _answer(sheet, one, now, told, draw, seed, typ_is_sigma)
@@ -152,6 +150,12 @@ def _check(draw: int, temperature: float, typ_is_sigma: float) -> None:
         faults.append(f"--typ-is-sigma {typ_is_sigma:g}: expected a number above 0 and up to 3")
     if faults:
         raise InputError("sensor", faults)
+
+
+def _check_range(name: str, value: float, told: str, settings: Settings) -> None:
+    if not abs(value) <= settings.range.full_scale:
+        fault = f"{told} is beyond the range {settings.range.name}; choose another range"
+        raise InputError(name, [fault])
 
 
 def _hertz(name: str, given: str | float | None) -> float | None:
