@@ -73,6 +73,8 @@ def test_a_log_with_still_poses_is_calibrated(log):
 def test_a_stored_calibration_corrects_a_log(log, tmp_path):
     first = simcompare.calibrate(log, out=tmp_path)
     again = simcompare.calibrate(first.folder / "calibration.json", out=tmp_path, apply=log)
+    with pytest.raises(InputError, match="a stored calibration: gravity is in it already"):
+        simcompare.calibrate(first.folder / "calibration.json", gravity=9.81)
     assert again.sensitivity == first.sensitivity
     assert again.calibration.u_offset == pytest.approx(first.calibration.u_offset)
     corrected = recording_store.load(again.applied)

@@ -176,6 +176,7 @@ def test_the_command_line_prints_what_python_gives(tmp_path, found):
         ({"sensors": "imu=mpu6050, imu=adxl345"}, "imu is given twice"),
         ({"sensors": "adxl345,adxl345"}, "adxl345 is given twice"),
         ({"options": {"diameter": "1 kg"}}, "diameter_m"),
+        ({"mapping": "map.yaml"}, "says what a recording cannot; give one with recording"),
         ({"draws": 0}, "0 is no number of draws; expected 1 to 10000"),
         ({"seed": -1}, "-1 is below 0"),
         ({"contact": "exact"}, "no contact level is called 'exact'"),

@@ -85,6 +85,8 @@ def test_a_log_read_as_it_is_wrongly_documented_makes_the_filter_diverge():
         ),
         ({"estimator": "speed_filter"}, "nothing is estimated of it for odometry by speed_filter"),
         ({"sensors": "imu=mpu6050"}, "a recording has sensors of its own"),
+        ({"set": {"a": 1}}, "set is of a simulation, and a recording has none"),
+        ({"step": "1ms"}, "step is of a simulation, and a recording has none"),
         ({"options": {"track": -1}}, "track_m = -1 is not within"),
     ],
 )

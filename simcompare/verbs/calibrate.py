@@ -114,6 +114,12 @@ def calibrate(
     if simulate is not None:
         found = _simulated(simulate, known, seed)
     elif _is_stored(source):
+        given = {
+            "--kind": kind, "--gravity": gravity, "--gravity-u": gravity_u, "--level": level,
+            "--noise": noise,
+        }  # fmt: skip
+        if faults := [f"{name} is in it already" for name, one in given.items() if one is not None]:
+            raise InputError(f"{source}, a stored calibration", faults)
         found = _stored(Path(str(source)))
     else:
         found = _measured(str(source), kind, known, sensor, mapping)

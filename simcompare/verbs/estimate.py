@@ -106,11 +106,21 @@ def estimate(
     if recording is not None:
         if sensors:
             raise InputError("--sensors", ["a recording has sensors of its own; leave this out"])
+        of_runs = {"--set": set, "--preset": preset, "--step": step}
+        faults = [
+            f"{name} is of a simulation, and a recording has none; leave it out"
+            for name, value in of_runs.items()
+            if value
+        ]
+        if faults:
+            raise InputError("estimate", faults)
         request = EstimateRequest(
             scenario=scenario, recording=str(recording), mapping=mapping, estimator=estimator,
             options=options,
         )  # fmt: skip
         return _stored(estimate_recorded.estimated(request), out)
+    if mapping is not None:
+        raise InputError("--map", ["says what a recording cannot; give one with --recording"])
     if contact not in CONTACT_LEVELS:
         raise UnknownName("contact level", contact, CONTACT_LEVELS)
     chosen = engines.select(engine)
