@@ -214,8 +214,8 @@ def test_noise_is_the_density_behind_the_low_pass():
     part = data_sheet.load("mpu6050").part("accelerometer")
     now = Situation("z", G, 0.0, part.settings(bandwidth_Hz=44.0))
     noise = next(row for row in reading_uncertainty.shares(part, now) if row.term == "noise")
-    # 400 µg/√Hz, one pole of 44 Hz read 1000 times a second: 400·√(500·tanh(0.044·π))
-    assert noise.u == pytest.approx(3.315e-3 * G, rel=1e-3)
+    # one pole of 44 Hz lets the noise of 44 Hz·π/2 through
+    assert noise.u == pytest.approx(400e-6 * G * math.sqrt(44 * math.pi / 2), rel=1e-9)
 
 
 def test_an_rms_of_one_reading_stays_what_it_is_at_any_rate():
