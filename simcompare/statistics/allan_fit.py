@@ -26,9 +26,12 @@ _CHANCE = 1e-3
 #: and from which on there is nothing more to explain
 _WELL = 0.3
 #: octaves of short averaging times that a filter may smooth, and that are kept at least
-_MOST_SKIPPED, _LEAST_KEPT = 7, 6
-#: correlation time in samples from which it is not that of a filter, with no white noise beside it
-_SLOW = 32.0
+_MOST_SKIPPED, _LEAST_KEPT = 11, 6
+#: correlation time in samples from which it is not that of a filter
+_SLOW = 36.0
+#: variance of white noise, as a part of that of a quickly forgetting one, below which it is no more
+#: than the rounding of filtered readings
+_ROUNDING = 0.04
 #: by how much a Gauss-Markov noise must raise twice the logarithm of the likelihood
 _WORTH = 15.0
 
@@ -123,7 +126,7 @@ def fit_of(rates: Array, order: int) -> Fit:
     found = allan.deviations(rates, kind="oadev" if order == ALLAN else "ohdev")
     whole = _kept(_observed(found, order, 0), [*cov.kernels()])
     fit = whole if whole.describes else with_markov(whole)
-    if fit.describes and (fit.length >= _SLOW or "GM" not in fit.variances or "N" in fit.variances):
+    if fit.describes and not _is_filtered(fit):
         return fit
     most = min(_MOST_SKIPPED, len(found.m) - _LEAST_KEPT)
     later = [_kept(_observed(found, order, k), ["N", "B", "K"]) for k in range(1, most + 1)]
@@ -132,6 +135,12 @@ def fit_of(rates: Array, order: int) -> Fit:
     good = good[2:] or good[-1:]
     settled = [one for one, next_ in itertools.pairwise(good) if _settled(one, next_)]
     return next(iter(settled or good[-1:]), whole)
+
+
+def _is_filtered(fit: Fit) -> bool:
+    """Whether its Gauss-Markov noise is white noise behind a filter of one pole: it is the same."""
+    markov = fit.variances.get("GM", 0.0)
+    return fit.length < _SLOW and fit.variances.get("N", 0.0) < _ROUNDING * markov
 
 
 def _settled(fit: Fit, later: Fit) -> bool:
