@@ -78,9 +78,10 @@ def test_what_is_not_on_this_machine_is_skipped_and_says_how_to_get_it(monkeypat
     assert row.verdict == "SKIPPED"
     assert row.published is row.computed is row.digits is None
     assert row.kind is row.standard_error is None
-    assert "itl.nist.gov" in row.quantity
-    assert "SIMCOMPARE_DATA" in row.quantity
-    assert found.passed
+    assert "itl.nist.gov" in row.remark
+    assert "SIMCOMPARE_DATA" in row.remark
+    # nothing was checked, and that is no success
+    assert found.exit_code == 2
 
 
 def test_a_folder_with_some_of_the_files_says_which_are_lacking(monkeypatch, tmp_path):
@@ -89,7 +90,7 @@ def test_a_folder_with_some_of_the_files_says_which_are_lacking(monkeypatch, tmp
     monkeypatch.setenv("SIMCOMPARE_DATA", str(tmp_path))
     (row,) = simcompare.gauge("nist_strd").rows
     assert row.verdict == "SKIPPED"
-    assert "lacks Chwirut2, Chwirut1" in row.quantity
+    assert "lacks Chwirut2, Chwirut1" in row.remark
 
 
 @pytest.mark.parametrize("text", ["", "b1 = 1 2 3 4\nData: y x\n1 2\n3\n", "Data: y\n1\n"])
@@ -163,8 +164,7 @@ def test_a_number_that_is_off_ends_with_exit_code_1(monkeypatch, capsys):
     monkeypatch.setattr(registry, "load", lambda name: wrong)
     code, out = command(monkeypatch, capsys, "gauge", "ball")
     assert code == 1
-    assert "0 of 1" in out
-    assert "DIFF" in out
+    assert "0 PASS, 0 NOTE, 1 DIFF" in out
 
 
 def test_publications_come_before_closed_forms():

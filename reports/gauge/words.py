@@ -18,12 +18,12 @@ def answer(outcomes: Sequence[Outcome]) -> str:
     total, examples = sum(count.values()), sum(1 for one in outcomes if one.checks)
     if not total:
         return "Nothing was recomputed."
+    told_of = f"{examples} worked example" + ("s" if examples > 1 else "")
     tail = f"{count['PASS']} PASS, {count['NOTE']} NOTE, {count['DIFF']} DIFF"
-    met = total - count["DIFF"]
-    share = f"All {total}" if met == total else f"{met} of {total}"
     kinds = Counter(check.kind for one in outcomes for check in one.checks)
     told = " and ".join(f"{kinds[kind]} {kind}" for kind in ("published", "exact") if kinds[kind])
-    return f"{share} reference numbers ({told}) of {examples} worked examples are met: {tail}."
+    numbers = f"{total} reference number" + ("s" if total > 1 else "")
+    return f"{numbers} ({told}) of {told_of}: {tail}."
 
 
 def notes(outcomes: Sequence[Outcome]) -> Iterator[str]:

@@ -24,7 +24,7 @@ class Row:
         kind: of the reference: "published" or "exact", ``None`` where the example was skipped.
         source: of the reference.
         standard_error: of ``computed``, ``None`` where no trials are drawn.
-        remark: why a NOTE is off, empty for others.
+        remark: why a NOTE is off, and what a SKIPPED one lacks; empty for others.
     """
 
     example: str
@@ -62,7 +62,10 @@ class Outcome:
         """A row for each number; one that says what is missing where there is none."""
         if self.missing:
             nothing = (None, None, None)
-            return [Row(self.name, self.missing, *nothing, "SKIPPED", None, self.source, None, "")]
+            return [
+                Row(self.name, "all numbers", *nothing, "SKIPPED", None, self.source, None,
+                    self.missing)
+            ]  # fmt: skip
         return [_row(self.name, one) for one in self.checks]
 
 

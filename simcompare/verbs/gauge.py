@@ -42,7 +42,9 @@ class Gauged(Shown):
 
     @property
     def exit_code(self) -> int:
-        """That of the command: 1 where a number is off."""
+        """That of the command: 1 where a number is off, 2 where files for all of them lack."""
+        if all(row.verdict == "SKIPPED" for row in self.rows):
+            return 2
         return 0 if self.passed else 1
 
     def plot(self) -> Figure:
