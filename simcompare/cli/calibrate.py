@@ -62,15 +62,15 @@ def calibrate(
         source, kind=kind, simulate=simulate, gravity=gravity, gravity_u=gravity_u, level=level,
         noise=noise, sensor=sensor, mapping=mapping, apply=apply, seed=seed, out=out,
     )  # fmt: skip
-    last_file = ending.write_block(
-        lambda: page.block_of(result), result.folder, figures, report=report
-    )
-    ending.finish(
+    ending.finish_block(
+        lambda: page.block_of(result),
+        result.folder,
         lambda: plain(result),
-        lambda: _show(result, last_file),
-        0,
-        page=last_file if opened else None,
+        lambda file: _show(result, file),
+        report=report,
+        opened=opened,
         as_json=as_json,
+        figures=figures,
     )
 
 

@@ -56,15 +56,16 @@ def characterize(
             time_limit_s=time_limit,
             progress=progress,
         )
-    last_file = ending.write_block(
-        lambda: page.block_of(result), result.folder, figures, report=report
-    )
-    ending.finish(
+    ending.finish_block(
+        lambda: page.block_of(result),
+        result.folder,
         lambda: {**plain(result), "exit_code": result.exit_code},
-        lambda: _show(result, last_file, details=details),
+        lambda file: _show(result, file, details=details),
         result.exit_code,
-        page=last_file if opened else None,
+        report=report,
+        opened=opened,
         as_json=as_json,
+        figures=figures,
     )
 
 

@@ -68,26 +68,33 @@ def finish_run(
     finish(plain, lambda: show(page), code, page=page if opened else None, as_json=as_json)
 
 
-def write_block(
-    block: Callable[[], Block], folder: Path | None, figures: str | None = None, *, report: bool
-) -> Path | None:
-    """Writes what is shown of a result into its folder; gives the last file, ``None`` for none.
+def finish_block(
+    block: Callable[[], Block],
+    folder: Path | None,
+    plain: Callable[[], Plain],
+    show: Callable[[Path | None], None],
+    exit_code: int = 0,
+    *,
+    report: bool,
+    opened: bool,
+    as_json: bool,
+    figures: str | None = None,
+) -> NoReturn:
+    """Ends a command whose result is shown in one block.
 
     Args:
         block: makes what is shown.
         folder: of the result.
-        figures: format of files of the figures, ``None`` for none.
+        plain: gives what ``--json`` prints.
+        show: prints it for people; it is given the last file that was written, ``None`` for none.
+        exit_code: with which the command ends.
         report: whether report.html is written.
+        opened: whether it is opened in the browser.
+        as_json: whether JSON is printed.
+        figures: format of files of the figures, ``None`` for none.
     """
-    from simcompare.reports import builder
-
-    assert folder is not None
-    files = []
-    if figures is not None:
-        files += builder.write_figures_of([block()], folder / "figures", figures)
-    if report:
-        files.append(builder.write_html_of([block()], folder / "report.html"))
-    return files[-1] if files else None
+    page = _write_block(block, folder, figures, report=report)
+    finish(plain, lambda: show(page), exit_code, page=page if opened else None, as_json=as_json)
 
 
 def show_end(result: Run, page: Path | None) -> None:
@@ -103,6 +110,21 @@ def show_places(folder: Path | None, page: Path | None) -> None:
         typer.echo(f"Stored in {folder}")
     if page is not None:
         typer.echo(f"Report: {page}")
+
+
+def _write_block(
+    block: Callable[[], Block], folder: Path | None, figures: str | None, *, report: bool
+) -> Path | None:
+    """Writes what is shown into the folder; gives the last file, ``None`` for none."""
+    from simcompare.reports import builder
+
+    assert folder is not None
+    files = []
+    if figures is not None:
+        files += builder.write_figures_of([block()], folder / "figures", figures)
+    if report:
+        files.append(builder.write_html_of([block()], folder / "report.html"))
+    return files[-1] if files else None
 
 
 def _write_report(result: Run) -> Path | None:

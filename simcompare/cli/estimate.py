@@ -84,12 +84,14 @@ def estimate(
             time_limit_s=time_limit,
             progress=progress,
         )
-    file = ending.write_block(lambda: page.block_of(result), result.folder, report=report)
-    ending.finish(
+    ending.finish_block(
+        lambda: page.block_of(result),
+        result.folder,
         lambda: {**plain(result), "exit_code": result.exit_code},
-        lambda: _show(result, file, details=details),
+        lambda file: _show(result, file, details=details),
         result.exit_code,
-        page=file if opened else None,
+        report=report,
+        opened=opened,
         as_json=as_json,
     )
 
