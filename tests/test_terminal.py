@@ -178,7 +178,8 @@ def test_every_verb_has_examples():
         ("ode", "ode: is an engine; write, such as: simcompare run ball --engine ode"),
         ("run --seeds 2", "run: which scenario? simcompare list names all, simcompare run --help"
          " has examples"),
-        ("-v charcterize", "no command is called 'charcterize'; did you mean characterize"),
+        ("-v charcterize", "no command is called 'charcterize'; did you mean characterize or"
+         " calibrate?"),
     ],
 )  # fmt: skip
 def test_a_word_too_many_says_where_it_belongs(call, words, said):
