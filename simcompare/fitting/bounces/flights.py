@@ -6,18 +6,27 @@ and after differs by more than noise, there is an impact.
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from simcompare.errors import InputError
+from simcompare.fitting.bounces.lines import shared
 from simcompare.model.trajectory import Array
 from simcompare.results.records.fit_bounces import Rejected
-from simcompare.statistics.agreement import MAD_TO_SD
 
-#: samples that a flight must have
+#: samples that tell an arc and whether they lie on it
 MIN_SAMPLES = 4
+#: a sample so many standard deviations off the flight of its neighbours is none of it
+OUTLIER = 6.0
+#: part of its samples that a flight has on one arc
+MOST = 0.6
+#: a quarter of normal errors is below this, in standard deviations
+_QUARTER = 0.3186
 #: a kink is this many standard deviations of the slopes' difference
 _KINK = 6.0
 #: a ball that falls is faster than so many standard deviations of the slopes' difference
@@ -26,10 +35,42 @@ _FALLING = 3.0
 _SLOW, _LONG_S = 0.6, 0.1
 
 
+@dataclass(frozen=True)
+class Start:
+    """A motion as two flights tell it.
+
+    Attributes:
+        values: of its unknowns.
+        last: number of the second of them.
+    """
+
+    values: Mapping[str, float]
+    last: int
+
+
+@dataclass(frozen=True)
+class Samples:
+    """What was measured of the heights, and the samples that were not.
+
+    Attributes:
+        time_s: (n,) [s].
+        height_m: (n,) [m].
+        u_m: standard uncertainty, NaN where unknown (n,) [m].
+        rows: place of each among all that were recorded, first is 0 (n,).
+        gone: samples in which nothing was seen.
+    """
+
+    time_s: Array
+    height_m: Array
+    u_m: Array
+    rows: NDArray[np.intp]
+    gone: list[Rejected]
+
+
 def samples(
     time_s: ArrayLike, height_m: ArrayLike, u_m: ArrayLike | None, source: str
-) -> tuple[Array, Array, Array, list[Rejected]]:
-    """Times, heights and uncertainties of what was measured, and the samples that were not.
+) -> Samples:
+    """Times, heights and uncertainties of what was measured.
 
     Raises:
         InputError: too few samples, times out of order, or an uncertainty that is none.
@@ -51,13 +92,16 @@ def samples(
         faults.append("a standard uncertainty of a height is not above 0")
     if faults:
         raise InputError(source or "height", faults)
-    return time[whole], height[whole], u[whole], gone
+    return Samples(time[whole], height[whole], u[whole], np.flatnonzero(whole), gone)
 
 
 def noise_of(height: Array) -> float:
-    """Standard deviation of one sample: third differences of a parabola are none."""
-    third = np.diff(height, 3)
-    return max(MAD_TO_SD * float(np.median(np.abs(third))) / math.sqrt(20), 1e-7)
+    """Standard deviation of one sample: third differences of a parabola are none.
+
+    Those over an impact are large, so the lower ones tell.
+    """
+    third = np.abs(np.diff(height, 3))
+    return max(float(np.quantile(third, 0.25)) / _QUARTER / math.sqrt(20), 1e-7)
 
 
 def kinks(
@@ -113,25 +157,68 @@ def _slopes(time: Array, values: Array, width: int) -> Array:
     return np.asarray(np.sum(t * y, axis=1) / np.sum(t * t, axis=1))
 
 
-def long_enough(time: Array, flight: NDArray[np.intp], source: str) -> NDArray[np.int64]:
-    """Flights up to the first one with too few samples; those after it are marked -1."""
-    counts = np.bincount(flight)
-    first = 0
-    # a recording may begin in the last frames of a fall
-    while first < len(counts) and counts[first] < MIN_SAMPLES:
-        first += 1
-    last = first
-    while last < len(counts) and counts[last] >= MIN_SAMPLES:
-        # a flight that lasts longer than the one before it hides an impact
-        if last > first + 1 and counts[last] > 1.05 * counts[last - 1] + 1:
-            break
-        last += 1
-    if last - first < 2:
-        raise InputError(
-            source or "height",
-            [f"{last - first} flight has {MIN_SAMPLES} samples or more; two at least are needed,"
-             " three for a restitution without a known drop height: film faster or drop from"
-             " higher"],
-        )  # fmt: skip
-    inside = (flight >= first) & (flight < last)
-    return np.where(inside, flight - first, -1)
+def start_of(
+    time: Array, height: Array, noise: float, gravity: float, source: str
+) -> Start:
+    """The motion as the first two whole flights between kinks tell it, without drag.
+
+    Raises:
+        InputError: no two flights that follow each other.
+    """
+    cuts = kinks(time, height, noise, gravity, source)
+    flight = np.searchsorted(cuts, np.arange(len(time)), side="right")
+    # before it falls a ball is in a hand
+    longest = math.sqrt(2 * float(np.ptp(height)) / gravity)
+    flight[time < time[cuts[0]] - 1.1 * longest] = -1
+    apexes = [
+        _apex(time, height, np.flatnonzero(flight == n), noise, gravity)
+        for n in range(len(cuts) + 1)
+    ]
+    for n, (one, two) in enumerate(itertools.pairwise(apexes)):
+        found = None if one is None or two is None else _joined(n, one, two, gravity)
+        if found is not None:
+            return found
+    raise InputError(
+        source or "height",
+        [f"no two flights after each other have {MIN_SAMPLES} samples each that lie on one arc and"
+         " on a lower one: film faster or drop from higher"],
+    )  # fmt: skip
+
+
+def _apex(
+    time: Array, height: Array, own: NDArray[np.intp], noise: float, gravity: float
+) -> tuple[float, float] | None:
+    """Time and height of the apex of the parabola that most of a flight's samples share."""
+    if len(own) < MIN_SAMPLES:
+        return None
+    t, y = time[own], height[own]
+    # drag bends a fall by about a hundredth of its height
+    near = max(OUTLIER * noise, 0.01 * float(np.ptp(y)))
+    middle = float(t.mean())
+    line = shared(own, t, y + 0.5 * gravity * (t - middle) ** 2, near)
+    if np.count_nonzero(line.on) < MOST * len(own):
+        return None
+    apex = middle + line.slope / gravity
+    top = line.level + line.slope * (apex - line.middle) - 0.5 * gravity * (apex - middle) ** 2
+    return apex, top
+
+
+def _joined(
+    number: int, one: tuple[float, float], two: tuple[float, float], gravity: float
+) -> Start | None:
+    """Two flights with the impact between them; nothing where they are none of a bouncing ball."""
+    (a, high), (b, low) = one, two
+    if not b > a:
+        return None
+    impact = (a + b) / 2 + (high - low) / (gravity * (b - a))
+    floor = high - 0.5 * gravity * (impact - a) ** 2
+    if not (a < impact < b and floor < low < 1.1 * (high - floor) + floor):
+        return None
+    e = min(math.sqrt((low - floor) / (high - floor)), 0.98)
+    rise = impact - a  # of this flight; earlier ones last longer by 1/e each
+    before = rise + sum(2 * rise / e**m for m in range(1, number)) + rise / e**number
+    values = {
+        "restitution": e, "drop_height_m": (high - floor) / e ** (2 * number),
+        "release_time_s": a - before if number else a, "floor_m": floor, "scale": 1.0,
+    }  # fmt: skip
+    return Start(values, number + 1)
