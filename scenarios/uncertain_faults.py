@@ -10,7 +10,7 @@ from simcompare.model import formula
 from simcompare.model.expressions import ExpressionError
 from simcompare.model.plain import Plain
 from simcompare.model.uncertain import Uncertain
-from simcompare.statistics.stated import stated
+from simcompare.statistics.stated import is_nothing, stated
 
 
 def inherited(base: Plain, change: Plain) -> Plain:
@@ -48,6 +48,8 @@ def uncertain_faults(said: Uncertain, values: Mapping[str, float]) -> dict[str, 
 def _of_input(name: str, text: str | float, values: Mapping[str, float]) -> Iterator[str]:
     if name not in values:
         yield str(UnknownName("parameter", name, values))
+        return
+    if is_nothing(text, values[name]):
         return
     try:
         stated(text, values[name], units.unit_of(name), "u")

@@ -535,14 +535,18 @@ def test_what_was_left_out_is_told_with_its_reason(heard):
 
 
 def test_priors_and_fixed_values_are_told(heard):
-    assert measured_tables.known(heard) is None
+    assert {row[:2] for row in cells(measured_tables.known(heard))} == {
+        ("gravity (m/s²)", "assumed"), ("clock skew", "assumed"),
+    }  # fmt: skip
+    bare = replace(heard.record.fit.closed_form, fixed={}, priors={})
+    assert measured_tables.known(changed(heard, closed_form=bare)) is None
     closed = replace(
-        heard.record.fit.closed_form, fixed={"terminal_speed_m_s": 9.0},
+        bare, fixed={"terminal_speed_m_s": 9.0},
         priors={"drop_height_m": Prior(1.0, 0.002)}, pulls={"drop_height_m": -2.5},
     )  # fmt: skip
     fixed, prior = cells(measured_tables.known(changed(heard, closed_form=closed)))
     assert fixed[:3] == ("terminal speed (m/s)", "fixed", "9")
-    assert prior == ("drop height (m)", "prior", "1.0000 ± 0.0020", "−2.5")
+    assert prior == ("drop height (m)", "prior", "1.0000 ± 0.0020", "−2.5", "")
 
 
 # matrices

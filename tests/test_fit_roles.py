@@ -60,8 +60,12 @@ def test_drag_is_given_through_the_roles(tmp_path):
     roles = roles_of(file, {name: p.value for name, p in file.parameters.items()})
     values = roles.values({"restitution": 0.8, "drop_height_m": 1.0, "terminal_speed_m_s": 8.644})
     assert values["drag_coefficient"] == pytest.approx(0.47, rel=0.01)
-    known = roles_of(file, values).known({})
-    assert known["terminal_speed_m_s"] == pytest.approx(8.644, rel=1e-9)
+    fixed, priors = roles_of(file, values).known({}, {})
+    assert fixed == {}
+    speed = priors["terminal_speed_m_s"]
+    assert speed.value == pytest.approx(8.644, rel=1e-9)
+    # half of 20 %/√3 of drag, and little of radius and mass
+    assert speed.u / speed.value == pytest.approx(0.1 / 3**0.5, rel=0.01)
 
 
 def test_a_scene_without_gravity_and_drag_has_the_gravity_of_its_world(tmp_path):
@@ -72,7 +76,7 @@ def test_a_scene_without_gravity_and_drag_has_the_gravity_of_its_world(tmp_path)
     path.write_text(text.replace("{value: 9.80665,", "{value: 9.81,"), encoding="utf-8")
     file = catalogue.load(str(path))
     roles = roles_of(file, {name: p.value for name, p in file.parameters.items()})
-    assert roles.known({}) == {"gravity_m_s2": 9.81}
+    assert roles.known({}, {}) == ({"gravity_m_s2": 9.81}, {})
     assert roles.values({"terminal_speed_m_s": 8.0})["drag_coefficient"] == 0
     drop = stopwatch(tmp_path / "drop.csv")
     run = simcompare.fit(str(path), recordings=[drop], engine="pymunk")

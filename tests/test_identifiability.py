@@ -56,8 +56,8 @@ def test_moving_along_a_weak_direction_changes_the_data_by_one_standard_deviatio
     k = found.names.index("terminal_speed_m_s")
     step = np.array([along.get(name, 0.0) for name in found.names]) * 0.1
     step[k] *= -2 / found.values[k] ** 3  # what is sought is 1/v_t²
-    moved = found.problem.residuals(found.x + step, priors=False)
-    still = found.problem.residuals(found.x, priors=False)
+    moved = found.problem.residuals(found.x + step)
+    still = found.problem.residuals(found.x)
     assert np.linalg.norm(moved - still) == pytest.approx(0.1, rel=0.15)
 
 

@@ -104,7 +104,7 @@ def _residual_series(run: Run, row: Residuals, factor: float, wide: float) -> li
 def parameter_figure(run: Run) -> Figure | None:
     """Parameters and effective values of all engines beside the closed form."""
     sources = fits.engines(run)
-    closed = fits.bounces(run).for_engines.parameters
+    closed = fits.bounces(run).for_engines.found
     if not sources:
         return None
     names = [n for n in closed if n == RESTITUTION or n.startswith("terminal_speed")]

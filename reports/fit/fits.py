@@ -12,7 +12,7 @@ from simcompare.reports.validation import phrases, validations
 from simcompare.results.records.fit import AnyFit, FitRecord
 from simcompare.results.records.fit_bounces import BouncesFit
 from simcompare.results.records.fit_engines import BouncesEngine, EffectiveValue
-from simcompare.results.records.fit_forms import REFERENCE_M_S, Repeats, Unknown
+from simcompare.results.records.fit_forms import REFERENCE_M_S, Form, Repeats, Unknown
 from simcompare.results.records.fit_parts import EngineParameter, Value
 from simcompare.results.records.fit_tosses import TossFit
 from simcompare.results.records.fit_waveforms import WaveEngine, WaveformFit, WaveParameter
@@ -99,6 +99,16 @@ def titles(found: BouncesFit) -> dict[str, str]:
     if law_of(found) != "constant" and RESTITUTION in names:
         names[RESTITUTION] = f"{RESTITUTION} at {REFERENCE_M_S:g} m/s"
     return names
+
+
+def how(form: Form, name: str) -> str:
+    """Where the value of an unknown comes from."""
+    prior = form.priors.get(name)
+    if prior is None:
+        return "fitted"
+    if name in form.assumed:
+        return "assumed" if prior.reason else "given, with u"
+    return "fitted, with a prior"
 
 
 def restitution_words(found: BouncesFit) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from simcompare.reports.fit.identifiability_words import called
 from simcompare.reports.validation import phrases
-from simcompare.results.records.fit_forms import REFERENCE_M_S, Candidate, Choice, Form
+from simcompare.results.records.fit_forms import REFERENCE_M_S, Candidate, Choice, Form, Prior
 
 #: a prior this many standard uncertainties from what the data say contradicts them
 CONTRADICTION = 3.0
@@ -25,13 +25,18 @@ def _priors(form: Form) -> list[str]:
     words = []
     for name, pull in form.pulls.items():
         if pull is not None and abs(pull) > CONTRADICTION:
-            prior = form.priors[name]
-            side = "above" if pull > 0 else "below"
-            words.append(
-                f"the prior {prior.value:g} ± {prior.u:g} of {called(name)} contradicts the data,"
-                f" which lie {abs(pull):.1f} standard uncertainties {side} it: correct the prior"
-            )
+            words.append(_contradiction(name, form.priors[name], pull))
     return words
+
+
+def _contradiction(name: str, prior: Prior, pull: float) -> str:
+    side = "above" if pull > 0 else "below"
+    off = f"which lie {abs(pull):.1f} standard uncertainties {side} it"
+    if prior.reason:
+        return (f"the {called(name)} was assumed to be {prior.value:.4g} ± {prior.u:.2g}, which"
+                f" contradicts the data, {off}: measure it, or give it with --prior")  # fmt: skip
+    return (f"the prior {prior.value:g} ± {prior.u:g} of {called(name)} contradicts the data,"
+            f" {off}: correct the prior")  # fmt: skip
 
 
 def _bounds(form: Form) -> list[str]:
@@ -168,7 +173,7 @@ def cure(found: Choice, best: Form) -> tuple[str, ...]:
         best: the chosen one.
     """
     among = [found.candidates[0], *_rivals(found)]
-    if _SPEED in best.fixed or len({c.drag for c in among}) == 1:
+    if _SPEED in best.fixed or _SPEED in best.priors or len({c.drag for c in among}) == 1:
         return ()
     by_speed = any(c.law != "constant" for c in among)
     what = "tell air drag from a restitution that depends on speed" if by_speed else (

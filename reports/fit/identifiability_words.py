@@ -16,7 +16,7 @@ _TITLES = {
     "restitution": "restitution", "exponent": "velocity exponent",
     "terminal_speed_m_s": "terminal speed", "drop_height_m": "drop height",
     "release_time_s": "release time", "clock_skew": "clock skew", "floor_m": "floor level",
-    "scale": "length scale",
+    "scale": "length scale", "gravity_m_s2": "gravity",
 }  # fmt: skip
 
 

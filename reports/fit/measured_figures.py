@@ -226,10 +226,11 @@ def _on_log(
     run: Run, known: dict[str, float | None], time_s: Array, height_m: Array
 ) -> tuple[Array, Array]:
     """Time and height as the recording has them: its release, its clock, its floor, its scale."""
-    fixed = fits.bounces(run).closed_form.fixed
+    form = fits.bounces(run).closed_form
+    rest = {**form.fixed, **{name: form.parameters[name].value for name in form.assumed}}
 
     def value(name: str, usual: float) -> float:
-        found = known.get(name, known.get(f"{name}[1]", fixed.get(name)))
+        found = known.get(name, known.get(f"{name}[1]", rest.get(name)))
         return usual if found is None else found
 
     on_log = value("release_time_s", 0.0) + (1 + value("clock_skew", 0.0)) * time_s

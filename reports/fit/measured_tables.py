@@ -78,17 +78,19 @@ def known(run: Run) -> Table | None:
     """What was fixed, and what was known before, beside what the data say."""
     closed = fits.bounces(run).closed_form
     rows = [
-        (fits.with_unit(name), "fixed", numbers.plain(value), "–")
+        (fits.with_unit(name), "fixed", numbers.plain(value), "–", "")
         for name, value in closed.fixed.items()
     ]
     for name, prior in closed.priors.items():
         pull = closed.pulls.get(name)
-        rows.append((fits.with_unit(name), "prior", numbers.with_u(prior.value, prior.u),
-                     numbers.plain(pull, 2)))  # fmt: skip
+        rows.append((
+            fits.with_unit(name), "assumed" if prior.reason else "prior",
+            numbers.with_u(prior.value, prior.u), numbers.plain(pull, 2), prior.reason,
+        ))  # fmt: skip
     if not rows:
         return None
     columns = (Column("Quantity", text=True), Column("How", text=True), Column("Value ± u"),
-               Column("Data less prior (÷ u)"))  # fmt: skip
+               Column("Data less prior (÷ u)"), Column("Why", text=True))  # fmt: skip
     return Table("Fixed values and priors", columns, (Group("", tuple(rows)),))
 
 

@@ -32,9 +32,8 @@ def found(run: Run) -> Table | None:
 def _of_bounces(record: BouncesFit) -> list[tuple[str, ...]]:
     form = record.closed_form
     rows: list[tuple[str, ...]] = [
-        (fits.titles(record)[name], fits.with_95(row, name),
-         "fitted, with a prior" if name in form.priors else "fitted")
-        for name, row in form.parameters.items()
+        (fits.titles(record)[name], fits.with_95(row, name), fits.how(form, name))
+        for name, row in {**form.found, **form.parameters}.items()
     ]  # fmt: skip
     for name, value in form.fixed.items():
         unit = "" if fits.unit(name) == "1" else f" {fits.unit(name)}"

@@ -9,7 +9,10 @@ from simcompare.reports.fit.fits import CLOSED, RESTITUTION
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Table, scale_of
 from simcompare.reports.validation import validations
+from simcompare.results.records.fit_bounces import BouncesFit
+from simcompare.results.records.fit_forms import Unknown
 from simcompare.results.records.fit_holdout import EngineHoldout, HeldOutDrop
+from simcompare.results.records.fit_waveforms import WaveParameter
 from simcompare.results.run import Run
 
 #: lines of a list that is shown without being asked for
@@ -43,7 +46,7 @@ def engines(run: Run) -> Table:
 
 def parameters(run: Run) -> Table:
     """All unknowns of all engines, and of the closed form."""
-    closed = fits.record(run).for_engines.parameters
+    closed = _found(run)
     groups = []
     for name in closed:
         rows = [(CLOSED, fits.value_words(closed[name], name),
@@ -57,6 +60,14 @@ def parameters(run: Run) -> Table:
     columns = (Column("Source", text=True), Column("Value ± u"),
                Column("95 % interval", text=True), Column("u from step and phase"))  # fmt: skip
     return Table("All unknowns", columns, tuple(groups), folded=True)
+
+
+def _found(run: Run) -> Mapping[str, Unknown | WaveParameter]:
+    """What was fitted, without what was only assumed."""
+    record = fits.record(run)
+    if isinstance(record, BouncesFit):
+        return record.for_engines.found
+    return record.closed_form.parameters
 
 
 def failed(run: Run) -> Table | None:
@@ -165,9 +176,10 @@ def _moves(moves: Mapping[str, float]) -> str:
 def bootstrap(run: Run) -> Table:
     """Intervals of the closed form beside those of simulated repeats."""
     found = fits.bounces(run)
-    boot, closed = found.bootstrap, found.closed_form.parameters
+    boot, closed = found.bootstrap, found.closed_form.found
     rows = []
-    for name, row in boot.parameters.items():
+    for name in closed:
+        row = boot.parameters[name]
         rows.append((
             fits.with_unit(name), fits.value_words(closed[name], name),
             fits.interval_words(closed[name]), closed[name].interval,

@@ -16,7 +16,7 @@ from simcompare.model.yaml_file import describe, faults_of, read_yaml
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.statistics.distributions import Distribution
 from simcompare.statistics.joint import Correlation
-from simcompare.statistics.stated import stated
+from simcompare.statistics.stated import is_nothing, stated
 
 #: what is taken as exact
 EXACT = "exact"
@@ -143,7 +143,9 @@ def of_scenario(
         InputError: unknown parameters and what cannot be read, all at once, or nothing is given.
     """
     said = {} if file.uncertainty is None else file.uncertainty.inputs
-    texts: dict[str, str | float] = {name: one.u for name, one in said.items()}
+    texts: dict[str, str | float] = {
+        name: one.u for name, one in said.items() if not is_nothing(one.u, values[name])
+    }
     why = {name: one.reason for name, one in said.items()}
     faults: list[str] = []
     taken: set[str] = set()

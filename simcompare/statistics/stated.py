@@ -74,6 +74,11 @@ def stated(text: str | float, center: float, unit: str, where: str) -> Stated:
     return Stated(known, degrees)
 
 
+def is_nothing(text: str | float, center: float) -> bool:
+    """Whether a part is stated of a quantity that is 0, such as drag in vacuum."""
+    return center == 0 and "%" in str(text)
+
+
 def _width(text: str, center: float, unit: str, where: str) -> float:
     """Above 0 [SI]; a part of the estimate where it is in per cent."""
     number = text.strip()

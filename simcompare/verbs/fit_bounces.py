@@ -16,6 +16,8 @@ from simcompare.errors import InputError
 from simcompare.fitting.bounces import bounce_models, holdout, model_selection, plot_data, records
 from simcompare.fitting.bounces.arcs import rejoined
 from simcompare.fitting.bounces.assisted_fit import fit_engines
+from simcompare.fitting.bounces.assumed import of_recorder as assumed_of_recorder
+from simcompare.fitting.bounces.bounce_models import GRAVITY as STANDARD
 from simcompare.fitting.bounces.engine_fit import EngineFit
 from simcompare.fitting.bounces.identifiability import identifiability
 from simcompare.fitting.bounces.impacts import HEIGHT, Impacts
@@ -31,7 +33,7 @@ from simcompare.fitting.bounces.request import (
 from simcompare.fitting.bounces.roles import Roles, roles_of
 from simcompare.fitting.bounces.tune_engines import tune_engines
 from simcompare.fitting.bounces.tuning_goal import TuningGoal, goal_of
-from simcompare.fitting.bounces.unknowns import SPEED
+from simcompare.fitting.bounces.unknowns import GRAVITY, SPEED
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, TUNED
 from simcompare.model.trajectory import TRUTH, Trajectory
@@ -82,17 +84,17 @@ def fit_bounces(
     step = request.step
     step_s = None if step is None else sample_step_s(file, given, None, step)
     roles = roles_of(file, given)
-    constraints = Constraints(
-        extra=request.unknowns,
-        fixed=roles.known(numbers_of(request.fixed or {})),
-        priors={name: Prior(value, u) for name, (value, u) in (request.priors or {}).items()},
-    )
+    stated = {name: Prior(value, u) for name, (value, u) in (request.priors or {}).items()}
+    fixed, priors = roles.known(numbers_of(request.fixed or {}), stated)
     settings = file.read_settings(request.set or {})
     check_request(request.recordings, request.hold_out, request.u_time_s, roles, settings)
-    gravity = constraints.fixed.get("gravity_m_s2", bounce_models.GRAVITY)
+    gravity = fixed.get(GRAVITY, priors[GRAVITY].value if GRAVITY in priors else STANDARD)
     reading = (request.mapping, request.u_time_s, gravity)
     drops = [drop for name in request.recordings for drop in drops_of(name, *reading)]
     held = [drop for name in request.hold_out for drop in drops_of(name, *reading)]
+    assumed = assumed_of_recorder(drops, request.unknowns)
+    priors = {n: prior for n, prior in {**assumed, **priors}.items() if n not in fixed}
+    constraints = Constraints(request.unknowns, fixed, priors)
     choice = model_selection.compare(
         drops,
         candidates(request.model, constraints),
@@ -170,7 +172,7 @@ def _joined(best: Fit, drops: Sequence[Impacts], constraints: Constraints) -> li
     speed = best.as_dict().get(SPEED, constraints.fixed.get(SPEED, math.inf))
     if not math.isfinite(speed):
         return list(drops)
-    gravity = float(constraints.fixed.get("gravity_m_s2", bounce_models.GRAVITY))
+    gravity = float(best.problem.values(best.x, 0).get(GRAVITY, STANDARD))
     return [drop if drop.track is None else rejoined(drop, speed, gravity) for drop in drops]
 
 

@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from simcompare.fitting.bounces import bounce_models, initial_guess, profile
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import Fit, Profile, minimum, summary
@@ -14,6 +16,9 @@ from simcompare.fitting.bounces.unknowns import SPEED, base
 from simcompare.model.trajectory import Array
 from simcompare.results.records.fit_forms import Prior
 from simcompare.statistics import least_squares
+
+#: part of its prior's uncertainty that is no move of an unknown
+_ROUNDING = 1e-5
 
 
 def fit(
@@ -44,30 +49,32 @@ def fit(
         bounce_models.model_of(model), unknowns=unknowns, fixed=fixed, priors=priors,
     )  # fmt: skip
     first = initial_guess.of(whole)
-    alone = minimum(whole, first, priors=False) if whole.priors else None
-    s2, dof = _scatter(whole, first, alone)
+    s2, dof = _scatter(whole, first)
     scaled = whole.widened(math.sqrt(s2))
-    best = minimum(scaled, first)
+    best = _settled(scaled, minimum(scaled, first))
     found = summary(whole, scaled, best, s2, dof)
     pulls = {name: _pull(found, name) for name in scaled.priors}
     profiled = profile.intervals(found, scaled) if profiles else {}
     return _with_profiles(replace(found, pulls=pulls), profiled)
 
 
-def _scatter(
-    problem: Problem, start: Array, alone: least_squares.Solution | None
-) -> tuple[float, int]:
-    """s² and its degrees of freedom, from the data alone where they determine the unknowns."""
-    dof = len(problem.data) - len(problem.names)
-    if alone is not None and dof > 0:
-        chi2 = float(alone.chi2[0])
-    else:
-        dof += len(problem.priors)
-        chi2 = float(minimum(problem, start).chi2[0])
+def _scatter(problem: Problem, start: Array) -> tuple[float, int]:
+    """s² and its degrees of freedom, without stated priors where there are enough data."""
+    judged = problem.firm if problem.firm.freedom > 0 else problem
+    dof = judged.freedom
     if dof == 0:
         return 1.0, 0
-    ratio = chi2 / dof
+    ratio = float(minimum(judged, start).chi2[0]) / dof
     return (max(1.0, ratio) if problem.u_known else max(ratio, 1e-12)), dof
+
+
+def _settled(problem: Problem, best: least_squares.Solution) -> least_squares.Solution:
+    """The same with unknowns that only rounding has moved away from their priors put back."""
+    index, mean, u = problem.prior_rows
+    x = best.x.copy()
+    here = x[0, index]
+    x[0, index] = np.where(np.abs(here - mean) < _ROUNDING * u, mean, here)
+    return replace(best, x=x)
 
 
 def _with_profiles(fit: Fit, profiles: Mapping[str, Profile]) -> Fit:

@@ -13,12 +13,15 @@ from simcompare.statistics.identifiability import Identifiability
 
 
 def identifiability(fit: Fit) -> Identifiability:
-    """What the data of a fit can tell about its unknowns."""
-    problem = fit.problem
+    """What the data of a fit can tell about its unknowns, where what is assumed holds."""
+    problem = fit.problem.firm
     jacobian = least_squares.jacobian_of(
-        lambda x: problem.residuals(x, priors=False), fit.x[None, :], problem.size
+        problem.residuals, fit.x[None, :], problem.size
     )[0] / problem.size  # fmt: skip
-    return statistics.identifiability(fit.names, jacobian, slopes=_slopes(fit), u=fit.u)
+    kept = [fit.names.index(name) for name in fit.found]
+    return statistics.identifiability(
+        fit.found, jacobian[:, kept], slopes=_slopes(fit)[kept], u=fit.u[kept]
+    )
 
 
 def _slopes(fit: Fit) -> Array:

@@ -7,7 +7,7 @@ import numpy as np
 from simcompare.fitting.bounces.bounce_models import DEFAULTS
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.problem import Problem
-from simcompare.fitting.bounces.unknowns import SPEED, base, internal, own_drop
+from simcompare.fitting.bounces.unknowns import GRAVITY, SPEED, base, internal, own_drop
 from simcompare.model.trajectory import Array
 
 _RESTITUTION = 0.8
@@ -15,7 +15,8 @@ _RESTITUTION = 0.8
 
 def of(problem: Problem) -> Array:
     """A first guess of the internal numbers (p,)."""
-    gravity = float(problem.fixed.get("gravity_m_s2", DEFAULTS["gravity_m_s2"]))
+    known = problem.priors.get(GRAVITY)
+    gravity = float(problem.fixed.get(GRAVITY, known.value if known else DEFAULTS[GRAVITY]))
     guesses = [_drop(drop, gravity) for drop in problem.drops]
     found = []
     for name in problem.names:

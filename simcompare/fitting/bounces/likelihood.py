@@ -29,6 +29,8 @@ COVERAGE = math.sqrt(LEVEL)
 _SCATTERED, BY_CHANCE = 2.0, 0.01
 #: unknowns that no reader asks for; they get no profile
 NUISANCE = ("release_time_s", "floor_m")
+#: part of a prior's uncertainty that is left where the data say nothing
+_ITS_PRIOR_ALONE = 0.9
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,7 @@ class Fit:
         intervals: 95 % interval of each unknown; an end that the data leave open is infinite.
         how: of each interval: "normal" or "profile".
         chi2: of the data at the estimate, with the stated uncertainties.
+        strain: χ² of the priors at the estimate.
         dof: degrees of freedom of ``s2``.
         s2: max(1, χ²/ν), or χ²/ν where no uncertainty is stated.
         count: number of measured numbers.
@@ -87,6 +90,7 @@ class Fit:
     intervals: tuple[tuple[float, float], ...]
     how: tuple[str, ...]
     chi2: float
+    strain: float
     dof: int
     s2: float
     count: int
@@ -112,6 +116,21 @@ class Fit:
 
         by_chance = float(stats.chi2.sf(self.s2 * self.dof, self.dof))
         return self.s2 > _SCATTERED and by_chance < BY_CHANCE
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """What is known by its prior alone: of the place and the recorder, or what nobody stated.
+
+        It is no finding, so nothing is said of what the data tell of it.
+        """
+        index, _, u = self.problem.firm.prior_rows
+        left = np.sqrt(np.diag(self.internal_covariance))[index]
+        return tuple(self.names[k] for k in index[left > _ITS_PRIOR_ALONE * u])
+
+    @property
+    def found(self) -> tuple[str, ...]:
+        """The unknowns of which the data say something."""
+        return tuple(name for name in self.names if name not in self.assumed)
 
     @property
     def correlation(self) -> Array:
@@ -158,13 +177,15 @@ def summary(
         as_interval(name, low, high)
         for name, low, high in zip(whole.names, x - half, x + half, strict=True)
     )
-    residual = whole.residuals(x, priors=False)
+    residual = whole.residuals(x)
+    strain = float(np.sum(residual[rows:] ** 2))
+    residual = residual[:rows]
     effective = float(np.clip(np.trace(own @ covariance @ own.T), 0.0, len(values)))
     return Fit(
         model=whole.model.name, names=whole.names, values=values,
         covariance=covariance * np.outer(scale, scale), intervals=intervals,
-        how=("normal",) * len(values), chi2=float(residual @ residual), dof=dof, s2=s2, count=rows,
-        effective=effective, rms=_rms(whole, x),
+        how=("normal",) * len(values), chi2=float(residual @ residual), strain=strain, dof=dof,
+        s2=s2, count=rows, effective=effective, rms=_rms(whole, x),
         speeds_m_s=_speeds(whole, x), pulls={},
         at_bound=tuple(n for n, h in zip(whole.names, held, strict=True) if h), profiles={},
         problem=scaled, x=x, internal_covariance=covariance,
@@ -190,19 +211,17 @@ def minimise(
     start: Array,
     data: Array | None = None,
     mean: Array | None = None,
-    *,
-    priors: bool = True,
 ) -> least_squares.Solution:
     """Fits of the same problem side by side, from starts (B, p) and to data (B, n)."""
     return least_squares.solve(
-        lambda x: problem.residuals(x, data, mean, priors=priors),
+        lambda x: problem.residuals(x, data, mean),
         start, problem.low, problem.high, problem.size,
     )  # fmt: skip
 
 
-def minimum(problem: Problem, start: Array, *, priors: bool = True) -> least_squares.Solution:
+def minimum(problem: Problem, start: Array) -> least_squares.Solution:
     """One fit from one start (p,)."""
-    return minimise(problem, start[None, :], priors=priors)
+    return minimise(problem, start[None, :])
 
 
 def scale_of(name: str, value: float) -> float:

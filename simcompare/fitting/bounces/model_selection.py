@@ -147,7 +147,8 @@ def _scatter(fits: Sequence[Fit]) -> float:
 
 def _candidate(name: str, one: Fit, scatter: float) -> Candidate:
     """A model with its criteria, not yet weighed."""
-    k, n, chi2 = one.effective, one.count, one.chi2 / scatter
+    # what a form takes out of what is assumed, such as gravity, is no better fit
+    k, n, chi2 = one.effective, one.count, one.chi2 / scatter + one.strain
     rest = n - k - 1
     aic = chi2 + 2 * k
     aicc = aic + 2 * k * (k + 1) / rest if rest > 1e-6 else math.inf

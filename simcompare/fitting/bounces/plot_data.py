@@ -141,7 +141,7 @@ def _of_heights(drop: Impacts) -> tuple[tuple[int, ...], Array, Array, str]:
 
 def profiles_of(fit: Fit) -> tuple[ProfileRow, ...]:
     """How χ² rises when one unknown is held and all others make up for it."""
-    names = [n for n in fit.names if base(n) not in NUISANCE and own_drop(n) in (None, 0)]
+    names = [n for n in fit.found if base(n) not in NUISANCE and own_drop(n) in (None, 0)]
     found = []
     for name in names[:_PROFILES]:
         one = fit.profiles.get(name) or profile.profile(fit, name)

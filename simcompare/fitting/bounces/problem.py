@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -14,6 +14,8 @@ from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.unknowns import (
     BOUNDS,
     OF_A_DROP,
+    OF_THE_RECORDING,
+    SCALE,
     SIZES,
     SPEED,
     base,
@@ -98,6 +100,21 @@ class Problem:
             u.append(prior.u * abs(slope(name, prior.value)))
         return np.array(index, dtype=int), np.array(mean), np.array(u)
 
+    @property
+    def firm(self) -> Problem:
+        """The same with those priors alone that are held to be as sure as the data.
+
+        Those of the place and the recorder, and those that nobody stated: what is assumed of these
+        counts like one more measured number, where a prior that the user states may contradict.
+        """
+        kept = {n: p for n, p in self.priors.items() if p.reason or base(n) in OF_THE_RECORDING}
+        return replace(self, priors=kept)
+
+    @property
+    def freedom(self) -> int:
+        """Measured numbers and priors less unknowns."""
+        return len(self.data) + len(self.priors) - len(self.names)
+
     def values(self, x: Array, drop: int) -> dict[str, Array | float]:
         """Parameters of one drop for sets of internal numbers (…, p)."""
         found: dict[str, Array | float] = {**DEFAULTS, **self.fixed}
@@ -117,16 +134,13 @@ class Problem:
                     parts.append(observed_in(block, impacts, found, values, x.shape[:-1]))
         return np.concatenate(parts, axis=-1)
 
-    def residuals(
-        self, x: Array, data: Array | None = None, mean: Array | None = None, *, priors: bool = True
-    ) -> Array:
+    def residuals(self, x: Array, data: Array | None = None, mean: Array | None = None) -> Array:
         """Whitened residuals, those of the priors last (…, n + m).
 
         Args:
             x: internal numbers (…, p).
             data: other data than the measured ones, (n,) or (B, n).
             mean: other means of the priors (m,) or (B, m).
-            priors: whether the priors count.
         """
         residual = (self.data if data is None else data) - self.predicted(x)
         parts, at = [], 0
@@ -136,7 +150,7 @@ class Problem:
             matrix = block.whiten.ndim == 2
             parts.append(part @ block.whiten.T if matrix else part * block.whiten)
         index, centre, u = self.prior_rows
-        if priors and len(index):
+        if len(index):
             parts.append(((centre if mean is None else mean) - x[..., index]) / u)
         return np.concatenate(parts, axis=-1)
 
@@ -171,7 +185,7 @@ def build(
         drops: the measurements, one for each drop of the ball.
         model: which.
         unknowns: what is fitted; by default all of the model, and height and release of each
-            drop.
+            drop. What a prior tells of the place and the recorder is fitted beside it.
         fixed: values of what is not fitted.
         priors: what is known of unknowns; a name without a number holds for every drop.
 
@@ -183,21 +197,23 @@ def build(
     if unknowns is None:
         chosen = [name for name in chosen if name not in fixed]
     found = faults(chosen, fixed, priors)
-    names = [n for name in chosen for n in _numbered(name, len(drops))]
+    sought = [n for name in chosen for n in _numbered(name, len(drops))]
+    names = [*sought, *_of_the_recording(drops, priors, {*fixed, *sought})]
     blocks = [b for k, drop in enumerate(drops) for b in _blocks(drop, k)]
     known = all(drop.u_known for drop in drops)
     rows = sum(len(block.data) for block in blocks)
     spread_priors = {n: p for name, p in priors.items() for n in _numbered(name, len(drops))}
     spread_priors = {n: p for n, p in spread_priors.items() if n in names}
-    if not found and rows + len(spread_priors) < len(names):
+    stated = sum(name in sought for name in spread_priors)
+    if not found and rows + stated < len(sought):
         found.append(
-            f"{rows} measured numbers and {len(spread_priors)} priors cannot give {len(names)}"
-            f" unknowns ({', '.join(names)}); record more bounces, fix some or give priors"
+            f"{rows} measured numbers and {stated} priors cannot give {len(sought)}"
+            f" unknowns ({', '.join(sought)}); record more bounces, fix some or give priors"
         )
-    elif not found and not known and rows + len(spread_priors) == len(names):
+    elif not found and not known and rows + stated == len(sought):
         found.append(
             f"{rows} measured numbers without a stated uncertainty leave nothing that tells their"
-            f" scatter when {len(names)} unknowns are fitted; state the uncertainty or record more"
+            f" scatter when {len(sought)} unknowns are fitted; state the uncertainty or record more"
         )
     if found:
         raise InputError("fit", found)
@@ -218,6 +234,17 @@ def usual(drops: Sequence[Impacts], model: Model) -> list[str]:
     if any(drop.track for drop in drops):
         names.append("floor_m")
     return names
+
+
+def _of_the_recording(
+    drops: Sequence[Impacts], priors: Mapping[str, Prior], taken: Collection[str]
+) -> list[str]:
+    """What priors tell of the place and the recorder; only a video has a scale."""
+    filmed = any(drop.track is not None for drop in drops)
+    return [
+        name for name in OF_THE_RECORDING
+        if name in priors and name not in taken and (name != SCALE or filmed)
+    ]  # fmt: skip
 
 
 def _numbered(name: str, drops: int) -> list[str]:

@@ -23,15 +23,29 @@ _FAR = (4.0, 6.0, 10.0, 20.0, 40.0)
 def intervals(fit: Fit, problem: Problem) -> dict[str, Profile]:
     """Profiles of the unknowns whose normal interval may be wrong."""
     u = np.sqrt(np.diag(fit.internal_covariance))
-    rho = np.abs(fit.correlation - np.eye(len(u)))
+    rho = _correlation(fit)
     found = {}
     for k, name in enumerate(fit.names):
-        if base(name) in NUISANCE:
+        if base(name) in NUISANCE or name in fit.assumed:
             continue
         held = u[k] == 0
         if held or rho[k].max() > CORRELATED or _asymmetric(fit, problem, k):
             found[name] = profile(fit, name)
     return found
+
+
+def _correlation(fit: Fit) -> Array:
+    """Sizes of the correlations between unknowns, with what is assumed held (p, p).
+
+    What all of them owe to the same gravity goes in proportion, and needs no profile.
+    """
+    held = [fit.names.index(name) for name in fit.assumed]
+    whole = fit.internal_covariance
+    if held:
+        whole = whole - whole[:, held] @ np.linalg.solve(whole[np.ix_(held, held)], whole[held])
+    variance = np.diag(whole)
+    u = np.sqrt(np.where(variance > 1e-20 * np.diag(fit.internal_covariance), variance, np.inf))
+    return np.asarray(np.abs(whole / np.outer(u, u)) * (1 - np.eye(len(u))))
 
 
 def profile(fit: Fit, name: str, level: float = LEVEL) -> Profile:

@@ -136,7 +136,7 @@ def form_of(fit: Fit) -> Form:
         priors=dict(fit.problem.priors), pulls=dict(fit.pulls), chi2=fit.chi2, dof=fit.dof,
         s2=fit.s2, count=fit.count, effective_unknowns=fit.effective, rms=dict(fit.rms),
         restitution=(slow, fast), at_bound=fit.at_bound, u_known=fit.problem.u_known,
-        scattered=fit.is_scattered,
+        scattered=fit.is_scattered, assumed=fit.assumed,
     )  # fmt: skip
 
 
@@ -213,6 +213,8 @@ def _parameters(fit: Fit, one: EngineFit) -> dict[str, EngineParameter]:
     """Unknown -> value, uncertainty and interval; in a plain loop with its one restitution."""
     found = {}
     for name, row in _unknowns(fit):
+        if name in fit.assumed:
+            continue
         value, u, ends = row.value, row.u, row.limits
         if isinstance(one, TunedFit) and name == "restitution":
             goal, u_goal = one.restitution

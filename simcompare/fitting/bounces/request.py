@@ -88,7 +88,8 @@ def numbers_of(fixed: Mapping[str, str | float]) -> dict[str, float]:
 
 def candidates(model: str, constraints: Constraints) -> list[str]:
     """Closed forms that are compared; with a known terminal speed those without drag fall away."""
+    known = SPEED in {**constraints.fixed, **constraints.priors}
     if model != "auto":
-        return [bounce_models.model_of(model).name]
-    known = SPEED in constraints.fixed
+        one = bounce_models.model_of(model)
+        return [one.name if one.drag or SPEED not in constraints.priors else f"{one.name}+drag"]
     return [name for name, one in bounce_models.MODELS.items() if one.drag or not known]

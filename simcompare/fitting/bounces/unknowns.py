@@ -17,16 +17,20 @@ from simcompare.results.records.fit_forms import Prior
 #: unknowns of which every drop has its own
 OF_A_DROP = ("drop_height_m", "release_time_s", "floor_m")
 SPEED = "terminal_speed_m_s"
+GRAVITY, CLOCK, SCALE = "gravity_m_s2", "clock_skew", "scale"
+#: of the place and the recorder, not of the ball: every fit has those that a prior tells of
+OF_THE_RECORDING = (GRAVITY, CLOCK, SCALE)
 #: where nothing else is said; a fit does not leave them
 BOUNDS = {
     "restitution": (0.01, 0.9999), "exponent": (-0.5, 1.0), SPEED: (0.5, np.inf),
     "drop_height_m": (1e-4, 100.0), "release_time_s": (-np.inf, np.inf),
-    "clock_skew": (-0.01, 0.01), "floor_m": (-np.inf, np.inf), "scale": (0.1, 10.0),
+    CLOCK: (-0.01, 0.01), "floor_m": (-np.inf, np.inf), SCALE: (0.1, 10.0),
+    GRAVITY: (0.01, 1000.0),
 }  # fmt: skip
 #: usual sizes, for differences and steps
 SIZES = {
     "restitution": 1.0, "exponent": 1.0, SPEED: 0.01, "drop_height_m": 0.3,
-    "release_time_s": 0.3, "clock_skew": 1e-2, "floor_m": 0.1, "scale": 1.0,
+    "release_time_s": 0.3, CLOCK: 1e-2, "floor_m": 0.1, SCALE: 1.0, GRAVITY: 10.0,
 }  # fmt: skip
 
 

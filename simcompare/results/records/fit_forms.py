@@ -21,10 +21,19 @@ REFERENCE_M_S = 4.0
 
 @dataclass(frozen=True)
 class Prior:
-    """What is known of an unknown beforehand: a normal distribution."""
+    """What is known of an unknown beforehand: a normal distribution.
+
+    Attributes:
+        value: its mean.
+        u: its standard deviation.
+        reason: why it is assumed where nobody stated it; empty where somebody did.
+        source: where that is written.
+    """
 
     value: float
     u: float
+    reason: str = ""
+    source: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,6 +86,8 @@ class Form:
         fixed: what was not fitted.
         priors: what was known of unknowns.
         pulls: how far each prior is from what the data say, in standard uncertainties.
+        assumed: unknowns that the data say nothing of and that the user did not seek: gravity, the
+            clock, the length of a video, drag of a preset.
         chi2: of the data at the estimate, with the stated uncertainties.
         dof: degrees of freedom of ``s2``.
         s2: by how much the data scatter more than stated, squared.
@@ -109,6 +120,12 @@ class Form:
     warnings: tuple[str, ...] = ()
     u_known: bool = True
     scattered: bool = False
+    assumed: tuple[str, ...] = ()
+
+    @property
+    def found(self) -> Mapping[str, Unknown]:
+        """The unknowns of which the data say something."""
+        return {name: row for name, row in self.parameters.items() if name not in self.assumed}
 
 
 @dataclass(frozen=True, kw_only=True)
