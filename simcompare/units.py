@@ -80,6 +80,17 @@ _ANGLE = re.compile(
     r"(rad|deg|degree|degrees|radian|radians|turn|turns|revolution|rpm)\b"
 )
 
+#: units of which a multiple is read without pint, whose import takes longer than a scenario's
+_PLAIN = {"m": "m", "s": "s", "g": "kg", "N": "N", "V": "V", "A": "A", "Hz": "Hz", "W": "W",
+          "Pa": "Pa", "J": "J"}  # fmt: skip
+_PREFIXES = {"n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "c": 1e-2, "": 1.0, "k": 1e3}
+#: unit -> the SI unit, and what a value in it is multiplied by
+MULTIPLES = {
+    prefix + plain: (si, factor * (1e-3 if plain == "g" else 1.0))
+    for plain, si in _PLAIN.items()
+    for prefix, factor in _PREFIXES.items()
+} | {"deg": ("rad", math.pi / 180)}
+
 _SYMBOLS = {"**2": "²", "**3": "³", "*": "·", "ohm": "Ω"}
 _UNIT = re.compile(r"^[A-Za-zµμΩ°%][A-Za-zµμΩ°%\d_*/^·²³ -]*$")
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
@@ -209,6 +220,9 @@ def _meaning(text: str) -> tuple[float, float, str] | str:
     given = re.sub(r"Nm\b", "N*m", given.replace("·", "*").replace("^", "**").replace("°", "deg"))
     if given in ("1", ""):
         return 1.0, 0.0, "1"
+    if given in MULTIPLES:
+        si, factor = MULTIPLES[given]
+        return factor, 0.0, si
     if given in _NO_UNITS:
         return f"{text!r} has no place here; expected {_WANTED}"
     if len(given) > 40 or not (_UNIT.match(given) or re.fullmatch(r"1 ?/ ?[A-Za-z]+", given)):
@@ -285,6 +299,9 @@ def suffix_for(si_unit: str) -> str:
 
 
 def _converted(number: float, given: str, unit: str, where: str) -> float:
+    si, factor = MULTIPLES.get(given, ("", 1.0))
+    if si == unit:
+        return number * factor
     expected = "a plain number, no unit" if unit == "1" else f"{symbol(unit)} or a multiple of it"
     # as people write them: Nm, m/s2
     given = re.sub(r"Nm\b", "N*m", re.sub(r"(?<=[a-z])([23])\b", r"**\1", given))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 
 import pytest
 from hypothesis import given
@@ -175,3 +177,20 @@ def test_milligravities_of_an_acceleration_are_no_milligrams(name):
 
     assert unit_text(f"{name} {name}", "mg") == "millig_0"
     assert unit_text("mass mass", "mg") == "mg"
+
+
+@pytest.mark.parametrize("unit", sorted(units.MULTIPLES))
+def test_what_is_read_without_pint_is_what_pint_makes_of_it(unit):
+    si, factor = units.MULTIPLES[unit]
+    registry = units._registry()
+    for number in (1.0, 3.7, 0.05, 7e-5, 123456.789):
+        assert registry.Quantity(number, unit).to(si).magnitude == number * factor
+
+
+def test_scenarios_with_stated_widths_load_without_pint():
+    code = "import sys; from simcompare.scenarios import catalogue; catalogue.load('ball');"
+    run = subprocess.run(
+        [sys.executable, "-c", code + "print('pint' in sys.modules)"],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert run.stdout.strip() == "False"
