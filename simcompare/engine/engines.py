@@ -90,7 +90,8 @@ def get(name: str) -> Backend:
 
 
 def _backend(name: str) -> Backend:
-    known = targets()
+    # other packages cannot take a built-in name, so they are looked through for others alone
+    known = _built_in() if name in _built_in() else targets()
     if name not in known:
         raise _unknown(name, known)
     module, _, attribute = known[name].partition(":")
