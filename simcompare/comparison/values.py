@@ -73,10 +73,11 @@ def observing(scene: Scenario, probes: Sequence[str]) -> Scenario:
     return scene.model_copy(update={"probes": {**scene.probes, **changed}})
 
 
-def overlap(measured: Trajectory, simulated: Trajectory) -> Trajectory:
-    """The part of a measurement that was simulated too."""
+def overlap(measured: Trajectory, *simulated: Trajectory) -> Trajectory:
+    """The part of a measurement that every simulation has too."""
     times = measured.time_s
-    inside = (times >= simulated.time_s[0]) & (times <= simulated.time_s[-1])
+    first, last = max(one.time_s[0] for one in simulated), min(one.time_s[-1] for one in simulated)
+    inside = (times >= first) & (times <= last)
     signals = {name: values[inside] for name, values in measured.signals.items()}
     return Trajectory(measured.source, times[inside], signals)
 

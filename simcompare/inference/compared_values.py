@@ -55,13 +55,15 @@ def compared_values(engine: Engine, number: int, one: Evaluated) -> Iterator[Com
     """
     if not one.segment.observed:
         return
-    measured = overlap(as_trajectory(one.segment), engine.runs[number, BEST])
-    pairs = {
-        variant: _pairs(one, run, measured)
+    runs = {
+        variant: run
         for (i, variant), run in engine.runs.items()
         if i == number and variant in (BEST, DOUBLE, FOURFOLD, HALF)
     }
-    u_data = _u_data(one, resampled(engine.runs[number, BEST], measured), measured, pairs[BEST])
+    # clocks that were aligned may put a sample past the end of one of them
+    measured = overlap(as_trajectory(one.segment), *runs.values())
+    pairs = {variant: _pairs(one, run, measured) for variant, run in runs.items()}
+    u_data = _u_data(one, resampled(runs[BEST], measured), measured, pairs[BEST])
     truth = {} if one.truth is None else _pairs(one, one.truth, measured)
     shifted = {name: _pairs(one, run, measured) for name, run in one.shifted}
     for name, pair in pairs[BEST].items():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -37,13 +38,17 @@ class Model:
         values: Mapping[str, float] | None = None,
         step_s: float | None = None,
     ) -> Scenario:
-        """The scene of a segment, with some parameters changed."""
+        """The scene of a segment, with some parameters changed.
+
+        It ends with the first step that is not before the end of the segment, so that every sample
+        that was measured lies within it, however long the step is.
+        """
         settings = {**segment.values, **(values or {})}
         scene = self.file.resolve(settings, step_s=step_s, inputs=segment.inputs)
-        if DURATION in self.file.parameters:
-            return scene
-        world = scene.world.model_copy(update={"duration_s": segment.duration_s})
-        return scene.model_copy(update={"world": world})
+        own = DURATION in self.file.parameters
+        lasts_s = scene.world.duration_s if own else segment.duration_s
+        whole = {"duration_s": whole_steps_s(lasts_s, scene.world.step_s)}
+        return scene.model_copy(update={"world": scene.world.model_copy(update=whole)})
 
     def truth(self, scene: Scenario, time_s: Array | None = None) -> Trajectory:
         """The reference of a scene, at its own samples or at other times.
@@ -81,6 +86,13 @@ class Model:
         full = self.truth(scene)
         values_there = np.interp(time_s, full.time_s, measures.observe(full, observed))
         return np.asarray(values_there, dtype=float)
+
+
+def whole_steps_s(duration_s: float, step_s: float) -> float:
+    """The shortest whole number of steps that is not shorter than a duration [s]."""
+    steps = math.ceil(duration_s / step_s)
+    # the quotient is rounded, and so is the product: the last sample is what counts
+    return (steps if steps * step_s >= duration_s else steps + 1) * step_s
 
 
 def model_of(file: ScenarioFile) -> Model:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from simcompare import units
-from simcompare.comparison.values import ValuePair, value_pairs
+from simcompare.comparison.values import ValuePair, overlap, resampled, value_pairs
 from simcompare.engine.assist import ALL
 from simcompare.fitting.waveforms.engines import EngineWaves
 from simcompare.fitting.waveforms.holdout import rms_of
@@ -17,7 +17,6 @@ from simcompare.fitting.waveforms.setup import Setup
 from simcompare.inference.reference_model import Model
 from simcompare.inference.segments import DURATION, Segment, as_trajectory, noise
 from simcompare.inference.simulated import BEST, HALF
-from simcompare.model.resampling import interpolated
 from simcompare.model.settings import ASSISTED
 from simcompare.model.trajectory import Array, Trajectory
 from simcompare.results.records.fit_parts import Known
@@ -193,15 +192,10 @@ def _shown(model: Model, setup: Setup, one: EngineWaves) -> dict[str, EffectiveS
 
 
 def _values(model: Model, case: Segment, run: Trajectory) -> Mapping[str, ValuePair]:
-    whole = as_trajectory(case)
-    inside = (whole.time_s >= run.time_s[0]) & (whole.time_s <= run.time_s[-1])
-    times = whole.time_s[inside]
-    measured = Trajectory(
-        whole.source, times, {name: signal[inside] for name, signal in whole.signals.items()}
+    measured = overlap(as_trajectory(case), run)
+    return value_pairs(
+        model.scenario(case), resampled(run, measured), measured, tuple(measured.signals)
     )
-    ours = {n: interpolated(run.time_s, run.signals[n], times) for n in measured.signals}
-    simulated = Trajectory(run.source, times, ours, run.version, run.contact)
-    return value_pairs(model.scenario(case), simulated, measured, tuple(measured.signals))
 
 
 def _segment(case: Segment, start: Mapping[str, float]) -> FitSegment:
