@@ -11,7 +11,8 @@ from simcompare.fitting.bounces import other_estimates, profile, records
 from simcompare.fitting.bounces.fit import fit
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.ratios import ratios
-from simcompare.fitting.bounces.reading import from_rebounds, from_times
+from simcompare.fitting.bounces.reading import from_times
+from simcompare.fitting.bounces.tables import from_rebounds
 from simcompare.model.plain import plain
 from simcompare.reports.fit import answer
 from simcompare.results.records.fit_forms import Prior

@@ -4,13 +4,9 @@ import numpy as np
 import pytest
 
 from simcompare.errors import InputError
-from simcompare.fitting.bounces import arcs, records
-from simcompare.fitting.bounces.reading import (
-    from_rebounds,
-    from_recording,
-    from_table,
-    from_times,
-)
+from simcompare.fitting.bounces import arcs, records, tables
+from simcompare.fitting.bounces.reading import from_recording, from_times
+from simcompare.fitting.bounces.tables import from_rebounds, from_table
 from simcompare.hardware.recordings import bounce_table
 from simcompare.model.plain import plain
 from simcompare.results.records.fit_parts import finite
@@ -243,15 +239,46 @@ def test_height_is_found_by_its_name():
     assert drop.u_known
 
 
-def test_a_tracker_export_becomes_flights(tmp_path):
-    time, height = filmed_samples(seed=5)
-    rows = "\n".join(f"{t:.6f},0.0,{h:.6f}" for t, h in zip(time, height, strict=True))
-    (tmp_path / "ball.txt").write_text(f",ball,\nt,x,y\n{rows}\n")
-    (tmp_path / "map.yaml").write_text("channels:\n  height: {column: y, unit: m}\n"
-                                       "  side: {column: x, unit: m}\n")  # fmt: skip
-    (drop,) = from_recording(import_log(tmp_path / "ball.txt", mapping=tmp_path / "map.yaml"))
+@pytest.fixture
+def tracked(tmp_path):
+    """An export of Tracker in a unit of length, and when its clock began."""
+
+    def make(per_metre):
+        time, height = filmed_samples(seed=5)
+        pairs = zip(time, per_metre * height, strict=True)
+        rows = "\n".join(f"{t:.6f}\t0.0\t{y:.6f}" for t, y in pairs)
+        (tmp_path / "ball.txt").write_text(f"ball\nt\tx\ty\n{rows}\n")
+        return tmp_path / "ball.txt", time[0]
+
+    return make
+
+
+def test_a_tracker_export_becomes_flights_in_metres(tracked):
+    path, begin = tracked(1.0)
+    (drop,) = from_recording(import_log(path))
     # the recording's clock begins with its first sample
-    assert drop.times_s[:3] + time[0] == pytest.approx(times_of(count=3), abs=2e-3)
+    assert drop.times_s[:3] + begin == pytest.approx(times_of(count=3), abs=2e-3)
+    assert drop_words(drop)[-1] == (
+        "Tracker writes no units: lengths were taken as metres, and times as seconds"
+    )
+
+
+@pytest.mark.parametrize("per_metre", [100.0, 39.37, 0.001])
+def test_tracker_lengths_that_do_not_fall_as_metres_are_refused_with_the_cure(tracked, per_metre):
+    path, _ = tracked(per_metre)
+    with pytest.raises(InputError, match="y as metres falls with") as error:
+        from_recording(import_log(path))
+    line = error.value.faults[0].split('"')[1]
+    assert line == "channels: {height: {column: y, unit: cm}}"
+
+
+def test_a_unit_in_a_mapping_is_no_assumption(tracked):
+    path, begin = tracked(100.0)
+    mapping = path.parent / "map.yaml"
+    mapping.write_text("channels: {height: {column: y, unit: cm}}")
+    (drop,) = from_recording(import_log(path, mapping=mapping))
+    assert drop.times_s[:3] + begin == pytest.approx(times_of(count=3), abs=2e-3)
+    assert not any("Tracker" in note for note in drop.notes)
 
 
 @pytest.mark.parametrize(
@@ -302,8 +329,8 @@ def test_a_bounce_table_gives_rebounds_and_the_drop(tmp_path):
 def test_a_table_without_heights_says_what_it_holds(tmp_path):
     path = tmp_path / "ball.csv"
     path.write_text("bounce,restitution\n1,0.88\n")
-    with pytest.raises(InputError, match="holds restitution, but no rebound_height"):
-        from_table(bounce_table.read(path, {"restitution": "1"}))
+    with pytest.raises(InputError, match="holds restitution, but none of impact_time, interval"):
+        tables.read(path)
 
 
 @pytest.mark.parametrize(

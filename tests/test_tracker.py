@@ -79,6 +79,25 @@ def test_a_mapping_gives_the_units_that_tracker_does_not_write(write_log, tmp_pa
     assert found.streams["log"].channels["height_m"].values == pytest.approx([0.02, 0.021, 0.022])
 
 
+def test_lengths_are_metres_where_nobody_says_otherwise_and_this_is_told(write_log, tmp_path):
+    path = write_log("ball\nt\tx\ty\tv_{y}\ta\n0\t1\t2\t3\t4\n0.1\t1\t2\t3\t4\n")
+    found = import_log(path)
+    units = {one.raw: one.unit for one in found.streams["log"].channels.values()}
+    assert units == {"x": "m", "y": "m", "v_{y}": "m/s", "a": "m/s**2"}
+    assumed = [one.channel for one in found.provenance.repairs if one.rule == "no_units"]
+    assert assumed == ["x", "y", "v_{y}", "a"]
+    (tmp_path / "map.yaml").write_text("channels: {height: {column: y, unit: m}}")
+    found = import_log(path, mapping=tmp_path / "map.yaml")
+    assumed = [one.channel for one in found.provenance.repairs if one.rule == "no_units"]
+    assert assumed == ["x", "v_{y}", "a"]
+
+
+def test_angles_have_no_usual_unit(write_log):
+    path = write_log("ball\nt\tx\tθ\n0\t1\t2\n0.1\t1\t2\n")
+    with pytest.raises(InputError, match=r"1 column has no unit.*'θ'"):
+        import_log(path)
+
+
 def test_a_comma_that_separates_and_decides_is_refused(write_log):
     path = write_log(",mass A,,\nt,x,y,\n0,00E0,1,24E1,2,0E0,\n4,0E-2,1,3E1,2,1E0,\n")
     with pytest.raises(InputError) as error:

@@ -4,7 +4,8 @@
     t,x,y,
     0.000000000E0,1.245986911E1,-3.1E-2,
 
-Tracker writes numbers without units: times are seconds, lengths are in the unit of its calibration.
+Tracker writes numbers without units: times are in seconds, and lengths in the unit of its
+calibration, a metre unless somebody chose another one.
 """
 
 from __future__ import annotations
@@ -27,12 +28,22 @@ from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream
 from simcompare.model.recording import INFO, Clock, Repair
 
 TITLE = "a text export of Tracker"
+#: rule of the repair that says that units were assumed
+NO_UNITS = "no_units"
 
 #: variables that Tracker exports, as it spells them
 _VARIABLES = re.compile(
     r"t|x|y|r|v|a|L|K|p|dx|dy|m|mass|theta|θ|θ_?\{?[rvapω]\}?|omega|ω|alpha|α|step|frame|n"
     r"|[rvapθ]_?\{?(?:x|y|mag|ang|θ)\}?|pixel_?\{?[xy]\}?|path ?length|rotations"
 )
+#: units of lengths and what follows from them, as Tracker has them by default; it gives angles in
+#: degrees or radians
+_UNITS = (
+    (re.compile(r"x|y|r|dx|dy|r_\{?(?:x|y|mag)\}?|path ?length"), "m"),
+    (re.compile(r"v|v_\{?(?:x|y|mag)\}?"), "m/s"),
+    (re.compile(r"a|a_\{?(?:x|y|mag)\}?"), "m/s^2"),
+)
+_ASSUMED = [unit for _, unit in _UNITS]
 #: those that count, so that they have no unit
 _COUNTS = ("step", "frame", "n", "pixelx", "pixely", "pixel_x", "pixel_y", "rotations")
 
@@ -69,8 +80,11 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     layout, tracks = _layout(str(path), lines, at, separator)
     table = _table.read(source, layout)
     repairs = [*source.repairs, *table.repairs]
-    text = "Tracker writes no units; times were taken as seconds, other units are not known"
-    repairs.append(Repair("no_units", INFO, text))
+    assumed = [
+        c for c in table.columns if c.unit in _ASSUMED and not mapping.of_column("log", c.name)
+    ]
+    text = "Tracker writes no units; times were taken as seconds, lengths as metres"
+    repairs += [Repair(NO_UNITS, INFO, text, "log", column.name) for column in assumed]
     stream = RawStream(
         "log", table.columns, "t", clock=Clock("video frames"), first_row=table.first_row,
         rows=table.rows, truncated=table.truncated, counter=_counter(table.columns),
@@ -141,9 +155,14 @@ def _named(above: Sequence[str], cells: Sequence[str], *, several: bool) -> list
         elif k == 1 and above[0]:  # without a leading separator the name stands above t
             track = above[0]
         name, unit = _cell.heading(cell)
-        unit = unit or ("1" if name in _COUNTS else "")
+        unit = unit or ("1" if name in _COUNTS else _usual_unit(name))
         columns.append((f"{track} {name}" if several else name or f"column_{k + 1}", unit))
     return columns
+
+
+def _usual_unit(name: str) -> str:
+    """The unit of a variable where nobody chose another one, empty for angles and the like."""
+    return next((unit for pattern, unit in _UNITS if pattern.fullmatch(name)), "")
 
 
 def _counter(columns: Sequence[RawColumn]) -> str | None:

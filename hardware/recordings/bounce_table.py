@@ -8,9 +8,10 @@
     1,24.4,0.2
 
 A column is a measured quantity of the scenario with its unit in its name or in brackets
-(``rebound height [cm]``). Beside it stands its standard uncertainty ``u_…``, or the two limits
-``…_low`` and ``…_high`` within which the value is certain; limits mean a rectangular distribution,
-u = half-width/√3 (JCGM 100:2008, 4.3.7).
+(``rebound height [cm]``). Telephones call it otherwise (``"Time interval (s)"``), or number the
+columns (``Interval 1 (s),Interval 2 (s)``) and give one row. Beside it stands its standard
+uncertainty ``u_…``, or the two limits ``…_low`` and ``…_high`` within which the value is certain;
+limits mean a rectangular distribution, u = half-width/√3 (JCGM 100:2008, 4.3.7).
 """
 
 from __future__ import annotations
@@ -22,12 +23,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from simcompare import units
-from simcompare.errors import InputError, UnknownName, unknown_or_missing
+from simcompare.errors import InputError, unknown_or_missing
 from simcompare.hardware.logs.text.sniff import split
-from simcompare.hardware.recordings import published
-
-_MAX_HEADING = 100
+from simcompare.hardware.recordings import bounce_headings, published
+from simcompare.hardware.recordings.bounce_headings import HEIGHT, Column
 
 #: head lines that describe the table rather than set a parameter
 HEAD_KEYS = ("title", "citation", "url", "note", "preset", "scenario", "seen")
@@ -39,7 +38,7 @@ class Quantity:
 
     Attributes:
         name: quantity as the scenario's measures name it ("rebound_height").
-        bounce: number of the bounce, first is 1.
+        bounce: number of the bounce, first is 1; a height of number 0 is that of the drop.
         value: measured value, SI.
         u: its standard uncertainty, ``None`` where none is stated.
         low: smallest value that is certain, where limits are given.
@@ -145,13 +144,6 @@ def _split(text: str) -> tuple[dict[str, str], dict[str, str], list[tuple[int, s
     return head, parameters, body
 
 
-@dataclass(frozen=True)
-class _Column:
-    name: str
-    role: str  # "value", "u", "low", "high" or "bounce"
-    factor: float
-
-
 def _quantities(
     body: list[tuple[int, str]], known: Mapping[str, str], faults: list[str]
 ) -> list[Quantity]:
@@ -159,15 +151,21 @@ def _quantities(
         return []
     number, header = body[0]
     separator = max(",;\t", key=header.count)
-    columns = _columns(number, split(header, separator), known, faults)
+    columns = bounce_headings.columns(number, split(header, separator), known, faults)
     if faults:
         return []
     quantities: list[Quantity] = []
+    before = 0
     for counted, (row_number, line) in enumerate(body[1:], start=1):
         cells = split(line, separator)
         if len(cells) == len(columns):
             comma = separator != ","  # then a comma within a number can only be the decimal one
-            quantities += _row(row_number, cells, columns, faults, counted, decimal_comma=comma)
+            row = _row(row_number, cells, columns, faults, counted, decimal_comma=comma)
+            quantities += row
+            if row and row[0].bounce < before:
+                faults.append(f"line {row_number}: bounce {row[0].bounce} stands after bounce"
+                              f" {before}; number the rows upwards")  # fmt: skip
+            before = row[0].bounce if row else before
         else:
             faults.append(
                 f"line {row_number}: {len(cells)} cells but the header has {len(columns)} columns"
@@ -175,70 +173,16 @@ def _quantities(
     return quantities
 
 
-def _columns(
-    number: int, headings: list[str], known: Mapping[str, str], faults: list[str]
-) -> list[_Column]:
-    """What every heading says; adds a fault for what does not belong together."""
-    columns = []
-    for text in headings:
-        try:
-            columns.append(_column(text.strip()[:_MAX_HEADING], known))
-        except InputError as error:
-            faults.extend(f"line {number}, {error.where}: {fault}" for fault in error.faults)
-    if faults:
-        return columns
-    roles = [(column.name, column.role) for column in columns]
-    # limits alone are a measurement too
-    measured = [name for name, role in roles if role in ("value", "low", "high")]
-    if not measured:
-        faults.append(f"line {number}: no measured quantity; known: {', '.join(known)}")
-    for name, role in dict.fromkeys(roles):
-        if roles.count((name, role)) > 1:
-            faults.append(f"line {number}: {name} ({role}) stands twice")
-        if role in ("u", "low", "high") and measured and name not in measured:
-            faults.append(f"line {number}: {role} of {name} is given, but {name} itself is not")
-        if (name, {"low": "high", "high": "low"}.get(role, role)) not in roles:
-            faults.append(f"line {number}: only one limit of {name} is given; give both")
-    return columns
-
-
-def _column(text: str, known: Mapping[str, str]) -> _Column:
-    """What a column's heading says: quantity, role and factor to SI."""
-    match = re.fullmatch(r"(.*?)\s*[\[(](.*)[\])]", text)
-    name, unit = (match[1], match[2]) if match else (text, "")
-    name = re.sub(r"[\s-]+", "_", name.strip())
-    if name == "bounce":
-        return _Column("bounce", "bounce", 1.0)
-    role = "value"
-    if name.startswith("u_"):
-        name, role = name[2:], "u"
-    for ending in ("low", "high"):
-        if name.endswith(f"_{ending}"):
-            name, role = name.removesuffix(f"_{ending}"), ending
-    for quantity, si_unit in known.items():
-        if name == quantity or name.startswith(f"{quantity}_"):
-            stated = unit or name.removeprefix(quantity).removeprefix("_")
-            stated = units.UNITS_BY_SUFFIX.get(f"_{stated}", stated)  # "m_s" as in our own names
-            for ending in ("low", "high"):  # "rebound_height_low_cm"
-                if stated.startswith(f"{ending}_"):
-                    stated, role = stated.removeprefix(f"{ending}_"), ending
-            if not stated and si_unit != "1":
-                raise InputError(f"column {text!r}", [f"has no unit; write {quantity} [{si_unit}]"])
-            factor = units.conversion_factor(stated, si_unit, f"column {text!r}") if stated else 1.0
-            return _Column(quantity, role, factor)
-    raise InputError(f"column {text!r}", [str(UnknownName("measured quantity", name, known))])
-
-
 def _row(
     number: int,
     cells: list[str],
-    columns: list[_Column],
+    columns: list[Column],
     faults: list[str],
     next_bounce: int,
     *,
     decimal_comma: bool,
 ) -> list[Quantity]:
-    values: dict[tuple[str, str], float] = {}
+    values: dict[tuple[str, int | None, str], float] = {}
     for cell, column in zip(cells, columns, strict=True):
         if not cell.strip():
             continue
@@ -253,17 +197,22 @@ def _row(
         elif column.role == "u" and value <= 0:
             faults.append(f"line {number}: an uncertainty must be above 0, found {cell}")
         else:
-            values[column.name, column.role] = value
-    bounce = values.get(("bounce", "bounce"), float(next_bounce))
-    if bounce < 1 or bounce != int(bounce):
-        faults.append(f"line {number}: a bounce is numbered 1, 2, 3, …, found {bounce:g}")
+            values[column.name, column.bounce, column.role] = value
+    named = values.get(("bounce", None, "bounce"), float(next_bounce))
     quantities = []
-    for name in dict.fromkeys(column.name for column in columns if column.role != "bounce"):
-        stated = {role: values.get((name, role)) for role in ("value", "u", "low", "high")}
+    places = [(column.name, column.bounce) for column in columns if column.role != "bounce"]
+    for name, own in dict.fromkeys(places):
+        stated = {role: values.get((name, own, role)) for role in ("value", "u", "low", "high")}
         low, high = stated["low"], stated["high"]
         if stated["value"] is None and low is not None and high is not None:
             stated["value"] = (low + high) / 2  # limits alone: the centre stands for them
-        if stated["value"] is not None:
+        bounce = named if own is None else float(own)
+        if stated["value"] is None:
+            continue
+        if bounce != int(bounce) or bounce < (0 if name == HEIGHT else 1):
+            faults.append(f"line {number}: a bounce is numbered 1, 2, 3, … (0 is the drop, of which"
+                          f" there is a rebound_height alone), found {bounce:g}")  # fmt: skip
+        else:
             quantities.append(_quantity(number, name, int(bounce), list(stated.values()), faults))
     return quantities
 

@@ -22,6 +22,7 @@ from simcompare.results.run import Run
 #: what is drawn of residuals: kind, name of the figure, quantity, unit, axis
 _KINDS = (
     ("times", "Impact times", "s", "number of the impact"),
+    ("intervals", "Time intervals", "s", "number of the impact before"),
     ("heights", "Rebound heights", "m", "number of the bounce, 0 is the drop"),
     ("track", "Heights in the video", "m", "time (s)"),
 )

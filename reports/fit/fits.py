@@ -23,6 +23,8 @@ Estimate = Value | Unknown | EngineParameter | EffectiveValue
 Ranged = Unknown | EngineParameter | Repeats
 CLOSED = "closed form"
 RESTITUTION = "restitution"
+#: kinds of measured numbers that are in seconds
+_TIMES = ("times", "intervals")
 #: drops that are drawn beside each other; the tables have all
 MAX_DROPS = 3
 #: an interval whose ends are this much of its half-width further on one side is written out
@@ -225,5 +227,5 @@ def rms_words(rms: Mapping[str, float]) -> str:
     """Root mean squares of residuals, each in a unit of its size."""
     parts = []
     for kind, value in rms.items():
-        parts.append(f"{kind} {phrases.human(value, 's' if kind == 'times' else 'm')}")
+        parts.append(f"{kind} {phrases.human(value, 's' if kind in _TIMES else 'm')}")
     return ", ".join(parts)

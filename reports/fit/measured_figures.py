@@ -44,6 +44,8 @@ def _measured(run: Run, number: int) -> Figure:
     heard = _signal(run, number, SOUND)
     if heard is not None:
         panel, caption = _sound_panel(run, number, *heard), "The sound, and the impacts in it."
+    elif drop.intervals_s:
+        panel, caption = _intervals_panel(run, number), "The measured intervals."
     elif not drop.times_s:
         panel, caption = _heights_panel(run, number), "The measured heights."
     else:
@@ -163,6 +165,20 @@ def _heights_panel(run: Run, number: int) -> Panel:
         tops = [arcs[1][0], *here[(here >= before) & (here > after)], arcs[1][-1]]
         series.insert(0, Series(CLOSED, np.arange(len(tops), dtype=float), np.array(tops), _ARC))
     return Panel("", "number of the bounce, 0 is the drop", "height (m)", tuple(series),
+                 integer_x=True)  # fmt: skip
+
+
+def _intervals_panel(run: Run, number: int) -> Panel:
+    """Measured times between impacts beside those of the closed form."""
+    drop = fits.bounces(run).measured[number - 1]
+    at = np.array(drop.interval_numbers, dtype=float)
+    measured = np.array(drop.intervals_s)
+    u = np.array([np.nan if one is None else 2 * one for one in drop.u_intervals_s])
+    series = [Series("measured ± 2u", at, measured, _SAMPLE, u, points=True, line=False)]
+    for row in fits.bounces(run).residuals:
+        if (row.drop, row.kind) == (number, "intervals"):
+            series.insert(0, Series(CLOSED, at, measured - np.array(row.residuals), _ARC))
+    return Panel("", "number of the impact before", "time interval (s)", tuple(series),
                  integer_x=True)  # fmt: skip
 
 

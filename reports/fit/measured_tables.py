@@ -28,13 +28,14 @@ def measured(run: Run) -> Table:
             heights = " + ".join(
                 f"{n} {word}" for n, word in zip(counts, ("heights", "samples"), strict=True) if n
             )
-            source, count = printable(str(drop.source)), str(len(drop.times_s))
+            source = printable(str(drop.source))
+            count = str(len(drop.times_s) or len(drop.intervals_s))
             rows.append((source, drop.kind, use, count,
-                         _u(drop.u_s, "s"), heights or "none",
+                         _u(drop.u_s or drop.u_intervals_s, "s"), heights or "none",
                          _u(drop.u_heights_m, "m")))  # fmt: skip
     columns = (
         Column("Recording", text=True), Column("Kind", text=True), Column("Use", text=True),
-        Column("Impacts"), Column("u of a time", text=True), Column("Heights", text=True),
+        Column("Times"), Column("u of a time", text=True), Column("Heights", text=True),
         Column("u of a height", text=True),
     )  # fmt: skip
     return Table("Drops", columns, (Group("", tuple(rows)),))

@@ -111,10 +111,13 @@ def _numbers_of_bounces(found: BouncesFit) -> tuple[KeyNumber, ...]:
 def _used(found: BouncesFit) -> KeyNumber:
     """How much was measured, and how much of it was left out."""
     impacts = sum(len(drop.times_s) for drop in found.measured)
+    intervals = sum(len(drop.intervals_s) for drop in found.measured)
     dropped = sum(len(drop.dropped) for drop in found.measured)
     missed = sum(len(drop.missed) for drop in found.measured)
     notes = [f"{dropped} left out"] if dropped else []
     notes += [f"{missed} not recorded"] if missed else []
+    if intervals and not impacts:
+        return KeyNumber("intervals used", str(intervals), ", ".join(notes) or "none left out")
     if not impacts:
         heights = sum(len(drop.heights_m) for drop in found.measured)
         return KeyNumber("heights used", str(heights), ", ".join(notes) or "none left out")

@@ -164,7 +164,8 @@ def covariance_of(jacobian: Array, held: Array | None = None) -> Array:
     size = np.where(size > 0, size, 1e-150)
     _, s, v = np.linalg.svd(part / size, full_matrices=False)
     # a direction that nothing determines has an uncertainty without bound, not none
-    inverse = (v.T / np.maximum(s, 1e-10) ** 2) @ v / np.outer(size, size)
+    with np.errstate(over="ignore"):
+        inverse = (v.T / np.maximum(s, 1e-10) ** 2) @ v / np.outer(size, size)
     whole = np.zeros((jacobian.shape[1], jacobian.shape[1]))
     whole[np.ix_(free, free)] = inverse
     return whole

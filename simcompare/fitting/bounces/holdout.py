@@ -180,12 +180,14 @@ def _measured_heights(drop: Impacts, predicted: Fit) -> tuple[list[int], Array, 
         kept = [k for k, number in enumerate(drop.height_numbers) if number > 0]
         numbers = [drop.height_numbers[k] for k in kept]
         return numbers, drop.heights_m[kept], drop.u_heights_m[kept]
-    at = [k for k in range(len(drop.numbers) - 1) if drop.numbers[k + 1] == drop.numbers[k] + 1]
-    gravity = _gravity(predicted)
-    flight = drop.times_s[np.array(at, dtype=int) + 1] - drop.times_s[at]
-    variance = np.diag(drop.covariance(math.nan))
-    u_flight = np.sqrt(variance[np.array(at, dtype=int) + 1] + variance[at])
-    return [drop.numbers[k] for k in at], gravity * flight**2 / 8, gravity * flight / 4 * u_flight
+    gravity, flights = _gravity(predicted), drop.flights
+    lengths = flights.lengths_s
+    u = (
+        np.sqrt(np.diag(flights.covariance_s2))
+        if flights.u_known
+        else np.full(len(lengths), np.nan)
+    )
+    return flights.numbers.tolist(), gravity * lengths**2 / 8, gravity * lengths / 4 * u
 
 
 def _predicted_heights(drop: Impacts, predicted: Fit, numbers: Sequence[int]) -> Array:

@@ -11,6 +11,7 @@ from simcompare.model.trajectory import Array
 from simcompare.results.records.fit_bounces import Rejected
 
 SOUND, CLOCKED, TRACK, TABLE = "sound", "stopwatch", "video track", "rebound heights"
+INTERVALS = "time intervals"
 #: names of recorded signals
 LOUDNESS, HEIGHT = "sound", "height_m"
 _NOTHING = np.empty(0)
@@ -49,6 +50,23 @@ class Signal:
 
 
 @dataclass(frozen=True)
+class Flights:
+    """Whole flights that were measured, from one impact to the next.
+
+    Attributes:
+        numbers: the impact at which each begins, first is 1 (n,).
+        lengths_s: how long they lasted (n,) [s].
+        covariance_s2: of the lengths; as if every u were 1 s where they are unknown (n, n) [s²].
+        u_known: whether the uncertainties are stated.
+    """
+
+    numbers: NDArray[np.int64]
+    lengths_s: Array
+    covariance_s2: Array
+    u_known: bool
+
+
+@dataclass(frozen=True)
 class Impacts:
     """What one drop of a ball left behind.
 
@@ -58,6 +76,9 @@ class Impacts:
         numbers: which impact each is, first is 1; a number that is left out was missed.
         kind: where they come from.
         source: name of the file.
+        intervals_s: times between neighbouring impacts, each with an error of its own (k,) [s].
+        u_intervals_s: their standard uncertainties, NaN where unknown (k,) [s].
+        interval_numbers: the impact at which each interval begins, first is 1.
         heights_m: apex heights above the floor between impacts (m,) [m].
         u_heights_m: their standard uncertainties, NaN where unknown (m,) [m].
         height_numbers: after which impact each apex comes; 0 is the drop itself.
@@ -74,6 +95,9 @@ class Impacts:
     numbers: tuple[int, ...] = ()
     kind: str = SOUND
     source: str = ""
+    intervals_s: Array = field(default_factory=_NOTHING.copy)
+    u_intervals_s: Array = field(default_factory=_NOTHING.copy)
+    interval_numbers: tuple[int, ...] = ()
     heights_m: Array = field(default_factory=_NOTHING.copy)
     u_heights_m: Array = field(default_factory=_NOTHING.copy)
     height_numbers: tuple[int, ...] = ()
@@ -88,14 +112,32 @@ class Impacts:
     def count(self) -> int:
         """Number of impacts that a model must give to be held against this."""
         flights = [] if self.track is None else self.track.flight.tolist()
-        return int(max((*self.numbers, *self.height_numbers, *flights, 1)))
+        ends = [number + 1 for number in self.interval_numbers]
+        return int(max((*self.numbers, *ends, *self.height_numbers, *flights, 1)))
 
     @property
     def u_known(self) -> bool:
         """Whether every measured number has a stated uncertainty."""
         if self.track is not None:
             return bool(np.all(np.isfinite(self.track.u_m)))
-        return bool(np.all(np.isfinite(self.u_s)) and np.all(np.isfinite(self.u_heights_m)))
+        every = np.concatenate((self.u_s, self.u_intervals_s, self.u_heights_m))
+        return bool(np.all(np.isfinite(every)))
+
+    @property
+    def flights(self) -> Flights:
+        """Flights both of whose ends were recorded, or the measured intervals."""
+        if len(self.intervals_s):
+            u = np.where(np.isfinite(self.u_intervals_s), self.u_intervals_s, 1.0)
+            numbers = np.array(self.interval_numbers, dtype=np.int64)
+            known = bool(np.all(np.isfinite(self.u_intervals_s)))
+            return Flights(numbers, self.intervals_s, np.diag(u**2), known)
+        numbers = np.array(self.numbers, dtype=np.int64)
+        at = np.flatnonzero(np.diff(numbers) == 1)
+        change = np.zeros((len(at), len(numbers)))
+        change[np.arange(len(at)), at], change[np.arange(len(at)), at + 1] = -1.0, 1.0
+        covariance = change @ self.covariance(1.0) @ change.T
+        known = bool(np.all(np.isfinite(self.u_s)))
+        return Flights(numbers[at], change @ self.times_s, covariance, known)
 
     def covariance(self, where_unknown_s: float = np.nan) -> Array:
         """Covariance of the times [s²], with the uncertainty to assume where none is known."""

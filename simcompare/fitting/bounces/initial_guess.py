@@ -44,6 +44,9 @@ def _drop(drop: Impacts, gravity: float) -> dict[str, float]:
         first = float(drop.times_s[0])
         before = sum(2 * speed * e**n / gravity for n in range(1, drop.numbers[0]))
         guess["release_time_s"] = first - before - speed / gravity
+    elif len(drop.intervals_s):
+        speed = gravity * float(drop.intervals_s[0]) / 2 / e ** drop.interval_numbers[0]
+        guess["drop_height_m"] = max(speed**2 / (2 * gravity), 1e-3)
     elif len(drop.heights_m):
         guess["drop_height_m"] = float(drop.heights_m[0] / e ** (2 * drop.height_numbers[0]))
     if drop.track is not None:
@@ -72,6 +75,10 @@ def _restitution(drop: Impacts) -> float:
         middles = (numbers[1:] + numbers[:-1]) / 2
         rate = np.polyfit(middles, np.log(steps / gaps), 1)[0]
         return float(np.clip(np.exp(rate), 0.05, 0.99))
+    if len(drop.intervals_s) > 1:
+        gaps = np.diff(np.array(drop.interval_numbers))
+        ratios = (drop.intervals_s[1:] / drop.intervals_s[:-1]) ** (1 / gaps)
+        return float(np.clip(np.median(ratios), 0.05, 0.99))
     if len(drop.heights_m) > 1:
         gaps = np.diff(np.array(drop.height_numbers))
         ratios = (drop.heights_m[1:] / drop.heights_m[:-1]) ** (0.5 / gaps)

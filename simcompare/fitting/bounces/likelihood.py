@@ -73,7 +73,7 @@ class Fit:
         s2: max(1, χ²/ν), or χ²/ν where no uncertainty is stated.
         count: number of measured numbers.
         effective: how many unknowns the data, not the priors, determine.
-        rms: of the residuals, by kind: "times" [s], "heights" and "track" [m].
+        rms: of the residuals, by kind: "times" and "intervals" [s], "heights" and "track" [m].
         speeds_m_s: slowest and fastest impact in the data [m/s].
         pulls: how far each prior is from what the data say, in standard uncertainties.
         at_bound: unknowns that ended at a bound.
@@ -180,7 +180,9 @@ def summary(
     residual = whole.residuals(x)
     strain = float(np.sum(residual[rows:] ** 2))
     residual = residual[:rows]
-    effective = float(np.clip(np.trace(own @ covariance @ own.T), 0.0, len(values)))
+    told = np.any(own, axis=0)  # what nothing depends on has a covariance without bound
+    own, spread = own[:, told], covariance[np.ix_(told, told)]
+    effective = float(np.clip(np.trace(own @ spread @ own.T), 0.0, len(values)))
     return Fit(
         model=whole.model.name, names=whole.names, values=values,
         covariance=covariance * np.outer(scale, scale), intervals=intervals,

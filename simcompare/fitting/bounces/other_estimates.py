@@ -49,11 +49,9 @@ def _of_times(number: int, drop: Impacts) -> list[OtherEstimate]:
             **about, rule="first ratio", value=float(best.values[0]), u=float(best.u[0])
         ),
     ]  # fmt: skip
-    numbers = np.array(drop.numbers)
-    steps = np.diff(drop.times_s)[np.diff(numbers) == 1]
-    at = numbers[:-1][np.diff(numbers) == 1]
-    if len(steps) > 2:
-        slope = float(np.polyfit(at, np.log(steps), 1)[0])
+    flights = drop.flights
+    if len(flights.numbers) > 2:
+        slope = float(np.polyfit(flights.numbers, np.log(flights.lengths_s), 1)[0])
         rows.append(OtherEstimate(**about, rule="line", value=float(np.exp(slope)), u=None))
     return rows
 

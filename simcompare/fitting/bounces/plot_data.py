@@ -39,6 +39,11 @@ def residuals(fit: Fit, shown: Sequence[Deviation] | None = None) -> tuple[Resid
         if len(drop.times_s):
             residual = drop.times_s - ours.impact_s[np.array(drop.numbers) - 1]
             found.append(_row(fit, number, "times", drop.numbers, residual, drop.u_s))
+        if len(drop.intervals_s):
+            after = np.array(drop.interval_numbers)
+            residual = drop.intervals_s - (ours.impact_s[after] - ours.impact_s[after - 1])
+            begin = drop.interval_numbers
+            found.append(_row(fit, number, "intervals", begin, residual, drop.u_intervals_s))
         if len(drop.heights_m):
             residual = drop.heights_m - ours.apex_m[np.array(drop.height_numbers)]
             at = drop.height_numbers

@@ -36,7 +36,7 @@ class Block:
     """Measured numbers of one kind of one drop.
 
     Attributes:
-        kind: "times", "heights" or "track".
+        kind: "times", "intervals", "heights" or "track".
         drop: number of the drop.
         data: (n,).
         whiten: multiplies residuals to unit variance: one number each (n,), or a matrix (n, n).
@@ -197,12 +197,12 @@ def build(
     if unknowns is None:
         chosen = [name for name in chosen if name not in fixed]
     found = faults(chosen, fixed, priors)
-    sought = [n for name in chosen for n in _numbered(name, len(drops))]
+    sought = [n for name in chosen for n in _numbered(name, drops)]
     names = [*sought, *_of_the_recording(drops, priors, {*fixed, *sought})]
     blocks = [b for k, drop in enumerate(drops) for b in _blocks(drop, k)]
     known = all(drop.u_known for drop in drops)
     rows = sum(len(block.data) for block in blocks)
-    spread_priors = {n: p for name, p in priors.items() for n in _numbered(name, len(drops))}
+    spread_priors = {n: p for name, p in priors.items() for n in _numbered(name, drops)}
     spread_priors = {n: p for n, p in spread_priors.items() if n in names}
     stated = sum(name in sought for name in spread_priors)
     if not found and rows + stated < len(sought):
@@ -226,14 +226,7 @@ def _both(name: str, bounds: tuple[float, float]) -> tuple[float, float]:
 
 def usual(drops: Sequence[Impacts], model: Model) -> list[str]:
     """What a fit seeks where nothing is said: the model, and where and when each drop began."""
-    names = list(model.own)
-    if all(len(drop.times_s) or drop.track for drop in drops):
-        names += ["drop_height_m", "release_time_s"]
-    elif any(len(drop.heights_m) for drop in drops):
-        names.append("drop_height_m")
-    if any(drop.track for drop in drops):
-        names.append("floor_m")
-    return names
+    return [*model.own, *(n for n in OF_A_DROP if any(_is_told(n, drop) for drop in drops))]
 
 
 def _of_the_recording(
@@ -247,10 +240,17 @@ def _of_the_recording(
     ]  # fmt: skip
 
 
-def _numbered(name: str, drops: int) -> list[str]:
-    if drops == 1 or name not in OF_A_DROP:
+def _is_told(name: str, drop: Impacts) -> bool:
+    """Whether a drop tells an unknown of its own: intervals and heights know no clock."""
+    if name == "floor_m":
+        return drop.track is not None
+    return name != "release_time_s" or bool(len(drop.times_s)) or drop.track is not None
+
+
+def _numbered(name: str, drops: Sequence[Impacts]) -> list[str]:
+    if len(drops) == 1 or name not in OF_A_DROP:
         return [name]
-    return [f"{name}[{k + 1}]" for k in range(drops)]
+    return [f"{name}[{k + 1}]" for k, drop in enumerate(drops) if _is_told(name, drop)]
 
 
 def _blocks(drop: Impacts, number: int) -> list[Block]:
@@ -265,6 +265,9 @@ def _blocks(drop: Impacts, number: int) -> list[Block]:
             blocks.append(Block("times", number, drop.times_s, _whitening(covariance)))
         else:
             blocks.append(Block("times", number, drop.times_s, 1 / np.sqrt(np.diag(covariance))))
+    if len(drop.intervals_s):
+        u = np.where(np.isfinite(drop.u_intervals_s), drop.u_intervals_s, U_ASSUMED_S)
+        blocks.append(Block("intervals", number, drop.intervals_s, 1 / u))
     if len(drop.heights_m):
         u = np.where(np.isfinite(drop.u_heights_m), drop.u_heights_m, U_ASSUMED_M)
         blocks.append(Block("heights", number, drop.heights_m, 1 / u))
@@ -290,6 +293,9 @@ def observed_in(
         part = bounce_models.height_at(found, values, track.time_s, track.flight)
     elif block.kind == "heights":
         part = found.apex_m[..., np.array(impacts.height_numbers)]
+    elif block.kind == "intervals":
+        at = np.array(impacts.interval_numbers)
+        part = found.impact_s[..., at] - found.impact_s[..., at - 1]
     else:
         part = found.impact_s[..., np.array(impacts.numbers) - 1]
     return np.broadcast_to(part, (*shape, len(block.data)))

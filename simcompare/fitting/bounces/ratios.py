@@ -42,27 +42,24 @@ def ratios(impacts: Impacts) -> Ratios:
     Raises:
         InputError: no two flights follow each other.
     """
-    number = np.array(impacts.numbers)
-    inner = [k for k in range(1, len(number) - 1) if number[k + 1] - number[k - 1] == 2]
-    if not inner:
+    flights = impacts.flights
+    at = np.flatnonzero(np.diff(flights.numbers) == 1) + 1
+    if not len(at):
         raise InputError(
             impacts.source or "impacts",
             ["no two whole flights follow each other; a ratio needs three impacts in a row"],
         )
-    times = impacts.times_s
-    at = np.array(inner)
-    before, after = times[at] - times[at - 1], times[at + 1] - times[at]
-    values = after / before
-    change = np.zeros((len(at), len(times)))
+    numbers, known = flights.numbers[at], flights.u_known
+    before = flights.lengths_s[at - 1]
+    values = flights.lengths_s[at] / before
+    change = np.zeros((len(at), len(flights.numbers)))
     rows = np.arange(len(at))
-    change[rows, at - 1] = values / before
-    change[rows, at] = -(1 + values) / before
-    change[rows, at + 1] = 1 / before
-    known = bool(np.all(np.isfinite(impacts.u_s)))
-    covariance = change @ impacts.covariance(1.0) @ change.T
-    mean, u_mean, trend, u_trend = _line(number[at], values, covariance, known)
+    change[rows, at - 1] = -values / before
+    change[rows, at] = 1 / before
+    covariance = change @ flights.covariance_s2 @ change.T
+    mean, u_mean, trend, u_trend = _line(numbers.astype(float), values, covariance, known)
     u = np.sqrt(np.diag(covariance)) if known else np.full(len(values), np.nan)
-    return Ratios(tuple(number[at].tolist()), values, u, covariance, mean, u_mean, trend, u_trend)
+    return Ratios(tuple(numbers.tolist()), values, u, covariance, mean, u_mean, trend, u_trend)
 
 
 def _line(

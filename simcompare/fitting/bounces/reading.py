@@ -1,12 +1,11 @@
 """Drops of a ball from whatever was recorded.
 
 Sound gives impact times; a stopwatch or phyphox's collision experiment gives them too; a video
-gives height against time, whose arcs meet at the impacts; a table gives rebound heights.
+gives height against time, whose arcs meet at the impacts. Tables of bounces are read in ``tables``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,19 +14,22 @@ from numpy.typing import ArrayLike
 
 from simcompare import units
 from simcompare.errors import InputError
-from simcompare.fitting.bounces import arcs, ordering
+from simcompare.fitting.bounces import arcs, ordering, tables
 from simcompare.fitting.bounces.bounce_models import GRAVITY
 from simcompare.fitting.bounces.flights import MIN_SAMPLES
-from simcompare.fitting.bounces.impacts import CLOCKED, LOUDNESS, SOUND, TABLE, Impacts, Signal
-from simcompare.hardware.recordings import bounce_table, published
+from simcompare.fitting.bounces.impacts import CLOCKED, LOUDNESS, SOUND, Impacts, Signal
+from simcompare.hardware.logs import tracker_
+from simcompare.hardware.recordings import published
 from simcompare.inference import sources
 from simcompare.model.recording import Recording
 from simcompare.model.trajectory import Array
 
-#: quantities of a table, and their units
-_TABLE = {"restitution": "1", "rebound_height": "m", "impact_time": "s", "impact_speed": "m/s"}
 #: part of the time from first to last impact for which the sound before and after is kept
 _BESIDE = 0.12
+#: factor by which what falls in assumed metres may miss free fall
+_FALLS = 3.0
+#: what is said of a track whose units are assumed
+_METRES = "Tracker writes no units: lengths were taken as metres, and times as seconds"
 #: names that a height may have, best first
 _HEIGHT_NAMES = ("height", "y", "z", "position_y", "position_z")
 
@@ -41,31 +43,10 @@ def drops_of(
         InputError: nothing that bounces is in it.
     """
     path = published.tables().get(str(name), Path(name))
-    if _is_table(path):
-        return _of_table(bounce_table.read(path, _TABLE))
+    if tables.is_table(path):
+        return [tables.read(path, u_s)]
     source = sources.find(str(name), mapping=mapping)
     return list(from_recording(source.recording, u_s=u_s, gravity_m_s2=gravity_m_s2))
-
-
-def _is_table(path: Path) -> bool:
-    """Whether a file is a table of bounces: its first heading is "bounce"."""
-    try:
-        with path.open("rb") as file:
-            lines = file.read(4096).decode("utf-8-sig", errors="replace").splitlines()
-    except OSError:
-        return False
-    heads = [line for line in lines if line.strip() and not line.startswith("#")]
-    return bool(heads) and heads[0].replace(";", ",").replace("\t", ",").split(",")[0] == "bounce"
-
-
-def _of_table(table: bounce_table.BounceTable) -> list[Impacts]:
-    """Impact times where the table has them, else rebound heights."""
-    times = [quantity for quantity in table.quantities if quantity.name == "impact_time"]
-    if not times:
-        return [from_table(table)]
-    u = [float("nan") if quantity.u is None else quantity.u for quantity in times]
-    values = [quantity.value for quantity in times]
-    return list(from_times(values, u, kind=CLOCKED, source=table.path.name))
 
 
 def from_recording(
@@ -97,11 +78,28 @@ def from_recording(
         raise InputError(source, [_what_is_there(recording)])
     stream, full = recording.find(name)
     seen = recording.streams[stream].channels[full]
-    found = arcs.from_heights(
-        recording.streams[stream].time_s, seen.values, seen.u, gravity_m_s2=gravity_m_s2,
-        source=source,
-    )  # fmt: skip
-    return (found,)
+    time_s = recording.streams[stream].time_s
+    guessed = [r.channel for r in recording.provenance.repairs if r.rule == tracker_.NO_UNITS]
+    assumed = seen.raw in guessed
+    if assumed:
+        _check_unit(time_s, seen.values, gravity_m_s2, source)
+    found = arcs.from_heights(time_s, seen.values, seen.u, gravity_m_s2=gravity_m_s2, source=source)
+    return (replace(found, notes=(*found.notes, _METRES)) if assumed else found,)
+
+
+def _check_unit(time_s: Array, height: Array, gravity_m_s2: float, source: str) -> None:
+    """Raises ``InputError`` where heights without a stated unit do not fall as metres do."""
+    steps = np.diff(time_s)
+    fall = -float(np.nanmedian(np.diff(height, 2) / (steps[1:] * steps[:-1])))
+    if len(height) < MIN_SAMPLES or not fall > 0 or 1 / _FALLS < fall / gravity_m_s2 < _FALLS:
+        return
+    text = (
+        f"a ball falls with {gravity_m_s2:.3g} m/s², but y as metres falls with {fall:.3g} m/s²;"
+        " the lengths are in another unit, or the clip is in slow motion. Write the line"
+        ' "channels: {height: {column: y, unit: cm}}" with the right unit into map.yaml, and add'
+        " --map map.yaml"
+    )
+    raise InputError(source, [text])
 
 
 def _heard(recording: Recording, drops: tuple[Impacts, ...]) -> tuple[Impacts, ...]:
@@ -153,85 +151,6 @@ def from_times(
                     dropped=ordered.dropped, missed=ordered.missed)
         )  # fmt: skip
     return tuple(found)
-
-
-def from_rebounds(
-    heights_m: ArrayLike,
-    u_m: ArrayLike | None = None,
-    *,
-    numbers: Sequence[int] | None = None,
-    drop_height: tuple[float, float] | None = None,
-    source: str = "",
-) -> Impacts:
-    """One drop from rebound heights.
-
-    Args:
-        heights_m: of the apexes above the floor (n,) [m].
-        u_m: standard uncertainty, one or one each; ``None`` where unknown [m].
-        numbers: after which impact each comes; 1, 2, 3, … where not given.
-        drop_height: the drop's own height and its standard uncertainty, where it was measured [m].
-        source: name of the file.
-
-    Raises:
-        InputError: a height is not positive, or a rebound is higher than what came before.
-    """
-    heights = np.asarray(heights_m, dtype=float)
-    u = np.full(len(heights), np.nan)
-    if u_m is not None:
-        u[:] = u_m
-    which = list(range(1, len(heights) + 1)) if numbers is None else [int(n) for n in numbers]
-    if drop_height is not None:
-        heights = np.concatenate(([drop_height[0]], heights))
-        u, which = np.concatenate(([drop_height[1]], u)), [0, *which]
-    order = np.argsort(which, kind="stable")
-    heights, u, which = heights[order], u[order], [which[k] for k in order]
-    faults = [f"rebound {n}: {h:g} m is not a height above the floor"
-              for n, h in zip(which, heights, strict=True) if not h > 0]  # fmt: skip
-    spread = np.where(np.isfinite(u), u, 0.0)
-    for k in np.flatnonzero(np.diff(heights) > 4 * np.hypot(spread[1:], spread[:-1])).tolist():
-        faults.append(
-            f"rebound {which[k + 1]}: {heights[k + 1]:g} m is higher than the {heights[k]:g} m"
-            " before it; a ball that is not struck cannot rise so high"
-        )
-    if len(heights) < 2:
-        faults.append(f"{len(heights)} height; two at least tell a restitution: give the drop"
-                      " height with its uncertainty, or more rebounds")  # fmt: skip
-    if faults:
-        raise InputError(source or "rebound heights", faults)
-    missed = tuple(sorted(set(range(which[0], which[-1])) - set(which)))
-    return Impacts(kind=TABLE, source=source, heights_m=heights, u_heights_m=u,
-                   height_numbers=tuple(which), missed=missed)  # fmt: skip
-
-
-def from_table(
-    table: bounce_table.BounceTable, drop_height_m: float | None = None, u_m: float = 0.0
-) -> Impacts:
-    """One drop from a table of rebound heights.
-
-    Args:
-        table: as it was read.
-        drop_height_m: height of the drop, where the table's head does not give it [m].
-        u_m: its standard uncertainty; half a millimetre where it is 0 [m].
-
-    Raises:
-        InputError: the table holds no rebound heights, or they contradict each other.
-    """
-    rows = [q for q in table.quantities if q.name == "rebound_height"]
-    name = table.path.name
-    if not rows:
-        held = ", ".join(sorted({q.name for q in table.quantities}))
-        raise InputError(name, [f"holds {held}, but no rebound_height; a fit needs heights"])
-    if drop_height_m is None and "drop_height" in table.parameters:
-        drop_height_m = units.to_si(table.parameters["drop_height"], "m", f"{name}, drop_height")
-    drop = None if drop_height_m is None else (drop_height_m, u_m or 5e-4)
-    u = [np.nan if q.u is None else q.u for q in rows]
-    found = from_rebounds(
-        [q.value for q in rows], u, numbers=[q.bounce for q in rows], drop_height=drop, source=name
-    )
-    if drop is not None and not u_m:
-        note = "the drop height has no stated uncertainty; half a millimetre was taken"
-        found = replace(found, notes=(*found.notes, note))
-    return found
 
 
 def _instants(recording: Recording) -> tuple[Array, Array]:

@@ -113,7 +113,8 @@ def drop_of(impacts: Impacts) -> Drop:
         impacts.kind, impacts.source, impacts.numbers, _row(impacts.times_s), _row(impacts.u_s),
         impacts.height_numbers, _row(impacts.heights_m), _row(impacts.u_heights_m),
         0 if impacts.track is None else len(impacts.track.time_s),
-        impacts.dropped, impacts.missed, impacts.notes,
+        impacts.dropped, impacts.missed, impacts.notes, impacts.interval_numbers,
+        _row(impacts.intervals_s), _row(impacts.u_intervals_s),
     )  # fmt: skip
 
 

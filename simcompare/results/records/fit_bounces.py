@@ -65,6 +65,9 @@ class Drop:
         dropped: what was left out.
         missed: numbers of impacts that were not recorded.
         notes: what else must be known.
+        interval_numbers: at which impact each measured interval begins.
+        intervals_s: times between neighbouring impacts [s].
+        u_intervals_s: their standard uncertainties [s].
     """
 
     kind: str
@@ -79,6 +82,9 @@ class Drop:
     dropped: tuple[Rejected, ...]
     missed: tuple[int, ...]
     notes: tuple[str, ...]
+    interval_numbers: tuple[int, ...] = ()
+    intervals_s: Numbers = ()
+    u_intervals_s: Open = ()
 
 
 @dataclass(frozen=True)

@@ -93,7 +93,7 @@ class Form:
         s2: by how much the data scatter more than stated, squared.
         count: number of measured numbers.
         effective_unknowns: how many unknowns the data, not the priors, determine.
-        rms: of the residuals, by kind: "times" [s], "heights" and "track" [m].
+        rms: of the residuals, by kind: "times" and "intervals" [s], "heights" and "track" [m].
         restitution: at the slowest and the fastest impact.
         at_bound: unknowns that ended at a bound.
         warnings: what the reader must know, one sentence each.
@@ -226,7 +226,7 @@ class Residuals:
 
     Attributes:
         drop: number of the drop, first is 1.
-        kind: "times" [s], "heights" [m] or "track" [m].
+        kind: "times" or "intervals" [s], "heights" or "track" [m].
         at: numbers of the impacts or apexes, or times [s].
         residuals: measured less predicted.
         u: standard uncertainty, from the scatter where none is stated.
