@@ -69,11 +69,18 @@ def _scatter(problem: Problem, start: Array) -> tuple[float, int]:
 
 
 def _settled(problem: Problem, best: least_squares.Solution) -> least_squares.Solution:
-    """The same with unknowns that only rounding has moved away from their priors put back."""
+    """The same with unknowns that only rounding has moved away from their priors put back.
+
+    The others follow along the valley.
+    """
     index, mean, u = problem.prior_rows
-    x = best.x.copy()
-    here = x[0, index]
-    x[0, index] = np.where(np.abs(here - mean) < _ROUNDING * u, mean, here)
+    off = mean - best.x[0, index]
+    back = np.abs(off) < _ROUNDING * u
+    covariance = least_squares.covariance_of(best.jacobian[0], best.at_bound[0] != 0)
+    there, off = index[back], off[back]
+    moved = covariance[:, there] @ np.linalg.lstsq(covariance[np.ix_(there, there)], off)[0]
+    x = np.clip(best.x + moved, problem.low, problem.high)
+    x[0, there] = mean[back]
     return replace(best, x=x)
 
 

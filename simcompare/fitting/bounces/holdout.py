@@ -16,7 +16,7 @@ from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.fitting.bounces.problem import usual
 from simcompare.fitting.bounces.tuned_fit import TunedFit
-from simcompare.fitting.bounces.unknowns import OF_A_DROP, SPEED, base
+from simcompare.fitting.bounces.unknowns import OF_A_DROP, OF_THE_RECORDING, SPEED, base
 from simcompare.model.trajectory import Array
 from simcompare.results.records.fit_holdout import (
     EngineHoldout,
@@ -152,8 +152,10 @@ def _heights(
     central = _predicted_heights(drop, predicted, numbers)
     # the uncertainty of everything that was fitted before, through the heights that it predicts
     slopes = np.zeros((len(best.names), len(numbers)))
+    # heights of flights go with gravity and clock, measured and predicted alike
+    alike = (*OF_A_DROP, *(() if len(drop.heights_m) else OF_THE_RECORDING))
     for k, name in enumerate(best.names):
-        if base(name) in OF_A_DROP or not math.isfinite(best.values[k]) or not best.u[k] > 0:
+        if base(name) in alike or not math.isfinite(best.values[k]) or not best.u[k] > 0:
             continue
         step = 0.1 * float(best.u[k])
         moved = {**settled, base(name): float(best.values[k]) + step}
