@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from simcompare.notation import sentence
-from simcompare.reports.fit import fits, form_words, identifiability_words
+from simcompare.reports.fit import budget, fits, form_words, identifiability_words
 from simcompare.reports.validation import phrases
 from simcompare.results.records.fit_bounces import BouncesFit, Drop
 from simcompare.results.records.fit_forms import OtherEstimate
@@ -68,6 +68,7 @@ def _sentences(fit: BouncesFit) -> list[str]:
         *(sentence(text) for text in fit.choice.words),
         *(sentence(text) for text in fit.closed_form.warnings),
         *(sentence(text) for text in fit.identifiability.words),
+        *budget.words(fit),
         fit.holdout.text,
     ]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from simcompare.reports.fit import figures as fitted_figures
 from simcompare.reports.fit import (
+    budget,
     fits,
     measured_figures,
     measured_tables,
@@ -13,6 +13,7 @@ from simcompare.reports.fit import (
     short,
     tuned,
 )
+from simcompare.reports.fit import figures as fitted_figures
 from simcompare.reports.fit import tables as fitted_tables
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Part, part_of
@@ -79,7 +80,7 @@ def speed(run: Run) -> Part:
 def identifiability(run: Run) -> Part:
     """What the data can tell and what they cannot: correlations, singular values, profiles."""
     figures = [more_figures.correlation_figure(run), *more_figures.profile_figures(run)]
-    tables = [fitted_tables.bootstrap(run), fitted_tables.directions(run)]
+    tables = [budget.table(run), fitted_tables.bootstrap(run), fitted_tables.directions(run)]
     notes = fits.bounces(run).identifiability.words
     return part_of(
         "What the data can tell",

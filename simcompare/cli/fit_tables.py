@@ -14,7 +14,16 @@ from simcompare.cli import console, ending, manner
 from simcompare.engine import engines
 from simcompare.model.settings import TUNED
 from simcompare.notation import sentence
-from simcompare.reports.fit import fits, form_words, short, summary_tables, tosses, tuned, waveforms
+from simcompare.reports.fit import (
+    budget,
+    fits,
+    form_words,
+    short,
+    summary_tables,
+    tosses,
+    tuned,
+    waveforms,
+)
 from simcompare.reports.fit import tables as fitted_tables
 from simcompare.reports.render.tables import printable
 from simcompare.results import fit_file
@@ -79,6 +88,7 @@ def _limits(found: AnyFit) -> Iterator[str]:
     if isinstance(found, BouncesFit):
         if form_words.disagreement(found.choice, found.closed_form):
             yield from form_words.cure(found.choice, found.closed_form)
+        yield from budget.words(found)
         yield found.holdout.text
 
 
@@ -117,7 +127,7 @@ def _tables(result: Run, found: AnyFit) -> Sequence[Table | None]:
                 waveforms.holdout(result)]  # fmt: skip
     own = [tuned.contacts(result), tuned.impacts(result)] if found.is_tuned else []
     more = [fitted_tables.parameters(result), fitted_tables.forms(result)]
-    return [*own, *more, fitted_tables.holdout(result)]
+    return [*own, budget.table(result), *more, fitted_tables.holdout(result)]
 
 
 def _show_places(result: Run, found: AnyFit) -> None:

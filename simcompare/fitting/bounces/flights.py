@@ -67,9 +67,7 @@ class Samples:
     gone: list[Rejected]
 
 
-def samples(
-    time_s: ArrayLike, height_m: ArrayLike, u_m: ArrayLike | None, source: str
-) -> Samples:
+def samples(time_s: ArrayLike, height_m: ArrayLike, u_m: ArrayLike | None, source: str) -> Samples:
     """Times, heights and uncertainties of what was measured.
 
     Raises:
@@ -157,9 +155,7 @@ def _slopes(time: Array, values: Array, width: int) -> Array:
     return np.asarray(np.sum(t * y, axis=1) / np.sum(t * t, axis=1))
 
 
-def start_of(
-    time: Array, height: Array, noise: float, gravity: float, source: str
-) -> Start:
+def start_of(time: Array, height: Array, noise: float, gravity: float, source: str) -> Start:
     """The motion as the first two whole flights between kinks tell it, without drag.
 
     Raises:

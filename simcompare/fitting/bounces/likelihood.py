@@ -146,11 +146,12 @@ class Fit:
 
     def restitution_at(self, speed_m_s: float) -> tuple[float, float]:
         """Effective restitution at that speed and its standard uncertainty."""
-        found, jacobian = self._restitution(np.array([speed_m_s]))
-        variance = float((jacobian @ self.internal_covariance @ jacobian.T)[0, 0])
-        return float(found[0]), math.sqrt(max(variance, 0.0))
+        value, slopes = self.restitution_with_slopes(speed_m_s)
+        return value, math.sqrt(max(float(slopes @ self.internal_covariance @ slopes), 0.0))
 
-    def _restitution(self, speed: Array) -> tuple[Array, Array]:
+    def restitution_with_slopes(self, speed_m_s: float) -> tuple[float, Array]:
+        """The same and its derivatives to the internal numbers (p,)."""
+        speed = np.array([speed_m_s])
         model = bounce_models.model_of(self.model)
 
         def law(x: Array) -> Array:
@@ -159,7 +160,7 @@ class Fit:
 
         moves = np.eye(len(self.x)) * 1e-6 * self.problem.size
         slopes = [(law(self.x + m) - law(self.x - m)) / (2 * m.sum()) for m in moves]
-        return law(self.x), np.column_stack(slopes)
+        return float(law(self.x)[0]), np.concatenate(slopes)
 
 
 def summary(

@@ -13,6 +13,7 @@ from simcompare import units
 from simcompare.fitting.bounces import bounce_models, model_selection, other_estimates, plot_data
 from simcompare.fitting.bounces.assisted_fit import AssistedFit
 from simcompare.fitting.bounces.bootstrap import parametric
+from simcompare.fitting.bounces.budget import budgets
 from simcompare.fitting.bounces.deviations import Deviation
 from simcompare.fitting.bounces.engine_fit import EngineFit
 from simcompare.fitting.bounces.identifiability import identifiability
@@ -100,6 +101,7 @@ def of_fit(
         engine_model_text=bounce_models.model_of(start.model).text,
         tuned_to=_target(made.goal), tuned_mean=_tuned_mean(sources), sources=sources,
         run_with=_run_with(roles, start, engines, made), holdout=predicted,
+        budgets=budgets(choice),
         other_estimates=tuple(other_estimates.of_drops(drops[0], best)),
         valid=Valid(
             best.speeds_m_s, made.scene.world.step_s, made.scene.world.engine_step_s

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from simcompare.model.settings import TUNED
+from simcompare.results.records.fit_budget import Budget
 from simcompare.results.records.fit_engines import BouncesEngine, RunWith, Target
 from simcompare.results.records.fit_forms import (
     Bootstrap,
@@ -122,6 +123,7 @@ class BouncesFit(AnyKind):
         sources: the engines.
         run_with: with what a run repeats the fit.
         holdout: what is predicted of the drops that were not fitted.
+        budgets: where the uncertainty of each quantity comes from.
         other_estimates: restitutions by other rules.
         valid: where it holds.
     """
@@ -147,6 +149,7 @@ class BouncesFit(AnyKind):
     sources: tuple[BouncesEngine, ...]
     run_with: RunWith
     holdout: Holdout
+    budgets: tuple[Budget, ...] = ()
     other_estimates: tuple[OtherEstimate, ...]
     valid: Valid
 
