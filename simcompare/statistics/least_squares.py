@@ -161,7 +161,7 @@ def covariance_of(jacobian: Array, held: Array | None = None) -> Array:
     free = np.ones(jacobian.shape[1], dtype=bool) if held is None else ~np.asarray(held, dtype=bool)
     part = jacobian[:, free]
     size = np.linalg.norm(part, axis=0)
-    size = np.where(size > 0, size, 1e-150)
+    size = np.where(size > 0, size, 1e-100)
     _, s, v = np.linalg.svd(part / size, full_matrices=False)
     # a direction that nothing determines has an uncertainty without bound, not none
     with np.errstate(over="ignore"):
