@@ -19,6 +19,8 @@ from simcompare.statistics.least_squares import covariance_of
 WEAK = 500.0
 #: condition above which nothing at all tells a combination
 BLIND = 1e7
+#: uncertainty above which nothing is known
+_BOUNDLESS = 1e50
 #: share of a direction below which an unknown is not named in it
 _SHARE = 0.15
 
@@ -106,7 +108,7 @@ def identifiability(
 
 
 def _finite(values: Array) -> tuple[float | None, ...]:
-    return tuple(float(value) if np.isfinite(value) else None for value in values)
+    return tuple(float(value) if abs(value) < _BOUNDLESS else None for value in values)
 
 
 def _direction(
