@@ -330,3 +330,14 @@ def test_the_seismic_mass_is_a_part_of_the_robots_body(mass):
     whole = chassis.mass_kg + seismic_mass.mass_kg
     assert whole == pytest.approx(scene("robot").bodies["chassis"].mass_kg)
     assert seismic_mass.position_m == chassis.position_m
+
+
+@pytest.mark.parametrize("damping", [0.3, 0.5, 0.7, 0.9, 1.0])
+def test_the_cutoff_of_the_truth_is_that_of_the_formula(damping):
+    scenario = scene("accelerometer", {"damping_ratio": damping})
+    (response,) = scenario.measures
+    spread = 1 - 2 * damping**2
+    formula = 40 * math.sqrt(spread + math.sqrt(spread**2 + 1))
+    found = measures.take(response, scenario, truth_of(scenario, seismic.reference))
+    # 1e-5: what is left of the transient after a dwell has settled, exp(-11) or less
+    assert found.values["cutoff_frequency"] == pytest.approx(formula, rel=1e-5)

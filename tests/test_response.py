@@ -149,12 +149,42 @@ def test_phase_errors_are_taken_the_short_way_round():
     assert _transfer.against(at(89.0), at(-269.0))["phase_error"][0] == pytest.approx(2)
 
 
-def test_the_cutoff_lies_where_a_power_law_falls_to_half_the_power():
+@settings(max_examples=60)
+@given(
+    damping=st.floats(0.05, 3),
+    ratios=st.lists(st.floats(0.05, 6), min_size=3, max_size=12, unique_by=lambda r: round(r, 2)),
+)
+def test_the_cutoff_of_a_second_order_sensor_is_that_of_its_closed_form(damping, ratios):
+    ratio = np.sort(ratios)
+    amplitude = np.abs(1 / (1 - ratio**2 + 2j * damping * ratio))
+    spread = 1 - 2 * damping**2
+    exact = math.sqrt(spread + math.sqrt(spread**2 + 1))
+    found = _transfer.cutoff(40 * ratio, amplitude)
+    if not ratio[0] < exact < ratio[-1]:
+        assert found is None
+    elif min(abs(ratio - exact)) > 1e-9:
+        # 1e-9 for rounding where frequencies lie close together
+        assert found == pytest.approx(40 * exact, rel=1e-9)
+
+
+def test_the_cutoff_lies_between_its_frequencies_whatever_the_sensor():
+    generator = np.random.default_rng(0)
+    for _ in range(300):
+        # drawn from few values, so that some come twice
+        frequency = np.sort(generator.integers(1, 12, generator.integers(2, 8))).astype(float)
+        amplitude = np.maximum(generator.uniform(-0.2, 1.3, len(frequency)), 0)
+        found = _transfer.cutoff(frequency, amplitude)
+        below = np.flatnonzero(amplitude < _transfer.CUTOFF)
+        if len(below) == 0 or below[0] == 0:
+            assert found is None
+        else:
+            # the interval's own width, for rounding
+            low, high = frequency[below[0] - 1 : below[0] + 1]
+            assert low * (1 - 1e-12) <= found <= high * (1 + 1e-12)
+
+
+def test_a_response_that_never_falls_or_begins_below_has_no_cutoff():
     frequency = np.array([1.0, 3.0, 10.0, 30.0])
-    amplitude = np.minimum(1, (frequency / 5) ** -2)
-    found = _transfer.cutoff(frequency, np.where(frequency > 5, amplitude, (3 / 5) ** -2))
-    # (f/5)^-2 = 1/√2
-    assert found == pytest.approx(5 * 2**0.25)
     assert _transfer.cutoff(frequency, np.ones(4)) is None
     assert _transfer.cutoff(frequency, np.full(4, 0.1)) is None
     assert _transfer.cutoff(np.empty(0), np.empty(0)) is None

@@ -17,6 +17,8 @@ Complex = NDArray[np.complex128]
 CUTOFF = 1 / math.sqrt(2)
 #: a base that moves less than a proton is wide does not move but for rounding [m]
 STILL_M = 1e-15
+#: an amplitude that is as good as none
+LEAST = 1e-9
 #: said of a source in which it does not
 NOTE = "its base stands still"
 
@@ -88,19 +90,36 @@ def phase_of(response: Complex) -> Array:
 def cutoff(frequency_Hz: Array, amplitude: Array) -> float | None:
     """Frequency at which the amplitude first falls below 1/√2; ``None`` if it never does.
 
-    Between two points the amplitude is taken as a power of the frequency, a straight line on
-    logarithmic axes.
+    Between points 1/amplitude² is a parabola of the frequency's square through three of them. Of a
+    mass on a spring and a damper it is one: 1/|H|² = 1 + (4ζ² - 2)·r² + r⁴. So its cutoff is exact,
+    f_n·√(1 - 2ζ² + √((1 - 2ζ²)² + 1)), however few frequencies there are.
     """
     below = np.flatnonzero(amplitude < CUTOFF)
     if len(below) == 0 or below[0] == 0:
         return None
     k = int(below[0])
-    (low, high), (over, under) = (
-        np.log(frequency_Hz[k - 1 : k + 1]),
-        np.log(amplitude[k - 1 : k + 1]),
-    )
-    share = (math.log(CUTOFF) - over) / (under - over)
-    return float(math.exp(low + share * (high - low)))
+    near = slice(max(k - 2, 0), max(k - 2, 0) + 3)
+    square = (frequency_Hz[near] / frequency_Hz[k - 1]) ** 2
+    missing = np.maximum(amplitude[near], LEAST) ** -2 - 2
+    last = (frequency_Hz[k] / frequency_Hz[k - 1]) ** 2
+    if last == 1:  # a base that does not follow may show one frequency twice
+        return float(frequency_Hz[k])
+    share = _crossing((square - 1) / (last - 1), missing, k - 1 - near.start)
+    return float(frequency_Hz[k - 1] * math.sqrt(1 + share * (last - 1)))
+
+
+def _crossing(x: Array, y: Array, k: int) -> float:
+    """Where a parabola through all points crosses 0, between x[k] = 0 and x[k + 1] = 1.
+
+    There y[k] <= 0 < y[k + 1], so it does once, at u of c·u² + p·u + y[k] = 0.
+    """
+    start, rise = float(y[k]), float(y[k + 1] - y[k])
+    others = np.flatnonzero((x != 0) & (x != 1))
+    c = sum(float((y[i] - start - rise * x[i]) / (x[i] * (x[i] - 1))) for i in others)
+    p = rise - c
+    root = math.sqrt(p**2 - 4 * c * start)
+    # the form in which nothing cancels
+    return (root - p) / (2 * c) if p < 0 else -2 * start / (p + root)
 
 
 def _head(series: Mapping[str, Array], count: int) -> list[Array]:

@@ -69,8 +69,10 @@ def _judged(m: Measuring, truth: Truth) -> Mapping[str, str]:
         f"true = {_list(series['phase'][:count])}",
         f"turned_by = angle[:{count}] - true",
         "below = np.append(np.flatnonzero(size < 0.5**0.5), 0)[0]  # the cutoff is just before it",
-        "x, y = -np.log(size[below - 1 : below + 1]), np.log(f[below - 1 : below + 1])",
-        "cutoff = np.exp(np.interp(np.log(2) / 2, x, y)) if below else np.nan",
+        "near = slice(max(below - 2, 0), max(below - 2, 0) + 3)",
+        "root = np.roots(np.polyfit(f[near] ** 2, size[near] ** -2.0 - 2, 2)) ** 0.5",
+        "root = root.real[(root.real >= f[below - 1]) & (root.real <= f[below])]",
+        "cutoff = root[0] if below and root.size else np.nan",
     ]
     return {
         "amplitude_error": "size_error.max()",
