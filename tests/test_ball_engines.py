@@ -11,6 +11,7 @@ from simcompare.model.settings import Settings
 from simcompare.model.trajectory import Trajectory
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.ball.reference import reference
+from tests.present import need
 
 ENGINES = engines.names()
 FILE = catalogue.load("ball")
@@ -106,3 +107,28 @@ def test_without_a_truth_events_are_measured_all_the_same():
     assert first.value == pytest.approx(0.64, rel=1e-3)
     assert (first.truth, first.tolerance, first.verdict) == (None, None, "info")
     assert rows["resolved_bounces", None].value == 18
+
+
+@pytest.mark.parametrize("contact", ["default", "assisted"])
+@pytest.mark.parametrize("engine", ENGINES)
+def test_drag_from_recorded_rows_is_that_of_the_motion_that_is_read(engine, contact):
+    scenario = FILE.resolve({"drag_coefficient": 0.47})
+    rows = []
+    for record in (
+        lambda simulation: simulation.record(50)[-1],
+        lambda simulation: [(simulation.advance(1), simulation.row()) for _ in range(50)][-1][1],
+    ):
+        simulation = engines.get(engine).open(scenario, Settings(contact))
+        rows.append([float(number) for number in record(simulation)])
+        simulation.close()
+    assert rows[0] == rows[1]
+
+
+def test_where_drag_acts_alone_a_motion_is_read_once_a_step(monkeypatch):
+    need("pymunk")
+    scenario = FILE.resolve({"drag_coefficient": 0.47})
+    simulation = engines.get("pymunk").open(scenario, Settings("default"))
+    read, asked = simulation.get, []
+    monkeypatch.setattr(simulation, "get", lambda body: asked.append(body) or read(body))
+    simulation.record(50)
+    assert len(asked) == 51

@@ -102,9 +102,9 @@ class DartSimulation(ReducedSimulation):
         return found
 
     def row(self) -> Any:
-        row = np.empty(2 * self._width)
+        row = [0.0] * (2 * self._width)
         for place, read in self._readers:
-            row[place] = read()
+            row[place] = read().tolist()
         return row
 
     def record(self, count: int) -> Any:

@@ -51,6 +51,8 @@ class MujocoSimulation(ReducedSimulation):
         self.slots = {name: (int(q[0]), model.nq + int(v[0])) for name, (q, v) in slots.items()}
         # views, through which everything is read and written in place
         self._places = {name: (data.joint(name).qpos, data.joint(name).qvel) for name in slots}
+        self._pushes = {name: data.body(name).xfrc_applied[:3] for name in self._bodies}
+        self._qpos, self._qvel = data.qpos, data.qvel
         self.place_all()
 
     def take_steps(self, count: int) -> None:
@@ -78,10 +80,10 @@ class MujocoSimulation(ReducedSimulation):
         self.data.ctrl[:] = efforts
 
     def push(self, body: str, force: Vector) -> None:
-        self.data.body(body).xfrc_applied[:3] = force
+        self._pushes[body][:] = force
 
     def row(self) -> Any:
-        return np.concatenate((self.data.qpos, self.data.qvel))
+        return [*self._qpos.tolist(), *self._qvel.tolist()]
 
     def forces(self) -> list[float]:
         found: list[float] = self._forces_of(self.data.sensordata[None])[0].tolist()

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
 
 from simcompare.engine.helps import CENTRED_EFFORTS
-from simcompare.engine.helps.centred_efforts import drag_at
 from simcompare.engine.scene import Scene
 from simcompare.model.scenario import Body
 from simcompare.model.shapes import Vector
+
+#: called as law(vx, vy, vz) with the stored velocity [m/s]; returns the force [N]
+DragLaw = Callable[[float, float, float], Vector]
 
 
 class FreeMotion(ABC):
@@ -32,7 +36,8 @@ class FreeMotion(ABC):
         scenario = self.scenario
         self._bodies = scenario.moving_bodies()
         self._free = scenario.free_bodies()
-        self._dragged = any(has_drag(body) for body in self._bodies.values())
+        self._dragged = _drags(self._bodies)
+        self._gravity = scenario.world.gravity_m_s2
         self._stagger = 0.0
         self._engine_step_s = scenario.world.engine_step_s
 
@@ -77,37 +82,57 @@ class FreeMotion(ABC):
         lead_s = -self._stagger * self._engine_step_s
         return position, (vx + ax * lead_s, vy + ay * lead_s, vz + az * lead_s)
 
-    def drag_forces(self) -> list[tuple[str, Vector]]:
-        """Drag [N] on every body that has it, at velocities of the instant at which it acts."""
-        forces = []
+    def velocity_in(self, row: Sequence[float], body: str) -> Vector:
+        """Stored velocity [m/s] of a free body in a row that was recorded just now."""
+        del row
+        return self.stored_motion(body)[1]
+
+    def drag_law(self, body: str) -> DragLaw:
+        """Drag on a body from its stored velocity, for engine steps of the present length."""
+        (factor, slowing), (gx, gy, gz) = self._dragged[body], self._gravity
+        ahead_s = -self._stagger * self._engine_step_s
+        if self._centres_drag:
+            ahead_s = self._engine_step_s / 2
+
+        def force(vx: float, vy: float, vz: float) -> Vector:
+            slow = slowing * math.sqrt(vx * vx + vy * vy + vz * vz)
+            x = vx + (gx - slow * vx) * ahead_s
+            y = vy + (gy - slow * vy) * ahead_s
+            z = vz + (gz - slow * vz) * ahead_s
+            scale = -factor * math.sqrt(x * x + y * y + z * z)
+            return scale * x, scale * y, scale * z
+
+        return force
+
+    @property
+    def _centres_drag(self) -> bool:
+        """Whether drag acts later than at the positions before a step, and is taken there."""
         later = self.scene.traits.positions_first or self.inner_steps > 1
-        centred = self.settings.takes(CENTRED_EFFORTS) and later
-        for name, body in self._bodies.items():
-            if not has_drag(body):
-                continue
-            assert body.drag is not None
-            if centred:
-                _, velocity = self.stored_motion(name)
-                change, ahead_s = self._free_acceleration(name, velocity), self._engine_step_s / 2
-                forces.append((name, drag_at(body, velocity, change, ahead_s)))
-                continue
-            _, (vx, vy, vz) = self.motion_of(name)
-            scale = -body.drag.factor_kg_m * math.sqrt(vx * vx + vy * vy + vz * vz)
-            forces.append((name, (scale * vx, scale * vy, scale * vz)))
-        return forces
+        return later and self.settings.takes(CENTRED_EFFORTS)
 
     def _free_acceleration(self, name: str, velocity: Vector) -> Vector:
-        body = self._bodies[name]
-        gx, gy, gz = self.scenario.world.gravity_m_s2
-        if not has_drag(body):
+        gx, gy, gz = self._gravity
+        drag = self._dragged.get(name)
+        if drag is None:
             return gx, gy, gz
-        assert body.drag is not None
-        assert body.mass_kg is not None
         vx, vy, vz = velocity
-        per_mass = body.drag.factor_kg_m / body.mass_kg * math.sqrt(vx * vx + vy * vy + vz * vz)
-        return gx - per_mass * vx, gy - per_mass * vy, gz - per_mass * vz
+        slowing = drag.slowing_1_m * math.sqrt(vx * vx + vy * vy + vz * vz)
+        return gx - slowing * vx, gy - slowing * vy, gz - slowing * vz
 
 
-def has_drag(body: Body) -> bool:
-    """Whether air drag acts on a body."""
-    return body.drag is not None and body.drag.factor_kg_m > 0
+class _Drag(NamedTuple):
+    """Drag on a body over the square of its speed, and the acceleration by it."""
+
+    factor_kg_m: float
+    slowing_1_m: float
+
+
+def _drags(bodies: Mapping[str, Body]) -> dict[str, _Drag]:
+    """Drag on every body that has it."""
+    found = {}
+    for name, body in bodies.items():
+        if body.drag is not None and body.drag.factor_kg_m > 0:
+            assert body.mass_kg is not None
+            factor = body.drag.factor_kg_m
+            found[name] = _Drag(factor, factor / body.mass_kg)
+    return found

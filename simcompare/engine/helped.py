@@ -90,6 +90,12 @@ class HelpedSimulation(EngineHooks):
         )
 
     @property
+    def is_dragged_alone(self) -> bool:
+        """Whether air drag is all that acts in a step, and every step is recorded."""
+        others = self._joints or self._force_sensors or self.substeps > 1
+        return bool(self._dragged) and not others
+
+    @property
     def stagger(self) -> float:
         """Where steps store velocities, seen from the positions [steps]."""
         return (0.5 if self.scene.traits.positions_first else -0.5) / self.inner_steps
@@ -111,7 +117,7 @@ class HelpedSimulation(EngineHooks):
         follows = any(j.law.stiffness or j.law.damping for j in scene.joints.values())
         # what only follows the inputs is the same at either instant, unless a step acts at its end
         late = bool(lead and (drive.names or self._dragged)) or (
-            self.inner_steps > 1 and self._dragged
+            self.inner_steps > 1 and bool(self._dragged)
         )
         if centred and (follows or late):
             self.helps.add(CENTRED_EFFORTS)
@@ -248,9 +254,8 @@ class HelpedSimulation(EngineHooks):
                 x, y, z = rotor.parent_axis
                 self.twist(rotor.parent, (back * x, back * y, back * z))
                 self.twist(rotor.child, (given[0], given[1], given[2]))
-        if self._dragged:
-            for name, force in self.drag_forces():
-                self.push(name, force)
+        for name in self._dragged:
+            self.push(name, self.drag_law(name)(*self.stored_motion(name)[1]))
 
     def forces(self) -> Sequence[float]:
         """Readings of all force sensors in the last engine step, in the order of the scenario."""
@@ -271,6 +276,8 @@ class HelpedSimulation(EngineHooks):
         """
         if self._surplus is not None:
             return self._record_without_surplus(count, self._surplus)
+        if self.is_dragged_alone:
+            return self._record_dragged(count)
         rows: list[Sequence[float]] = []
         ends, row, substeps = self._forces_at_end, self.row, self.substeps
         advance = self.advance if self._acts else self.take_steps
@@ -287,6 +294,17 @@ class HelpedSimulation(EngineHooks):
                 self.advance(self.substeps - 1)
             rows.append((*self.row(), *forces))
         return rows
+
+    def _record_dragged(self, count: int) -> list[Sequence[float]]:
+        """The same where only drag acts, which follows from the rows that are recorded."""
+        laws = [(name, self.drag_law(name)) for name in self._dragged]
+        rows, push, velocity_in = [self.row()], self.push, self.velocity_in
+        for _ in range(count):
+            for name, law in laws:
+                push(name, law(*velocity_in(rows[-1], name)))
+            self.take_steps(1)
+            rows.append(self.row())
+        return rows[1:]
 
     def _record_without_surplus(self, count: int, surplus: Surplus) -> Array:
         """The same where forces through joints have too much in them, which is taken off."""

@@ -53,6 +53,8 @@ class PlanarSimulation(Simulation):
             name: KINDS[joint.joint.type](scene, joint, self.motion_now)
             for name, joint in scene.joints.items()
         }
+        #: body -> where its velocity begins in a row
+        self._velocities = {name: 6 * i + 2 for i, name in enumerate(self._bodies)}
         self._driven = [self.linkages[name] for name in self.driven or ()]
         self._rotors = [self.linkages[r.joint] for r in (self.recoil.rotors if self.recoil else ())]
         tells_magnitudes = "magnitude" in scene.traits.wrong_reactions
@@ -146,6 +148,10 @@ class PlanarSimulation(Simulation):
             for part, values in zip(MOVABLE[joint.type], moved, strict=True):
                 found[f"{name}.{part}"] = values
         return found
+
+    def velocity_in(self, row: Sequence[float], body: str) -> Vector:
+        first = self._velocities[body]
+        return row[first], 0.0, row[first + 1]
 
     def stored_motion(self, body: str) -> tuple[Vector, Vector]:
         x, z, vx, vz, _, _ = self.get(body)

@@ -144,6 +144,11 @@ class ReducedSimulation(Simulation):
             found |= {f"{name}.{part}": values for part, values in self.FREE.decode(q, v).items()}
         return found
 
+    def velocity_in(self, row: Sequence[float], body: str) -> Vector:
+        """Stored velocity of a free body in a row."""
+        first = self.slots[body][1] + self.FREE.velocity.start
+        return row[first], row[first + 1], row[first + 2]
+
     def stored_motion(self, body: str) -> tuple[Vector, Vector]:
         """Position and stored velocity of a free body."""
         q, v = self.get(body)

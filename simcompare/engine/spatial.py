@@ -10,6 +10,7 @@ import dataclasses
 from abc import abstractmethod
 from collections.abc import Sequence
 
+from simcompare.engine.free_motion import DragLaw
 from simcompare.engine.helps.recoil import Motion
 from simcompare.engine.read_back import Held, HeldValues, Quantity, unreadable
 from simcompare.engine.scene import Scene
@@ -45,6 +46,8 @@ class SpatialSimulation(Simulation):
         }
         self._driven = [self._links[name] for name in self.driven or ()]
         self._rotors = [self._links[r.joint] for r in (self.recoil.rotors if self.recoil else ())]
+        #: body -> where its velocity begins in a row
+        self._velocities = {name: 13 * i + 7 for i, name in enumerate(self._bodies)}
         self._clock_s = 0.0
         self._acts |= bool(self._links)  # so that all steps are taken on that clock
         sensed = {sensor.joint for sensor in self._force_sensors.values()}
@@ -134,6 +137,11 @@ class SpatialSimulation(Simulation):
     def _look(self, link: Link) -> tuple[float, float]:
         return link.look(link.ground or self.get(link.parent), self.get(link.child), self._clock_s)
 
+    def velocity_in(self, row: Sequence[float], body: str) -> Vector:
+        """Stored velocity of a free body in a row."""
+        first = self._velocities[body]
+        return row[first], row[first + 1], row[first + 2]
+
     def stored_motion(self, body: str) -> tuple[Vector, Vector]:
         """Position and stored velocity of a free body."""
         state = self.get(body)
@@ -152,12 +160,16 @@ class SpatialSimulation(Simulation):
             self._refuse_absurd(link.name, effort)
             self.exert(link.name, effort)
 
-    def drag_forces(self) -> list[tuple[str, Vector]]:
-        """Drag on every body that has it."""
-        found = super().drag_forces()
-        for name, force in found:
-            self._refuse_absurd(name, max(force, key=abs))
-        return found
+    def drag_law(self, body: str) -> DragLaw:
+        """Drag on a body."""
+        law = super().drag_law(body)
+
+        def force(vx: float, vy: float, vz: float) -> Vector:
+            found = law(vx, vy, vz)
+            self._refuse_absurd(body, max(found, key=abs))
+            return found
+
+        return force
 
     def _refuse_absurd(self, name: str, effort: float) -> None:
         if not abs(effort) < ABSURD_EFFORT:

@@ -8,14 +8,11 @@ the rate before a step and with that after it gets half of it in each, whose mea
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 from simcompare.engine.drives import JointLaw
 from simcompare.engine.helps import CENTRED_EFFORTS
-from simcompare.model.scenario import Body
 from simcompare.model.settings import Settings
-from simcompare.model.shapes import Vector
 
 
 def shares(law: JointLaw, passive: str, settings: Settings) -> tuple[JointLaw, float, JointLaw]:
@@ -37,11 +34,3 @@ def shares(law: JointLaw, passive: str, settings: Settings) -> tuple[JointLaw, f
     if passive == "both" and helped:
         return replace(law, damping=law.damping / 2), law.damping / 2, inputs
     return law, 0.0, inputs
-
-
-def drag_at(body: Body, velocity: Vector, acceleration: Vector, ahead_s: float) -> Vector:
-    """Drag [N] at a velocity that is a time ahead of the stored one."""
-    assert body.drag is not None
-    vx, vy, vz = (v + a * ahead_s for v, a in zip(velocity, acceleration, strict=True))
-    scale = -body.drag.factor_kg_m * math.hypot(vx, vy, vz)
-    return scale * vx, scale * vy, scale * vz
