@@ -13,8 +13,8 @@ import pytest
 
 from simcompare.model.plain import of_plain, plain
 from simcompare.reports import builder
-from simcompare.reports.fit import figures as fitted_figures
 from simcompare.reports.fit import (
+    engine_words,
     fits,
     measured_figures,
     measured_tables,
@@ -22,6 +22,7 @@ from simcompare.reports.fit import (
     short,
     tables,
 )
+from simcompare.reports.fit import figures as fitted_figures
 from simcompare.reports.fit import tuned as fitted_tuned
 from simcompare.reports.render import matplotlib_, numbers, plotly_
 from simcompare.reports.render.figures import Figure, Matrix, Panel
@@ -355,12 +356,24 @@ def test_a_video_shows_times_heights_and_samples(filmed):
     assert np.std(series(panel, "pymunk").y) == pytest.approx(3.0, rel=0.3)
 
 
-def test_engines_without_the_law_are_told_to_be_without_it(falling, in_air):
-    assert "Engines have no such law" in fits.other_form(falling)
-    form = falling.record.fit.engine_form
+def test_engines_without_the_law_have_one_number_and_nothing_else_of_their_own(falling, in_air):
+    record = falling.record.fit
+    (words,) = engine_words.one_number(record)
+    assert "one number for all speeds" in words
+    assert words in record.sentences
     rows = cells(tables.engines(falling))
-    assert rows[0][1] == fits.value_words(form.parameters["restitution"])
-    assert fits.other_form(in_air) == ""
+    assert rows[0][1] == numbers.with_u(record.one_number.value, record.one_number.u)
+    laws = [end.value for end in record.closed_form.restitution]
+    for source in record.sources:
+        own = source.parameters["restitution"]
+        assert min(laws) < own.value < max(laws)
+        assert all(abs(law - own.value) < 3 * own.u for law in laws)
+        for name, row in source.parameters.items():
+            closed = record.closed_form.parameters[name]
+            is_own = name == "restitution"
+            assert row.whose == ("engine" if is_own else "closed form")
+            assert is_own or (row.value, row.u, row.misfit) == (closed.value, closed.u, 0)
+    assert engine_words.one_number(in_air.record.fit) == []
 
 
 # parameters and effective values

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from simcompare.notation import sentence
-from simcompare.reports.fit import budget, fits, form_words, identifiability_words
+from simcompare.reports.fit import budget, engine_words, fits, form_words, identifiability_words
 from simcompare.reports.validation import phrases
 from simcompare.results.records.fit_bounces import BouncesFit, Drop
 from simcompare.results.records.fit_forms import OtherEstimate
@@ -23,7 +23,7 @@ _RULES = {
 
 def worded(fit: BouncesFit) -> BouncesFit:
     """The record of a fit with all its sentences."""
-    closed, form = fit.closed_form, fit.engine_form
+    closed = fit.closed_form
     closed = replace(closed, warnings=form_words.warnings(closed))
     filmed = any(drop.samples for drop in fit.measured)
     known = identifiability_words.of_bounces(fit.identifiability, closed.priors, filmed=filmed)
@@ -31,7 +31,6 @@ def worded(fit: BouncesFit) -> BouncesFit:
         fit,
         dropped=tuple(text for drop in fit.measured for text in dropped(drop)),
         closed_form=closed,
-        engine_form=form and replace(form, warnings=form_words.warnings(form)),
         choice=replace(fit.choice, words=form_words.choice(fit.choice, closed)),
         identifiability=replace(fit.identifiability, words=known),
         holdout=replace(fit.holdout, text=_holdout(fit)),
@@ -64,7 +63,7 @@ def _sentences(fit: BouncesFit) -> list[str]:
     """The answer, and what must be known of it; one fact a sentence."""
     return [
         *_restitution(fit),
-        *_shown(fit),
+        *engine_words.of_engines(fit),
         *(sentence(text) for text in fit.choice.words),
         *(sentence(text) for text in fit.closed_form.warnings),
         *(sentence(text) for text in fit.identifiability.words),
@@ -76,35 +75,10 @@ def _sentences(fit: BouncesFit) -> list[str]:
 def _restitution(fit: BouncesFit) -> list[str]:
     if "restitution" not in fit.closed_form.parameters:
         return []
-    words = [
+    return [
         fits.restitution_words(fit),
         f"The fit holds for impacts at {fits.speeds(fit.valid.speed_m_s)} m/s.",
     ]
-    if fit.engine_form is not None:
-        words.append(f"Engines have no such law. They were fitted with: {fit.engine_form.text}.")
-    return words
-
-
-def _shown(fit: BouncesFit) -> list[str]:
-    """What engines show over all impacts, and how far they are from a law that they lack."""
-    shown = {s.name: s.effective["restitution"].value for s in fit.sources if s.effective}
-    words = []
-    if len(shown) > 1:
-        names = list(shown)
-        ends = [end(shown, key=lambda name: shown[name]) for end in (min, max)]
-        low, high = (f"{shown[name]:.4f} ({name})" for name in ends)
-        same = f"{shown[ends[0]]:.4f}" == f"{shown[ends[1]]:.4f}"
-        values = (
-            f"{shown[ends[0]]:.4f} in {phrases.whose(names, names)}" if same else f"{low} to {high}"
-        )
-        words.append(f"Over all impacts, the engines' mean restitution is {values}.")
-    if fit.is_tuned and shown and fits.law_of(fit) != "constant":
-        worst = max((row.deviation for s in fit.sources for row in s.impacts), key=abs)
-        words.append(
-            "Engines have one restitution for all speeds: that of the first impact. At later"
-            f" impacts it is up to {100 * abs(worst):.2g} % off."
-        )
-    return words
 
 
 def _holdout(fit: BouncesFit) -> str:

@@ -105,15 +105,12 @@ def _residual_series(run: Run, row: Residuals, factor: float, wide: float) -> li
 def parameter_figure(run: Run) -> Figure | None:
     """Parameters and effective values of all engines beside the closed form."""
     sources = fits.engines(run)
-    closed = fits.bounces(run).for_engines.found
+    closed = fits.bounces(run).closed_form.found
     if not sources:
         return None
-    names = [n for n in closed if n == RESTITUTION or n.startswith("terminal_speed")]
-    names += [n for n in closed if n == "drop_height_m"]
-    panels = tuple(
-        _parameter_panel(name, closed[name], sources) for name in names
-        if closed[name].value is not None
-    )  # fmt: skip
+    if RESTITUTION not in closed:
+        return None
+    panels = (_parameter_panel(RESTITUTION, closed[RESTITUTION], sources),)
     caption = (
         "Filled: what the engine must be given, with its 95 % interval. Hollow: the restitution"
         " that it then shows; its bar is twice the scatter over the phases of its step."

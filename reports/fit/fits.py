@@ -126,17 +126,6 @@ def restitution_words(found: BouncesFit) -> str:
     return f"The restitution depends on the speed: {' and '.join(at)} (± 2 u)."
 
 
-def other_form(run: Run) -> str:
-    """That engines were fitted with another contact than the closed form's, empty if not."""
-    found = bounces(run)
-    if found.engine_form is None:
-        return ""
-    return (
-        f"Engines have no such law ({found.closed_form.text}). They were fitted with:"
-        f" {found.engine_model_text}."
-    )
-
-
 def title(name: str) -> str:
     """An unknown as people say it, with its drop."""
     head, _, drop = name.partition("[")

@@ -103,7 +103,6 @@ def valid(run: Run) -> dict[str, str]:
         "contact level": _level(found),
         "time between samples": f"{numbers.plain(found.valid.step_s)} s",
         "closed form": found.closed_form.text,
-        "contact of the engines": found.engine_model_text,
         "numbers measured": str(found.closed_form.count),
         "residuals (RMS)": fits.rms_words(found.closed_form.rms),
         "χ² ÷ degrees of freedom": f"{_reduced(found.closed_form)}",

@@ -12,6 +12,7 @@ from simcompare.reports.validation import validations
 from simcompare.results.records.fit_bounces import BouncesFit
 from simcompare.results.records.fit_forms import Unknown
 from simcompare.results.records.fit_holdout import EngineHoldout, HeldOutDrop
+from simcompare.results.records.fit_parts import ENGINE
 from simcompare.results.records.fit_waveforms import WaveParameter
 from simcompare.results.run import Run
 
@@ -23,8 +24,7 @@ _LARGE = 1e4
 
 def engines(run: Run) -> Table:
     """What each engine must be given and what it then shows, the closed form first."""
-    closed = fits.bounces(run).for_engines.parameters.get(RESTITUTION)
-    rows = [(CLOSED, fits.value_words(closed), fits.interval_words(closed), "–", "–", "–")]
+    rows = [(CLOSED, *_closed_words(fits.bounces(run)), "–", "–", "–")]
     for source in fits.engines(run):
         given = source.parameters.get(RESTITUTION)
         rows.append((
@@ -39,9 +39,18 @@ def engines(run: Run) -> Table:
     )  # fmt: skip
     note = (
         "Effective: what the engine then shows. Its u is the scatter over the phases of the step;"
-        f" that of the parameter holds the measurement too. {fits.other_form(run)}"
-    ).strip()
+        " that of the parameter holds the measurement too."
+    )
     return Table("Restitution of each engine", columns, (Group("", tuple(rows)),), note)
+
+
+def _closed_words(found: BouncesFit) -> tuple[str, str]:
+    """The closed form's restitution, the one number of engines where it depends on the speed."""
+    one = found.one_number
+    if one is not None:
+        return numbers.with_u(one.value, one.u), "–"
+    row = found.closed_form.parameters.get(RESTITUTION)
+    return fits.value_words(row), fits.interval_words(row)
 
 
 def parameters(run: Run) -> Table:
@@ -53,20 +62,21 @@ def parameters(run: Run) -> Table:
                  fits.interval_words(closed[name]), "–")]  # fmt: skip
         for source in fits.fitted(run):
             row = source.parameters.get(name)
-            numeric = "–" if row is None else numbers.plain(row.u_num, 2)
-            rows.append((source.name, fits.value_words(row, name),
-                         fits.interval_words(row), numeric))  # fmt: skip
+            if row is not None and row.whose == ENGINE:
+                rows.append((source.name, fits.value_words(row, name),
+                             fits.interval_words(row), numbers.plain(row.u_num, 2)))  # fmt: skip
         groups.append(Group(fits.with_unit(name), tuple(rows)))
     columns = (Column("Source", text=True), Column("Value ± u"),
                Column("95 % interval", text=True), Column("u from step and phase"))  # fmt: skip
-    return Table("All unknowns", columns, tuple(groups), folded=True)
+    note = "Where no engine is named, all of them are given what the closed form has."
+    return Table("All unknowns", columns, tuple(groups), note, folded=True)
 
 
 def _found(run: Run) -> Mapping[str, Unknown | WaveParameter]:
     """What was fitted, without what was only assumed."""
     record = fits.record(run)
     if isinstance(record, BouncesFit):
-        return record.for_engines.found
+        return record.closed_form.found
     return record.closed_form.parameters
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from simcompare.reports.fit import (
     budget,
+    engine_words,
     fits,
     measured_figures,
     measured_tables,
@@ -58,9 +59,11 @@ def engines(run: Run) -> Part:
             tables=[tuned.contacts(run), tuned.impacts(run), native],
             finding="",
         )
-    figures = [fitted_figures.parameter_figure(run)]
+    bounces, figures = fits.bounces(run), [fitted_figures.parameter_figure(run)]
     tables = [fitted_tables.parameters(run), native]
-    return part_of("Each engine", "engines", figures, tables, [_TWO_THINGS, fits.other_form(run)])
+    return part_of(
+        "Each engine", "engines", figures, tables, [_TWO_THINGS, *engine_words.one_number(bounces)]
+    )
 
 
 def forms(run: Run) -> Part:

@@ -16,6 +16,7 @@ from simcompare.model.settings import TUNED
 from simcompare.notation import sentence
 from simcompare.reports.fit import (
     budget,
+    engine_words,
     fits,
     form_words,
     short,
@@ -96,8 +97,7 @@ def _remarks(found: AnyFit) -> Iterator[str]:
     if isinstance(found, BouncesFit):
         yield from found.dropped
         yield from found.closed_form.warnings
-        if found.engine_form is not None:
-            yield f"engines have no such law; they were fitted with: {found.engine_form.text}"
+        yield from engine_words.one_number(found)
         yield from (found.identifiability.words if _is_weak(found) else ())
     elif isinstance(found, WaveformFit):
         yield from found.chosen_words

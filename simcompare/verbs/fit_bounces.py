@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -13,8 +12,7 @@ from simcompare.engine import engines
 from simcompare.engine.assist import ALL, NONE
 from simcompare.engine.helps import known
 from simcompare.errors import InputError
-from simcompare.fitting.bounces import bounce_models, holdout, model_selection, plot_data, records
-from simcompare.fitting.bounces.arcs import rejoined
+from simcompare.fitting.bounces import holdout, model_selection, plot_data, records
 from simcompare.fitting.bounces.assisted_fit import fit_engines
 from simcompare.fitting.bounces.assumed import of_recorder as assumed_of_recorder
 from simcompare.fitting.bounces.bounce_models import GRAVITY as STANDARD
@@ -22,6 +20,7 @@ from simcompare.fitting.bounces.engine_fit import EngineFit
 from simcompare.fitting.bounces.identifiability import identifiability
 from simcompare.fitting.bounces.impacts import HEIGHT, Impacts
 from simcompare.fitting.bounces.likelihood import Fit
+from simcompare.fitting.bounces.one_number import OneNumber, nearest
 from simcompare.fitting.bounces.reading import drops_of
 from simcompare.fitting.bounces.request import (
     Constraints,
@@ -33,7 +32,7 @@ from simcompare.fitting.bounces.request import (
 from simcompare.fitting.bounces.roles import Roles, roles_of
 from simcompare.fitting.bounces.tune_engines import tune_engines
 from simcompare.fitting.bounces.tuning_goal import TuningGoal, goal_of
-from simcompare.fitting.bounces.unknowns import GRAVITY, SPEED
+from simcompare.fitting.bounces.unknowns import GRAVITY
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, TUNED
 from simcompare.model.trajectory import TRUTH, Trajectory
@@ -108,10 +107,11 @@ def fit_bounces(
         words = identifiability_words.of_bounces(known, constraints.priors, filmed=filmed)
         raise InputError("--unknown", [*words, "leave it out, or --fix what it mixes with"])
     how = _How(engines.select(request.engine), helps, step_s, time_limit_s, progress)
-    start, found, predicted, wanted = _engines(roles, choice, drops, held, constraints, how)
+    plain, found, predicted, wanted = _engines(roles, choice, held, constraints, how)
+    start = plain.fit
     scene = file.resolve(roles.values(start.problem.values(start.x, 0)), step_s=step_s)
     found_fit = records.of_fit(
-        roles, choice, start, found, predicted, (drops, held),
+        roles, choice, plain, found, predicted, (drops, held),
         records.Made(TUNED if how.tuned else ASSISTED, how.assist, wanted, scene),
     )  # fmt: skip
     about = {
@@ -146,51 +146,25 @@ class _How:
 def _engines(
     roles: Roles,
     choice: model_selection.Choice,
-    drops: Sequence[Impacts],
     held: Sequence[Impacts],
     constraints: Constraints,
     how: _How,
-) -> tuple[Fit, Sequence[EngineFit], Holdout, TuningGoal | None]:
-    """The closed form that engines get, what they make of it, and held-out drops."""
-    closed = holdout.predict(choice.best, held, constraints.fixed)
+) -> tuple[OneNumber, Sequence[EngineFit], Holdout, TuningGoal | None]:
+    """What engines get of the closed form, what they make of it, and held-out drops."""
+    best = choice.best
+    closed = holdout.predict(best, held, constraints.fixed)
     more: dict[str, Any] = {
         "step_s": how.step_s, "time_limit_s": how.time_limit_s, "progress": how.progress,
     }  # fmt: skip
-    if how.tuned:
-        best = choice.best
-        wanted = goal_of(roles, best, [one.predicted for one in closed])
-        tuned = tune_engines(roles, best, wanted, how.engines, **more)
-        return best, tuned, holdout.of_engines(closed, closed, tuned), wanted
-    start = _for_engines(roles, choice.best, _joined(choice.best, drops, constraints), constraints)
-    assisted = fit_engines(roles, start, how.engines, helps=how.helps, **more)
-    other = closed if start is choice.best else holdout.predict(start, held, constraints.fixed)
-    return start, assisted, holdout.of_engines(closed, other, assisted), None
-
-
-def _joined(best: Fit, drops: Sequence[Impacts], constraints: Constraints) -> list[Impacts]:
-    """Impacts of videos where arcs with the drag that was found meet, and not parabolas."""
-    speed = best.as_dict().get(SPEED, constraints.fixed.get(SPEED, math.inf))
-    if not math.isfinite(speed):
-        return list(drops)
-    gravity = float(best.problem.values(best.x, 0).get(GRAVITY, STANDARD))
-    return [drop if drop.track is None else rejoined(drop, speed, gravity) for drop in drops]
-
-
-def _for_engines(
-    roles: Roles, best: Fit, drops: Sequence[Impacts], constraints: Constraints
-) -> Fit:
-    """The fit with the contact that engines have: a restitution that does not depend on speed."""
-    model = bounce_models.model_of(best.model)
-    with_drag = (model.drag or SPEED in constraints.fixed) and roles.has_drag
-    given = model.law == "constant" and (roles.has_drag or not model.drag)
-    if given and all(drop.track is None for drop in drops):
-        return best
-    name = "constant+drag" if with_drag else "constant"
-    priors = {n: prior for n, prior in constraints.priors.items() if n != "exponent"}
-    fixed = {n: value for n, value in constraints.fixed.items() if n != "exponent"}
-    return model_selection.compare(
-        drops, [name], extra=constraints.extra, fixed=fixed, priors=priors
-    ).best
+    if not how.tuned:
+        plain = nearest(best, best.restitution_at, with_drag=roles.has_drag)
+        assisted = fit_engines(roles, plain, how.engines, helps=how.helps, **more)
+        return plain, assisted, holdout.of_engines(closed, assisted), None
+    wanted = goal_of(
+        roles, best, best.restitution_at, [one.predicted for one in closed], how.step_s
+    )
+    tuned = tune_engines(roles, best, wanted, how.engines, **more)
+    return wanted.plain, tuned, holdout.of_engines(closed, tuned), wanted
 
 
 def _gather(

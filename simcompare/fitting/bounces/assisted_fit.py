@@ -1,4 +1,7 @@
-"""Each engine's own parameters with our helps, from three drops at different phases of its step."""
+"""Each engine's own restitution with our helps, from three drops at different phases of its step.
+
+All else that an engine is given is the closed form's, so that nothing takes up what it errs in.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from simcompare.fitting.bounces import bounce_models, likelihood
+from simcompare.fitting.bounces import bounce_models, one_number
 from simcompare.fitting.bounces.deviations import (
     Deviation,
     RunDeviation,
@@ -20,9 +23,9 @@ from simcompare.fitting.bounces.deviations import (
 )
 from simcompare.fitting.bounces.engine_fit import EngineFit, contact_rows
 from simcompare.fitting.bounces.likelihood import Fit
+from simcompare.fitting.bounces.one_number import RESTITUTION, OneNumber
 from simcompare.fitting.bounces.problem import Problem, observed_in
 from simcompare.fitting.bounces.roles import Roles
-from simcompare.fitting.bounces.unknowns import external
 from simcompare.inference.defect_correction import Corrected, correct
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, Settings
@@ -49,7 +52,7 @@ class AssistedFit(EngineFit):
 
 def fit_engines(
     roles: Roles,
-    start: Fit,
+    plain: OneNumber,
     engines: Sequence[str],
     *,
     helps: frozenset[str] | None = None,
@@ -61,14 +64,14 @@ def fit_engines(
 
     Args:
         roles: the scenario.
-        start: the closed-form fit, with a model that the scenario has: constant restitution, with
-            or without drag.
+        plain: the closed form with one restitution.
         engines: names.
         helps: our helps that are taken; ``None``: all.
         step_s: time between samples; the scenario's own where ``None``.
         time_limit_s: longest time for one simulation [s].
         progress: called as jobs end.
     """
+    start = plain.fit
     problem, settings = start.problem, Settings(ASSISTED, helps=helps)
     states = {name: Corrected(start.x) for name in engines}
     latest: dict[str, _Shown] = {}
@@ -80,15 +83,17 @@ def fit_engines(
 
     def corrected(name: str, one: Corrected) -> Array:
         found = _shown(roles, problem, one.x, one.last)
+        if RESTITUTION not in problem.names:
+            latest[name] = found
+            return one.x
         solved = _without_defects(problem, one.x, found)
         latest[name] = replace(found, spread=solved[1:])
-        best: Array = solved[0]
-        return best
+        return np.where([n == RESTITUTION for n in problem.names], solved[0], one.x)
 
     correct(states, jobs_of, corrected, time_limit_s=time_limit_s, progress=progress)
     return [
         _failed(name, one) if one.failure is not None
-        else _result(name, problem, start, one, latest[name])
+        else _result(name, plain, one, latest[name])
         for name, one in states.items()
     ]  # fmt: skip
 
@@ -101,7 +106,7 @@ class _Shown:
         bouncing: of every drop, mean over the dithers.
         parts: of every drop, dither by dither.
         runs: the middle simulation of every drop.
-        spread: the internal numbers that each dither alone would give (DITHERS, p).
+        spread: the restitution that each dither alone would give (DITHERS,).
     """
 
     bouncing: tuple[Deviation, ...]
@@ -141,7 +146,7 @@ def _shown(roles: Roles, problem: Problem, x: Array, outcomes: Sequence[Outcome]
 
 
 def _without_defects(problem: Problem, x: Array, external: _Shown) -> Array:
-    """The internal numbers for data less the mean defect, and less that of each dither alone."""
+    """The restitution for data less the mean defect, and less that of each dither alone."""
     dithers = [
         [mean_deviation([parts[i]], impacts.count, whole=True)
          for parts, impacts in zip(external.parts, problem.drops, strict=True)]
@@ -150,7 +155,7 @@ def _without_defects(problem: Problem, x: Array, external: _Shown) -> Array:
     data = np.stack(
         [problem.data - _in_data(problem, x, one) for one in (external.bouncing, *dithers)]
     )
-    return likelihood.minimise(problem, np.repeat(x[None, :], len(data), axis=0), data).x
+    return one_number.restitutions(problem, x, data)
 
 
 def _in_data(problem: Problem, x: Array, external: Sequence[Deviation]) -> Array:
@@ -174,38 +179,21 @@ def _failed(name: str, one: Corrected) -> AssistedFit:
                        simulations=one.simulations, wall_s=one.wall_s, outcome=bad)  # fmt: skip
 
 
-def _result(name: str, problem: Problem, start: Fit, one: Corrected, engine: _Shown) -> AssistedFit:
-    last = one.last[0]
+def _result(name: str, plain: OneNumber, one: Corrected, engine: _Shown) -> AssistedFit:
+    last, start, problem = one.last[0], plain.fit, plain.fit.problem
     assert last.trajectory is not None
-    values = np.array([float(external(n, v)) for n, v in zip(problem.names, one.x, strict=True)])
-    spread = np.std(engine.spread, axis=0, ddof=1) / math.sqrt(DITHERS)
-    u_num = {
-        unknown: float(s * likelihood.scale_of(unknown, value))
-        for unknown, s, value in zip(problem.names, spread, values, strict=True)
-    }
-    covariance = start.covariance + np.diag([u_num[unknown] ** 2 for unknown in problem.names])
-    intervals = tuple(
-        _moved(ends, float(at), float(value), u_num[unknown])
-        for ends, at, value, unknown in zip(
-            start.intervals, start.values, values, problem.names, strict=True
-        )
-    )
-    fitted = replace(start, values=values, covariance=covariance, intervals=intervals, x=one.x)
+    fitted, u_num = start, dict.fromkeys(start.names, 0.0)
+    if RESTITUTION in start.names:
+        u_num[RESTITUTION] = float(np.std(engine.spread, ddof=1)) / math.sqrt(DITHERS)
+        value = float(one.x[start.names.index(RESTITUTION)])
+        fitted = one_number.with_engine(start, value, u_num[RESTITUTION])
     effective = _effective(engine)
     return AssistedFit(
-        name, last.facts.version, ASSISTED, OK, None, fitted, u_num, effective,
+        name, last.facts.version, ASSISTED, OK, None, fitted, plain.misfit, u_num, effective,
         _whole_u(fitted, effective[1]), engine.bouncing, contact_rows(last.trajectory),
         one.simulations, one.wall_s, last, engine.runs,
         tuple(_residuals_s(problem, one.x, engine, drop) for drop in range(len(problem.drops))),
     )  # fmt: skip
-
-
-def _moved(ends: tuple[float, float], at: float, value: float, u_num: float) -> tuple[float, float]:
-    """The closed form's interval about another value, wider by the engine's own scatter."""
-    if not (math.isfinite(at) and math.isfinite(value)):
-        return ends
-    extra = likelihood.COVERAGE * u_num
-    return value - math.hypot(at - ends[0], extra), value + math.hypot(ends[1] - at, extra)
 
 
 def _effective(engine: _Shown) -> tuple[float, float]:

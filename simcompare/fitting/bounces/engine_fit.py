@@ -26,8 +26,9 @@ class EngineFit:
         contact: level for which it holds: "tuned" or "assisted".
         status: "ok" or how it failed.
         reason: why it failed.
-        fit: the closed form's parameters; with helps those to be given to the engine, ``None``
-            where it failed.
+        fit: what it must be given: the closed form's parameters, and one restitution of its own;
+            ``None`` where it failed.
+        misfit: root mean square by which the recorded impacts differ from that restitution.
         u_num: unknown -> standard uncertainty from phase and step.
         effective: mean restitution that it shows in the fitted drops, and its standard uncertainty
             from the phase.
@@ -46,6 +47,7 @@ class EngineFit:
     status: str
     reason: str | None
     fit: Fit | None = None
+    misfit: float = 0.0
     u_num: Mapping[str, float] = field(default_factory=dict)
     effective: tuple[float, float] | None = None
     u_effective: float = 0.0

@@ -60,22 +60,19 @@ def predict(best: Fit, held: Sequence[Impacts], fixed: Mapping[str, float]) -> l
     return [_closed(number, best, drop, fixed) for number, drop in enumerate(held, start=1)]
 
 
-def of_engines(
-    closed: Sequence[Prediction], with_contact: Sequence[Prediction], engines: Sequence[EngineFit]
-) -> Holdout:
+def of_engines(closed: Sequence[Prediction], engines: Sequence[EngineFit]) -> Holdout:
     """What was predicted, by the closed form and by every engine.
 
     Args:
         closed: predictions of the closed form.
-        with_contact: those of the closed form with the contact that engines have.
         engines: the engines that were fitted.
     """
     rows = []
-    for place, (one, other) in enumerate(zip(closed, with_contact, strict=True)):
+    for place, one in enumerate(closed):
         found: dict[str, EngineHoldout] = {}
         for engine in engines:
             if isinstance(engine, AssistedFit) and engine.fit is not None:
-                found[engine.engine] = _assisted(engine, other.row)
+                found[engine.engine] = _assisted(engine, one)
             elif isinstance(engine, TunedFit) and engine.fit is not None:
                 found[engine.engine] = _tuned(engine, place, one)
         rows.append(replace(one.row, engines=found))
@@ -206,16 +203,23 @@ def _gravity(one: Fit) -> float:
     return float(one.problem.fixed.get("gravity_m_s2", bounce_models.GRAVITY))
 
 
-def _assisted(one: EngineFit, row: HeldOutDrop) -> EngineHoldout:
+def _assisted(one: EngineFit, closed: Prediction) -> EngineHoldout:
     """The engine shows its effective restitution at every drop; that is held against this one's."""
     assert one.effective is not None
     value = one.effective[0]
-    own = math.hypot(one.effective[1], one.u_num.get("restitution", 0.0))
-    score = None
-    if row.restitution is not None and row.u_difference is not None:
+    own = math.hypot(one.effective[1], one.u_num.get("restitution", 0.0), one.misfit)
+    u_held, score, held = closed.row.u_difference, None, None
+    if closed.again is not None and u_held is not None:
+        held = _mean_restitution(closed.again)
         # the engine was fitted to the same data: beside the closed form's only its own part counts
-        score = e_n(value, row.restitution, 2 * own, 2 * row.u_difference)
-    return EngineHoldout(restitution=value, u=one.u_effective, e_n=score)
+        score = e_n(value, held, 2 * own, 2 * u_held)
+    return EngineHoldout(restitution=value, u=one.u_effective, held=held, u_held=u_held, e_n=score)
+
+
+def _mean_restitution(one: Fit) -> float:
+    """Mean over the impacts of the first drop."""
+    values, count = one.problem.values(one.x, 0), one.problem.drops[0].count
+    return float(bounce_models.bounces(one.problem.model, values, count).restitution.mean())
 
 
 def _tuned(one: TunedFit, place: int, closed: Prediction) -> EngineHoldout:
@@ -223,7 +227,7 @@ def _tuned(one: TunedFit, place: int, closed: Prediction) -> EngineHoldout:
     deviation = one.held[place]
     value, phases = float(deviation.restitution[0]), math.sqrt(one.phases)
     # the mean over the phases, and over those in which the numbers were found
-    own = math.sqrt(2) * float(deviation.u_restitution[0]) / phases
+    own = math.hypot(math.sqrt(2) * float(deviation.u_restitution[0]) / phases, one.misfit)
     score = held = u_held = None
     if closed.again is not None:
         speed = closed.again.speeds_m_s[1]
@@ -240,11 +244,8 @@ def _engine_heights(one: TunedFit, place: int, closed: Prediction) -> Iterator[P
     """Rebound heights of a plain loop: those of the closed form, moved as the engine moves them."""
     deviation = one.held[place]
     # errors of several bounces add up
-    scatter = (
-        np.cumsum(deviation.u_restitution / deviation.restitution)
-        * math.sqrt(2)
-        / math.sqrt(one.phases)
-    )
+    each = math.sqrt(2 / one.phases) * deviation.u_restitution + one.misfit
+    scatter = np.cumsum(each / deviation.restitution)
     values = closed.predicted.problem.values(closed.predicted.x, 0)
     shown = bounce_models.bounces(closed.predicted.problem.model, values, closed.drop.count)
     for row in closed.row.heights:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -18,7 +17,8 @@ from simcompare.fitting.bounces.deviations import Deviation
 from simcompare.fitting.bounces.engine_fit import EngineFit
 from simcompare.fitting.bounces.identifiability import identifiability
 from simcompare.fitting.bounces.impacts import Impacts
-from simcompare.fitting.bounces.likelihood import COVERAGE, Fit
+from simcompare.fitting.bounces.likelihood import Fit
+from simcompare.fitting.bounces.one_number import OneNumber
 from simcompare.fitting.bounces.roles import Roles
 from simcompare.fitting.bounces.tuned_fit import TunedFit
 from simcompare.fitting.bounces.tuning_goal import TuningGoal
@@ -30,6 +30,7 @@ from simcompare.results.records.fit_engines import (
     BouncesEngine,
     EffectiveValue,
     FirstContact,
+    OneRestitution,
     RunWith,
     Shown,
     Target,
@@ -45,7 +46,7 @@ from simcompare.results.records.fit_forms import (
     Unknown,
 )
 from simcompare.results.records.fit_holdout import Holdout, SourceHoldout
-from simcompare.results.records.fit_parts import EngineParameter, Known, Value
+from simcompare.results.records.fit_parts import CLOSED_FORM, ENGINE, EngineParameter, Known, Value
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ class Made:
 def of_fit(
     roles: Roles,
     choice: model_selection.Choice,
-    start: Fit,
+    plain: OneNumber,
     engines: Sequence[EngineFit],
     predicted: Holdout,
     drops: tuple[Sequence[Impacts], Sequence[Impacts]],
@@ -79,7 +80,7 @@ def of_fit(
     Args:
         roles: the scenario.
         choice: the closed forms and which was chosen.
-        start: the closed form that engines were fitted with.
+        plain: the closed form with the one restitution that engines have.
         engines: what each engine must be given.
         predicted: the held-out drops.
         drops: those that were fitted, and those that were held out.
@@ -96,11 +97,9 @@ def of_fit(
         identifiability=Known(**vars(known)), residuals=plot_data.residuals(best),
         law=plot_data.law_of(best), ratios=plot_data.measured_ratios(best),
         profiles=plot_data.profiles_of(best),
-        engine_form=None if start.model == best.model else form_of(start),
-        engine_model=start.model,
-        engine_model_text=bounce_models.model_of(start.model).text,
+        one_number=_one_number(plain),
         tuned_to=_target(made.goal), tuned_mean=_tuned_mean(sources), sources=sources,
-        run_with=_run_with(roles, start, engines, made), holdout=predicted,
+        run_with=_run_with(roles, plain.fit, engines), holdout=predicted,
         budgets=budgets(choice),
         other_estimates=tuple(other_estimates.of_drops(drops[0], best)),
         valid=Valid(
@@ -212,25 +211,24 @@ def _source(one: EngineFit, predicted: Holdout, identifiable: bool) -> BouncesEn
     )  # fmt: skip
 
 
+def _one_number(plain: OneNumber) -> OneRestitution | None:
+    if not plain.misfit:
+        return None
+    at = plain.fit.names.index("restitution")
+    return OneRestitution(float(plain.fit.values[at]), float(plain.fit.u[at]), plain.misfit)
+
+
 def _parameters(fit: Fit, one: EngineFit) -> dict[str, EngineParameter]:
-    """Unknown -> value, uncertainty and interval; in a plain loop with its one restitution."""
-    found = {}
-    for name, row in _unknowns(fit):
-        if name in fit.assumed:
-            continue
-        value, u, ends = row.value, row.u, row.limits
-        if isinstance(one, TunedFit) and name == "restitution":
-            goal, u_goal = one.restitution
-            if not math.isclose(goal, value or 0.0, rel_tol=1e-9):
-                half = COVERAGE * u_goal
-                value, u, ends = goal, u_goal, (goal - half, goal + half)
-        found[name] = EngineParameter(
-            value=value, u=u, interval95=ends, unit=units.unit_of(name.partition("[")[0]),
-            u_num=one.u_num.get(name, 0.0),
-        )  # fmt: skip
-    if isinstance(one, TunedFit):
-        found.pop("exponent", None)
-    return found
+    """Unknown -> value, uncertainty and interval, and whose it is."""
+    return {
+        name: EngineParameter(
+            value=row.value, u=row.u, interval95=row.limits,
+            unit=units.unit_of(name.partition("[")[0]), u_num=one.u_num.get(name, 0.0),
+            whose=ENGINE if name == "restitution" else CLOSED_FORM,
+            misfit=one.misfit if name == "restitution" else 0.0,
+        )
+        for name, row in _unknowns(fit) if name not in fit.assumed
+    }  # fmt: skip
 
 
 def _shown(one: Deviation) -> Shown:
@@ -259,14 +257,11 @@ def _tuned_mean(sources: Sequence[BouncesEngine]) -> float | None:
     return sum(row.closed_form for row in most) / len(most) if most else None
 
 
-def _run_with(roles: Roles, start: Fit, engines: Sequence[EngineFit], made: Made) -> RunWith:
+def _run_with(roles: Roles, start: Fit, engines: Sequence[EngineFit]) -> RunWith:
     """With what a run repeats the fit: parameters of the scenario, and engines' own numbers."""
 
     def values(one: Fit) -> dict[str, float]:
-        closed = dict(one.problem.values(one.x, 0))
-        if made.goal is not None:
-            closed["restitution"] = made.goal.restitution
-        found = roles.values(closed)
+        found = roles.values(one.problem.values(one.x, 0))
         return {name: value for name, value in found.items() if name != roles.height}
 
     assisted = {

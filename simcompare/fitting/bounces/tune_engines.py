@@ -30,7 +30,7 @@ from simcompare.fitting.bounces.engine_fit import contact_rows
 from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.fitting.bounces.roles import Roles
 from simcompare.fitting.bounces.tuned_fit import TunedFit
-from simcompare.fitting.bounces.tuning_goal import TuningGoal
+from simcompare.fitting.bounces.tuning_goal import CONTACT_STEPS, TuningGoal
 from simcompare.inference.defect_correction import wall_s
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import TUNED, PairNumbers, Settings
@@ -42,8 +42,6 @@ from simcompare.running.runner import TIME_LIMIT_S, Progress, run_jobs
 
 #: part by which the last number is changed to see what the restitution makes of it
 _CHANGE = 0.01
-#: simulated time after the last measured impact [s], and steps for the contact of each impact
-_AFTER_S, _CONTACT_STEPS = 0.05, 15
 
 
 def tune_engines(
@@ -74,9 +72,9 @@ def tune_engines(
         else plan for plan in drop_plans(middle)
     )  # fmt: skip
     tuning = Settings(TUNED, drops=plans)
-    jobs = [Job(name, middle, tuning) for name in engines]
-    first = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
     short = _short_scenes(goal, drops[goal.lead])
+    jobs = [Job(name, short[goal.phases // 2], tuning) for name in engines]
+    first = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
     jobs = []
     for outcome in first:
         if outcome.trajectory is not None:
@@ -97,17 +95,13 @@ def tune_engines(
 
 def _drop_scenes(roles: Roles, goal: TuningGoal, drop: int, step_s: float | None) -> list[Scenario]:
     """One drop at every phase of the step, long enough for what contacts add."""
-    closed, count = goal.drops[drop], goal.counts[drop]
-    nominal = roles.file.resolve(roles.values(closed), step_s=step_s)
-    contact_s = _CONTACT_STEPS * nominal.world.engine_step_s * count
-    lasts_s = ends_s(closed, count + 1) + _AFTER_S + contact_s
-    return scenes(roles, closed, step_s, lasts_s, goal.phases)
+    return scenes(roles, goal.drops[drop], step_s, goal.lasts_s[drop], goal.phases)
 
 
 def _short_scenes(goal: TuningGoal, lead: Sequence[Scenario]) -> list[Scenario]:
     """The leading drop until after its first impact."""
     step_s = lead[0].world.step_s
-    lasts_s = ends_s(goal.drops[goal.lead], 1) + _CONTACT_STEPS * step_s
+    lasts_s = ends_s(goal.drops[goal.lead], 1) + CONTACT_STEPS * step_s
     world = {"duration_s": math.ceil(lasts_s / step_s) * step_s}
     return [one.model_copy(update={"world": one.world.model_copy(update=world)}) for one in lead]
 
@@ -149,7 +143,9 @@ def _result(
                         wall_s=cost_s, outcome=first)  # fmt: skip
     shown = tuple(deviations[: goal.fitted])
     effective = _effective(parts[: goal.fitted], shown)
-    tuning = tuple(_goal_first(roles, first))
+    tuning, misfit = tuple(_goal_first(roles, first)), goal.plain.misfit
+    # the search for a number ends near its aim
+    gap = float(deviations[goal.lead].restitution[0]) - goal.restitution
     middle = tuple(
         (o.job.scenario, o.trajectory)
         for drop in range(goal.fitted)
@@ -157,9 +153,10 @@ def _result(
         if o.trajectory is not None
     )
     return TunedFit(
-        name, version, TUNED, OK, None, best, {}, effective, math.hypot(effective[1], goal.u),
-        shown, contact_rows(middle[0][1]), count, cost_s, first, middle,
-        _numbers(tuning, first.trajectory, goal.u, slope),
+        name, version, TUNED, OK, None, goal.plain.fit, misfit, {}, effective,
+        math.hypot(effective[1], goal.u, misfit), shown, contact_rows(middle[0][1]), count,
+        cost_s, first, middle,
+        _numbers(tuning, first.trajectory, math.hypot(goal.u, misfit, gap), slope),
         first.job.scenario.world.engine_step_s, (goal.restitution, goal.u),
         tuple(_impacts(best, goal, shown)),
         max(part.penetration_m for every in parts[: goal.fitted] for part in every),

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from simcompare.model.settings import TUNED
 from simcompare.results.records.fit_budget import Budget
-from simcompare.results.records.fit_engines import BouncesEngine, RunWith, Target
+from simcompare.results.records.fit_engines import BouncesEngine, OneRestitution, RunWith, Target
 from simcompare.results.records.fit_forms import (
     Bootstrap,
     Choice,
@@ -115,9 +115,8 @@ class BouncesFit(AnyKind):
         law: restitution against speed.
         ratios: of single bounces.
         profiles: of its unknowns.
-        engine_form: the closed form with the contact that engines have, where that is another.
-        engine_model: its name.
-        engine_model_text: what it says, in words.
+        one_number: what engines have for a restitution that depends on the speed; ``None`` where it
+            does not. All else that they are given is the closed form's.
         tuned_to: the impact to which engines were tuned.
         tuned_mean: mean restitution of the closed form over the impacts that engines resolve.
         sources: the engines.
@@ -141,9 +140,7 @@ class BouncesFit(AnyKind):
     law: Law
     ratios: tuple[Ratios, ...]
     profiles: tuple[ProfileRow, ...]
-    engine_form: Form | None
-    engine_model: str
-    engine_model_text: str
+    one_number: OneRestitution | None
     tuned_to: Target | None
     tuned_mean: float | None
     sources: tuple[BouncesEngine, ...]
@@ -157,8 +154,3 @@ class BouncesFit(AnyKind):
     def is_tuned(self) -> bool:
         """Whether engines were fitted in their plain loops, without our helps."""
         return self.contact == TUNED
-
-    @property
-    def for_engines(self) -> Form:
-        """The closed form with the contact that engines have."""
-        return self.engine_form or self.closed_form

@@ -31,6 +31,21 @@ class Target:
 
 
 @dataclass(frozen=True)
+class OneRestitution:
+    """The one restitution of engines for a ball whose own depends on the speed.
+
+    Attributes:
+        value: of it.
+        u: standard uncertainty with which it stands for every recorded impact.
+        misfit: its part from the impacts: root mean square by which they differ from it.
+    """
+
+    value: float
+    u: float
+    misfit: float
+
+
+@dataclass(frozen=True)
 class EffectiveValue:
     """What an engine shows.
 

@@ -13,6 +13,8 @@ from simcompare.model.tuning import TuningRow
 from simcompare.statistics.identifiability import Identifiability
 
 Part = TypeVar("Part")
+#: whose a parameter of an engine is
+CLOSED_FORM, ENGINE = "closed form", "engine"
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,9 @@ class EngineParameter:
         interval95: ends of the 95 % interval; ``None`` where the data leave one open.
         unit: of all of them.
         u_num: standard uncertainty from the engine's phase and step.
+        whose: "closed form" where every engine is given the same, or "engine".
+        misfit: standard uncertainty from what the engine lacks, such as a restitution that depends
+            on the speed.
     """
 
     value: float | None
@@ -51,6 +56,8 @@ class EngineParameter:
     interval95: tuple[float | None, float | None]
     unit: str
     u_num: float | None
+    whose: str = ENGINE
+    misfit: float = 0.0
 
     @property
     def limits(self) -> tuple[float | None, float | None]:

@@ -255,8 +255,3 @@ class WaveformFit(AnyKind):
     sources: tuple[WaveEngine, ...]
     holdout: WaveHoldout
     valid: WaveValid
-
-    @property
-    def for_engines(self) -> FittedReference:
-        """What engines are compared with."""
-        return self.closed_form

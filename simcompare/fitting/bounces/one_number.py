@@ -1,0 +1,189 @@
+"""The one restitution that an engine has, where that of the ball depends on the speed.
+
+An engine gets drag, heights and clocks as the closed form has them, and of the contact one number.
+Nothing else is fitted again, so that nothing takes up what one number cannot show. How far the
+recorded impacts are from it is a part of its uncertainty, as for a correction that is known and not
+applied (GUM, JCGM 100:2008, F.2.4.5).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from simcompare.fitting.bounces import bounce_models
+from simcompare.fitting.bounces.bounce_models import MODELS
+from simcompare.fitting.bounces.likelihood import COVERAGE, Fit
+from simcompare.fitting.bounces.problem import Problem
+from simcompare.fitting.bounces.unknowns import SPEED
+from simcompare.model.trajectory import Array
+from simcompare.statistics import least_squares
+
+RESTITUTION, EXPONENT = "restitution", "exponent"
+#: speed [m/s] -> restitution and its standard uncertainty
+Law = Callable[[float], tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class OneNumber:
+    """The closed form with one restitution for all speeds.
+
+    Attributes:
+        fit: its parameters; all but the restitution are those of the closed form.
+        misfit: root mean square by which the recorded impacts differ from that restitution; 0 where
+            the ball's does not depend on the speed.
+    """
+
+    fit: Fit
+    misfit: float
+
+
+def at_speed(best: Fit, law: Law, speed_m_s: float, *, with_drag: bool = True) -> OneNumber:
+    """The restitution of one speed for all of them.
+
+    Args:
+        best: the closed form.
+        law: its restitution.
+        speed_m_s: the speed.
+        with_drag: whether the scene can have drag.
+    """
+    return _of(best, law, *law(speed_m_s), with_drag)
+
+
+def nearest(best: Fit, law: Law, *, with_drag: bool = True) -> OneNumber:
+    """The one restitution that follows what was measured best, all else as the closed form has it.
+
+    Args:
+        best: the closed form.
+        law: its restitution.
+        with_drag: whether the scene can have drag.
+    """
+    if best.problem.model.law == "constant" and with_drag:
+        return _of(best, law, *law(best.speeds_m_s[1]), with_drag)
+    problem, x = _constant(best, law(best.speeds_m_s[1])[0], with_drag)
+    value = float(restitutions(problem, x, problem.data[None, :])[0])
+    u = math.sqrt(float(np.mean([law(speed)[1] ** 2 for speed in _speeds(best)])))
+    return _of(best, law, value, u, with_drag)
+
+
+def restitutions(problem: Problem, x: Array, data: Array) -> Array:
+    """The restitution that follows each of several data (B, n) best, all else held (B,)."""
+    k = problem.names.index(RESTITUTION)
+
+    def residuals(e: Array) -> Array:
+        whole = np.broadcast_to(x, (*e.shape[:-1], len(x))).copy()
+        whole[..., k] = e[..., 0]
+        return problem.residuals(whole, data)
+
+    start = np.full((len(data), 1), x[k])
+    bounds = problem.low[[k]], problem.high[[k]], problem.size[[k]]
+    return np.asarray(least_squares.solve(residuals, start, *bounds).x[:, 0])
+
+
+def with_engine(fit: Fit, value: float, u_engine: float) -> Fit:
+    """The same with the restitution that an engine needs, and its own part of the uncertainty."""
+    k = fit.names.index(RESTITUTION)
+    values, x, covariance = fit.values.copy(), fit.x.copy(), fit.covariance.copy()
+    internal, intervals = fit.internal_covariance.copy(), list(fit.intervals)
+    intervals[k] = _moved(intervals[k], float(values[k]), value, u_engine)
+    values[k] = x[k] = value
+    covariance[k, k] += u_engine**2
+    internal[k, k] += u_engine**2
+    return replace(fit, values=values, x=x, covariance=covariance, internal_covariance=internal,
+                   intervals=tuple(intervals))  # fmt: skip
+
+
+def _of(best: Fit, law: Law, value: float, u: float, with_drag: bool) -> OneNumber:
+    given = RESTITUTION not in best.names
+    if best.problem.model.law == "constant" and with_drag and given:
+        return OneNumber(best, 0.0)
+    if best.problem.model.law == "constant" and with_drag:
+        return OneNumber(_told(best, value, u, best.intervals), 0.0)
+    gaps = [law(speed)[0] - value for speed in _speeds(best)]
+    misfit = math.sqrt(float(np.mean(np.square(gaps))))
+    problem, x = _constant(best, value, with_drag)
+    kept = [best.names.index(n) for n in problem.names if n in best.names]
+    fit = replace(best, model="constant" + "+drag" * problem.model.drag, problem=problem, x=x)
+    fit = _rows(fit, best, problem.names, kept)
+    whole = math.hypot(u, misfit)
+    return OneNumber(_told(fit, value, whole, fit.intervals), misfit)
+
+
+def _told(fit: Fit, value: float, u: float, intervals: tuple[tuple[float, float], ...]) -> Fit:
+    """The fit with that restitution and its standard uncertainty."""
+    k = fit.names.index(RESTITUTION)
+    if math.isclose(value, float(fit.values[k]), rel_tol=1e-12) and math.isclose(
+        u, float(fit.u[k]), rel_tol=1e-6
+    ):
+        return fit
+    values, x, covariance = fit.values.copy(), fit.x.copy(), fit.covariance.copy()
+    internal, ends = fit.internal_covariance.copy(), list(intervals)
+    values[k] = x[k] = value
+    for matrix in (covariance, internal):
+        old = math.sqrt(matrix[k, k]) if matrix[k, k] > 0 else math.inf
+        # what correlates with the others is the law's own; the misfit is no error of theirs
+        own = min(u, old)
+        matrix[k, :] *= own / old
+        matrix[:, k] *= own / old
+        matrix[k, k] = u**2
+    ends[k] = value - COVERAGE * u, value + COVERAGE * u
+    return replace(fit, values=values, x=x, covariance=covariance, internal_covariance=internal,
+                   intervals=tuple(ends))  # fmt: skip
+
+
+def _rows(fit: Fit, best: Fit, names: tuple[str, ...], kept: list[int]) -> Fit:
+    """The rows of the closed form's fit that belong to these names."""
+    place = [k for k, name in enumerate(names) if name in best.names]
+
+    def square(matrix: Array) -> Array:
+        found = np.zeros((len(names), len(names)))
+        found[np.ix_(place, place)] = matrix[np.ix_(kept, kept)]
+        return found
+
+    values = np.zeros(len(names))
+    values[place] = best.values[kept]
+    ends, how = [(0.0, 0.0)] * len(names), ["normal"] * len(names)
+    for ours, theirs in zip(place, kept, strict=True):
+        ends[ours], how[ours] = best.intervals[theirs], best.how[theirs]
+    return replace(
+        fit, names=names, values=values, covariance=square(best.covariance),
+        internal_covariance=square(best.internal_covariance), intervals=tuple(ends),
+        how=tuple(how), profiles={n: p for n, p in best.profiles.items() if n in names},
+    )  # fmt: skip
+
+
+def _constant(best: Fit, value: float, with_drag: bool) -> tuple[Problem, Array]:
+    """The same problem with a constant restitution, and the closed form's numbers in it."""
+    problem = best.problem
+    without = {EXPONENT, *(() if with_drag else (SPEED,))}
+    names = tuple(n for n in problem.names if n not in without)
+    names = names if RESTITUTION in names else (RESTITUTION, *names)
+    held = {n: v for n, v in problem.fixed.items() if n not in (RESTITUTION, *without)}
+    law = problem.model.law == "constant"
+    priors = {n: p for n, p in problem.priors.items() if n in names and (law or n != RESTITUTION)}
+    drag = SPEED in names
+    model = MODELS["constant+drag" if drag else "constant"]
+    known = dict(zip(problem.names, best.x.tolist(), strict=True))
+    x = np.array([value if n == RESTITUTION else known[n] for n in names])
+    return replace(problem, model=model, names=names, fixed=held, priors=priors), x
+
+
+def _speeds(best: Fit) -> list[float]:
+    """Speeds of all recorded impacts [m/s]."""
+    found: list[float] = []
+    for number, drop in enumerate(best.problem.drops):
+        values = best.problem.values(best.x, number)
+        shown = bounce_models.bounces(best.problem.model, values, drop.count)
+        found += np.ravel(shown.speed_m_s).tolist()
+    return found
+
+
+def _moved(
+    ends: tuple[float, float], at: float, value: float, u_more: float
+) -> tuple[float, float]:
+    """An interval about another value, wider by a further uncertainty."""
+    extra = COVERAGE * u_more
+    return value - math.hypot(at - ends[0], extra), value + math.hypot(ends[1] - at, extra)
