@@ -36,7 +36,11 @@ def fit(
         " sought.",
     ),
     fixed: list[str] = typer.Option(
-        [], "--fix", metavar="P=V", help="A value that is not sought, such as terminal_speed=9m/s."
+        [],
+        "--fix",
+        metavar="P=V",
+        help="A value that is exact, not sought, such as terminal_speed=9m/s. Of bounces, gravity"
+        " and clock_skew are assumed with an uncertainty where nothing is said.",
     ),
     priors: list[str] = typer.Option(
         [],

@@ -60,7 +60,8 @@ def fit(
         model: closed form, or "auto": the one with the least AICc.
         unknowns: what is fitted beside what the model has, such as "clock_skew"; by waveform
             and by tosses, all that is fitted.
-        fixed: values of what is not fitted; by tosses also the "scale" of measured lengths.
+        fixed: values of what is not fitted; by tosses also the "scale" of measured lengths. By
+            bounces, gravity and the recorder's clock have an uncertainty where nothing is said.
         priors: unknown -> value and standard uncertainty.
         u_time_s: standard uncertainty of an impact time, where a recording does not say [s].
         set: parameters of the scenario, such as the ball's mass.
