@@ -44,10 +44,10 @@ def _sentence(fit: BouncesFit, source: str, names: Sequence[str]) -> str:
     called, advice = _ASSUMED[source]
     shares = [one.shares[source] for one in fit.budgets if one.name in names]
     what = phrases.listed([f"the {fits.title(name)}" for name in names])
-    part = numbers.percent(min(shares))
+    part = phrases.ends(*(numbers.plain(100 * end(shares), 2) for end in (min, max)))
     return (
         f"The uncertainty of {what} is mostly that of {called}, which was assumed"
-        f" ({part} of u²): {advice}."
+        f" ({part} % of u²): {advice}."
     )
 
 

@@ -44,7 +44,7 @@ def of_bounces(
         filmed: whether a drop was filmed, not only heard.
     """
     what = "video" if filmed else "sound"
-    words = _words(known, _Language(called, lambda names: _advice(what, names)))
+    words = _words(known, _Language(called, lambda names: _advice(what, names, priors)))
     for name, u in zip(known.names, known.u, strict=True):
         prior = priors.get(name)
         if prior is not None and u is not None and u > 0.9 * prior.u:
@@ -97,8 +97,11 @@ def _weak(direction: Direction, largest: float, language: _Language) -> list[str
     return [advice, f"the noise hides this change: {moves}"]
 
 
-def _advice(what: str, kinds: Set[str]) -> str:
+def _advice(what: str, kinds: Set[str], priors: Mapping[str, Prior]) -> str:
     if {"terminal_speed_m_s", "exponent"} <= kinds:
+        if "terminal_speed_m_s" in priors:
+            return (f"a {what} hardly separates drag from a restitution that depends on speed: a"
+                    " terminal speed that is better known helps")  # fmt: skip
         return (
             f"a {what} cannot separate drag from a restitution that depends on speed: give the"
             " terminal speed, √(2·m·g/(ρ·c_d·A)) from mass and diameter, with --prior"
