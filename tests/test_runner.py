@@ -15,7 +15,7 @@ import pytest
 from simcompare.engine import engines
 from simcompare.model.settings import Settings
 from simcompare.running.jobs import FAILED, MISSING, OK, UNSUPPORTED, Job
-from simcompare.running.runner import run_jobs
+from simcompare.running.runner import kept_processes, run_jobs
 from simcompare.scenarios import catalogue
 
 #: how long a test waits for what must come; only a test that fails waits that long
@@ -128,6 +128,42 @@ def test_more_engines_than_places_all_get_their_turn(add_engine, fall):
         add_engine(name)
     found = run_jobs(jobs_for(["one", "two", "three"], fall), processes=1)
     assert [o.status for o in found] == [OK, OK, OK]
+
+
+def numbers_of(found):
+    """Numbers of the processes that did the jobs, as the toy engine prints them."""
+    return [int(outcome.noise.split()[-1]) for outcome in found]
+
+
+def test_a_process_is_kept_for_further_jobs_and_ends_with_the_block(add_engine, fall):
+    add_engine("told", "print(os.getpid())")
+    with kept_processes():
+        first, second = (run_jobs(jobs_for(["told"], fall)) for _ in range(2))
+        assert numbers_of(first) == numbers_of(second)
+        # what was printed belongs to the jobs that it was printed in
+        assert len(second[0].noise.split()) == 1
+    third = run_jobs(jobs_for(["told"], fall))
+    assert numbers_of(third) != numbers_of(first)
+    with pytest.raises(ProcessLookupError):
+        os.kill(numbers_of(first)[0], 0)
+
+
+@pytest.mark.parametrize("during", ["os.abort()", "time.sleep(600)"])
+def test_a_kept_process_that_has_ended_is_replaced(add_engine, fall, tmp_path, during):
+    once = tmp_path / "once"
+    add_engine(
+        "second",
+        f"print(os.getpid())\n        if os.path.exists({str(once)!r}):"
+        f" os.remove({str(once)!r}); {during}",
+    )
+    with kept_processes():
+        first = run_jobs(jobs_for(["second"], fall))
+        once.touch()
+        (failed,) = run_jobs(jobs_for(["second"], fall), time_limit_s=LIMIT_S)
+        assert failed.status == FAILED
+        third = run_jobs(jobs_for(["second"], fall))
+    assert third[0].status == OK
+    assert numbers_of(third) != numbers_of(first)
 
 
 def test_very_much_noise_neither_blocks_nor_fills_the_record(add_engine, fall):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import pickle
+import queue
 import struct
 import sys
 import threading
@@ -15,17 +16,20 @@ from typing import IO, Any
 from simcompare.running.jobs import Inquiry, Job
 
 HEADER = struct.Struct("<Q")
+#: a frame after which no jobs follow
+FAREWELL = b""
 
 
 def main() -> None:
-    """Reads one frame with a list of jobs and writes one frame per outcome, as each ends."""
+    """Reads frames with lists of jobs and writes one frame per outcome, as each ends."""
     results = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
-    payload = read_frame(sys.stdin.buffer)
-    jobs: list[Job | Inquiry[Any]] = pickle.loads(payload) if payload is not None else []
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-    for index, job in enumerate(jobs):
-        write_frame(results, _pickled(index, job))
+    frames: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(frames,), daemon=True).start()
+    while (payload := frames.get()) != FAREWELL:
+        jobs: list[Job | Inquiry[Any]] = pickle.loads(payload)
+        for index, job in enumerate(jobs):
+            write_frame(results, _pickled(index, job))
 
 
 def _pickled(index: int, job: Job | Inquiry[Any]) -> bytes:
@@ -37,9 +41,12 @@ def _pickled(index: int, job: Job | Inquiry[Any]) -> bytes:
         return pickle.dumps((index, job.failed(reason)), protocol=5)
 
 
-def _end_with_parent() -> None:
-    """Ends this process when the runner is gone, whatever ended it: then stdin is at its end."""
-    os.read(0, 1)
+def _listen(frames: queue.SimpleQueue[bytes]) -> None:
+    """Takes frames in; ends this process when the runner is gone: then stdin is at its end."""
+    while (payload := read_frame(sys.stdin.buffer)) is not None:
+        frames.put(payload)
+        if payload == FAREWELL:
+            os.read(0, 1)
     os._exit(1)
 
 

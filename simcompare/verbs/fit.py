@@ -13,7 +13,7 @@ from simcompare.model import plain
 from simcompare.model.fittable import TOSSES, WAVEFORM
 from simcompare.results import store
 from simcompare.results.records.fit import FitRecord
-from simcompare.running.runner import TIME_LIMIT_S, Progress
+from simcompare.running.runner import TIME_LIMIT_S, Progress, kept_processes
 from simcompare.scenarios import catalogue
 from simcompare.verbs import fit_bounces, fit_tosses, fit_waveforms, levels
 from simcompare.verbs.notebook_line import with_line
@@ -100,18 +100,17 @@ def fit(
         )
     if out is not None:
         store.check_writable(Path(out))
-    if file.fit.by == WAVEFORM:
-        only = {"--prior": priors, "--model": model != "auto", "--u-time": u_time_s is not None,
-                "--assist": assist not in (None, ALL)}  # fmt: skip
-        set_by_user = fit_waveforms.given_of(file, preset, fixed or {}, set or {}, only)
-        done = fit_waveforms.fit_waveform(
-            file, options, set_by_user, time_limit_s=time_limit_s, progress=progress
-        )
-        return _saved(done, out)
-    if file.fit.by == TOSSES:
-        done = fit_tosses.fit_tosses(file, options, time_limit_s=time_limit_s, progress=progress)
-        return _saved(done, out)
-    done = fit_bounces.fit_bounces(file, options, time_limit_s=time_limit_s, progress=progress)
+    with kept_processes():
+        if file.fit.by == WAVEFORM:
+            only = {"--prior": priors, "--model": model != "auto", "--u-time": u_time_s is not None,
+                    "--assist": assist not in (None, ALL)}  # fmt: skip
+            set_by_user = fit_waveforms.given_of(file, preset, fixed or {}, set or {}, only)
+            done = fit_waveforms.fit_waveform(
+                file, options, set_by_user, time_limit_s=time_limit_s, progress=progress
+            )
+        else:
+            of_kind = fit_tosses.fit_tosses if file.fit.by == TOSSES else fit_bounces.fit_bounces
+            done = of_kind(file, options, time_limit_s=time_limit_s, progress=progress)
     return _saved(done, out)
 
 
