@@ -118,11 +118,8 @@ def bounces(model: Model, values: Mapping[str, Array | float], count: int) -> Bo
     exponent = np.asarray(given["exponent"], dtype=float)
     shape = np.broadcast_shapes(gravity.shape, k.shape, e.shape, height.shape, exponent.shape)
     dissipation = hunt_crossley.dissipation(e) if model.law == "hunt_crossley" else 0
-    times, speeds, laws = (np.empty((count, *shape)) for _ in range(3))
-    apex_s, apex_m = (np.empty((count + 1, *shape)) for _ in range(2))
+    speeds, laws, ups = (np.empty((count, *shape)) for _ in range(3))
     speed = np.sqrt(2 * gravity * height * _decay(2 * gravity * k * height))
-    apex_s[0], apex_m[0] = 0.0, height
-    clock = speed / gravity * arc_ratio(-k * speed * speed)
     for n in range(count):
         if model.law == "power":
             law = np.minimum(e * (np.maximum(speed, 1e-12) / REFERENCE_SPEED) ** -exponent, 1.0)
@@ -130,14 +127,19 @@ def bounces(model: Model, values: Mapping[str, Array | float], count: int) -> Bo
             law = hunt_crossley.restitution(dissipation * speed)
         else:
             law = e
-        times[n], speeds[n], laws[n] = clock, speed, law
-        up = law * speed
-        s = k * up * up
-        rise = up / gravity * arc_ratio(s)
-        apex_s[n + 1], apex_m[n + 1] = clock + rise, up * up / (2 * gravity) * _log_ratio(s)
-        speed = up / np.sqrt(1 + s)
-        clock = clock + rise + speed / gravity * arc_ratio(-k * speed * speed)
-    own = [np.moveaxis(a, 0, -1) for a in (times, speeds, laws, apex_s, apex_m)]
+        speeds[n], laws[n] = speed, law
+        ups[n] = up = law * speed
+        speed = up / np.sqrt(1 + k * up * up)
+    # what follows from the speeds is had for all flights at once
+    squares = k * ups * ups
+    ways_s = np.empty((2 * count, *shape))
+    ways_s[0::2] = speeds / gravity * arc_ratio(-k * speeds * speeds)
+    ways_s[1::2] = ups / gravity * arc_ratio(squares)
+    instants_s = np.cumsum(ways_s, axis=0)
+    apex_s, apex_m = (np.empty((count + 1, *shape)) for _ in range(2))
+    apex_s[0], apex_m[0] = 0.0, height
+    apex_s[1:], apex_m[1:] = instants_s[1::2], ups * ups / (2 * gravity) * _log_ratio(squares)
+    own = [np.moveaxis(a, 0, -1) for a in (instants_s[0::2], speeds, laws, apex_s, apex_m)]
     skew, release = (np.asarray(given[n], dtype=float) for n in ("clock_skew", "release_time_s"))
     on_log = release[..., None] + (1 + skew[..., None]) * own[0]
     return Bounces(on_log, *own[1:])
