@@ -11,7 +11,7 @@ from simcompare.fitting.bounces import bootstrap, model_selection, records
 from simcompare.fitting.bounces.fit import fit
 from simcompare.fitting.bounces.reading import from_times
 from simcompare.model.plain import plain
-from simcompare.reports.fit import form_words
+from simcompare.results.records.fit_forms import RIVAL
 from simcompare.results.records.fit_parts import finite
 from tests.bounces import IN_AIR, TRUTH, choice_words, filmed, heard, times_of
 
@@ -48,7 +48,8 @@ def test_a_constant_restitution_is_chosen_where_there_is_nothing_else():
 def test_velocity_dependence_is_told_from_drag_where_the_data_can():
     values = {**TRUTH, "exponent": 0.05}
     choice = model_selection.compare(heard(values, count=9))
-    assert choice.best.model == "power"
+    # so small an exponent is nearly the same in both
+    assert choice.best.model in ("power", "logarithmic")
     drag = next(c for c in choice.candidates if c.model == "constant+drag")
     assert drag.delta > 10
 
@@ -61,7 +62,7 @@ def test_a_hunt_crossley_contact_is_recognised():
 def test_what_the_data_cannot_tell_is_said_with_what_would_help():
     values = {**TRUTH, "terminal_speed_m_s": 25.0}
     choice = model_selection.compare(heard(values, count=6, u_s=1e-3))
-    assert {c.model for c in choice.candidates if c.delta < form_words.RIVAL} >= {
+    assert {c.model for c in choice.candidates if c.delta < RIVAL} >= {
         "constant+drag",
         "power",
     }
@@ -94,7 +95,7 @@ def test_unknown_noise_leaves_the_choice_to_the_corrected_criterion():
 
 def test_a_model_with_too_many_unknowns_is_refused_and_the_others_stand():
     choice = model_selection.compare(from_times(times_of(IN_AIR, 4), 1e-4)[0])
-    assert list(choice.refused) == ["power+drag"]
+    assert list(choice.refused) == ["power+drag", "linear+drag", "logarithmic+drag"]
     assert "4 measured numbers and 0 priors cannot give 5 unknowns" in choice.refused["power+drag"]
     json.dumps(plain(finite(records.choice_of(choice))), allow_nan=False)
 

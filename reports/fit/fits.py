@@ -12,15 +12,15 @@ from simcompare.reports.validation import phrases, validations
 from simcompare.results.records.fit import AnyFit, FitRecord
 from simcompare.results.records.fit_bounces import BouncesFit
 from simcompare.results.records.fit_engines import BouncesEngine, EffectiveValue
-from simcompare.results.records.fit_forms import REFERENCE_M_S, Form, Repeats, Unknown
+from simcompare.results.records.fit_forms import REFERENCE_M_S, AtSpeed, Form, Repeats, Unknown
 from simcompare.results.records.fit_parts import EngineParameter, Value
 from simcompare.results.records.fit_tosses import TossFit
 from simcompare.results.records.fit_waveforms import WaveEngine, WaveformFit, WaveParameter
 from simcompare.results.run import Run
 
 #: a value with its standard uncertainty, and what has an interval besides
-Estimate = Value | Unknown | EngineParameter | EffectiveValue
-Ranged = Unknown | EngineParameter | Repeats
+Estimate = Value | Unknown | EngineParameter | EffectiveValue | AtSpeed
+Ranged = Unknown | EngineParameter | Repeats | AtSpeed
 CLOSED = "closed form"
 RESTITUTION = "restitution"
 #: kinds of measured numbers that are in seconds
@@ -85,7 +85,7 @@ def of_95(row: WaveParameter, name: str = "") -> str:
 
 
 def law_of(found: BouncesFit) -> str:
-    """How the restitution depends on the speed: "constant", "power" or "hunt_crossley"."""
+    """How the restitution depends on the speed, such as "constant" or "power"."""
     return next(c.law for c in found.choice.candidates if c.model == found.closed_form.model)
 
 
@@ -96,11 +96,16 @@ def determined_words(run: Run) -> str:
 
 
 def titles(found: BouncesFit) -> dict[str, str]:
-    """Every unknown as people say it; a restitution with its speed where it depends on that."""
+    """Every unknown as people say it; a restitution with its speed where it may depend on that."""
     names = {name: title(name) for name in found.closed_form.parameters}
-    if law_of(found) != "constant" and RESTITUTION in names:
+    if not is_for_all_speeds(found) and RESTITUTION in names:
         names[RESTITUTION] = f"{RESTITUTION} at {REFERENCE_M_S:g} m/s"
     return names
+
+
+def is_for_all_speeds(found: BouncesFit) -> bool:
+    """Whether one number is the restitution, whatever the speed."""
+    return found.choice.is_alone and law_of(found) == "constant"
 
 
 def how(form: Form, name: str) -> str:
@@ -114,16 +119,33 @@ def how(form: Form, name: str) -> str:
 
 
 def restitution_words(found: BouncesFit) -> str:
-    """The restitution, at the slowest and the fastest impact where it depends on the speed."""
+    """The restitution, at the slowest and the fastest impact where it may depend on the speed."""
     slow, fast = found.closed_form.restitution
     row = found.closed_form.parameters.get(RESTITUTION)
     if row is None:
         return f"The restitution was given: {numbers.plain(fast.value)}."
-    if law_of(found) == "constant":
+    if is_for_all_speeds(found):
         return f"The restitution is {with_95(row)} (95 %)."
-    at = [f"{numbers.with_u(one.value, 2 * one.u)} at {numbers.plain(one.speed_m_s, 2)} m/s"
-          for one in (slow, fast)]  # fmt: skip
-    return f"The restitution depends on the speed: {' and '.join(at)} (± 2 u)."
+    if found.choice.disagree:
+        at = [f"{interval_words(one)} at {_speed(one)}" for one in (slow, fast)]
+        return (f"The restitution lies in the range {' and '.join(at)} (95 %); models that fit as"
+                " well disagree.")  # fmt: skip
+    verb = "is" if law_of(found) == "constant" else "depends on the speed:"
+    at = [f"{with_95(one)} at {_speed(one)}" for one in (slow, fast)]
+    return f"The restitution {verb} {' and '.join(at)} (95 %)."
+
+
+def restitution_of_first(found: BouncesFit) -> tuple[str, str]:
+    """The restitution at the fastest impact, or at all, and what it is called."""
+    row, fast = found.closed_form.parameters[RESTITUTION], found.closed_form.restitution[1]
+    if is_for_all_speeds(found):
+        return RESTITUTION, with_95(row)
+    words = interval_words(fast) if found.choice.disagree else with_95(fast)
+    return f"{RESTITUTION} at {_speed(fast)}", words
+
+
+def _speed(one: AtSpeed) -> str:
+    return f"{numbers.plain(one.speed_m_s, 3)} m/s"
 
 
 def title(name: str) -> str:
@@ -163,9 +185,7 @@ def interval_words(row: Ranged | None) -> str:
     if row is None:
         return "–"
     low, high = interval(row)
-    width = high - low
-    scale = scale_of([width if math.isfinite(width) else row.u or 0.0], 2)
-    places = Scale(0, max(scale.places - scale.power, 0))
+    places = _places(row)
     if math.isinf(low) and math.isinf(high):
         return "open"
     if math.isinf(high):
@@ -175,7 +195,15 @@ def interval_words(row: Ranged | None) -> str:
     return phrases.ends(places.text(low), places.text(high))
 
 
-def with_95(row: Unknown | EngineParameter, name: str = "") -> str:
+def _places(row: Ranged) -> Scale:
+    """As many decimal places as the width of an interval deserves."""
+    low, high = interval(row)
+    width = high - low
+    scale = scale_of([width if math.isfinite(width) else row.u or 0.0], 2)
+    return Scale(0, max(scale.places - scale.power, 0))
+
+
+def with_95(row: Unknown | EngineParameter | AtSpeed, name: str = "") -> str:
     """A value with its unit and what must be added and taken away for 95 %: ``0.774 ± 0.003``."""
     low, high = interval(row)
     after = "" if not name or unit(name) == "1" else f" {unit(name)}"
@@ -185,7 +213,7 @@ def with_95(row: Unknown | EngineParameter, name: str = "") -> str:
         return f"{interval_words(row)}{after}"
     half = (high - low) / 2
     if abs(high + low - 2 * row.value) > _LOPSIDED * half:
-        return f"{numbers.plain(row.value, 4)}{after} ({interval_words(row)})"
+        return f"{_places(row).text(row.value)}{after} ({interval_words(row)})"
     return f"{numbers.with_u(row.value, half)}{after}"
 
 

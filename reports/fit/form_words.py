@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from simcompare.reports.fit.identifiability_words import called
-from simcompare.reports.validation import phrases
-from simcompare.results.records.fit_forms import REFERENCE_M_S, Candidate, Choice, Form, Prior
+from simcompare.results.records.fit_forms import Candidate, Choice, Form, Prior
 
 #: a prior this many standard uncertainties from what the data say contradicts them
 CONTRADICTION = 3.0
-#: above the least criterion by less than this: the data cannot tell; by more than that: excluded
-RIVAL, EXCLUDED = 4.0, 10.0
+#: above the least criterion by more than this: excluded
+EXCLUDED = 10.0
 _SPEED = "terminal_speed_m_s"
 
 
@@ -93,11 +91,7 @@ def choice(found: Choice, best: Form) -> tuple[str, ...]:
         best: the chosen one.
     """
     first, *rest = found.candidates
-    value = _inf(first.score(found.criterion))
-    words = [f"best model: {first.text} ({found.criterion} {value:.1f}, weight {first.weight:.0%})"]
-    if not rest:
-        words = [f"model: {first.text}"]
-    words += _ambiguous(found, best)
+    words = [_described(found), *cure(found, best)] if rest else [f"model: {first.text}"]
     simple = next((c for c in rest if c.model == "constant"), None)
     if simple is not None and _inf(simple.delta) > EXCLUDED:
         words.append(_left_out(first, simple))
@@ -112,57 +106,21 @@ def choice(found: Choice, best: Form) -> tuple[str, ...]:
     return tuple(words)
 
 
+def _described(found: Choice) -> str:
+    """The one model that describes the data best, or those among which is a tie."""
+    first = found.candidates[0]
+    if not found.rivals:
+        value = _inf(first.score(found.criterion))
+        return (
+            f"best model: {first.text} ({found.criterion} {value:.1f}, weight {first.weight:.0%})"
+        )
+    tied = "; ".join(f"{c.text} ({c.weight:.0%})" for c in (first, *found.rivals))
+    return f"a tie: these fit about as well, and results are averaged by their weights: {tied}"
+
+
 def _restitution(one: Candidate) -> float | None:
     row = one.parameters.get("restitution")
     return None if row is None else row.value
-
-
-def _rivals(found: Choice) -> list[Candidate]:
-    """Closed forms that fit about as well as the chosen one."""
-    return [c for c in found.candidates[1:] if _inf(c.delta) < RIVAL and c.weight > 0]
-
-
-def _ambiguous(found: Choice, best: Form) -> list[str]:
-    """What the data leave undecided, and what would decide it."""
-    rivals = _rivals(found)
-    if not rivals:
-        return []
-    who = "this fits" if len(rivals) == 1 else "these fit"
-    words = [f"{who} about as well: {'; '.join(c.text for c in rivals)}"]
-    known, own = _restitutions(rivals), _restitutions(found.candidates[:1])
-    if known and own and _ends(own) == _ends(known):
-        words.append(f"the restitution is the same in all of them, {_ends(known)}")
-    elif known:
-        words.append(f"their restitution is {_ends(known)}")
-    return [*words, *cure(found, best)]
-
-
-def _restitutions(among: Sequence[Candidate]) -> list[float]:
-    return [value for c in among if (value := _restitution(c)) is not None]
-
-
-def _ends(known: Sequence[float]) -> str:
-    return phrases.ends(f"{min(known):.4f}", f"{max(known):.4f}")
-
-
-def disagreement(found: Choice, best: Form) -> tuple[str, ...]:
-    """What closed forms that fit as well give, where that is beyond the 95 % of the chosen one.
-
-    Args:
-        found: all closed forms.
-        best: the chosen one.
-    """
-    rivals, row = _rivals(found), best.parameters.get("restitution")
-    known = _restitutions(rivals)
-    if not known or row is None:
-        return ()
-    low, high = row.limits
-    if (low is None or low <= min(known)) and (high is None or max(known) <= high):
-        return ()
-    at = f" at {REFERENCE_M_S:g} m/s" if any(c.law != "constant" for c in rivals) else ""
-    who = "Another model fits as well and gives" if len(rivals) == 1 else (
-        "Other models fit as well and give")  # fmt: skip
-    return (f"{who} {_ends(known)}{at}.",)
 
 
 def cure(found: Choice, best: Form) -> tuple[str, ...]:
@@ -172,7 +130,7 @@ def cure(found: Choice, best: Form) -> tuple[str, ...]:
         found: all closed forms.
         best: the chosen one.
     """
-    among = [found.candidates[0], *_rivals(found)]
+    among = [found.candidates[0], *found.rivals]
     if _SPEED in best.fixed or _SPEED in best.priors or len({c.drag for c in among}) == 1:
         return ()
     by_speed = any(c.law != "constant" for c in among)

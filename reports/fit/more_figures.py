@@ -11,12 +11,12 @@ import numpy as np
 from simcompare.model.trajectory import Array
 from simcompare.reports.fit import fits
 from simcompare.reports.fit.fits import CLOSED, RESTITUTION
-from simcompare.reports.fit.form_words import EXCLUDED, RIVAL
+from simcompare.reports.fit.form_words import EXCLUDED
 from simcompare.reports.render import numbers
 from simcompare.reports.render.figures import Bars, Figure, Matrix, Panel, Series, Span, spread
 from simcompare.reports.render.styles import Style, style_of
 from simcompare.reports.validation import validations
-from simcompare.results.records.fit_forms import OtherEstimate, ProfileRow, Unknown
+from simcompare.results.records.fit_forms import RIVAL, OtherEstimate, ProfileRow, Unknown
 from simcompare.results.records.fit_holdout import EngineHoldout, HeldOutDrop
 from simcompare.results.run import Run
 
@@ -89,7 +89,7 @@ def correlation_figure(run: Run) -> Figure | None:
 def profile_figures(run: Run) -> list[Figure]:
     """How χ² rises about the best value of each unknown."""
     rows = [row for row in fits.bounces(run).profiles if len(row.values) > 1]
-    closed = fits.bounces(run).closed_form.parameters
+    closed = fits.bounces(run).closed_form.own
     panels = [_profile_panel(row, closed[row.name]) for row in rows]
     parts = [panels[i : i + _PANELS] for i in range(0, len(panels), _PANELS)]
     caption = (

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from simcompare.notation import capital
-from simcompare.reports.fit import fits, form_words
+from simcompare.reports.fit import fits
 from simcompare.reports.fit.fits import RESTITUTION
 from simcompare.reports.render import numbers
 from simcompare.reports.render.parts import KeyNumber
@@ -80,8 +80,7 @@ def engines_words(sources: Sequence[EngineRow]) -> str:
 
 
 def _of_bounces(found: BouncesFit) -> tuple[str, ...]:
-    rivals = form_words.disagreement(found.choice, found.closed_form)
-    return (fits.restitution_words(found), *rivals, _engines(found))
+    return (fits.restitution_words(found), _engines(found))
 
 
 def _engines(found: BouncesFit) -> str:
@@ -101,11 +100,11 @@ def _engines(found: BouncesFit) -> str:
 
 def _numbers_of_bounces(found: BouncesFit) -> tuple[KeyNumber, ...]:
     closed = found.closed_form.parameters
-    shown = [(RESTITUTION, closed.get(RESTITUTION))]
-    shown += [(name, row) for name, row in closed.items() if name.startswith("drop_height_m")][:1]
+    first = [key_number(*fits.restitution_of_first(found), "1")] if RESTITUTION in closed else []
+    heights = [(name, row) for name, row in closed.items() if name.startswith("drop_height_m")][:1]
     known = [key_number(fits.titles(found)[name], fits.with_95(row), fits.unit(name))
-             for name, row in shown if row is not None]  # fmt: skip
-    return (*known, _used(found), _fitted(found.sources))
+             for name, row in heights]  # fmt: skip
+    return (*first, *known, _used(found), _fitted(found.sources))
 
 
 def _used(found: BouncesFit) -> KeyNumber:

@@ -186,9 +186,9 @@ def _moves(moves: Mapping[str, float]) -> str:
 def bootstrap(run: Run) -> Table:
     """Intervals of the closed form beside those of simulated repeats."""
     found = fits.bounces(run)
-    boot, closed = found.bootstrap, found.closed_form.found
+    boot, closed = found.bootstrap, found.closed_form.own
     rows = []
-    for name in closed:
+    for name in found.closed_form.found:
         row = boot.parameters[name]
         rows.append((
             fits.with_unit(name), fits.value_words(closed[name], name),
@@ -201,7 +201,9 @@ def bootstrap(run: Run) -> Table:
     )  # fmt: skip
     note = f"Repeats: {boot.draws} fits to simulated data with the same noise."
     note += f" {boot.failed} more did not converge." if boot.failed else ""
-    return Table("The closed form's unknowns", columns, (Group("", tuple(rows)),), note)
+    return Table(
+        "The unknowns of the chosen closed form alone", columns, (Group("", tuple(rows)),), note
+    )
 
 
 def holdout(run: Run) -> Table | None:

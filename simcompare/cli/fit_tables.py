@@ -87,7 +87,7 @@ def _show_remarks(found: AnyFit) -> None:
 def _limits(found: AnyFit) -> Iterator[str]:
     """How far a fit of bounces can be trusted; every reader is told."""
     if isinstance(found, BouncesFit):
-        if form_words.disagreement(found.choice, found.closed_form):
+        if found.choice.rivals:
             yield from form_words.cure(found.choice, found.closed_form)
         yield from budget.words(found)
         yield found.holdout.text

@@ -1,6 +1,7 @@
 """Bounces in closed form: impact times, speeds and heights for many parameter sets at once.
 
-A model is a law of restitution with or without quadratic air drag. All of it is written with
+A model is a law of restitution with or without quadratic air drag. The exponent of a law is
+-d ln e/d ln v at the reference speed, so that it means the same in each. All of it is written with
 k = 1/v_t² (v_t the terminal speed; k = 0 is vacuum) and with functions that are analytic there, so
 that a fit may begin in vacuum and its derivatives hold. With s = k·u² a ball that rises from u
 takes u/g·A(s) to its apex u²/2g·ln(1+s)/s and returns with u/√(1+s); falling to the speed v takes
@@ -32,6 +33,12 @@ DEFAULTS = {
 _SMALL = 1e-3
 _ARC_SERIES = (1.0, -1 / 3, 1 / 5, -1 / 7, 1 / 9, -1 / 11)
 _COSH_SERIES = (1.0, -1 / 6, 2 / 45, -17 / 1260, 62 / 14175)
+#: laws of a restitution that changes with the speed as an exponent tells
+SLOPED = ("power", "linear", "logarithmic")
+#: a restitution lies between these
+_LEAST, _MOST = 1e-3, 1.0
+#: part of the reference speed over which a law's slope is taken
+_NEAR = 1e-4
 
 
 @dataclass(frozen=True)
@@ -40,7 +47,7 @@ class Model:
 
     Attributes:
         name: short name ("constant", "power+drag").
-        law: "constant", "power" or "hunt_crossley".
+        law: "constant", "power", "linear", "logarithmic" or "hunt_crossley".
         drag: whether the terminal speed is an unknown of it.
         text: what it says, in words.
     """
@@ -53,7 +60,7 @@ class Model:
     @property
     def own(self) -> tuple[str, ...]:
         """The unknowns that make this model, beside heights and clocks."""
-        names = ("restitution", "exponent") if self.law == "power" else ("restitution",)
+        names = ("restitution", "exponent") if self.law in SLOPED else ("restitution",)
         return (*names, "terminal_speed_m_s") if self.drag else names
 
 
@@ -62,12 +69,18 @@ MODELS = {
     for model in (
         Model("constant", "constant", False, "constant restitution, no drag"),
         Model("power", "power", False, "restitution as a power of the speed, no drag"),
+        Model("linear", "linear", False, "restitution linear in the speed, no drag"),
+        Model("logarithmic", "logarithmic", False,
+              "restitution linear in the logarithm of the speed, no drag"),
         Model("hunt_crossley", "hunt_crossley", False, "Hunt-Crossley contact, no drag"),
         Model("constant+drag", "constant", True, "constant restitution and air drag"),
         Model("hunt_crossley+drag", "hunt_crossley", True, "Hunt-Crossley contact and air drag"),
         Model("power+drag", "power", True, "restitution as a power of the speed, and air drag"),
+        Model("linear+drag", "linear", True, "restitution linear in the speed, and air drag"),
+        Model("logarithmic+drag", "logarithmic", True,
+              "restitution linear in the logarithm of the speed, and air drag"),
     )
-}
+}  # fmt: skip
 
 
 def model_of(name: str) -> Model:
@@ -121,12 +134,10 @@ def bounces(model: Model, values: Mapping[str, Array | float], count: int) -> Bo
     speeds, laws, ups = (np.empty((count, *shape)) for _ in range(3))
     speed = np.sqrt(2 * gravity * height * _decay(2 * gravity * k * height))
     for n in range(count):
-        if model.law == "power":
-            law = np.minimum(e * (np.maximum(speed, 1e-12) / REFERENCE_SPEED) ** -exponent, 1.0)
-        elif model.law == "hunt_crossley":
+        if model.law == "hunt_crossley":
             law = hunt_crossley.restitution(dissipation * speed)
         else:
-            law = e
+            law = _sloped(model.law, e, exponent, speed)
         speeds[n], laws[n] = speed, law
         ups[n] = up = law * speed
         speed = up / np.sqrt(1 + k * up * up)
@@ -187,12 +198,30 @@ def restitution_at(model: Model, values: Mapping[str, Array | float], speed: Arr
     """Effective restitution of an impact at that speed."""
     given = {**DEFAULTS, **values}
     e = np.asarray(given["restitution"], dtype=float)
-    if model.law == "power":
-        exponent = np.asarray(given["exponent"], dtype=float)
-        return np.asarray(np.minimum(e * (speed / REFERENCE_SPEED) ** -exponent, 1.0))
     if model.law == "hunt_crossley":
         return hunt_crossley.restitution(hunt_crossley.dissipation(e) * speed)
-    return np.broadcast_to(e, np.broadcast_shapes(e.shape, np.shape(speed))).copy()
+    law = _sloped(model.law, e, np.asarray(given["exponent"], dtype=float), speed)
+    return np.broadcast_to(law, np.broadcast_shapes(e.shape, np.shape(speed))).copy()
+
+
+def exponent_of(model: Model, values: Mapping[str, Array | float]) -> Array:
+    """-d ln e/d ln v at the reference speed."""
+    if model.law in SLOPED:
+        return np.asarray(values["exponent"], dtype=float)
+    ends = (np.array(REFERENCE_SPEED * part) for part in (1 - _NEAR, 1 + _NEAR))
+    slow, fast = (np.log(restitution_at(model, values, speed)) for speed in ends)
+    return np.asarray((slow - fast) / (2 * _NEAR))
+
+
+def _sloped(law: str, e: Array, exponent: Array, speed: Array) -> Array:
+    """A constant restitution, or one that changes with the speed as an exponent tells."""
+    if law == "constant":
+        return e
+    ratio = np.maximum(speed, 1e-12) / REFERENCE_SPEED
+    if law == "power":
+        return np.asarray(np.minimum(e * ratio**-exponent, _MOST))
+    fall = ratio - 1 if law == "linear" else np.log(ratio)
+    return np.asarray(np.clip(e * (1 - exponent * fall), _LEAST, _MOST))
 
 
 def arc_ratio(s: Array) -> Array:

@@ -16,12 +16,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from simcompare.errors import InputError
+from simcompare.fitting.bounces import distribution
 from simcompare.fitting.bounces.bounce_models import MODELS, Model, model_of
 from simcompare.fitting.bounces.fit import fit
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import BY_CHANCE, Fit
 from simcompare.fitting.bounces.problem import usual
+from simcompare.fitting.bounces.unknowns import SPEED, base
 from simcompare.results.records.fit_forms import Prior
+
+#: ln of the most that a part of a distribution is multiplied by
+_MOST_GAIN = 300.0
 
 
 @dataclass(frozen=True)
@@ -37,8 +42,8 @@ class Candidate:
         aicc: the same corrected for few data; infinite where there are too few for the model.
         bic: Schwarz's criterion.
         delta: the deciding criterion above the least.
-        weight: Akaike weight among the candidates; 0 for one that repeats another because its
-            drag vanished.
+        weight: Akaike weight among the candidates. One whose drag may be 0 counts by the part of
+            its distribution that lies above 0.
     """
 
     model: str
@@ -114,7 +119,7 @@ def compare(
     rows = [_candidate(name, one, scatter) for name, one in fits.items()]
     # too few data for AICc of any model: AIC has to do
     criterion = "AIC" if stated or all(math.isinf(row.aicc) for row in rows) else "AICc"
-    candidates = _weighed(rows, criterion)
+    candidates = _weighed(rows, criterion, scatter)
     best = candidates[0]
     names = list(best.fit.names) if len(every) == 1 else _usual(every, model_of(best.model), extra)
     profiled = fit(
@@ -148,19 +153,21 @@ def _scatter(fits: Sequence[Fit]) -> float:
 def _candidate(name: str, one: Fit, scatter: float) -> Candidate:
     """A model with its criteria, not yet weighed."""
     # what a form takes out of what is assumed, such as gravity, is no better fit
-    k, n, chi2 = one.effective, one.count, one.chi2 / scatter + one.strain
+    # a drag that ended at 0 was sought as well
+    k = one.effective + sum(base(name) == SPEED for name in one.at_bound)
+    n, chi2 = one.count, one.chi2 / scatter + one.strain
     rest = n - k - 1
     aic = chi2 + 2 * k
     aicc = aic + 2 * k * (k + 1) / rest if rest > 1e-6 else math.inf
     return Candidate(name, one, k, chi2, aic, aicc, chi2 + k * math.log(n), 0.0, 0.0)
 
 
-def _weighed(rows: Sequence[Candidate], criterion: str) -> list[Candidate]:
+def _weighed(rows: Sequence[Candidate], criterion: str, scatter: float) -> list[Candidate]:
     """Models with what they are above the best, and their weights; best first."""
     scores = [row.aic if criterion == "AIC" else row.aicc for row in rows]
     least = min(scores)
     shares = [
-        0.0 if row.fit.at_bound else math.exp(-(score - least) / 2)
+        _likely(row, scatter) * math.exp(-(score - least) / 2)
         for row, score in zip(rows, scores, strict=True)
     ]
     total = sum(shares) or 1.0
@@ -170,3 +177,14 @@ def _weighed(rows: Sequence[Candidate], criterion: str) -> list[Candidate]:
     ]
     # of equals the model with fewer unknowns, such as one whose drag vanished
     return sorted(found, key=lambda c: (round(c.delta, 6), len(c.fit.names)))
+
+
+def _likely(row: Candidate, scatter: float) -> float:
+    """What the weight of a model is multiplied by, because a drag cannot be below 0.
+
+    A model that ended at another bound does not describe the data.
+    """
+    if any(base(name) != SPEED for name in row.fit.at_bound):
+        return 0.0
+    found = distribution.of_fit(row.fit, scatter)
+    return found.part * math.exp(min(found.gain / 2, _MOST_GAIN))

@@ -9,6 +9,7 @@ import numpy as np
 
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import bounce_models, profile, ratios
+from simcompare.fitting.bounces.averaging import Averaged
 from simcompare.fitting.bounces.deviations import Deviation, engine_bounces
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import NUISANCE, Fit
@@ -91,11 +92,11 @@ def _row_of(values: Array) -> tuple[float, ...]:
     return tuple(np.ravel(values).tolist())
 
 
-def law_of(fit: Fit) -> Law:
-    """Restitution against speed as the closed form has it, and the speed of every impact."""
+def law_of(fit: Fit, told: Averaged) -> Law:
+    """Restitution against speed as all closed forms have it, and the speed of every impact."""
     low, high = fit.speeds_m_s
     speeds = np.linspace(low, high, _SPEEDS)
-    both = [fit.restitution_at(float(speed)) for speed in speeds]
+    both = [told.restitution_at(float(speed))[:2] for speed in speeds]
     impacts = []
     for number, drop in enumerate(fit.problem.drops):
         values = fit.problem.values(fit.x, number)

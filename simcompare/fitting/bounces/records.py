@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,13 +11,14 @@ import numpy as np
 from simcompare import units
 from simcompare.fitting.bounces import bounce_models, model_selection, other_estimates, plot_data
 from simcompare.fitting.bounces.assisted_fit import AssistedFit
+from simcompare.fitting.bounces.averaging import Averaged, alone, averaged
 from simcompare.fitting.bounces.bootstrap import parametric
 from simcompare.fitting.bounces.budget import budgets
 from simcompare.fitting.bounces.deviations import Deviation
 from simcompare.fitting.bounces.engine_fit import EngineFit
 from simcompare.fitting.bounces.identifiability import identifiability
 from simcompare.fitting.bounces.impacts import Impacts
-from simcompare.fitting.bounces.likelihood import Fit
+from simcompare.fitting.bounces.likelihood import COVERAGE, Fit
 from simcompare.fitting.bounces.one_number import OneNumber
 from simcompare.fitting.bounces.roles import Roles
 from simcompare.fitting.bounces.tuned_fit import TunedFit
@@ -47,6 +48,9 @@ from simcompare.results.records.fit_forms import (
 )
 from simcompare.results.records.fit_holdout import Holdout, SourceHoldout
 from simcompare.results.records.fit_parts import CLOSED_FORM, ENGINE, EngineParameter, Known, Value
+
+#: how an interval came about
+AVERAGED = "averaged"
 
 
 @dataclass(frozen=True)
@@ -87,15 +91,15 @@ def of_fit(
         made: how engines were fitted.
     """
     best = choice.best
-    known = identifiability(best)
+    known, told = identifiability(best), averaged(choice)
     sources = tuple(_source(one, predicted, not known.is_weak) for one in engines)
     return BouncesFit(
         scenario=roles.file.name, contact=made.contact, assist=made.assist,
         settings=dict(roles.given),
         measured=tuple(map(drop_of, drops[0])), held_out=tuple(map(drop_of, drops[1])),
-        closed_form=form_of(best), choice=choice_of(choice), bootstrap=_bootstrap(best),
+        closed_form=form_of(best, told), choice=choice_of(choice), bootstrap=_bootstrap(best),
         identifiability=Known(**vars(known)), residuals=plot_data.residuals(best),
-        law=plot_data.law_of(best), ratios=plot_data.measured_ratios(best),
+        law=plot_data.law_of(best, told), ratios=plot_data.measured_ratios(best),
         profiles=plot_data.profiles_of(best),
         one_number=_one_number(plain),
         tuned_to=_target(made.goal), tuned_mean=_tuned_mean(sources), sources=sources,
@@ -127,19 +131,38 @@ def _rows(values: Array) -> tuple[tuple[float, ...], ...]:
     return tuple(map(_row, values))
 
 
-def form_of(fit: Fit) -> Form:
-    """What the record says of a closed form."""
-    ends = [fit.restitution_at(speed) for speed in fit.speeds_m_s]
-    slow, fast = (AtSpeed(v, *one) for v, one in zip(fit.speeds_m_s, ends, strict=True))
+def form_of(fit: Fit, told: Averaged | None = None) -> Form:
+    """What the record says of a closed form.
+
+    Args:
+        fit: of the closed form.
+        told: what all closed forms say together; ``None`` for this one alone.
+    """
+    told = told or alone(fit)
+    slow, fast = (AtSpeed(speed, *told.restitution_at(speed)) for speed in fit.speeds_m_s)
+    own = dict(_unknowns(fit))
     return Form(
         model=fit.model, text=bounce_models.model_of(fit.model).text,
-        parameters=dict(_unknowns(fit)), covariance=_rows(fit.covariance),
+        parameters=own if told.is_alone else _averaged(fit, told, own),
+        alone={} if told.is_alone else own,
+        covariance=_rows(fit.covariance),
         correlation=_rows(fit.correlation), fixed=dict(fit.problem.fixed),
         priors=dict(fit.problem.priors), pulls=dict(fit.pulls), chi2=fit.chi2, dof=fit.dof,
         s2=fit.s2, count=fit.count, effective_unknowns=fit.effective, rms=dict(fit.rms),
         restitution=(slow, fast), at_bound=fit.at_bound, u_known=fit.problem.u_known,
         scattered=fit.is_scattered, assumed=fit.assumed,
     )  # fmt: skip
+
+
+def _averaged(fit: Fit, told: Averaged, own: Mapping[str, Unknown]) -> dict[str, Unknown]:
+    """The unknowns of a closed form as all closed forms together have them."""
+    found = dict(own)
+    for name in fit.found:
+        one = told.unknown(name)
+        found[name] = replace(
+            own[name], value=one.value, u=one.u, low=one.low, high=one.high, interval=AVERAGED
+        )
+    return found
 
 
 def _unknowns(fit: Fit) -> Iterator[tuple[str, Unknown]]:
@@ -168,10 +191,22 @@ def choice_of(choice: model_selection.Choice) -> Choice:
                 parameters={name: Value(value, u) for name, value, u in values},
             )
         )  # fmt: skip
-    return Choice(
+    found = Choice(
         chosen=rows[0].model, criterion=choice.criterion, scatter=choice.scatter,
         refused=dict(choice.refused), candidates=tuple(rows),
     )  # fmt: skip
+    rivals = {one.model for one in found.rivals}
+    fits = [one.fit for one in choice.candidates if one.model in rivals]
+    return replace(found, disagree=any(_apart(choice.best, fit) for fit in fits))
+
+
+def _apart(one: Fit, other: Fit) -> bool:
+    """Whether the 95 % intervals of two restitutions have nothing in common at an end."""
+    for speed in one.speeds_m_s:
+        (ours, u), (theirs, v) = one.restitution_at(speed), other.restitution_at(speed)
+        if abs(ours - theirs) > COVERAGE * (u + v):
+            return True
+    return False
 
 
 def _bootstrap(best: Fit) -> Bootstrap:

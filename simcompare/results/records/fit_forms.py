@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated
 
 from pydantic import Field
@@ -17,6 +17,10 @@ from simcompare.results.records.fit_parts import (
 
 #: speed of the impact to which a restitution belongs that depends on the speed [m/s]
 REFERENCE_M_S = 4.0
+#: above the least criterion by less than this: the data cannot tell
+RIVAL = 4.0
+#: weight above which a closed form stands alone
+ALL = 0.9999
 
 
 @dataclass(frozen=True)
@@ -45,7 +49,7 @@ class Unknown:
         u: standard uncertainty.
         low: lower end of the 95 % interval, ``None`` where it is infinite.
         high: upper end.
-        interval: "normal" or "profile".
+        interval: "normal", "profile", or "averaged" over the closed forms by their weights.
         open_low: whether the data fit as well as far as was looked below.
         open_high: the same above.
     """
@@ -66,11 +70,18 @@ class Unknown:
 
 @dataclass(frozen=True)
 class AtSpeed:
-    """Restitution at a speed."""
+    """Restitution at a speed, with its standard uncertainty and the ends of its 95 % interval."""
 
     speed_m_s: float
     value: float
     u: float
+    low: float | None = None
+    high: float | None = None
+
+    @property
+    def limits(self) -> tuple[float | None, float | None]:
+        """Ends of the 95 % interval."""
+        return self.low, self.high
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,8 +91,9 @@ class Form:
     Attributes:
         model: its name.
         text: what it says, in words.
-        parameters: its unknowns.
-        covariance: of them.
+        parameters: its unknowns, averaged over all closed forms where there are several.
+        alone: as this closed form alone has them, where that differs.
+        covariance: of them, in this closed form alone.
         correlation: of the numbers that the fit looks for.
         fixed: what was not fitted.
         priors: what was known of unknowns.
@@ -121,6 +133,12 @@ class Form:
     u_known: bool = True
     scattered: bool = False
     assumed: tuple[str, ...] = ()
+    alone: Mapping[str, Unknown] = field(default_factory=dict)
+
+    @property
+    def own(self) -> Mapping[str, Unknown]:
+        """The unknowns as this closed form alone has them."""
+        return self.alone or self.parameters
 
     @property
     def found(self) -> Mapping[str, Unknown]:
@@ -135,7 +153,7 @@ class Candidate:
     Attributes:
         model: its name.
         text: what it says, in words.
-        law: "constant", "power" or "hunt_crossley".
+        law: "constant", "power", "linear", "logarithmic" or "hunt_crossley".
         drag: whether the terminal speed is an unknown of it.
         unknowns: how many the data determine.
         chi2: of the data, divided by the common scatter.
@@ -143,7 +161,7 @@ class Candidate:
         aicc: the same corrected for few data; ``None`` where there are too few.
         bic: Schwarz's criterion.
         delta: the deciding criterion above the least.
-        weight: Akaike weight; 0 for a form that repeats another because its drag vanished.
+        weight: Akaike weight.
         parameters: its unknowns.
     """
 
@@ -176,6 +194,7 @@ class Choice:
         words: what a reader must know, one sentence each.
         refused: name of a form -> why it could not be fitted.
         candidates: best first.
+        disagree: whether forms that fit about as well give restitutions beyond their intervals.
     """
 
     chosen: str
@@ -184,6 +203,20 @@ class Choice:
     words: tuple[str, ...] = ()
     refused: Mapping[str, str]
     candidates: tuple[Candidate, ...]
+    disagree: bool = False
+
+    @property
+    def rivals(self) -> tuple[Candidate, ...]:
+        """Closed forms that fit about as well as the chosen one."""
+        return tuple(
+            one for one in self.candidates[1:]
+            if one.delta is not None and one.delta < RIVAL and one.weight > 0
+        )  # fmt: skip
+
+    @property
+    def is_alone(self) -> bool:
+        """Whether one closed form has all the weight that is told."""
+        return self.candidates[0].weight > ALL
 
 
 @dataclass(frozen=True)
