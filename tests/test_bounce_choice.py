@@ -7,8 +7,10 @@ import re
 import numpy as np
 import pytest
 
+from simcompare.errors import InputError
 from simcompare.fitting.bounces import bootstrap, model_selection, records
 from simcompare.fitting.bounces.fit import fit
+from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.reading import from_times
 from simcompare.model.plain import plain
 from simcompare.results.records.fit_forms import RIVAL
@@ -98,6 +100,13 @@ def test_a_model_with_too_many_unknowns_is_refused_and_the_others_stand():
     assert list(choice.refused) == ["power+drag", "linear+drag", "logarithmic+drag"]
     assert "4 measured numbers and 0 priors cannot give 5 unknowns" in choice.refused["power+drag"]
     json.dumps(plain(finite(records.choice_of(choice))), allow_nan=False)
+
+
+def test_one_bounce_does_not_tell_two_unknowns_apart():
+    heights = {"heights_m": np.array([1.0, 0.64]), "u_heights_m": np.array([1e-3, 1e-3])}
+    drop = Impacts(height_numbers=(0, 1), **heights)
+    with pytest.raises(InputError, match="do not tell restitution and terminal_speed_m_s apart"):
+        model_selection.compare(drop, ["constant+drag"], fixed={"drop_height_m": 1.0})
 
 
 # ---- bootstrap ----------------------------------------------------------------------------------

@@ -126,12 +126,13 @@ def restitution_words(found: BouncesFit) -> str:
         return f"The restitution was given: {numbers.plain(fast.value)}."
     if is_for_all_speeds(found):
         return f"The restitution is {with_95(row)} (95 %)."
+    ends = (slow, fast) if _speed(slow) != _speed(fast) else (fast,)
     if found.choice.disagree:
-        at = [f"{interval_words(one)} at {_speed(one)}" for one in (slow, fast)]
+        at = [f"{interval_words(one)} at {_speed(one)}" for one in ends]
         return (f"The restitution lies in the range {' and '.join(at)} (95 %); models that fit as"
                 " well disagree.")  # fmt: skip
-    verb = "is" if law_of(found) == "constant" else "depends on the speed:"
-    at = [f"{with_95(one)} at {_speed(one)}" for one in (slow, fast)]
+    verb = "is" if law_of(found) == "constant" or len(ends) == 1 else "depends on the speed:"
+    at = [f"{with_95(one)} at {_speed(one)}" for one in ends]
     return f"The restitution {verb} {' and '.join(at)} (95 %)."
 
 

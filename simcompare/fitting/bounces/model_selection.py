@@ -24,6 +24,8 @@ from simcompare.fitting.bounces.likelihood import BY_CHANCE, Fit
 from simcompare.fitting.bounces.problem import usual
 from simcompare.fitting.bounces.unknowns import SPEED, base
 from simcompare.results.records.fit_forms import Prior
+from simcompare.statistics import least_squares
+from simcompare.statistics.identifiability import identifiability
 
 #: ln of the most that a part of a distribution is multiplied by
 _MOST_GAIN = 300.0
@@ -106,10 +108,10 @@ def compare(
     for name in models:
         names = [n for n in _usual(every, model_of(name), extra) if n not in held]
         try:
-            fits[name] = fit(
+            fits[name] = _told_apart(fit(
                 every, name, unknowns=names, fixed=held, priors=priors,
                 profiles=False,
-            )  # fmt: skip
+            ))  # fmt: skip
         except InputError as error:
             refused[name] = "; ".join(error.faults)
     if not fits:
@@ -133,6 +135,24 @@ def compare(
 
 def _usual(drops: Sequence[Impacts], model: Model, extra: Sequence[str]) -> list[str]:
     return [*usual(drops, model), *extra]
+
+
+def _told_apart(found: Fit) -> Fit:
+    """The fit itself.
+
+    Raises:
+        InputError: data and priors together tell nothing of some combination of its unknowns.
+    """
+    problem = found.problem
+    jacobian = least_squares.jacobian_of(problem.residuals, found.x[None, :], problem.size)[0]
+    known = identifiability(found.names, jacobian)
+    if known.is_blind:
+        mixed = known.directions[-1].moves or found.names
+        raise InputError("fit", [
+            f"the measured numbers and priors do not tell {' and '.join(mixed)} apart; record more"
+            " bounces, fix one or give a prior"
+        ])  # fmt: skip
+    return found
 
 
 def _scatter(fits: Sequence[Fit]) -> float:
