@@ -216,9 +216,10 @@ def test_a_law_of_speed_gives_the_first_impact_and_the_others_are_told(tmp_path)
     rows = "".join(f"{k},{t:.7f},1e-4\n" for k, t in enumerate(times_of(values, 8), start=1))
     path = tmp_path / "falling.csv"
     path.write_text(f"# title: made up\nbounce,impact_time_s,u_impact_time_s\n{rows}")
-    record = simcompare.fit(
-        "ball", recordings=[path], engine="pymunk", model="power", step=STEP_S
-    ).record.fit
+    run = simcompare.fit(
+        "ball", recordings=[path], engine="pymunk", model="power", step=STEP_S, out=tmp_path
+    )
+    record = run.record.fit
     goal = record.tuned_to
     assert goal.restitution == pytest.approx(0.85 * (goal.speed_m_s / 4) ** -0.05, rel=1e-3)
     impacts = record.sources[0].impacts
@@ -231,6 +232,7 @@ def test_a_law_of_speed_gives_the_first_impact_and_the_others_are_told(tmp_path)
     assert record.sources[0].effective["restitution"].u > 0.9 * u
     assert all(abs(row.closed_form - goal.restitution) < 3 * u for row in impacts)
     assert record.sources[0].numbers[-1].u == pytest.approx(u, rel=0.1)
+    assert "one restitution for all speeds" in contact_values(run.folder / "fit.json")
 
 
 def test_several_drops_share_one_set_of_numbers(tmp_path):

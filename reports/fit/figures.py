@@ -113,7 +113,7 @@ def parameter_figure(run: Run) -> Figure | None:
     panels = (_parameter_panel(RESTITUTION, closed[RESTITUTION], sources),)
     caption = (
         "Filled: what the engine must be given, with its 95 % interval. Hollow: the restitution"
-        " that it then shows; its bar is twice the scatter over the phases of its step."
+        " that it then shows, with twice its standard uncertainty."
     )
     rows = max(len(sources) + 1, 4)
     return Figure("parameters", "Parameters and what they produce", caption, panels, share_y=True,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from simcompare.reports.fit import fits
@@ -12,7 +13,7 @@ from simcompare.reports.validation import validations
 from simcompare.results.records.fit_bounces import BouncesFit
 from simcompare.results.records.fit_forms import Unknown
 from simcompare.results.records.fit_holdout import EngineHoldout, HeldOutDrop
-from simcompare.results.records.fit_parts import ENGINE
+from simcompare.results.records.fit_parts import ENGINE, EngineParameter
 from simcompare.results.records.fit_waveforms import WaveParameter
 from simcompare.results.run import Run
 
@@ -38,8 +39,8 @@ def engines(run: Run) -> Table:
         Column("Time (s)"),
     )  # fmt: skip
     note = (
-        "Effective: what the engine then shows. Its u is the scatter over the phases of the step;"
-        " that of the parameter holds the measurement too."
+        "Effective: what the engine then shows. Its u holds the measurement, the phase of the step,"
+        " and how the engine's restitution changes from impact to impact."
     )
     return Table("Restitution of each engine", columns, (Group("", tuple(rows)),), note)
 
@@ -63,13 +64,19 @@ def parameters(run: Run) -> Table:
         for source in fits.fitted(run):
             row = source.parameters.get(name)
             if row is not None and row.whose == ENGINE:
-                rows.append((source.name, fits.value_words(row, name),
-                             fits.interval_words(row), numbers.plain(row.u_num, 2)))  # fmt: skip
+                own = numbers.plain(_u_engine(row), 2)
+                words = fits.value_words(row, name), fits.interval_words(row)
+                rows.append((source.name, *words, own))
         groups.append(Group(fits.with_unit(name), tuple(rows)))
     columns = (Column("Source", text=True), Column("Value ± u"),
-               Column("95 % interval", text=True), Column("u from step and phase"))  # fmt: skip
+               Column("95 % interval", text=True), Column("u from the engine"))  # fmt: skip
     note = "Where no engine is named, all of them are given what the closed form has."
     return Table("All unknowns", columns, tuple(groups), note, folded=True)
+
+
+def _u_engine(row: EngineParameter) -> float | None:
+    """The engine's part of an uncertainty: its scatter, and what it lacks."""
+    return None if row.u_num is None else math.hypot(row.u_num, row.misfit)
 
 
 def _found(run: Run) -> Mapping[str, Unknown | WaveParameter]:

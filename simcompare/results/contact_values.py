@@ -6,6 +6,7 @@ from pathlib import Path
 
 from simcompare.model.audit import AuditRow
 from simcompare.model.settings import TUNED
+from simcompare.notation import number
 from simcompare.results import fit_file
 
 
@@ -30,6 +31,11 @@ def contact_values(path: Path) -> str:
         f"# fitted with air drag, {name} = {value:.6g}: a force -c·|v|·v of your own in each step"
         for name, value in drag.items()
     ]
+    if fit.one_number is not None:
+        lines.append(
+            "# one restitution for all speeds, where the ball's own depends on them:"
+            f" {number(fit.one_number.value, fit.one_number.u)} covers the recorded impacts (± u)"
+        )
     for source in fit.sources:
         if source.status != "ok":
             why = source.reason or source.status or "failed"

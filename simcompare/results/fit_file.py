@@ -19,7 +19,7 @@ from simcompare.model.fittable import BOUNCES, TOSSES, WAVEFORM
 from simcompare.model.plain import faults, of_plain
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, TUNED, PairNumbers, Settings
-from simcompare.results.records.fit_engines import RunWith, Tuned
+from simcompare.results.records.fit_engines import OneRestitution, RunWith, Tuned
 from simcompare.results.records.fit_parts import Value
 from simcompare.scenarios.scenario_file import ScenarioFile
 
@@ -63,6 +63,7 @@ class _Stored:
     sources: tuple[_Source, ...]
     run_with: RunWith
     valid: _Valid
+    one_number: OneRestitution | None = None
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,7 @@ class FitFile:
         engine_step_s: step of the engines.
         drop_height_m: from how high the first drop fell that was fitted, where it was fitted.
         sources: what became of each engine, and the contact values that it held.
+        one_number: the restitution of engines where the ball's own depends on the speed.
     """
 
     path: Path
@@ -98,6 +100,7 @@ class FitFile:
     engine_step_s: float
     drop_height_m: float | None = None
     sources: tuple[_Source, ...] = ()
+    one_number: OneRestitution | None = None
 
     def base(self, file: ScenarioFile) -> dict[str, float]:
         """Parameters of the scenario as the closed form has them.
@@ -256,6 +259,7 @@ def read(path: Path) -> FitFile:
         path, fit.scenario, fit.given, fit.run_with.closed, fit.run_with.engines,
         fit.run_with.numbers, fit.contact, fit.assist, fit.valid.speed_m_s, fit.valid.step_s,
         fit.valid.engine_step_s or fit.valid.step_s, _first_height(fit.closed_form), fit.sources,
+        fit.one_number,
     )  # fmt: skip
 
 

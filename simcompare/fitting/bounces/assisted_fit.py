@@ -20,6 +20,7 @@ from simcompare.fitting.bounces.deviations import (
     engine_bounces,
     mean_deviation,
     scenes,
+    uneven,
 )
 from simcompare.fitting.bounces.engine_fit import EngineFit, contact_rows
 from simcompare.fitting.bounces.likelihood import Fit
@@ -184,33 +185,35 @@ def _result(name: str, plain: OneNumber, one: Corrected, engine: _Shown) -> Assi
     assert last.trajectory is not None
     fitted, u_num = start, dict.fromkeys(start.names, 0.0)
     if RESTITUTION in start.names:
-        u_num[RESTITUTION] = float(np.std(engine.spread, ddof=1)) / math.sqrt(DITHERS)
+        phase = float(np.std(engine.spread, ddof=1)) / math.sqrt(DITHERS)
+        u_num[RESTITUTION] = math.hypot(phase, uneven(engine.bouncing))
         value = float(one.x[start.names.index(RESTITUTION)])
         fitted = one_number.with_engine(start, value, u_num[RESTITUTION])
     effective = _effective(engine)
     return AssistedFit(
         name, last.facts.version, ASSISTED, OK, None, fitted, plain.misfit, u_num, effective,
-        _whole_u(fitted, effective[1]), engine.bouncing, contact_rows(last.trajectory),
+        _whole_u(start, effective[1]), engine.bouncing, contact_rows(last.trajectory),
         one.simulations, one.wall_s, last, engine.runs,
         tuple(_residuals_s(problem, one.x, engine, drop) for drop in range(len(problem.drops))),
     )  # fmt: skip
 
 
 def _effective(engine: _Shown) -> tuple[float, float]:
-    """Mean restitution that the engine showed over the measured bounces; u from its phase.
+    """Mean restitution that the engine showed over the measured bounces, and its own part of u.
 
     Taken in the last round, at parameters that the last fit moved by no more than its own scatter.
     """
     every = np.concatenate([deviation.restitution for deviation in engine.bouncing])
     each = np.concatenate([deviation.u_restitution for deviation in engine.bouncing])
-    return float(every.mean()), float(np.sqrt(np.mean(each**2) / (DITHERS * len(every))))
+    phase = float(np.sqrt(np.mean(each**2) / (DITHERS * len(every))))
+    return float(every.mean()), math.hypot(phase, uneven(engine.bouncing))
 
 
-def _whole_u(fitted: Fit, u_phase: float) -> float:
-    """Standard uncertainty of the effective restitution: of the fit, and of the engine's phase."""
-    if "restitution" not in fitted.names:
-        return u_phase
-    return math.hypot(u_phase, float(fitted.u[fitted.names.index("restitution")]))
+def _whole_u(start: Fit, u_engine: float) -> float:
+    """Standard uncertainty of the effective restitution: of the fit, and of the engine."""
+    if RESTITUTION not in start.names:
+        return u_engine
+    return math.hypot(u_engine, float(start.u[start.names.index(RESTITUTION)]))
 
 
 def _residuals_s(problem: Problem, x: Array, engine: _Shown, drop: int) -> tuple[float, ...]:

@@ -179,6 +179,15 @@ def mean_deviation(parts: Sequence[RunDeviation], count: int, *, whole: bool) ->
     )  # fmt: skip
 
 
+def uneven(shown: Sequence[Deviation]) -> float:
+    """How an engine's restitution changes from impact to impact, as a standard uncertainty.
+
+    It is the same at every phase of the step and at every height, so that no repeat tells it.
+    """
+    every = np.concatenate([deviation.restitution for deviation in shown])
+    return float(every.std(ddof=1)) if len(every) > 1 else 0.0
+
+
 def engine_bounces(closed: Bounces, deviation: Deviation) -> Bounces:
     """Bounces of an engine: those of the closed form, moved by what it shows beside it."""
     later = np.append(deviation.late_s[1:], deviation.late_s[-1])

@@ -29,9 +29,9 @@ class EngineFit:
         fit: what it must be given: the closed form's parameters, and one restitution of its own;
             ``None`` where it failed.
         misfit: root mean square by which the recorded impacts differ from that restitution.
-        u_num: unknown -> standard uncertainty from phase and step.
-        effective: mean restitution that it shows in the fitted drops, and its standard uncertainty
-            from the phase.
+        u_num: unknown -> standard uncertainty from phase, step and change from impact to impact.
+        effective: mean restitution that it shows in the fitted drops, and the engine's part of its
+            standard uncertainty: phase of the step, and change from impact to impact.
         u_effective: its whole standard uncertainty.
         shown: what the simulations of each drop showed.
         native: contact values that the engine held.

@@ -207,7 +207,7 @@ def _assisted(one: EngineFit, closed: Prediction) -> EngineHoldout:
     """The engine shows its effective restitution at every drop; that is held against this one's."""
     assert one.effective is not None
     value = one.effective[0]
-    own = math.hypot(one.effective[1], one.u_num.get("restitution", 0.0), one.misfit)
+    own = math.hypot(one.effective[1], one.misfit)
     u_held, score, held = closed.row.u_difference, None, None
     if closed.again is not None and u_held is not None:
         held = _mean_restitution(closed.again)

@@ -220,11 +220,11 @@ def _source(one: EngineFit, predicted: Holdout, identifiable: bool) -> BouncesEn
     """What the record says of one engine."""
     found: dict[str, Any] = {}
     if one.fit is not None and one.effective is not None:
-        value, u_phase = one.effective
+        value, u_engine = one.effective
         found = {
             "parameters": _parameters(one.fit, one),
             "correlation": _rows(one.fit.correlation),
-            "effective": {"restitution": EffectiveValue(value, one.u_effective, u_phase, "1")},
+            "effective": {"restitution": EffectiveValue(value, one.u_effective, u_engine, "1")},
             "native": one.native,
             "shown": tuple(map(_shown, one.shown)),
         }

@@ -25,6 +25,7 @@ from simcompare.fitting.bounces.deviations import (
     ends_s,
     mean_deviation,
     scenes,
+    uneven,
 )
 from simcompare.fitting.bounces.engine_fit import contact_rows
 from simcompare.fitting.bounces.likelihood import Fit
@@ -40,8 +41,9 @@ from simcompare.results.records.fit_engines import Impact, Number
 from simcompare.running.jobs import FAILED, OK, Job, Outcome
 from simcompare.running.runner import TIME_LIMIT_S, Progress, run_jobs
 
-#: part by which the last number is changed to see what the restitution makes of it
-_CHANGE = 0.01
+#: part by which the last number is changed to see what the restitution makes of it, and at how many
+#: of the phases
+_CHANGE, _CHANGED_PHASES = 0.03, 6
 
 
 def tune_engines(
@@ -85,7 +87,10 @@ def tune_engines(
             ]  # fmt: skip
             if numbers:
                 moved = Settings(TUNED, numbers=tuple(map(_moved, numbers)))
-                jobs += [Job(outcome.job.engine, scene, moved, len(drops)) for scene in short]
+                jobs += [
+                    Job(outcome.job.engine, scene, moved, len(drops))
+                    for scene in short[:: _every(goal)]
+                ]
     outcomes = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
     return [
         _result(roles, best, goal, one, [o for o in outcomes if o.job.engine == one.job.engine])
@@ -108,6 +113,11 @@ def _short_scenes(goal: TuningGoal, lead: Sequence[Scenario]) -> list[Scenario]:
 
 def _is_goal(restitution: float, scene: Scenario, roles: Roles) -> bool:
     return math.isclose(restitution, scene.parameters[roles.restitution], rel_tol=1e-12)
+
+
+def _every(goal: TuningGoal) -> int:
+    """From one phase at which the last number is changed to the next."""
+    return max(1, goal.phases // _CHANGED_PHASES)
 
 
 def _pair_numbers(run: Trajectory) -> tuple[PairNumbers, ...]:
@@ -181,7 +191,7 @@ def _slope(
     ]  # fmt: skip
     if not changed or not all(len(one) for one in changed):
         return math.nan
-    before = float(np.mean([part.restitution[0] for part in lead]))
+    before = float(np.mean([part.restitution[0] for part in lead[:: _every(goal)]]))
     return (before - float(np.mean([one[0] for one in changed]))) / _CHANGE
 
 
@@ -229,7 +239,7 @@ def _numbers(
 def _effective(
     parts: Sequence[Sequence[RunDeviation]], shown: Sequence[Deviation]
 ) -> tuple[float, float]:
-    """Mean over the phases of the mean over all recorded impacts, and its u from the phase."""
+    """Mean over phases of the mean over all recorded impacts, and the engine's part of its u."""
     every = np.array([
         np.concatenate([
             part.restitution[: len(deviations.restitution)]
@@ -237,7 +247,8 @@ def _effective(
         ]).mean()
         for phase in zip(*parts, strict=True)
     ])  # fmt: skip
-    return float(every.mean()), float(every.std(ddof=1) / math.sqrt(len(every)))
+    phase = float(every.std(ddof=1)) / math.sqrt(len(every))
+    return float(every.mean()), math.hypot(phase, uneven(shown))
 
 
 def _impacts(best: Fit, goal: TuningGoal, shown: Sequence[Deviation]) -> list[Impact]:

@@ -16,8 +16,9 @@ from simcompare.model.trajectory import Array
 
 #: phases of the step at which every drop is run, fewer where there are many drops, and the fewest
 PHASES, MAX_RUNS, MIN_PHASES = 25, 150, 5
-#: most engine steps of one drop at all phases, some seconds of an engine with drag
-MAX_STEPS = 120_000
+#: most engine steps of one drop at all phases, some seconds of an engine with drag; and how many
+#: impacts are run whatever it takes
+MAX_STEPS, MIN_IMPACTS = 90_000, 3
 #: simulated time after the last impact [s], and steps for the contact of each impact
 _AFTER_S, CONTACT_STEPS = 0.05, 15
 
@@ -69,8 +70,8 @@ def goal_of(
     own += [one.problem.values(one.x, 0) for one in held]
     wanted = [impacts.count for fit in (best, *held) for impacts in fit.problem.drops]
     drops = tuple({**values, "restitution": restitution, **_drag(roles, values)} for values in own)
-    least = [1] * len(drops)
-    least[lead] = number
+    least = [min(MIN_IMPACTS, count) for count in wanted]
+    least[lead] = max(least[lead], number)
     wanted[lead] = max(wanted[lead], number)
     step = roles.file.resolve(roles.values(drops[lead]), step_s=step_s).world.engine_step_s
     steps = [_lasts_s(one, count, step) / step for one, count in zip(drops, wanted, strict=True)]

@@ -52,13 +52,14 @@ class EffectiveValue:
     Attributes:
         value: mean over the fitted drops.
         u: standard uncertainty.
-        u_phase: its part from the phase of the step.
+        u_engine: its part from the engine: the phase of the step, and how its restitution changes
+            from impact to impact.
         unit: of all of them.
     """
 
     value: float
     u: float
-    u_phase: float
+    u_engine: float
     unit: str
 
 

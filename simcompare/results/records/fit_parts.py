@@ -45,7 +45,7 @@ class EngineParameter:
         u: standard uncertainty.
         interval95: ends of the 95 % interval; ``None`` where the data leave one open.
         unit: of all of them.
-        u_num: standard uncertainty from the engine's phase and step.
+        u_num: standard uncertainty from the engine: phase, step, change from impact to impact.
         whose: "closed form" where every engine is given the same, or "engine".
         misfit: standard uncertainty from what the engine lacks, such as a restitution that depends
             on the speed.
