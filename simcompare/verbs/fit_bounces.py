@@ -15,6 +15,7 @@ from simcompare.errors import InputError
 from simcompare.fitting.bounces import holdout, model_selection, plot_data, records
 from simcompare.fitting.bounces.assisted_fit import fit_engines
 from simcompare.fitting.bounces.assumed import of_recorder as assumed_of_recorder
+from simcompare.fitting.bounces.averaging import averaged
 from simcompare.fitting.bounces.bounce_models import GRAVITY as STANDARD
 from simcompare.fitting.bounces.engine_fit import EngineFit
 from simcompare.fitting.bounces.identifiability import identifiability
@@ -151,18 +152,20 @@ def _engines(
     how: _How,
 ) -> tuple[OneNumber, Sequence[EngineFit], Holdout, TuningGoal | None]:
     """What engines get of the closed form, what they make of it, and held-out drops."""
-    best = choice.best
+    best, laws = choice.best, averaged(choice)
     closed = holdout.predict(best, held, constraints.fixed)
     more: dict[str, Any] = {
         "step_s": how.step_s, "time_limit_s": how.time_limit_s, "progress": how.progress,
     }  # fmt: skip
+
+    def law(speed_m_s: float) -> tuple[float, float]:
+        return laws.restitution_at(speed_m_s)[:2]
+
     if not how.tuned:
-        plain = nearest(best, best.restitution_at, with_drag=roles.has_drag)
+        plain = nearest(best, law, with_drag=roles.has_drag)
         assisted = fit_engines(roles, plain, how.engines, helps=how.helps, **more)
         return plain, assisted, holdout.of_engines(closed, assisted), None
-    wanted = goal_of(
-        roles, best, best.restitution_at, [one.predicted for one in closed], how.step_s
-    )
+    wanted = goal_of(roles, best, law, [one.predicted for one in closed], how.step_s)
     tuned = tune_engines(roles, best, wanted, how.engines, **more)
     return wanted.plain, tuned, holdout.of_engines(closed, tuned), wanted
 

@@ -33,8 +33,8 @@ class OneNumber:
 
     Attributes:
         fit: its parameters; all but the restitution are those of the closed form.
-        misfit: root mean square by which the recorded impacts differ from that restitution; 0 where
-            the ball's does not depend on the speed.
+        misfit: root mean square by which the restitution of the recorded impacts differs from it; 0
+            where that does not depend on the speed.
     """
 
     fit: Fit
@@ -61,11 +61,12 @@ def nearest(best: Fit, law: Law, *, with_drag: bool = True) -> OneNumber:
         law: its restitution.
         with_drag: whether the scene can have drag.
     """
-    if best.problem.model.law == "constant" and with_drag:
-        return _of(best, law, *law(best.speeds_m_s[1]), with_drag)
-    problem, x = _constant(best, law(best.speeds_m_s[1])[0], with_drag)
-    value = float(restitutions(problem, x, problem.data[None, :])[0])
     u = math.sqrt(float(np.mean([law(speed)[1] ** 2 for speed in _speeds(best)])))
+    problem, x = _constant(best, law(best.speeds_m_s[1])[0], with_drag)
+    if best.problem.model.law == "constant" and with_drag:
+        value = float(best.problem.values(best.x, 0)[RESTITUTION])
+    else:
+        value = float(restitutions(problem, x, problem.data[None, :])[0])
     return _of(best, law, value, u, with_drag)
 
 
@@ -97,22 +98,21 @@ def with_engine(fit: Fit, value: float, u_engine: float) -> Fit:
 
 
 def _of(best: Fit, law: Law, value: float, u: float, with_drag: bool) -> OneNumber:
-    given = RESTITUTION not in best.names
-    if best.problem.model.law == "constant" and with_drag and given:
-        return OneNumber(best, 0.0)
-    if best.problem.model.law == "constant" and with_drag:
-        return OneNumber(_told(best, value, u, best.intervals), 0.0)
     gaps = [law(speed)[0] - value for speed in _speeds(best)]
     misfit = math.sqrt(float(np.mean(np.square(gaps))))
+    whole = math.hypot(u, misfit)
+    if best.problem.model.law == "constant" and with_drag:
+        if RESTITUTION not in best.names:
+            return OneNumber(best, 0.0)
+        return OneNumber(_told(best, value, whole), misfit)
     problem, x = _constant(best, value, with_drag)
     kept = [best.names.index(n) for n in problem.names if n in best.names]
     fit = replace(best, model="constant" + "+drag" * problem.model.drag, problem=problem, x=x)
     fit = _rows(fit, best, problem.names, kept)
-    whole = math.hypot(u, misfit)
-    return OneNumber(_told(fit, value, whole, fit.intervals), misfit)
+    return OneNumber(_told(fit, value, whole), misfit)
 
 
-def _told(fit: Fit, value: float, u: float, intervals: tuple[tuple[float, float], ...]) -> Fit:
+def _told(fit: Fit, value: float, u: float) -> Fit:
     """The fit with that restitution and its standard uncertainty."""
     k = fit.names.index(RESTITUTION)
     if math.isclose(value, float(fit.values[k]), rel_tol=1e-12) and math.isclose(
@@ -120,7 +120,7 @@ def _told(fit: Fit, value: float, u: float, intervals: tuple[tuple[float, float]
     ):
         return fit
     values, x, covariance = fit.values.copy(), fit.x.copy(), fit.covariance.copy()
-    internal, ends = fit.internal_covariance.copy(), list(intervals)
+    internal, ends = fit.internal_covariance.copy(), list(fit.intervals)
     values[k] = x[k] = value
     for matrix in (covariance, internal):
         old = math.sqrt(matrix[k, k]) if matrix[k, k] > 0 else math.inf

@@ -92,16 +92,17 @@ def of_fit(
     """
     best = choice.best
     known, told = identifiability(best), averaged(choice)
-    sources = tuple(_source(one, predicted, not known.is_weak) for one in engines)
+    form = form_of(best, told)
+    sources = tuple(_source(one, form, predicted, not known.is_weak) for one in engines)
     return BouncesFit(
         scenario=roles.file.name, contact=made.contact, assist=made.assist,
         settings=dict(roles.given),
         measured=tuple(map(drop_of, drops[0])), held_out=tuple(map(drop_of, drops[1])),
-        closed_form=form_of(best, told), choice=choice_of(choice), bootstrap=_bootstrap(best),
+        closed_form=form, choice=choice_of(choice), bootstrap=_bootstrap(best),
         identifiability=Known(**vars(known)), residuals=plot_data.residuals(best),
         law=plot_data.law_of(best, told), ratios=plot_data.measured_ratios(best),
         profiles=plot_data.profiles_of(best),
-        one_number=_one_number(plain),
+        one_number=_one_number(best, plain),
         tuned_to=_target(made.goal), tuned_mean=_tuned_mean(sources), sources=sources,
         run_with=_run_with(roles, plain.fit, engines), holdout=predicted,
         budgets=budgets(choice),
@@ -216,13 +217,13 @@ def _bootstrap(best: Fit) -> Bootstrap:
     return Bootstrap("parametric", len(found.draws), found.failed, found.seed, rows)
 
 
-def _source(one: EngineFit, predicted: Holdout, identifiable: bool) -> BouncesEngine:
+def _source(one: EngineFit, form: Form, predicted: Holdout, identifiable: bool) -> BouncesEngine:
     """What the record says of one engine."""
     found: dict[str, Any] = {}
     if one.fit is not None and one.effective is not None:
         value, u_engine = one.effective
         found = {
-            "parameters": _parameters(one.fit, one),
+            "parameters": _parameters(one.fit, form, one),
             "correlation": _rows(one.fit.correlation),
             "effective": {"restitution": EffectiveValue(value, one.u_effective, u_engine, "1")},
             "native": one.native,
@@ -246,24 +247,27 @@ def _source(one: EngineFit, predicted: Holdout, identifiable: bool) -> BouncesEn
     )  # fmt: skip
 
 
-def _one_number(plain: OneNumber) -> OneRestitution | None:
-    if not plain.misfit:
+def _one_number(best: Fit, plain: OneNumber) -> OneRestitution | None:
+    if best.problem.model.law == "constant" or not plain.misfit:
         return None
     at = plain.fit.names.index("restitution")
     return OneRestitution(float(plain.fit.values[at]), float(plain.fit.u[at]), plain.misfit)
 
 
-def _parameters(fit: Fit, one: EngineFit) -> dict[str, EngineParameter]:
+def _parameters(fit: Fit, form: Form, one: EngineFit) -> dict[str, EngineParameter]:
     """Unknown -> value, uncertainty and interval, and whose it is."""
-    return {
-        name: EngineParameter(
-            value=row.value, u=row.u, interval95=row.limits,
+    found = {}
+    for name, row in _unknowns(fit):
+        is_own = name == "restitution"
+        if name in fit.assumed:
+            continue
+        told = row if is_own else form.parameters[name]
+        found[name] = EngineParameter(
+            value=told.value, u=told.u, interval95=told.limits,
             unit=units.unit_of(name.partition("[")[0]), u_num=one.u_num.get(name, 0.0),
-            whose=ENGINE if name == "restitution" else CLOSED_FORM,
-            misfit=one.misfit if name == "restitution" else 0.0,
-        )
-        for name, row in _unknowns(fit) if name not in fit.assumed
-    }  # fmt: skip
+            whose=ENGINE if is_own else CLOSED_FORM, misfit=one.misfit if is_own else 0.0,
+        )  # fmt: skip
+    return found
 
 
 def _shown(one: Deviation) -> Shown:
