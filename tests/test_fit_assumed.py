@@ -109,6 +109,14 @@ def test_a_video_whose_rod_is_half_a_per_cent_off_is_not_taken_for_drag():
     assert "scale" not in found.assumed
 
 
+def test_of_equals_the_one_without_drag_is_chosen_in_a_video_too():
+    # where u comes from the scatter, priors weigh a little less in the law with one more unknown
+    drop = filmed({**TRUTH, "scale": 1.004}, seed=2, stated=False)
+    choice = model_selection.compare(drop, ["constant", "constant+drag"], priors=CAMERA)
+    assert "terminal_speed_m_s" in choice.candidates[1].fit.at_bound
+    assert choice.best.model == "constant"
+
+
 def test_drag_of_a_coefficient_is_as_sure_as_the_scenario_says():
     file = catalogue.load("ball")
     given = {name: one.value for name, one in file.parameters.items()}

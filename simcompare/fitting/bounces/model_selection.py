@@ -30,6 +30,9 @@ from simcompare.statistics.identifiability import identifiability
 #: ln of the most that a part of a distribution is multiplied by
 _MOST_GAIN = 300.0
 
+#: decimals of a criterion to which models are equals; priors make its last ones differ
+_EQUAL = 1
+
 
 @dataclass(frozen=True)
 class Candidate:
@@ -196,7 +199,7 @@ def _weighed(rows: Sequence[Candidate], criterion: str, scatter: float) -> list[
         for row, score, share in zip(rows, scores, shares, strict=True)
     ]
     # of equals the model with fewer unknowns, such as one whose drag vanished
-    return sorted(found, key=lambda c: (round(c.delta, 6), len(c.fit.names)))
+    return sorted(found, key=lambda c: (round(c.delta, _EQUAL), len(c.fit.names)))
 
 
 def _likely(row: Candidate, scatter: float) -> float:
