@@ -228,6 +228,14 @@ def test_a_length_scale_still_cannot_be_heard(told):
         simcompare.fit("ball", recordings=[told[0]], engine="pymunk", unknowns="scale")
 
 
+@pytest.mark.parametrize(
+    ("option", "given"), [("fixed", {"scale": 1.01}), ("priors", {"scale": (1.0, 0.01)})]
+)
+def test_a_scale_of_what_was_not_filmed_is_refused(told, option, given):
+    with pytest.raises(InputError, match="lengths in a video, and no recording is one"):
+        simcompare.fit("ball", recordings=[told[0]], engine="pymunk", **{option: given})
+
+
 def test_what_dominates_is_told_with_advice_that_can_be_pasted(told):
     drop, found = told
     (text,) = budget_words.words(found.record.fit)

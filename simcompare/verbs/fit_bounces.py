@@ -12,9 +12,8 @@ from simcompare.engine import engines
 from simcompare.engine.assist import ALL, NONE
 from simcompare.engine.helps import known
 from simcompare.errors import InputError
-from simcompare.fitting.bounces import holdout, model_selection, plot_data, records
+from simcompare.fitting.bounces import assumed, holdout, model_selection, plot_data, records
 from simcompare.fitting.bounces.assisted_fit import fit_engines
-from simcompare.fitting.bounces.assumed import of_recorder as assumed_of_recorder
 from simcompare.fitting.bounces.averaging import averaged
 from simcompare.fitting.bounces.bounce_models import GRAVITY as STANDARD
 from simcompare.fitting.bounces.engine_fit import EngineFit
@@ -92,8 +91,9 @@ def fit_bounces(
     reading = (request.mapping, request.u_time_s, gravity)
     drops = [drop for name in request.recordings for drop in drops_of(name, *reading)]
     held = [drop for name in request.hold_out for drop in drops_of(name, *reading)]
-    assumed = assumed_of_recorder(drops, request.unknowns)
-    priors = {n: prior for n, prior in {**assumed, **priors}.items() if n not in fixed}
+    assumed.check_scale(drops, {"--fix": fixed, "--prior": stated})
+    priors = {**assumed.of_recorder(drops, request.unknowns), **priors}
+    priors = {name: prior for name, prior in priors.items() if name not in fixed}
     constraints = Constraints(request.unknowns, fixed, priors)
     choice = model_selection.compare(
         drops,
