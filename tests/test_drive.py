@@ -5,9 +5,8 @@ import pytest
 import yaml
 
 from simcompare.errors import InputError
-from simcompare.hardware.conditioning import drive
 from simcompare.hardware.recordings import registry
-from simcompare.hardware.sensors import odometer
+from simcompare.hardware.sensors import drive_mistakes, odometer
 from simcompare.inference import sources
 from simcompare.verbs.import_log import import_log
 
@@ -92,16 +91,8 @@ def test_the_best_turn_and_shift_are_taken_and_no_mirror():
     _, _, _, place = driven()
     angle = 0.7
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    assert drive.apart(place @ turn.T + (3, 4), place) < 1e-12
-    assert drive.apart(place * (1, -1), place) > 0.1
-
-
-def test_the_first_reading_is_the_one_as_given():
-    time_s, left, right, place = driven()
-    found = list(drive.readings(np.column_stack((time_s, left, right)), TRACK_M, place))
-    assert len(found) == 6
-    assert (found[0].exchanged, found[0].factor) == (False, 1.0)
-    assert found[0] == min(found, key=lambda one: one.rms_m)
+    assert drive_mistakes.apart(place @ turn.T + (3, 4), place) < 1e-12
+    assert drive_mistakes.apart(place * (1, -1), place) > 0.1
 
 
 def recording_of(name):

@@ -157,3 +157,35 @@ def test_every_fault_of_the_channels_is_told():
 def test_a_window_without_samples_is_told():
     with pytest.raises(InputError, match="has 0 samples in this part of the recording"):
         given({"left_rate": {"channel": "left_rate"}}, start_s=50.0)
+
+
+def told_of(name, **options):
+    if registry.place(name) is None:
+        pytest.skip(f"{name} is not on this machine")
+    found = simcompare.estimate(
+        "odometry", recording=name, estimator="odometry", options=options or None
+    )
+    return [one for one in found.sentences if "suspected" in one]
+
+
+def test_recordings_that_are_as_they_say_are_not_suspected():
+    assert told_of("odometry_plaza") == []
+    assert told_of("robot_labyrinth_exchanged") == []
+
+
+def test_a_heading_that_is_half_a_turn_off_is_suspected_and_the_cure_works():
+    (told,) = told_of("odometry_plaza", start_heading_rad=1.0808)
+    assert "with the heading turned by half a turn" in told
+    assert "Nothing was changed" in told
+    name, value = told.split("--option ")[1].rstrip(".").split("=")
+    assert told_of("odometry_plaza", **{name: float(value)}) == []
+
+
+def test_a_track_that_is_half_the_true_one_is_suspected_and_the_cure_works():
+    (told,) = told_of("robot_labyrinth_exchanged", track_m=0.0785)
+    assert "twice the track, 0.157 m," in told
+    assert told.endswith("to try it, add --option track_m=0.157.")
+
+
+def test_what_was_told_of_a_log_already_is_not_told_twice():
+    assert told_of("robot_labyrinth") == []

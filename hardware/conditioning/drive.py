@@ -9,24 +9,20 @@ such mistake undone. What is found is told with its numbers, and nothing is chan
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, PositiveFloat
 
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning.strict import refused
-from simcompare.hardware.sensors import odometer
+from simcompare.hardware.sensors import drive_mistakes
+from simcompare.hardware.sensors.drive_mistakes import Cures, Driven
 from simcompare.model.recording import WARNING, Recording, Repair
 from simcompare.model.trajectory import Array
+from simcompare.statistics.suspicions import Suspicion
 
-#: factors of the track that are tried: half and twice of it are taken for each other
-FACTORS = (1.0, 2.0, 0.5)
-#: told where the path as given misses by more than this part of its length, and another fits so
-#: much better
-MISSES, BETTER = 0.02, 3.0
 #: fewest samples that are looked at
 LEAST = 10
 
@@ -53,21 +49,6 @@ class Drive(BaseModel):
     y: str
 
 
-@dataclass(frozen=True)
-class Reading:
-    """One way to read the wheels, and what comes of it.
-
-    Attributes:
-        exchanged: whether left and right are exchanged.
-        factor: of the track.
-        rms_m: root mean square distance from the truth, after the best turn and shift.
-    """
-
-    exchanged: bool
-    factor: float
-    rms_m: float
-
-
 def noted(recording: Recording, drive: Drive | None, where: str) -> Recording:
     """The same recording, with a warning where its wheels do not lead to its places.
 
@@ -85,26 +66,24 @@ def noted(recording: Recording, drive: Drive | None, where: str) -> Recording:
     wheels, place = _arrays(recording, drive, where)
     if len(wheels) < LEAST:
         return recording
-    length = float(np.hypot(*np.diff(place, axis=0).T).sum())
-    found = list(readings(wheels, drive.track_m, place))
-    best = min(found, key=lambda reading: reading.rms_m)
-    if found[0].rms_m < MISSES * length or found[0].rms_m < BETTER * best.rms_m:
+    found = drive_mistakes.suspected(wheels_of(wheels, drive, place), _cures(drive))
+    if found is None:
         return recording
-    text = suspicion(drive, found[0], best, length)
-    numbers = {"rms_m": found[0].rms_m}, {"rms_m": best.rms_m}
-    repair = Repair("drive", WARNING, text, before=numbers[0], after=numbers[1])
+    before, after = {"rms_m": found.before}, {"rms_m": found.after}
+    text = suspicion(drive, found, place)
+    repair = Repair("drive", WARNING, text, before=before, after=after)
     if recording.provenance.mode == "strict":
         raise InputError(where, [refused(repair)])
     about = recording.provenance
     return replace(recording, provenance=replace(about, repairs=(*about.repairs, repair)))
 
 
-def readings(wheels: Array, track_m: float, place: Array) -> Iterator[Reading]:
-    """How far each way to read the wheels misses the truth, the one as given first.
+def wheels_of(wheels: Array, drive: Drive, place: Array) -> Driven:
+    """What is known of the robot.
 
     Args:
         wheels: time [s], speeds of the left and the right wheel [m/s] (n, 3).
-        track_m: distance of the wheels as given.
+        drive: the block of the mapping file.
         place: true places at the same times (n, 2).
     """
     time_s, left, right = wheels.T
@@ -112,36 +91,35 @@ def readings(wheels: Array, track_m: float, place: Array) -> Iterator[Reading]:
         np.concatenate(([0.0], np.cumsum(np.diff(time_s) * (v[1:] + v[:-1]) / 2)))
         for v in (left, right)
     ]
-    for exchanged in (False, True):
-        first, second = ways[::-1] if exchanged else ways
-        for factor in FACTORS:
-            path = odometer.poses(odometer.arcs(first, second, track_m * factor))[:, :2]
-            yield Reading(exchanged, factor, apart(path, place))
+    return Driven(ways[0], ways[1], drive.track_m, place, drive.wheel_radius_m or 1.0)
 
 
-def apart(path: Array, place: Array) -> float:
-    """Root mean square distance of two paths after the best turn and shift of one (Kabsch)."""
-    ours, true = path - path.mean(axis=0), place - place.mean(axis=0)
-    u, _, v = np.linalg.svd(ours.T @ true)
-    turn = u @ np.diag((1.0, np.sign(np.linalg.det(u @ v)))) @ v
-    return math.sqrt(float(np.mean(np.sum((ours @ turn - true) ** 2, axis=1))))
-
-
-def suspicion(drive: Drive, given: Reading, best: Reading, length_m: float) -> str:
+def suspicion(drive: Drive, found: Suspicion, place: Array) -> str:
     """What was found, in words, and how the log is read so."""
-    changes, cures = [], []
-    if best.exchanged:
-        changes.append("left and right exchanged (or a truth whose frame is mirrored)")
-        cures.append(f"exchange the columns of {drive.left} and {drive.right}")
-    if best.factor != 1:
-        track = f"{drive.track_m * best.factor:.4g}"
-        changes.append(f"{'twice' if best.factor > 1 else 'half'} the track, {track} m,")
-        cures.append(f"write track_m: {track} under drive:")
+    length_m = float(np.hypot(*np.diff(place, axis=0).T).sum())
     return (
         f"dead reckoning with left, right and the track of {drive.track_m:.4g} m as given misses"
-        f" the truth by {given.rms_m:.2g} m rms over {length_m:.3g} m, after the best turn and"
-        f" shift; with {' and '.join(changes)} by {best.rms_m:.2g} m. Nothing was changed; to read"
-        f" it so, {' and '.join(cures)} in the mapping file"
+        f" the truth by {found.before:.2g} m rms over {length_m:.3g} m, after the best turn and"
+        f" shift; with {' and '.join(found.says)} by {found.after:.2g} m. Nothing was changed; to"
+        f" read it so, {' and '.join(found.cures)} in the mapping file"
+    )
+
+
+def _cures(drive: Drive) -> Cures:
+    """What to write in the mapping file."""
+    names = {"left": drive.left, "right": drive.right}
+
+    def radius(value_m: float) -> str:
+        if drive.wheel_radius_m is None:  # speeds; 1 stands for the radius
+            return f"multiply scale: of {drive.left} and {drive.right} by {value_m:.4g}"
+        return f"write wheel_radius_m: {value_m:.4g} under drive:"
+
+    return Cures(
+        exchange=f"exchange the columns of {drive.left} and {drive.right}",
+        sign=lambda side: f"write sign: -1 for the channel {names[side]}",
+        track_m=lambda value: f"write track_m: {value:.4g} under drive:",
+        radius_m=radius,
+        heading_rad=lambda value: f"start at {value:.4g} rad",
     )
 
 

@@ -10,13 +10,14 @@ role; nothing else knows of both.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Protocol
 
 from simcompare.errors import InputError, UnknownName
 from simcompare.estimation.estimate import Estimate, Given
+from simcompare.statistics.suspicions import Suspicion
 
 #: each is a module of this room; another one is a word more
 ESTIMATORS = ("speed_filter", "pose_filter", "odometry", "joint_angle")
@@ -89,6 +90,7 @@ class Estimator:
         truths: role -> what it is judged by.
         options: name -> number.
         study: name of the module of this room that asks how well chips tell it; empty for none.
+        suspected: finds the mistake in what is given that explains why it misses the truth.
     """
 
     name: str
@@ -98,6 +100,7 @@ class Estimator:
     truths: Mapping[str, Role] = field(default_factory=dict)
     options: Mapping[str, Option] = field(default_factory=dict)
     study: str = ""
+    suspected: Callable[[Given], Suspicion | None] | None = None
 
     @property
     def loosening(self) -> tuple[str, ...]:
@@ -136,6 +139,7 @@ def load(name: str) -> Estimator:
         getattr(module, "TRUTHS", {}),
         getattr(module, "OPTIONS", {}),
         getattr(module, "STUDY", ""),
+        getattr(module, "suspected", None),
     )
 
 

@@ -17,7 +17,10 @@ from simcompare.estimation.drift import Drift, drift, ellipse
 from simcompare.estimation.estimate import Estimate, Given, Number, Signal, State, Way
 from simcompare.estimation.estimators import Option
 from simcompare.estimation.pose_roles import PLACE, START, WHEELS
+from simcompare.hardware.sensors import drive_mistakes
+from simcompare.hardware.sensors.drive_mistakes import Cures, Driven
 from simcompare.model.trajectory import Array
+from simcompare.statistics.suspicions import Suspicion
 
 TITLE = "Dead reckoning of a robot on two wheels"
 SIGNALS, TRUTHS = WHEELS, PLACE
@@ -36,6 +39,14 @@ OPTIONS = {
     "u_start_heading_rad": Option("standard uncertainty of that heading", 0.0),
     "u_place_m": Option("standard uncertainty of the true place", 0.0),
 }  # fmt: skip
+#: what to type, or to write in the mapping file
+CURES = Cures(
+    exchange="exchange the channels of left and right under estimate: in the mapping file",
+    sign=lambda side: f"write scale: -1 for the {side} wheel under estimate: in the mapping file",
+    track_m=lambda value: f"add --option track_m={value:.4g}",
+    radius_m=lambda value: f"add --option radius_m={value:.4g}",
+    heading_rad=lambda value: f"add --option start_heading_rad={value:.4f}",
+)
 LABELS = {
     "drift_m": "Distance from the true place",
     "x_m": "Place along x",
@@ -66,6 +77,40 @@ def estimate(given: Given) -> Estimate:
     ways = (Way("odometry", reckoned.time_s, states), _region(reckoned))
     labels = {name: LABELS[name] for name in states}
     return Estimate(ways, labels, numbers=dict(_numbers(reckoned, strayed)))
+
+
+def suspected(given: Given) -> Suspicion | None:
+    """The mistake in what is said of the robot that explains how far it strays, where one does."""
+    x, y = (given.truth.get(role) for role in ("x", "y"))
+    if x is None or y is None:
+        return None
+    reckoned, o = _reckoned(given), given.options
+    ways = _ways(given, reckoned.wheels)
+    inside = reckoned.time_s <= x.time_s[-1]
+    place = np.column_stack([np.interp(reckoned.time_s, one.time_s, one.values) for one in (x, y)])
+    u_m = float(np.sqrt(np.mean(np.sum(reckoned.u[inside, :2] ** 2, axis=1))))
+    start = (o["start_x_m"], o["start_y_m"], o["start_heading_rad"])
+    driven = Driven(
+        ways[0][inside], ways[1][inside], o["track_m"], place[inside], o["radius_m"], start,
+        o["u_start_heading_rad"], u_m,
+    )  # fmt: skip
+    return drive_mistakes.suspected(driven, CURES)
+
+
+def _ways(given: Given, wheels: Wheels) -> tuple[Array, Array]:
+    """How far each wheel has rolled, as it is believed to be [m]."""
+    if {"left_marks", "right_marks"} <= set(given.signals):
+        _, turned = _pair(given.signal("left_marks"), given.signal("right_marks"))
+        mark_rad = 2 * np.pi / given.options["marks"]
+        angles = ((turned[0] - turned[0][0]) * mark_rad, (turned[1] - turned[1][0]) * mark_rad)
+    else:
+        time_s, rates = _pair(given.signal("left_rate"), given.signal("right_rate"))
+        steps = np.diff(time_s)
+        left, right = (
+            np.concatenate(([0.0], np.cumsum(steps * (r[1:] + r[:-1]) / 2))) for r in rates
+        )
+        angles = (left, right)
+    return angles[0] * wheels.left_radius_m, angles[1] * wheels.right_radius_m
 
 
 def _reckoned(given: Given) -> DeadReckoning:

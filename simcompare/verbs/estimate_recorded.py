@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 from simcompare.estimation import estimators, recorded
+from simcompare.estimation.estimate import Given
+from simcompare.estimation.estimators import Estimator
 from simcompare.inference import sources
+from simcompare.reports import suspicions
 from simcompare.reports.validation import answer
 from simcompare.scenarios import catalogue
 from simcompare.verbs import estimate_request as requests
@@ -34,5 +38,15 @@ def estimated(request: EstimateRequest) -> Estimated:
         request, estimator, plan, (found,), title=source.about.get("title", source.name),
         scenario=name, draws=1, seed=0, recording=source.name,
     )  # fmt: skip
-    doubts = answer.contradictions(source.recording.provenance)
+    doubts = [*answer.contradictions(source.recording.provenance)]
+    doubts = doubts or [*_suspected(estimator, given)]
     return replace(told, sentences=(*told.sentences, *doubts))
+
+
+def _suspected(estimator: Estimator, given: Given) -> Iterator[str]:
+    """A mistake in what is said of the recording, where it explains how far the estimate is off."""
+    if estimator.suspected is None:
+        return
+    found = estimator.suspected(replace(given, options=estimator.with_defaults(given.options)))
+    if found is not None:
+        yield suspicions.sentence(found, "place", "m")
